@@ -1,4 +1,4 @@
-"""What all analyses of a mechanism over a span of time share."""
+"""Base of the analyses of a mechanism over a span of time."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class OverTime(Analysis[Model, R]):
 
     Parameters
     ----------
-    duration : length of the run from t = 0 [s]; this or ``t_span``. Times that the verbs and
-        files were given as formulas follow the parameters of each run, and gradients with them
+    duration : length of the run from t = 0 [s]; this or ``t_span``. Times given as formulas follow
+        the parameters of each run, and so do gradients
     t_span : (start, end) of the run [s]
     step : step length, by default a thousandth of the run [s]
     outputs : number of equally spaced times, or the times [s]; by default every step, under error
@@ -38,7 +38,7 @@ class OverTime(Analysis[Model, R]):
     """
 
     execution: ClassVar[type[Execution]]
-    """What begins a run and goes through it."""
+    """Class whose objects execute one run."""
 
     duration: float | None = None
     step: float | None = None
@@ -50,7 +50,7 @@ class OverTime(Analysis[Model, R]):
         inherit_texts(cls)
 
     def checks(self, model: Model) -> dict[str, Callable[[], object]]:
-        """Times are in order."""
+        """Checks by the name of the option."""
         return {
             "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs)
         }
@@ -61,15 +61,15 @@ class OverTime(Analysis[Model, R]):
         parameters: Mapping[str, float] | np.ndarray | None = None,
         progress: bool | Callable[[float], None] = False,
     ) -> R:
-        """Go from the start to the end; where that fails, keep what was found and say when and why.
+        """Run from start to end; a failed run keeps its states, and its status says when and why.
 
         Raises
         ------
         AnalysisError
-            Wrong step, duration or outputs, or nothing for this analysis to do.
+            Wrong step, duration or outputs, or nothing to compute.
         AssemblyError, SingularityError, UnsupportedError
             The run cannot begin.
         """
         analysis = retimed(self, model, parameters)
-        found: R = self.execution(analysis, model, parameters).execute(progress)
-        return found
+        result: R = self.execution(analysis, model, parameters).execute(progress)
+        return result

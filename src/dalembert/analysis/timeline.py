@@ -14,11 +14,11 @@ from dalembert.errors import AnalysisError, BudgetError
 from dalembert.model.model import Model
 
 OUTPUT = 400
-"""Bytes of an output at least, whatever the model."""
-HASTE = 1000.0
-"""Factor by which the steps of a run may grow beyond their present length."""
-FEW = 2000
-"""Steps of a run below which the rest is not estimated."""
+"""Minimum memory of an output of any model [bytes]."""
+GROWTH = 1000.0
+"""Factor by which the steps of a run may grow later."""
+MIN_STEPS = 2000
+"""Threshold of the number of steps above which the rest of a run is estimated."""
 
 
 def checked_span(duration: float | None, t_span: tuple[float, float] | None) -> tuple[float, float]:
@@ -27,7 +27,7 @@ def checked_span(duration: float | None, t_span: tuple[float, float] | None) -> 
     Raises
     ------
     AnalysisError
-        Neither or both given, no numbers, not finite, or the end not after the start.
+        Neither or both given, not numbers, not finite, or the end not after the start.
     """
     if (duration is None) == (t_span is None):
         raise AnalysisError("give either duration or t_span")
@@ -38,12 +38,12 @@ def checked_span(duration: float | None, t_span: tuple[float, float] | None) -> 
     if not math.isfinite(end - start):
         raise AnalysisError(f"the time span {start}…{end} s is not finite")
     if end <= start:
-        what = (
+        span = (
             f"duration is {duration}"
             if t_span is None
             else f"t_span ends at {end}, starts at {start}"
         )
-        raise AnalysisError(f"{what}; the end must come after the start")
+        raise AnalysisError(f"{span}; the end must come after the start")
     return start, end
 
 
@@ -57,14 +57,14 @@ def checked_step(step: float | None, start: float, end: float) -> float:
 
 
 def step_count(start: float, end: float, step: float) -> int:
-    """Steps from start to end.
+    """Number of steps from start to end.
 
     Raises
     ------
     AnalysisError
-        Steps that times do not resolve.
+        The step is below the rounding of the times.
     BudgetError
-        More than a task may take.
+        More steps than the budget allows.
     """
     if start + step == start or end - step == end:
         raise AnalysisError(
@@ -78,51 +78,54 @@ def step_count(start: float, end: float, step: float) -> int:
 
 
 class Pace:
-    """Memory that a run with error control needs, which shows only as it goes on.
+    """Memory estimate of a run with error control, updated as the run proceeds.
 
-    The steps taken count as they are. The rest is estimated from the newer half of them, and only
-    of many: first steps may be short by any factor, at a contact or from a cautious first guess.
+    Accepted steps count as they are. The remaining ones are estimated from the newer half of the
+    accepted steps, once these are many: first steps may be short by any factor, at a contact or
+    from a cautious first step length.
 
     Parameters
     ----------
     start, end : of the run [s]
-    each : bytes that a step takes
+    step_bytes : memory of a step
     """
 
-    def __init__(self, start: float, end: float, each: float):
-        self.end, self.each = end, each
-        self.taken = 0
+    def __init__(self, start: float, end: float, step_bytes: float):
+        self.end, self.step_bytes = end, step_bytes
+        self.accepted = 0
         self.excess = ""
         self._marks = [(0, start), (0, start)]
 
     def exceeds(self, ends: np.ndarray) -> bool:
-        """Whether the steps, of which these are the last ends, lead to more than can be kept."""
-        self.taken += ends.size - 1
+        """Whether the run will exceed the budget; ``ends`` are the ends of the latest steps."""
+        self.accepted += ends.size - 1
         now = float(ends[-1])
-        if self.taken >= 2 * max(self._marks[1][0], FEW // 2):
-            self._marks = [self._marks[1], (self.taken, now)]
-        before, then = self._marks[0]
+        if self.accepted >= 2 * max(self._marks[1][0], MIN_STEPS // 2):
+            self._marks = [self._marks[1], (self.accepted, now)]
+        before, earlier = self._marks[0]
         cure = "use looser tolerances or a shorter run"
         try:
-            afford(f"a run of {self.taken} steps", memory=self.each * self.taken, cure=cure)
-            if self.taken >= FEW and now > then:
-                recent = self.taken - before
-                expected = self.taken + recent * (self.end - now) / (now - then)
+            afford(
+                f"a run of {self.accepted} steps", memory=self.step_bytes * self.accepted, cure=cure
+            )
+            if self.accepted >= MIN_STEPS and now > earlier:
+                recent = self.accepted - before
+                expected = self.accepted + recent * (self.end - now) / (now - earlier)
                 pace = f"at the pace of the last {recent} steps the run of {expected:.3g}"
-                afford(pace, memory=self.each * expected, cure=cure, doubt=HASTE)
+                afford(pace, memory=self.step_bytes * expected, cure=cure, doubt=GROWTH)
         except BudgetError as error:
             self.excess = str(error)
         return bool(self.excess)
 
 
 def afford_states(count: int, numbers: int) -> None:
-    """Refuse more outputs than can be kept, each with so many numbers."""
+    """Raise if ``count`` outputs of ``numbers`` values exceed the budget."""
     cure = "ask for fewer, e.g. outputs=1001"
     afford(f"{count} outputs of {numbers} numbers", memory=8.0 * count * numbers, cure=cure)
 
 
 def uniform_grid(start: float, end: float, step: float) -> np.ndarray:
-    """Times from start to end in steps of ``step``; the last one may be shorter."""
+    """Times from start to end in steps of ``step``; the last step may be shorter."""
     count = step_count(start, end, step)
     times = start + step * np.arange(count + 1)
     times[-1] = end
@@ -130,7 +133,7 @@ def uniform_grid(start: float, end: float, step: float) -> np.ndarray:
 
 
 def check_driver_laws(model: Model, times: np.ndarray, p: np.ndarray) -> None:
-    """Drivers of a distance must never be asked for zero or less.
+    """Raise where the law of a distance driver is zero or negative.
 
     Raises
     ------
@@ -141,13 +144,15 @@ def check_driver_laws(model: Model, times: np.ndarray, p: np.ndarray) -> None:
         if isinstance(driver, Driver) and driver.positive:
             e = model.equations
             law = ca.Function("law", [e.t, e.p], [ca.densify(driver.law.value(e.t))])
-            looked = times[:: max(1, times.size // 2000)]
-            values = law.map(looked.size)(looked, np.tile(p[:, None], looked.size)).full().ravel()
+            samples = times[:: max(1, times.size // 2000)]
+            values = (
+                law.map(samples.size)(samples, np.tile(p[:, None], samples.size)).full().ravel()
+            )
             if np.any(~(values > 0)):
                 k = int(np.argmin(values > 0))
                 raise AnalysisError(
                     f"{driver.name}: its law asks for a distance of {values[k]:g} m at "
-                    f"t = {looked[k]:g} s; a distance must stay above 0"
+                    f"t = {samples[k]:g} s; a distance must stay above 0"
                 )
 
 
@@ -160,8 +165,8 @@ def output_times(
     if isinstance(outputs, (int, np.integer)) and not isinstance(outputs, bool):
         if outputs < 1:
             raise AnalysisError(f"outputs is {numeral(outputs)}; ask for at least one")
-        what = f"outputs = {numeral(outputs)}"
-        afford(what, memory=OUTPUT * outputs, cure="ask for fewer outputs")
+        entity = f"outputs = {numeral(outputs)}"
+        afford(entity, memory=OUTPUT * outputs, cure="ask for fewer outputs")
         return np.linspace(start, end, int(outputs)) if outputs > 1 else np.array([end])
     try:
         times = np.asarray([] if isinstance(outputs, bool) else outputs, dtype=float).ravel()
@@ -183,12 +188,12 @@ def check_times(
     step: float | None,
     outputs: int | Sequence[float] | None,
 ) -> None:
-    """Span, step and outputs of an analysis over time fit each other.
+    """Raise unless span, step and outputs of an analysis over time are consistent.
 
     Raises
     ------
     AnalysisError
-        They do not.
+        They are not.
     """
     start, end = checked_span(duration, t_span)
     checked_step(step, start, end)

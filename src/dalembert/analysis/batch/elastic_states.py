@@ -6,13 +6,13 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.batch.states import States
-from dalembert.analysis.elastic_range import coordinates_of, elastic_doubts, strains_of
+from dalembert.analysis.elastic_range import coordinates_of, elastic_warnings, strains_of
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.once import once
 
 
-def elastic_doubts_of_many(states: States) -> list[str]:
+def elastic_warnings_of_many(states: States) -> list[str]:
     """Warnings of the designs with the largest displacements and strains.
 
     Parameters
@@ -28,7 +28,7 @@ def elastic_doubts_of_many(states: States) -> list[str]:
     for k in sorted({int(k) for k in np.argmax(largest, axis=0)}):
         none = np.zeros((0, states.time.size))
         of_one = Trajectory(states.time, y[k].T, none, none, none, none)
-        told = elastic_doubts(model, of_one, states.p[known[k]])
+        told = elastic_warnings(model, of_one, states.p[known[k]])
         found += [f"design {known[k]}: {text}" for text in told]
     return found
 

@@ -14,13 +14,13 @@ from dalembert.analysis.dynamics.energy_balance import energy_errors, energy_mov
 from dalembert.analysis.dynamics.truth import DRIFT, held_levels
 from dalembert.analysis.model_residuals import (
     STILL,
+    checked_outputs,
     constraint_rows,
     energies,
-    looked_at,
     motion_rows,
     violation,
 )
-from dalembert.analysis.model_truth import EXACT, MOTION
+from dalembert.analysis.residual_check import EXACT, MOTION
 from dalembert.analysis.singular_positions import LOST
 from dalembert.formulations.levels import Level
 from dalembert.model.model import Model
@@ -77,7 +77,7 @@ class Judgement:
     def _shares(self, worst: np.ndarray) -> np.ndarray:
         """(designs, 4) what is open of each level and of motion, over what may be."""
         states, model = self.states, self.states.model
-        spread = looked_at(states.time.size)
+        spread = checked_outputs(states.time.size)
         outputs = np.column_stack([np.tile(spread, (worst.size, 1)), worst])
         found = states.evaluate(at_some(model, states.bodies, True), self.designs, outputs)
         opened, relative, terms = (values.max(axis=1, initial=0.0) for values in found)
@@ -95,7 +95,7 @@ class Judgement:
 
 def open_by(states: States, designs: np.ndarray, forces: bool) -> np.ndarray:
     """(designs,) what is open where all levels are held, and of motion, over what may be."""
-    spread = looked_at(states.time.size)
+    spread = checked_outputs(states.time.size)
     violated = violation(states.model)
     t, x, p = states.bodies.sx_in()
     at = ca.Function("open", [t, x, p], [violated(t, states.bodies(t, x, p)[0], p)])

@@ -6,7 +6,7 @@ import time as clock
 from collections.abc import Mapping
 from typing import Any
 
-from dalembert.analysis.batch.elastic_states import elastic_doubts_of_many
+from dalembert.analysis.batch.elastic_states import elastic_warnings_of_many
 from dalembert.analysis.batch.one_by_one import OneByOne
 from dalembert.analysis.batch.states import States
 from dalembert.analysis.batch.workers import checked_workers
@@ -54,7 +54,7 @@ def solve_batch(
         if analysis.batched is not None and analysis.batched.serves(analysis, model):
             found: Batch = analysis.batched(analysis, model, designs, workers).execute(report)
             own = found.samples if isinstance(found.samples, States) else None
-            more = elastic_doubts_of_many(own) if own is not None else []
+            more = elastic_warnings_of_many(own) if own is not None else []
             listed = [*found.warnings, *more, *warnings_of(found.results)]
             found.warnings = list(dict.fromkeys(listed))
             return found

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gap_sources import collision_gaps
+from dalembert.analysis.nonsmooth.collision_gaps import collision_gaps
 from dalembert.errors import UnsupportedError
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.choices import doubts
 from dalembert.analysis.contact.search import ContactSearch
 from dalembert.analysis.contact.start import touching_model
 from dalembert.analysis.contact.unseen import refuse_collisions
@@ -19,11 +18,12 @@ from dalembert.analysis.dynamics.step_accuracy import StepAccuracy
 from dalembert.analysis.dynamics.stiffness import too_long_for
 from dalembert.analysis.dynamics.switch_search import SwitchSearch
 from dalembert.analysis.dynamics.truth import DynamicsTruth
-from dalembert.analysis.elastic_range import elastic_doubts
+from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.events import as_events
 from dalembert.analysis.kinematics.branch_jumps import BranchJumps
 from dalembert.analysis.kinematics.branches import outputs_of
 from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.strategy_warnings import strategy_warnings
 from dalembert.analysis.timeline import (
     Pace,
     afford_states,
@@ -138,13 +138,14 @@ class DynamicsRun:
             exchanged = 0.0
         freedom = self.model.diagnosis.free
         formulation = self.kernel.formulation
-        found = doubts(formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
+        choice = formulation, a.stabilization, a.integrator
+        found = strategy_warnings(*choice, self.step, freedom, exchanged)
         found += self.forewarned
         found += self.contacts.doubts if self.contacts else []
         found += told_halves(self.halved(motion.record.steps))
         if motion.status.success:
             found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
-        found += elastic_doubts(self.model, motion.trajectory, self.p)
+        found += elastic_warnings(self.model, motion.trajectory, self.p)
         return found
 
     def of_accuracy(self, motion: Motion) -> list[str]:

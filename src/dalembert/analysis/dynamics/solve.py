@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.keywords import DynamicsKeywords, TransientKeywords
-from dalembert.analysis.served import need_model
+from dalembert.analysis.requirements import need_model
 from dalembert.analysis.structural.transient import Transient
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.model.model import Model

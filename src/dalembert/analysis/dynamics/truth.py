@@ -8,8 +8,8 @@ import numpy as np
 
 from dalembert.analysis.dynamics.energy_balance import EnergyBalance
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.model_residuals import Gap, ModelResiduals
-from dalembert.analysis.model_truth import ModelTruth
+from dalembert.analysis.model_residuals import ModelResiduals, Violation
+from dalembert.analysis.residual_check import ResidualCheck
 from dalembert.formulations.levels import NONE, Level
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.recording import Trajectory
@@ -19,7 +19,7 @@ DRIFT, TOLD = 0.1, 1e-2
 """Where constraints are held nearly only: what is no motion of the mechanism, and what is told."""
 
 
-class DynamicsTruth(ModelTruth):
+class DynamicsTruth(ResidualCheck):
     """Positions, speeds, accelerations, forces and energies of a run, against the model's own.
 
     Parameters
@@ -46,9 +46,9 @@ class DynamicsTruth(ModelTruth):
         """Levels at which all constraints are held, and not nearly so."""
         return held_levels(self.kernel)
 
-    def open_at(self, level: Level) -> tuple[Gap, float]:
+    def violation(self, level: Level) -> tuple[Violation, float]:
         if level in self.held:
-            return super().open_at(level)
+            return super().violation(level)
         return self.residuals.of_level(level, drifts=True), DRIFT
 
     def cure(self, limit: float) -> str:
@@ -81,9 +81,9 @@ class DynamicsTruth(ModelTruth):
     def doubts(self) -> list[str]:
         """What is no reason to refuse the run, but should be known."""
         found = [
-            f"{gap.text}, {gap.share:.2g} of the size of its terms: nothing holds it there"
-            for gap, limit in self.gaps
-            if limit == DRIFT and TOLD < gap.share <= DRIFT
+            f"{v.text}, {v.share:.2g} of the size of its terms: nothing holds it there"
+            for v, limit in self.violations
+            if limit == DRIFT and TOLD < v.share <= DRIFT
         ]
         return found + self.energy.doubts(self.balance)
 

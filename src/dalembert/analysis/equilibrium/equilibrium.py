@@ -16,7 +16,7 @@ import numpy as np
 from dalembert.analysis.batch.rests import Rests
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.contact.unseen import unseen_contacts
-from dalembert.analysis.elastic_range import elastic_doubts
+from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.equilibrium.static_balance import (
     StaticBalance,
     StaticsKernel,
@@ -24,8 +24,8 @@ from dalembert.analysis.equilibrium.static_balance import (
     statics_kernel,
 )
 from dalembert.analysis.keywords import EquilibriumKeywords, NonlinearStaticsKeywords
-from dalembert.analysis.model_truth import MOTION, ModelTruth
-from dalembert.analysis.served import need_model
+from dalembert.analysis.requirements import need_model
+from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
@@ -164,17 +164,17 @@ class _Search:
             np.zeros((2, 1)),
         )
         may_be_open = max(MOTION, self.analysis.tolerance)
-        truth = ModelTruth(self.model, trajectory, self.p, [Level.POSITION], may_be_open)
+        check = ResidualCheck(self.model, trajectory, self.p, [Level.POSITION], may_be_open)
         return Motion(
             self.model,
             self.analysis,
             self.p,
             trajectory,
-            truth.judged(status),
+            check.verify(status),
             {"iterations": found.iterations, "stable": stable, "residual [N or N m]": residual},
             warnings=[
                 *unseen_contacts(self.model, trajectory, self.p),
-                *elastic_doubts(self.model, trajectory, self.p),
+                *elastic_warnings(self.model, trajectory, self.p),
             ],
             record=EquilibriumRecord(self.kernel),
         )

@@ -16,7 +16,7 @@ import numpy as np
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
 from dalembert.analysis.equilibrium.linearization_kernel import Linearized, linearization_kernel
 from dalembert.analysis.keywords import LinearizationKeywords
-from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.requirements import need_mechanism
 from dalembert.analysis.spectral import SpectralAnalysis
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError

@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.contact.unseen import unseen_contacts
-from dalembert.analysis.elastic_range import elastic_doubts
+from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.elements.flexible.nodes import Noded
 from dalembert.formulations.base import state_rate
@@ -175,7 +175,7 @@ class Linearized:
         instant = Trajectory(np.array([self.time]), y, still, still, none, np.zeros((2, 1)))
         unsteady = (OF_AN_INSTANT + self._cure,) if self.unsteadiness > STEADY else ()
         seen = unseen_contacts(model, instant, self.p, forces=True)
-        return (*unsteady, *seen, *elastic_doubts(model, instant, self.p))
+        return (*unsteady, *seen, *elastic_warnings(model, instant, self.p))
 
     @property
     def _cure(self) -> str:

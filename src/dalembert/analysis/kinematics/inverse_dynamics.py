@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.keywords import OverTimeKeywords
 from dalembert.analysis.kinematics.kinematics import Kinematics
-from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.requirements import need_mechanism
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.model.model import Model
 from dalembert.options import options

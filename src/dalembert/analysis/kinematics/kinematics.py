@@ -20,7 +20,7 @@ from dalembert.analysis.keywords import OverTimeKeywords
 from dalembert.analysis.kinematics.driven_instants import driven_instant
 from dalembert.analysis.kinematics.run import TOLERANCE, KinematicsRun
 from dalembert.analysis.over_time import OverTime
-from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.requirements import need_mechanism
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.contact.unseen import unseen_contacts
-from dalembert.analysis.elastic_range import elastic_doubts
+from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.kinematics.branch_points import BranchPoints
 from dalembert.analysis.kinematics.dead_centres import Fold, find_fold
 from dalembert.analysis.kinematics.kernel import KinematicsRecord, kinematics_kernel
-from dalembert.analysis.model_truth import MOTION, ModelTruth
 from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.analysis.singular_positions import SingularPosition
 from dalembert.analysis.timeline import (
     afford_states,
@@ -118,7 +118,7 @@ class KinematicsRun:
             sorted(events, key=lambda e: e.time),
             warnings=[
                 *unseen_contacts(self.model, trajectory, self.p, self.analysis.efforts),
-                *elastic_doubts(self.model, trajectory, self.p),
+                *elastic_warnings(self.model, trajectory, self.p),
             ],
             record=KinematicsRecord(self.kernel, path),
         )
@@ -314,4 +314,4 @@ class KinematicsRun:
             ended = Outcome.DIVERGED if self.lacking else ended
             return Status(ended, self.message, time, residual)
         forces = MOTION if self.analysis.efforts else np.inf
-        return ModelTruth(self.model, s, self.p, motion=forces).judged(reached(time, residual))
+        return ResidualCheck(self.model, s, self.p, motion=forces).verify(reached(time, residual))

@@ -8,9 +8,8 @@ from typing import Any, Unpack
 import numpy as np
 
 from dalembert.analysis.keywords import BucklingKeywords
-from dalembert.analysis.served import need_structure
+from dalembert.analysis.requirements import need_count, need_structure
 from dalembert.analysis.spectral import SpectralAnalysis
-from dalembert.analysis.structural.numbers import need_count
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.analysis.structural.static_equations import factorised

@@ -13,8 +13,7 @@ import numpy as np
 
 from dalembert.analysis.keywords import ArcLengthKeywords
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.served import need_structure
-from dalembert.analysis.structural.numbers import require
+from dalembert.analysis.requirements import need_positive, need_structure
 from dalembert.analysis.structural.path_equations import PathEquations
 from dalembert.analysis.structural.path_walk import Walk
 from dalembert.analysis.times import analysis_of
@@ -75,7 +74,9 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
     max_iterations: int = 15
 
     def __post_init__(self) -> None:
-        require(self, ("first", "longest", "until", "tolerance"), ("max_points", "max_iterations"))
+        need_positive(
+            self, ("first", "longest", "until", "tolerance"), ("max_points", "max_iterations")
+        )
 
     def run(
         self, model: StructuralModel, parameters: Given = None, progress: Any = False

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.requirements import need_positive
 from dalembert.analysis.structural.balance import Balanced, full_steps
-from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.static_equations import StaticEquations, StaticsRecord
 from dalembert.options import options
 from dalembert.results.result import Analysis, Given
@@ -67,7 +67,7 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
     max_iterations: int = 25
 
     def __post_init__(self) -> None:
-        require(self, ("tolerance",), ("steps", "max_iterations"))
+        need_positive(self, ("tolerance",), ("steps", "max_iterations"))
 
     def run(
         self, model: StructuralModel, parameters: Given = None, progress: Any = False

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.keywords import StaticsKeywords
-from dalembert.analysis.served import need_structure
+from dalembert.analysis.requirements import need_structure
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.times import analysis_of

@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.analysis.keywords import TransientKeywords
 from dalembert.analysis.kinematics.branches import place_outputs
 from dalembert.analysis.progress import Reported
-from dalembert.analysis.served import need_structure
+from dalembert.analysis.requirements import need_structure
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.structural.transient_run import TransientRun, motion_at
 from dalembert.analysis.structural.transient_start import STARTS

@@ -13,7 +13,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.requirements import need_mechanism
 from dalembert.design.limit import Limit
 from dalembert.design.telling import Told, teller
 from dalembert.design.trajectory.chattering import WEIGHT, roughness

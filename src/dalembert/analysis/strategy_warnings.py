@@ -1,4 +1,4 @@
-"""Choices that work badly together, told with the number that shows it."""
+"""Warnings about combinations of strategies that are unstable for the chosen step."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
 
 
-def doubts(
+def strategy_warnings(
     formulation: Formulation,
     stabilization: Stabilization,
     integrator: Integrator,
@@ -17,33 +17,33 @@ def doubts(
     freedom: int,
     exchanged: float,
 ) -> list[str]:
-    """Warnings about one choice of strategies.
+    """Warnings about one combination of strategies.
 
-    The violation of a constraint that is fed back follows ``Φ̈ + c₁Φ̇ + c₀Φ = 0``; with roots ``s`` a
-    step of length h multiplies it by ``R(hs)``, which must not exceed one.
+    With feedback, constraint violations follow ``Φ̈ + c₁Φ̇ + c₀Φ = 0``; with the roots ``s`` a
+    step of length h multiplies them by ``R(hs)``, which must not exceed one.
 
     Parameters
     ----------
     step : length of the steps [s]
-    freedom : degrees of freedom that the drivers leave
-    exchanged : largest energy put in or dissipated during the run [J]
+    freedom : degrees of freedom without those prescribed by drivers
+    exchanged : largest energy supplied or dissipated during the run [J]
     """
-    found = stabilization.doubts(freedom, exchanged)
+    warnings = stabilization.doubts(freedom, exchanged)
     for name, feedback in (
-        (_told(stabilization), stabilization.feedback),
-        (_told(formulation), formulation.feedback),
+        (_name(stabilization), stabilization.feedback),
+        (_name(formulation), formulation.feedback),
     ):
         growth = None if feedback is None else _growth(feedback, integrator, step)
         if growth is not None and feedback is not None and growth > 1 + 1e-9:
             longest = _longest_stable(feedback, integrator, step)
-            found.append(
+            warnings.append(
                 f"{name} with {integrator.name} and steps of {step:g} s multiplies violations by "
                 f"{growth:.3g} in every step; use steps below {longest:.3g} s, or smaller gains"
             )
-    return found
+    return warnings
 
 
-def _told(strategy: object) -> str:
+def _name(strategy: object) -> str:
     return type(strategy).__name__
 
 
@@ -56,10 +56,10 @@ def _growth(feedback: tuple[float, float], integrator: Integrator, step: float) 
 
 
 def _longest_stable(feedback: tuple[float, float], integrator: Integrator, step: float) -> float:
-    low, high = 0.0, step
+    lower, upper = 0.0, step
     for _ in range(60):
-        middle = (low + high) / 2
+        middle = (lower + upper) / 2
         growth = _growth(feedback, integrator, middle)
         stable = growth is not None and growth <= 1 + 1e-9
-        low, high = (middle, high) if stable else (low, middle)
-    return low
+        lower, upper = (middle, upper) if stable else (lower, middle)
+    return lower

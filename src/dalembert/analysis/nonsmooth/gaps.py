@@ -1,4 +1,4 @@
-"""Where gaps of a model come from."""
+"""Gaps of rigid contacts: the interface of their sources, and gaps stated by formulas."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from dalembert.symbolic.formulas.expression import t
 
 
 @dataclass(frozen=True, eq=False)
-class StatedGap:
+class SymbolicGap:
     """A gap as formulas of the model's ``t``, ``y``, ``v``, ``p``, the ground at rest.
 
     Attributes
@@ -38,11 +38,11 @@ class StatedGap:
 
 
 class GapSource(ABC):
-    """Finds the gaps of some elements that are near enough to matter.
+    """Source of the gaps of some elements; finds those within reach.
 
     Attributes
     ----------
-    elements : whose gaps they are
+    elements : owners of the gaps
     width : components of the relative velocity at a gap
     """
 
@@ -53,18 +53,18 @@ class GapSource(ABC):
     def near(
         self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
     ) -> Contacts:
-        """Gaps no wider than anything goes by ``travels`` (n_v, m), displacements of the model.
+        """Gaps no wider than the largest motion by the displacements ``travels`` (n_v, m).
 
-        Their velocities have ``width`` components, zero where there are fewer.
+        Gap velocities have ``width`` components, padded by zeros.
         """
 
     @abstractmethod
-    def stated(self, key: int) -> StatedGap:
+    def symbolic(self, key: int) -> SymbolicGap:
         """The gap with this key."""
 
 
 class FormulaGaps(GapSource):
-    """Gaps of elements that state them one by one, all in one function.
+    """Gaps of elements that state them as formulas, evaluated in one function.
 
     Parameters
     ----------
@@ -83,26 +83,28 @@ class FormulaGaps(GapSource):
         ]
         self.width = 1 + max(gap.slip.numel() for _, gap in gaps)
         self.owner = np.array([k for k, _ in gaps])
-        columns = []
+        velocities = []
         for k, gap in gaps:
-            missing = ca.SX.zeros(self.width - 1 - gap.slip.numel())
-            columns.append(ca.vertcat(_rate(model, elements[k])(gap.distance), gap.slip, missing))
-        speeds = model.at_ground(ca.vertcat(*columns))
+            padding = ca.SX.zeros(self.width - 1 - gap.slip.numel())
+            velocities.append(
+                ca.vertcat(_rate(model, elements[k])(gap.distance), gap.slip, padding)
+            )
+        speeds = model.at_ground(ca.vertcat(*velocities))
         directions = ca.jacobian(speeds, e.v)
         if ca.depends_on(directions, e.v):
             raise ModelError("velocities of a gap must be linear in speeds", elements[0].name)
         drift = ca.substitute(speeds, e.v, ca.SX.zeros(e.speed_count))
         distances = model.at_ground(ca.vertcat(*(gap.distance for _, gap in gaps)))
         laws = [element.impact() for element in elements]
-        shares = ca.horzcat(
+        coefficients = ca.horzcat(
             *(ca.vertcat(law.restitution, law.tangential, law.friction) for law in laws if law)
         )
-        shares = model.at_ground(ca.densify(shares))
-        self._stated = distances, speeds, shares
+        coefficients = model.at_ground(ca.densify(coefficients))
+        self._symbolic = distances, speeds, coefficients
         inputs = [e.t, e.y, e.p]
         outputs = [distances, directions, drift]
         self._gaps = Patterned("gaps", inputs, outputs)
-        self._laws = Kernel(ca.Function("laws", inputs, [shares]))
+        self._laws = Kernel(ca.Function("laws", inputs, [coefficients]))
 
     def near(
         self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
@@ -110,25 +112,27 @@ class FormulaGaps(GapSource):
         distance, directions, drift = self._gaps(time, y, p)
         reach = np.abs(directions @ travels).max(initial=0.0)
         count = self.owner.size
-        more = ((0, 0), (0, width - self.width), (0, 0))
-        rows = np.pad(dense(directions).reshape(count, self.width, -1), more)
+        padding = ((0, 0), (0, width - self.width), (0, 0))
+        rows = np.pad(dense(directions).reshape(count, self.width, -1), padding)
         restitution, tangential, friction = self._laws(time, y, p)[0][:, self.owner]
-        every = Contacts(
+        gaps = Contacts(
             distance,
             rows.reshape(count * width, -1),
-            np.pad(drift.reshape(count, self.width), more[:2]),
+            np.pad(drift.reshape(count, self.width), padding[:2]),
             restitution,
             tangential,
             friction,
             np.arange(count),
             self.owner,
         )
-        return every.some(distance <= reach)
+        return gaps.some(distance <= reach)
 
-    def stated(self, key: int) -> StatedGap:
-        distances, speeds, shares = self._stated
+    def symbolic(self, key: int) -> SymbolicGap:
+        distances, speeds, coefficients = self._symbolic
         own = speeds[key * self.width : (key + 1) * self.width]
-        return StatedGap(distances[key], own, *ca.vertsplit(shares[:, int(self.owner[key])]))
+        return SymbolicGap(
+            distances[key], own, *ca.vertsplit(coefficients[:, int(self.owner[key])])
+        )
 
 
 def _refuse_poisson(elements: list[Unilateral]) -> None:
@@ -136,8 +140,8 @@ def _refuse_poisson(elements: list[Unilateral]) -> None:
         law = element.impact()
         if law is not None and law.poisson:
             raise UnsupportedError(
-                f"{element.name}: steps in which many impacts are one know no end of compression, "
-                "which Poisson's law asks for; leave out poisson=True, or use solve_dynamics"
+                f"{element.name}: time stepping resolves no end of compression, which Poisson's "
+                "law requires; leave out poisson=True, or use solve_dynamics"
             )
 
 
