@@ -86,7 +86,7 @@ def compare(
         Write the picture as .svg instead of .png.
     """
     from dalembert.analysis.comparison.compare import Comparing
-    from dalembert.analysis.comparison.observation import observe
+    from dalembert.analysis.comparison.reference import observe
     from dalembert.io.decisions.tasks import make_comparison
 
     file, built = loaded(model, settings)

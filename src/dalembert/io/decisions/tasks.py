@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.comparison.compare import Comparing
-from dalembert.analysis.comparison.observation import observe
+from dalembert.analysis.comparison.reference import observe
 from dalembert.analysis.times import in_seconds
 from dalembert.design.studies.design import Design
 from dalembert.io.analyses import make_analysis, make_strategy
