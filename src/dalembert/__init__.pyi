@@ -39,8 +39,10 @@ from dalembert.analysis.structural.load_path import (
 )
 from dalembert.analysis.structural.modal import Modal as Modal, solve_modes as solve_modes
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics as NonlinearStatics
-from dalembert.analysis.structural.solve_statics import solve_statics as solve_statics
-from dalembert.analysis.structural.statics import Statics as Statics
+from dalembert.analysis.structural.statics import (
+    Statics as Statics,
+    solve_statics as solve_statics,
+)
 from dalembert.analysis.structural.transient import (
     Transient as Transient,
     solve_transient as solve_transient,

@@ -22,7 +22,7 @@ from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.structures.evaluation.assembly import Assembly
-from dalembert.structures.evaluation.factors import factors_of
+from dalembert.structures.evaluation.factors import factors_of, free_displacements
 from dalembert.structures.reduction.interface import interfaces_of
 from dalembert.structures.reduction.rigid import node_places
 from dalembert.symbolic.once import once
@@ -120,12 +120,12 @@ class ShapesInFrame:
         """Error relative to the largest displacement, and the text of the warning."""
         linear_range = self.range
         if self.body.stiffening:
-            if linear_range.turned[0] < MODERATE:
+            if linear_range.largest_rotation[0] < MODERATE:
                 return 0.0, ""
         elif self._in_range:
             return 0.0, ""
-        error = linear_range.measured(self.forces)
-        turn, where = linear_range.turned
+        error = linear_range.nonlinear_error(self.forces)
+        turn, where = linear_range.largest_rotation
         size = linear_range.displacement / max(linear_range.extent, 1e-300)
         text = (
             f"its displacements against the frame reach {size:.2g} of its size (rotation or "
@@ -157,7 +157,7 @@ class ShapesInFrame:
 
     @property
     def _cure(self) -> str:
-        small = self.range.turned[0] < 3 * MODERATE
+        small = self.range.largest_rotation[0] < 3 * MODERATE
         if small and not self.body.stiffening:
             return "use stiffening=True with reference= an interface, or " + SPLIT
         return SPLIT
@@ -166,14 +166,14 @@ class ShapesInFrame:
     def _in_range(self) -> bool:
         """Whether linear shapes suffice: second-order error and buckling."""
         stiffening = self._stress_stiffening
-        if self.range.turned[0] < QUIET and np.abs(stiffening).max(initial=0.0) < QUIET:
+        if self.range.largest_rotation[0] < QUIET and np.abs(stiffening).max(initial=0.0) < QUIET:
             return True
         return bool(self.range.estimate < RELATIVE and stiffening.min(initial=0.0) > -1.0)
 
     @property
     def _stress_stiffening(self) -> np.ndarray:
         """(m,) relative change of the stiffness of each shape by the stresses; −1 at buckling."""
-        share = SHORT / max(self.range.turned[0], 1e-300)
+        share = SHORT / max(self.range.largest_rotation[0], 1e-300)
         u, stiffness = share * self.range.u, self.range.model.assembly.stiffness
         shapes = self.shapes.displacements[:, : self.shapes.count]
         changed = (stiffness(u, self.shapes.p) - stiffness(-u, self.shapes.p)) / (2 * share)
@@ -182,11 +182,9 @@ class ShapesInFrame:
         return np.divide(geometric, own, out=np.zeros_like(own), where=own > 0)
 
     def _solve(self, forces: np.ndarray) -> np.ndarray:
-        u, free = np.zeros_like(forces), self.assembly.free
+        free = self.assembly.free
         factor = factors_of(self.assembly.inner(self._stiffness), self._degrees, free)
-        if factor is not None:
-            u[free] = factor.solve(forces[free])
-        return u
+        return free_displacements(factor, free, forces)
 
     @cached_property
     def _stiffness(self) -> Any:

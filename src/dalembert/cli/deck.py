@@ -44,7 +44,7 @@ def solved_deck(path: Path, settings: list[str] | None) -> StructuralResult:
     WrongInput
         Anything wrong with the deck, the structure or the settings.
     """
-    from dalembert.analysis.structural.solve_statics import solve_statics
+    from dalembert.analysis.structural.statics import solve_statics
     from dalembert.io.spring_deck import load_deck
 
     with wrong_input():

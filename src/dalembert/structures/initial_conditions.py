@@ -16,57 +16,57 @@ from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
 
 
 class InitialConditions:
-    """``u(0)`` and ``u̇(0)`` of the free displacements, zero where nothing is given.
+    """``u(0)`` and ``u̇(0)`` of the free displacements, zero by default.
 
     Parameters
     ----------
-    structure : description that gives them
-    prescribed : numbers of the displacements that supports hold
+    structure : description with the initial conditions
+    prescribed : numbers of the prescribed displacements
     degrees : numbers of all displacements
     p : parameters
 
     Attributes
     ----------
     displacements, velocities : ParametricArray of all n displacements
-    given : whether any displacement is given
+    displaced : whether any initial displacement is given
 
     Raises
     ------
     ModelError
-        A prescribed displacement, one given twice, or a formula of anything but parameters.
+        A prescribed displacement, a repeated condition, or a formula of unknown names.
     """
 
     def __init__(
         self, structure: StructureDescription, prescribed: np.ndarray, degrees: Numbering, p: ca.SX
     ):
-        found = structure.initials
+        initials = structure.initials
         self._held = {int(k) for k in prescribed}
-        self._known = set(structure.parameters)
-        self.given = bool(found["displacement"])
-        self.displacements = self._array(found["displacement"], degrees, p)
-        self.velocities = self._array(found["velocity"], degrees, p)
+        self._names = set(structure.parameters)
+        self.displaced = bool(initials["displacement"])
+        self.displacements = self._array(initials["displacement"], degrees, p)
+        self.velocities = self._array(initials["velocity"], degrees, p)
 
-    def _array(self, given: Sequence[Load], degrees: Numbering, p: ca.SX) -> ParametricArray:
-        entries, taken = ArrayEntries(len(degrees)), np.zeros(len(degrees), dtype=bool)
-        for one in given:
-            places = degrees.of_nodes(one.nodes, one.direction)
-            self._check(one, places, taken)
-            taken[places] = True
-            entries.add(places, one.value)
+    def _array(self, conditions: Sequence[Load], degrees: Numbering, p: ca.SX) -> ParametricArray:
+        entries, assigned = ArrayEntries(len(degrees)), np.zeros(len(degrees), dtype=bool)
+        for condition in conditions:
+            places = degrees.of_nodes(condition.nodes, condition.direction)
+            self._check(condition, places, assigned)
+            assigned[places] = True
+            entries.add(places, condition.value)
         return entries.array(p)
 
-    def _check(self, one: Load, places: np.ndarray, taken: np.ndarray) -> None:
+    def _check(self, condition: Load, places: np.ndarray, assigned: np.ndarray) -> None:
         if (places < 0).any():
-            raise ModelError(f"{one.direction}: no element turns this node", one.entity)
+            raise ModelError(f"{condition.direction}: no element turns this node", condition.entity)
         if any(int(k) in self._held for k in places):
             raise ModelError(
-                f"{one.direction} is prescribed, so its motion is known; remove one of them",
-                one.entity,
+                f"{condition.direction} is prescribed, so its motion is known; remove one of them",
+                condition.entity,
             )
-        if taken[places].any():
-            raise ModelError("is given twice; give it once", one.entity)
-        for value in one.value:
-            foreign = free_symbols(value.sx) - self._known
+        if assigned[places].any():
+            raise ModelError("is given twice; give it once", condition.entity)
+        for value in condition.value:
+            foreign = free_symbols(value.sx) - self._names
             if foreign:
                 names = ", ".join(sorted(foreign))
-                raise ModelError(f"depends on {names}, no parameters here", one.entity)
+                raise ModelError(f"depends on {names}, no parameters here", condition.entity)

@@ -189,5 +189,5 @@ def linearize(
     made = analysis_of(
         Linearization, "linearize", model, parameters, coordinates=coordinates, **options
     )
-    need_mechanism(model, "linearize", "take solve_modes")
+    need_mechanism(model, "linearize", "use solve_modes")
     return made.run(model, parameters)

@@ -114,5 +114,5 @@ def solve_inverse_dynamics(
     made = analysis_of(
         InverseDynamics, "solve_inverse_dynamics", model, parameters, duration=duration, **options
     )
-    need_mechanism(model, "solve_inverse_dynamics", "take solve_transient")
+    need_mechanism(model, "solve_inverse_dynamics", "use solve_transient")
     return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]

@@ -206,7 +206,7 @@ def solve_kinematics(
     made = analysis_of(
         Kinematics, "solve_kinematics", model, parameters, duration=duration, **options
     )
-    need_mechanism(model, "solve_kinematics", "take solve_statics")
+    need_mechanism(model, "solve_kinematics", "use solve_statics")
     return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]
 
 

@@ -38,14 +38,14 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     nonlinear : for large displacements
     lumped : diagonal mass matrix instead of the consistent one
     damping : Rayleigh
-    case : name of the load case; not needed where there is one only
-    start : ``"rest"``, from the initial motion that ``structure.initial`` gives; ``"statics"``,
-        from equilibrium under the loads at t = 0
+    case : name of the load case; optional if there is only one
+    start : ``"rest"``, from the initial motion of ``structure.initial``; ``"statics"``, from
+        equilibrium under the loads at t = 0
 
     Raises
     ------
     AnalysisError, UnsupportedError
-        A choice that is none of these.
+        Another choice.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     def __post_init__(self) -> None:
         if not isinstance(self.integrator, NewmarkFamily):
             raise UnsupportedError(
-                f"integrator is {self.integrator!r}; transients of structures take Newmark(), "
+                f"integrator is {self.integrator!r}; transients of structures accept Newmark(), "
                 "HHT() or GeneralizedAlpha()"
             )
         if not isinstance(self.damping, Rayleigh):
@@ -88,12 +88,12 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
             raise AnalysisError(f"start is {self.start!r}; it must be {known}")
 
     def case_of(self, model: StructuralModel) -> str:
-        """The load case that acts.
+        """Name of the load case that acts.
 
         Raises
         ------
         AnalysisError
-            There is none of this name.
+            No load case of this name.
         """
         if self.case in model.loads:
             return self.case
@@ -108,7 +108,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
         parameters: Given = None,
         progress: Reported = False,
     ) -> StructuralMotion:
-        """Integrate; a run that fails keeps what it had and says why in its status.
+        """Integrate; a failed run keeps its steps, and its status names the reason.
 
         Raises
         ------
@@ -128,8 +128,8 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     def resample(self, motion: StructuralMotion, times: np.ndarray) -> StructuralMotion:
         """The motion at other times within the run.
 
-        Between the ends of two steps it is found by a shorter step from the first, which is a
-        smooth function of the parameters.
+        Between the ends of two steps it is computed by a shorter step from the first one, a smooth
+        function of the parameters.
 
         Raises
         ------
@@ -184,8 +184,8 @@ def solve_transient(
     >>> round(float(motion["b.ux"][-1]), 4)  # twice F/k after half a period
     0.1
     """
-    made = analysis_of(
+    analysis = analysis_of(
         Transient, "solve_transient", model, parameters, duration=duration, **options
     )
-    need_structure(model, "solve_transient", "take solve_dynamics")
-    return made.run(model, parameters, progress)
+    need_structure(model, "solve_transient", "use solve_dynamics")
+    return analysis.run(model, parameters, progress)

@@ -71,8 +71,8 @@ class StructureStates(StateEquations):
     def residual(self, x: np.ndarray, p: np.ndarray) -> np.ndarray:
         u, rest = self._shaped(x), np.zeros_like(self._shaped(x))
         for k, equations in enumerate(self._equations(p)):
-            left = sum(equations.holding(u[:, k], 1.0), -equations.applied)
-            left[equations.held] = u[equations.held, k] - equations.given
+            left = sum(equations.internal_terms(u[:, k], 1.0), -equations.applied)
+            left[equations.held] = u[equations.held, k] - equations.prescribed
             rest[:, k] = left
         return rest.ravel()
 

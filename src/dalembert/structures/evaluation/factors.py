@@ -9,7 +9,7 @@ import scipy
 
 from dalembert.errors import SingularityError
 from dalembert.sparse.factorise import pivoted_factors, symmetric_factors
-from dalembert.sparse.solver import Factors
+from dalembert.sparse.solver import Factors, SparseSolver
 from dalembert.structures.evaluation.numbering import Numbering
 
 SOFTEST = 1e-14
@@ -41,6 +41,16 @@ def factors_of(matrix, degrees: Numbering, free: np.ndarray) -> Factors | None:
     if SOFTEST * np.linalg.norm(motion) > 1.0:
         refuse_motion(motion / np.sqrt(own), degrees, free)
     return factor
+
+
+def free_displacements(
+    factor: SparseSolver | None, free: np.ndarray, forces: np.ndarray
+) -> np.ndarray:
+    """(n,) displacements under forces (n,), zero where prescribed; ``factor`` of the free part."""
+    u = np.zeros_like(forces)
+    if factor is not None:
+        u[free] = factor.solve(forces[free])
+    return u
 
 
 def refuse_motion(motion: np.ndarray, degrees: Numbering, free: np.ndarray) -> NoReturn:

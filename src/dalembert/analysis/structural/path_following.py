@@ -1,4 +1,4 @@
-"""Walking along the path of a load, from equilibrium to equilibrium by steps of its own choice."""
+"""Path following by arc length, with control of the step length."""
 
 from __future__ import annotations
 
@@ -7,30 +7,30 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.structural.balance import full_steps
 from dalembert.analysis.structural.path_equations import Crossing, PathEquations
+from dalembert.analysis.structural.static_equations import full_steps
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult, Plane
 from dalembert.symbolic.equations.newton import solve
 
 QUICK = 4
-"""Iterations after which a step keeps its length."""
+"""Number of iterations for which the step length does not change."""
 SHORTEST = 1e-6
-"""Share of the first step below which a step is not halved any more."""
+"""Lower limit of a step, as a share of the first step."""
 SHARPEST = 0.8
-"""Cosine of the angle that the path may turn in a step."""
+"""Lower limit of the cosine of the angle between directions of successive points."""
 MARGIN = 1e-9
-"""Part of a step at whose end the path is taken to be at its limit already."""
+"""Start of the search for a limit point, as a share of the step."""
 
 
-class Walk:
-    """Points found one after the other.
+class PathFollower:
+    """Points of the path, computed one after the other.
 
     Parameters
     ----------
     analysis : strategy object with the fields of ``ArcLength``
-    equations : of the path
+    equations : PathEquations
     """
 
     def __init__(self, analysis: Any, equations: PathEquations):
@@ -42,35 +42,37 @@ class Walk:
 
     def follow(self, report: Callable[[float], None]) -> Status:
         """Points until the end of the path."""
-        tools, equations = self.analysis, self.equations
+        settings, equations = self.analysis, self.equations
         direction = equations.start()
-        length = first = tools.first / direction[-1]
-        self._keep(np.zeros(direction.size), self.level(0.0))
-        while len(self.points) < tools.max_points:
-            found = self._step(direction, length)
-            if found is None or found[1] @ equations.metric(direction) < SHARPEST:
+        length = first = settings.first / direction[-1]
+        self._append(np.zeros(direction.size), self.level(0.0))
+        while len(self.points) < settings.max_points:
+            step = self._step(direction, length)
+            if step is None or step[1] @ equations.metric(direction) < SHARPEST:
                 length /= 2
                 if length < SHORTEST * first:
                     return self.status(Outcome.NOT_CONVERGED, "no equilibrium found beyond")
                 continue
-            point, after, plane = found
-            if direction[-1] * after[-1] < 0:
-                self._keep_limit(direction, length)
-            if (point[-1] - tools.until) * (self.points[-1][-1] - tools.until) <= 0:
-                self.cross(self.level(tools.until), self.points[-1])
+            point, direction_ahead, plane = step
+            if direction[-1] * direction_ahead[-1] < 0:
+                self._append_limit(direction, length)
+            if (point[-1] - settings.until) * (self.points[-1][-1] - settings.until) <= 0:
+                self.cross(self.level(settings.until), self.points[-1])
                 return self.status(Outcome.COMPLETED, "load path to")
-            self._keep(point, plane)
-            report(len(self.points) / tools.max_points)
-            if tools.stop is not None and tools.stop(self._last()):
+            self._append(point, plane)
+            report(len(self.points) / settings.max_points)
+            if settings.stop is not None and settings.stop(self._last()):
                 return self.status(Outcome.COMPLETED, "load path stopped at")
-            direction = after
+            direction = direction_ahead
             growth = np.clip(np.sqrt(QUICK / max(self.effort, 1)), 0.5, 2.0)
-            length = min(length * growth, tools.longest * first)
-        short = f"max_points={tools.max_points} came before load factor {tools.until:g}; up to"
+            length = min(length * growth, settings.longest * first)
+        short = (
+            f"max_points={settings.max_points} came before load factor {settings.until:g}; up to"
+        )
         return self.status(Outcome.COMPLETED, short)
 
     def _step(self, direction: np.ndarray, length: float):
-        """Point, direction and plane at some length along the path; None where Newton fails."""
+        """Point, direction and plane at a length along the path; None where Newton fails."""
         origin = self.points[-1] + length * direction
         plane = Plane(origin, direction, self.equations.scale)
         point = self._newton(plane, origin)
@@ -81,56 +83,56 @@ class Walk:
         except SingularityError:
             return None
 
-    def _keep_limit(self, direction: np.ndarray, length: float) -> None:
-        """The point within a step where the load factor is largest or smallest."""
+    def _append_limit(self, direction: np.ndarray, length: float) -> None:
+        """Append the limit point within a step."""
         from scipy.optimize import brentq
 
         def rise(part: float) -> float:
-            found = self._step(direction, part)
-            if found is None:
+            step = self._step(direction, part)
+            if step is None:
                 raise SingularityError("the path is lost near a limit point; take shorter steps")
-            return float(found[1][-1])
+            return float(step[1][-1])
 
-        place = brentq(rise, MARGIN * length, length, xtol=1e-14 * length, rtol=1e-14)
-        point, _, plane = self._step(direction, place) or (None, None, None)
+        length_at_limit = brentq(rise, MARGIN * length, length, xtol=1e-14 * length, rtol=1e-14)
+        point, _, plane = self._step(direction, length_at_limit) or (None, None, None)
         if point is not None and plane is not None:
             self.limits.append(len(self.points))
-            self._keep(point, plane)
+            self._append(point, plane)
 
     def level(self, factor: float) -> Plane:
         """The plane of one load factor."""
         unit = np.eye(1, self.equations.size + 1, self.equations.size).ravel()
         return Plane(factor * unit, unit, self.equations.scale)
 
-    def cross(self, plane: Plane, near: np.ndarray) -> None:
-        """Keep the point where the path crosses a plane.
+    def cross(self, plane: Plane, guess: np.ndarray) -> None:
+        """Append the point where the path crosses a plane.
 
         Raises
         ------
         AnalysisError
-            Newton's method does not find it.
+            Newton's method does not converge.
         """
-        point = self._newton(plane, near)
+        point = self._newton(plane, guess)
         if point is None:
             raise AnalysisError(
-                f"no equilibrium found near load factor {near[-1]:.6g}; take shorter steps"
+                f"no equilibrium found near load factor {guess[-1]:.6g}; take shorter steps"
             )
-        self._keep(point, plane)
+        self._append(point, plane)
 
-    def _newton(self, plane: Plane, near: np.ndarray) -> np.ndarray | None:
+    def _newton(self, plane: Plane, guess: np.ndarray) -> np.ndarray | None:
         crossing = Crossing(self.equations, plane)
-        solution = solve(crossing, near, full_steps(self.analysis))
+        solution = solve(crossing, guess, full_steps(self.analysis))
         self.iterations += solution.iterations + 1
         if not solution.accepted:
             return None
         self.worst, self.effort = max(self.worst, solution.residual), solution.iterations + 1
         point = solution.x
-        try:  # one more step from there: the gradient wants round-off
+        try:  # one more step: gradients need a residual at round-off
             return point + crossing.step(point, crossing.residual(point))
         except SingularityError:
             return None
 
-    def _keep(self, point: np.ndarray, plane: Plane) -> None:
+    def _append(self, point: np.ndarray, plane: Plane) -> None:
         self.points.append(point)
         self.planes.append(plane)
 
@@ -139,10 +141,10 @@ class Walk:
         return Status(outcome, f"{text} load factor {factor:.6g}", factor, self.worst)
 
     def _last(self) -> LoadPathResult:
-        """The point found last, on its own."""
-        alone = Walk(self.analysis, self.equations)
-        alone._keep(self.points[-1], self.planes[-1])
-        return alone.result(Status(Outcome.COMPLETED, "under way", 0.0, self.worst))
+        """The last point as a result."""
+        path = PathFollower(self.analysis, self.equations)
+        path._append(self.points[-1], self.planes[-1])
+        return path.result(Status(Outcome.COMPLETED, "under way", 0.0, self.worst))
 
     def result(self, status: Status) -> LoadPathResult:
         """All points as one result."""
