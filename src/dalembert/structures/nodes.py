@@ -1,4 +1,4 @@
-"""Many nodes at once, as arrays: the points of a mesh and selections of them."""
+"""Sets of nodes as arrays: the points of a mesh and selections of them."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from dalembert.symbolic.formulas.expression import Expression
 
 
 class Nodes:
-    """Nodes of a structure that were added together; ``structure.add_nodes`` makes them.
+    """Set of nodes of a structure, returned by ``structure.add_nodes``.
 
-    One of them is called ``name[k]``, in formulas and messages too.
+    A node is called ``name[k]``, in formulas and messages, too.
 
     Parameters
     ----------
     name : str
     points : (count, d) coordinates [m], numbers or formulas
-    index : (k,) the nodes selected, all by default
+    index : (k,) the selected nodes, by default all
     """
 
     def __init__(self, name: str, points, index: np.ndarray | None = None):
@@ -34,23 +34,23 @@ class Nodes:
 
     @property
     def names(self) -> list[str]:
-        """Names of the nodes selected."""
+        """Names of the selected nodes."""
         return [f"{self.name}[{k}]" for k in self.index]
 
     @property
     def positions(self) -> np.ndarray:
-        """(k, d) coordinates of the nodes selected; formulas are NaN."""
-        chosen = self.points[self.index]
-        if chosen.dtype != object:
-            return chosen
-        numbers = [[_number(c) for c in row] for row in chosen]
-        return np.array(numbers, dtype=float).reshape(chosen.shape)
+        """(k, d) coordinates of the selected nodes; formulas are NaN."""
+        selected = self.points[self.index]
+        if selected.dtype != object:
+            return selected
+        numbers = [[_number(c) for c in row] for row in selected]
+        return np.array(numbers, dtype=float).reshape(selected.shape)
 
     def __len__(self) -> int:
         return int(self.index.size)
 
     def __getitem__(self, which) -> Nodes:
-        """Some of these nodes, by number, slice or mask."""
+        """Selection of these nodes by number, slice or mask."""
         try:
             return Nodes(self.name, self.points, np.atleast_1d(self.index[which]))
         except IndexError:
@@ -63,43 +63,43 @@ class Nodes:
         tolerance: float | None = None,
         **coordinates: float,
     ) -> Nodes:
-        """Nodes at given coordinates, e.g. ``x=0``, or where ``condition(x, y)`` is true.
+        """Nodes at coordinates, e.g. ``x=0``, or where ``condition(x, y)`` is true.
 
         Parameters
         ----------
         condition : function of the coordinate arrays to an array of truth values
-        tolerance : distance that counts as none; 1e-9 of the extent by default [m]
+        tolerance : distance from the coordinates; by default 1e-9 of the extent [m]
         **coordinates : x, y, z
 
         Raises
         ------
         ModelError
-            No node is there.
+            No node fulfils the condition.
         """
-        places = self.positions
+        positions = self.positions
         if tolerance is None:
-            tolerance = 1e-9 * float(np.ptp(places, axis=0).max(initial=0.0))
-        found = np.ones(len(self), dtype=bool)
+            tolerance = 1e-9 * float(np.ptp(positions, axis=0).max(initial=0.0))
+        mask = np.ones(len(self), dtype=bool)
         for axis, value in coordinates.items():
             if axis not in "xyz"[: self.dimension]:
                 raise ModelError(f"has no coordinate {axis!r}", self.name)
-            found &= np.abs(places[:, "xyz".index(axis)] - value) <= tolerance
+            mask &= np.abs(positions[:, "xyz".index(axis)] - value) <= tolerance
         if condition is not None:
-            told = np.asarray(condition(*places.T), dtype=bool)
-            if told.shape not in ((), found.shape):
+            values = np.asarray(condition(*positions.T), dtype=bool)
+            if values.shape not in ((), mask.shape):
                 raise ModelError(
-                    f"the condition gives shape {told.shape}; it needs one truth value for each "
+                    f"the condition gives shape {values.shape}; it needs one truth value for each "
                     f"of {len(self)} nodes",
                     self.name,
                 )
-            found &= told
-        if not found.any():
+            mask &= values
+        if not mask.any():
             wanted = ", ".join(f"{a} = {v:g}" for a, v in coordinates.items())
             raise ModelError(f"no node fulfils {wanted or 'the condition'}", self.name)
-        return self[found]
+        return self[mask]
 
     def nearest(self, *place: float) -> Nodes:
-        """The one node nearest to a place [m]."""
+        """The node nearest to a point [m]."""
         if len(place) != self.dimension:
             raise ModelError(f"a place has {self.dimension} coordinates; got {place}", self.name)
         return self[int(np.argmin(np.linalg.norm(self.positions - np.array(place), axis=1)))]

@@ -1,4 +1,4 @@
-"""Names of things that are numbered one after the other, alone or as sets."""
+"""Consecutive numbers of named objects and sets."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from bisect import bisect_right
 
 
 class Spans:
-    """``name → number``, where a set takes many numbers and ``set[k]`` names one of them."""
+    """``name → number``; a set has a range of numbers, its members are called ``set[k]``."""
 
     def __init__(self) -> None:
         self.size = 0
@@ -15,7 +15,7 @@ class Spans:
         self._starts: list[int] = []
 
     def add(self, name: str, count: int | None = None) -> int:
-        """Number one thing, or a set of ``count``; the first number."""
+        """Number an object, or a set of ``count`` members; returns the first number."""
         first = self.size
         self._first[name] = first, count
         self._names.append(name)
@@ -24,11 +24,11 @@ class Spans:
         return first
 
     def first(self, name: str) -> int:
-        """First number of a thing or set."""
+        """First number of an object or set."""
         return self._first[name][0]
 
     def number(self, name: str) -> int | None:
-        """Number of a thing, or of one of a set; None if there is none of this name."""
+        """Number of an object or of a member of a set; None for an unknown name."""
         owner, bracket, inside = name.partition("[")
         if owner not in self._first:
             return None
@@ -39,27 +39,27 @@ class Spans:
         return first + int(inside) if inside.isdigit() and int(inside) < count else None
 
     def numbers(self, name: str) -> range | None:
-        """All numbers of a thing or set; None if there is none of this name."""
+        """All numbers of an object or set; None for an unknown name."""
         if name not in self._first:
-            one = self.number(name)
-            return None if one is None else range(one, one + 1)
+            number = self.number(name)
+            return None if number is None else range(number, number + 1)
         first, count = self._first[name]
         return range(first, first + (1 if count is None else count))
 
     def name(self, number: int) -> str:
-        """Name of what has this number."""
+        """Name of the object or member with this number."""
         owner = self._names[bisect_right(self._starts, number) - 1]
         first, count = self._first[owner]
         return owner if count is None else f"{owner}[{number - first}]"
 
     @property
     def names(self) -> list[str]:
-        """Names of all, one by one."""
+        """Names of all objects and members."""
         return [self.name(k) for k in range(self.size)]
 
     @property
     def owners(self) -> list[str]:
-        """Names of single things and of sets."""
+        """Names of the objects and sets."""
         return list(self._names)
 
     def __contains__(self, name: str) -> bool:

@@ -26,13 +26,13 @@ class Choice:
 
     kind: str
     base: type
-    known: Mapping[str, type]
+    registry: Mapping[str, type]
     default: tuple[str, ...]
 
     @property
     def usual(self) -> type:
         """The first default strategy."""
-        return self.known[self.default[0]]
+        return self.registry[self.default[0]]
 
     def read(self, choice: Any) -> list[Any]:
         """Strategy objects from names, classes or objects, one or several; None for the default.
@@ -43,27 +43,27 @@ class Choice:
             An unknown name, or nothing to compare.
         """
         if choice is None:
-            return [self.known[name]() for name in self.default]
+            return [self.registry[name]() for name in self.default]
         several = isinstance(choice, Iterable) and not isinstance(choice, str)
         strategies = list(
             dict.fromkeys(self._strategy(item) for item in (choice if several else [choice]))
         )
         if not strategies:
-            raise UnsupportedError(f"{self.kind}: name at least one of {', '.join(self.known)}")
+            raise UnsupportedError(f"{self.kind}: name at least one of {', '.join(self.registry)}")
         return strategies
 
     def _strategy(self, item: Any) -> Any:
-        if isinstance(item, str) and item in self.known:
-            return self.known[item]()
+        if isinstance(item, str) and item in self.registry:
+            return self.registry[item]()
         if isinstance(item, type) and issubclass(item, self.base):
             return item()
         if isinstance(item, self.base):
             return item
-        hint = nearest(item, self.known)
+        hint = nearest(item, self.registry)
         if isinstance(item, str) and "(" in item:
             hint = "; for options give an object, or in a model file a table with its type"
         raise UnsupportedError(
-            f"{self.kind}: {item!r} is unknown{hint}; known: {', '.join(self.known)}"
+            f"{self.kind}: {item!r} is unknown{hint}; known: {', '.join(self.registry)}"
         )
 
 

@@ -94,7 +94,7 @@ class March:
                 if result is None:
                     if schedule.halve(accepted):
                         continue
-                    status = unsolved(t, self.step(h).left, 0.0)
+                    status = unsolved(t, self.step(h).relative_residual, 0.0)
                     break
                 if not np.all(np.isfinite(result.a)):
                     text = f"no finite state after t = {t:.9g} s; use a shorter step"

@@ -65,7 +65,7 @@ class TransientStep:
         self.end: Moving | None = None
         """End of the previous step; ``previous`` holds the equations there."""
         self.balance, self.iterations = Balance(equation.model, equation.p), 0
-        self.left = 0.0
+        self.relative_residual = 0.0
         """Relative residual at which Newton's method ended."""
 
     def unknown(self, at: Instant) -> Unknown:
@@ -145,7 +145,10 @@ class TransientStep:
     def _newton(self, end: EndOfStep, a: np.ndarray) -> np.ndarray | None:
         """Accelerations at the end; None where Newton's method fails."""
         solution = solve(end, a, self.settings)
-        self.iterations, self.left = self.iterations + solution.iterations + 1, solution.residual
+        self.iterations, self.relative_residual = (
+            self.iterations + solution.iterations + 1,
+            solution.residual,
+        )
         return solution.x if solution.accepted else None
 
     def residual(

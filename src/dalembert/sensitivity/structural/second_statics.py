@@ -56,7 +56,7 @@ class SecondStatics(StaticsTangent):
         multiplier = self.multiplier(case, u_bar, np.zeros(1))
         u_bar = u_bar - stiffness.T @ multiplier
         softer, p_bar = self.assembly.turn(u, p, reactions - multiplier, change.u, d)
-        hot, there = loads.configuration, loads.configuration.place(u)
+        hot, there = loads.configuration, loads.configuration.configuration(u)
         moved_there = np.zeros_like(u) if hot.linear else change.u
         stiffer, more_p = hot.assembly.turn(there, p, reactions - multiplier, moved_there, d)
         softer, p_bar = softer + (0.0 if hot.linear else 1.0) * stiffer, p_bar + more_p

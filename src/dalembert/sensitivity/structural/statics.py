@@ -65,7 +65,7 @@ class StaticsTangent:
         internal, heated = (Pulls(a, self.p, len(seen)) for a in (self.assembly, hot.assembly))
         held_by = (reactions - multiplier)[:, None, :]
         internal.forces(u[:, None], held_by)
-        heated.forces(hot.place(u)[:, None], share * held_by)
+        heated.forces(hot.configuration(u)[:, None], share * held_by)
         prescribed = self.model.prescribed
         given = [
             loads.pull(self.p, one) + prescribed.pull(self.p, held)

@@ -1,4 +1,4 @@
-"""All elements of one kind in a structure: where they are and what they are made of."""
+"""All elements of one kind in a structure: connectivity and data."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ class ElementBlock:
     Parameters
     ----------
     kind : ElementKind
-    names : of the elements, by row
-    nodes : (nodes of an element, ne) numbers of their nodes
-    degrees : (k, ne) numbers of their displacements in the structure
+    names : names of the elements by row
+    nodes : (nodes of an element, ne) numbers of the nodes
+    degrees : (k, ne) numbers of the displacements in the structure
     data : ParametricArray of (m · ne) numbers, element by element
     """
 
@@ -32,38 +32,38 @@ class ElementBlock:
     ):
         self.kind, self.names, self.nodes = kind, names, nodes
         self.degrees, self._data = degrees, data
-        self._kept: tuple[tuple[bytes, float], np.ndarray] | None = None
+        self._cache: tuple[tuple[bytes, float], np.ndarray] | None = None
         self.count = degrees.shape[1]
 
     @property
     def depends_on_time(self) -> bool:
-        """Whether any number does."""
+        """Whether the data depend on time."""
         return self._data.depends_on_time
 
     def data(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
-        """(m, ne) numbers at parameter values ``p``, read-only; the last ones are kept."""
+        """(m, ne) data at parameter values ``p``, read-only; the last result is cached."""
         key = p.tobytes(), time if self.depends_on_time else 0.0
-        if self._kept is None or self._kept[0] != key:
-            self._kept = key, self._shaped(self._data.values(p, time))
-            self._kept[1].flags.writeable = False
-        return self._kept[1]
+        if self._cache is None or self._cache[0] != key:
+            self._cache = key, self._shaped(self._data.values(p, time))
+            self._cache[1].flags.writeable = False
+        return self._cache[1]
 
     def lengths(self, p: np.ndarray) -> np.ndarray:
-        """(ne,) largest distances of their nodes from the first [m]."""
+        """(ne,) largest distances of the nodes from the first one [m]."""
         d, n = self.kind.dimension, self.kind.node_count
-        places = self.data(p)[: n * d].reshape(n, d, self.count)
-        return np.linalg.norm(places - places[0], axis=1).max(axis=0)
+        positions = self.data(p)[: n * d].reshape(n, d, self.count)
+        return np.linalg.norm(positions - positions[0], axis=1).max(axis=0)
 
     def push_data(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
-        """(m, ne) their change."""
+        """(m, ne) change of the data."""
         return self._shaped(self._data.push(p, dp, time))
 
     def pull_data(self, p: np.ndarray, weights: np.ndarray, time: float = 0.0) -> np.ndarray:
-        """Weights of the parameters from weights (m, ne)."""
+        """Weights of the parameters from weights (m, ne) of the data."""
         return self._data.pull(p, weights.ravel(order="F"), time)
 
     def turn_data(self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        """Change of what ``pull_data`` gives with the parameters."""
+        """Change of the result of ``pull_data`` with the parameters."""
         return self._data.turn(p, weights.ravel(order="F"), dp)
 
     def turn(

@@ -15,18 +15,18 @@ from dalembert.symbolic.formulas.expression import Expression
 
 
 class Elements:
-    """Elements of one class between nodes of one set; ``structure.add_elements`` makes them.
+    """Set of elements of one class between nodes of a set, returned by ``structure.add_elements``.
 
-    One of them is called ``name[k]``, in formulas and messages too.
+    An element is called ``name[k]``, in formulas and messages, too.
 
     Parameters
     ----------
     name : str
     cls : class of the elements
-    nodes : Nodes that the cells count
-    cells : (count, nodes of an element) numbers of the nodes
+    nodes : Nodes that the cells refer to
+    cells : (count, nodes of an element) indices of the nodes
     **numbers : quantities and options of the class; a quantity is a number or formula for all, or
-        an array with one for each
+        an array with one per element
     """
 
     def __init__(
@@ -56,15 +56,15 @@ class Elements:
 
     @property
     def centres(self) -> np.ndarray:
-        """(count, d) mean places of their nodes [m]."""
+        """(count, d) mean positions of their nodes [m]."""
         return self.nodes.positions[self.cells].mean(axis=1)
 
-    def _checked(self, given: Any) -> np.ndarray:
-        wanted = self.cls.node_count
+    def _checked(self, connectivity: Any) -> np.ndarray:
+        node_count = self.cls.node_count
         try:
-            cells = np.asarray(given)
+            cells = np.asarray(connectivity)
         except ValueError:
-            text = f"cells of {self.cls.__name__} must all have {wanted} nodes"
+            text = f"cells of {self.cls.__name__} must all have {node_count} nodes"
             raise ModelError(text, self.name) from None
         if self.nodes.dimension not in self.cls.dimensions:
             known = " or ".join(map(str, self.cls.dimensions))
@@ -73,9 +73,9 @@ class Elements:
                 f"{self.nodes.name} has {self.nodes.dimension}",
                 self.name,
             )
-        if cells.ndim != 2 or cells.shape[1] != wanted or cells.dtype.kind not in "iu":
+        if cells.ndim != 2 or cells.shape[1] != node_count or cells.dtype.kind not in "iu":
             raise ModelError(
-                f"cells of {self.cls.__name__} must be whole numbers (count, {wanted}); got "
+                f"cells of {self.cls.__name__} must be whole numbers (count, {node_count}); got "
                 f"shape {cells.shape}",
                 self.name,
             )
@@ -89,8 +89,8 @@ class Elements:
         return cells.astype(int)
 
     def _quantities(self, numbers: dict[str, Any]) -> dict[str, Any]:
-        """Field → formula for all, or array of numbers or formulas for each."""
-        found: dict[str, Any] = {}
+        """Field → formula for all, or array of numbers or formulas."""
+        quantities: dict[str, Any] = {}
         for field in self.cls.quantity_fields():
             meta, entity = field.metadata, f"{self.name}.{field.name}"
             if field.name not in numbers and field.default is dataclasses.MISSING:
@@ -98,23 +98,23 @@ class Elements:
             value = numbers.pop(field.name, field.default)
             shape = np.shape(value) if not isinstance(value, Expression) else ()
             if shape[:1] == (len(self),) and shape != (meta["size"],):
-                found[field.name] = self._each(value, entity, meta)
+                quantities[field.name] = self._each(value, entity, meta)
             else:
-                found[field.name] = as_expression(value, entity, meta["unit"], meta["size"])
-        return found
+                quantities[field.name] = as_expression(value, entity, meta["unit"], meta["size"])
+        return quantities
 
     def _each(self, value: Any, entity: str, meta: Any) -> np.ndarray:
-        """A quantity of every element, numbers or formulas."""
-        each = np.asarray(value)
-        if each.size != meta["size"] * len(self):
-            raise ModelError(f"has shape {each.shape} for {len(self)} elements", entity)
-        if each.dtype.kind in "iuf":
-            return each
-        values = list(each.ravel())
-        different = {id(v): v for v in values}  # the same formula at many elements stays one
-        made = {k: as_expression(v, entity, meta["unit"]) for k, v in different.items()}
-        checked = [made[id(v)] for v in values]
-        return np.fromiter(checked, dtype=object, count=len(checked)).reshape(each.shape)
+        """A quantity per element, numbers or formulas."""
+        array = np.asarray(value)
+        if array.size != meta["size"] * len(self):
+            raise ModelError(f"has shape {array.shape} for {len(self)} elements", entity)
+        if array.dtype.kind in "iuf":
+            return array
+        values = list(array.ravel())
+        unique = {id(v): v for v in values}  # a formula shared by elements is converted once
+        expressions = {k: as_expression(v, entity, meta["unit"]) for k, v in unique.items()}
+        column = [expressions[id(v)] for v in values]
+        return np.fromiter(column, dtype=object, count=len(column)).reshape(array.shape)
 
     def __repr__(self) -> str:
         return f"<Elements {self.name!r}: {len(self)} {self.cls.__name__}>"

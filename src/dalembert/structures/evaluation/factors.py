@@ -1,4 +1,4 @@
-"""Sparse factors of a stiffness, and what is said where it has none."""
+"""Direct and iterative solvers of a stiffness, and detection of mechanisms."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from dalembert.sparse.solver import Factors, SparseSolver
 from dalembert.structures.evaluation.numbering import Numbering
 
 SOFTEST = 1e-14
-"""Energy of a motion that counts as none, relative to the terms of which it is the difference."""
+"""Threshold of the energy of a free motion, relative to the terms whose difference it is."""
 
 BACKWARD = 1e-10
-"""Backward error that factors without pivots may have."""
+"""Upper limit of the backward error of factors without pivoting."""
 
 
 def factors_of(matrix, degrees: Numbering, free: np.ndarray) -> Factors | None:
-    """Sparse factors of the stiffness of free displacements, which have these numbers.
+    """Sparse factors of the stiffness of the free displacements.
 
     Raises
     ------
     SingularityError
-        It is singular: names the nodes that can move without straining anything.
+        It is singular; names the nodes that can move without strain.
     """
     if not matrix.shape[0]:
         return None
@@ -54,7 +54,7 @@ def free_displacements(
 
 
 def refuse_motion(motion: np.ndarray, degrees: Numbering, free: np.ndarray) -> NoReturn:
-    """Tell which nodes can move, by a motion of the free displacements that strains nothing."""
+    """Raise with the nodes that can move; ``motion`` of the free displacements has no strain."""
     shape = np.abs(motion)
     moved = free[shape > 0.1 * shape.max()][:100]
     moving = dict.fromkeys(degrees.place(int(k))[0] for k in moved)
@@ -66,7 +66,7 @@ def refuse_motion(motion: np.ndarray, degrees: Numbering, free: np.ndarray) -> N
 
 
 def _factors(matrix, own: np.ndarray, pivoting: bool = False) -> Factors:
-    """Factors by symmetric elimination, or with pivots; of a matrix nearby where one vanishes."""
+    """Symmetric factors, or with pivoting; of a perturbed matrix where a pivot vanishes."""
     factors = pivoted_factors if pivoting else symmetric_factors
     try:
         return factors(matrix)
@@ -75,9 +75,9 @@ def _factors(matrix, own: np.ndarray, pivoting: bool = False) -> Factors:
 
 
 def _softest(factor: Factors, matrix, root: np.ndarray) -> tuple[np.ndarray, float]:
-    """The softest motion by inverse iteration, in units of ``root`` and so long as it is soft.
+    """The softest motion by inverse iteration, scaled by ``root``; its length is the compliance.
 
-    The backward error of the factors comes along.
+    Also returns the backward error of the factors.
     """
     motion = np.random.default_rng(0).standard_normal(root.size)
     for _ in range(2):

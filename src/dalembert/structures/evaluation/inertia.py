@@ -14,7 +14,7 @@ Moved = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def from_rest(a: np.ndarray, u: np.ndarray | float = 0.0) -> Moved:
-    """A motion that begins with these accelerations; its inertia forces are ``M(u) a``."""
+    """A motion from rest with these accelerations; its inertia forces are ``M(u) a``."""
     return u + np.zeros_like(a), np.zeros_like(a), a
 
 
@@ -23,20 +23,20 @@ def _name(lumped: bool) -> str:
 
 
 class KindInertia(Evaluation):
-    """What the kinetic energy of the elements gives."""
+    """Mass matrices and inertia forces from the kinetic energy of the elements."""
 
     @cached_property
     def _lumping(self) -> Lumping:
         return Lumping(self.dimension, self.node_count, self.per_node)
 
     def masses(self, data: np.ndarray, lumped: bool = False) -> np.ndarray:
-        """(k, k, ne) mass matrices of the elements in their initial places."""
+        """(k, k, ne) mass matrices of the elements in the initial configuration."""
         if not lumped:
             return self._matrices("masses", self.cls.kinetic_samples, data)
         k = self.displacement_count
-        found = np.zeros((k, k, data.shape[1]))
-        found[np.arange(k), np.arange(k)] = self._lumped(data)
-        return found
+        masses = np.zeros((k, k, data.shape[1]))
+        masses[np.arange(k), np.arange(k)] = self._lumped(data)
+        return masses
 
     # displaced elements -------------------------------------------------------------------
     def turning(self, lumped: bool) -> bool:
@@ -50,29 +50,29 @@ class KindInertia(Evaluation):
     def inertia_slopes(self, motion: Moved, data: np.ndarray, lumped: bool) -> list[np.ndarray]:
         """(k, k, ne) derivatives of the inertia forces by each of the three."""
         k = self.displacement_count
-        found = self._moved("inertia_slopes", lumped, *motion, self._numbers(data, lumped))
-        return [part.reshape(k, k, -1).transpose(1, 0, 2) for part in found]
+        slopes = self._moved("inertia_slopes", lumped, *motion, self._numbers(data, lumped))
+        return [part.reshape(k, k, -1).transpose(1, 0, 2) for part in slopes]
 
     def push_inertia(
         self, motion: Moved, data: np.ndarray, change: np.ndarray, lumped: bool
     ) -> np.ndarray:
         """(k, ne) change of the inertia forces with a change of the data."""
-        moved = self._push_lumped(data, change) if lumped else change
-        given = *motion, self._numbers(data, lumped), moved
-        return self._moved("push_inertia", lumped, *given)[0]
+        change_of_numbers = self._push_lumped(data, change) if lumped else change
+        arguments = *motion, self._numbers(data, lumped), change_of_numbers
+        return self._moved("push_inertia", lumped, *arguments)[0]
 
     def pull_inertia(
         self, motion: Moved, data: np.ndarray, weights: np.ndarray, lumped: bool
     ) -> np.ndarray:
         """(m, ne) weights of the data from weights (k, ne) of the inertia forces."""
-        given = *motion, self._numbers(data, lumped), weights
-        found = self._moved("pull_inertia", lumped, *given)[0]
-        return self._pull_lumped(data, found) if lumped else found
+        arguments = *motion, self._numbers(data, lumped), weights
+        numbers_bar = self._moved("pull_inertia", lumped, *arguments)[0]
+        return self._pull_lumped(data, numbers_bar) if lumped else numbers_bar
 
     def turn_inertia(
         self, motion: Moved, data: np.ndarray, weights: np.ndarray, change: np.ndarray
     ) -> np.ndarray:
-        """(m, ne) change of what ``pull_inertia`` of consistent masses gives with the data."""
+        """(m, ne) change of the result of ``pull_inertia`` with the data, consistent masses."""
         return self._moved("turn_inertia", False, *motion, data, weights, change)[0]
 
     def kinetic_energy(
@@ -80,15 +80,20 @@ class KindInertia(Evaluation):
     ) -> tuple[np.ndarray, ...]:
         """(ne,) energies; their slopes by displacements, velocities (k, ne) and data (m, ne)."""
         numbers = self._numbers(data, lumped)
-        energy, by_u, by_v, own = self._moved("kinetic_energy", lumped, u, v, numbers)
-        return energy.ravel(), by_u, by_v, self._pull_lumped(data, own) if lumped else own
+        energy, by_u, by_v, by_numbers = self._moved("kinetic_energy", lumped, u, v, numbers)
+        return (
+            energy.ravel(),
+            by_u,
+            by_v,
+            self._pull_lumped(data, by_numbers) if lumped else by_numbers,
+        )
 
-    def _moved(self, what: str, lumped: bool, *columns: np.ndarray) -> list[np.ndarray]:
+    def _moved(self, name: str, lumped: bool, *columns: np.ndarray) -> list[np.ndarray]:
         samples = self.cls.kinetic_samples
-        return self._sum(f"{what} {_name(lumped)}", samples[:1] if lumped else samples, *columns)
+        return self._sum(f"{name} {_name(lumped)}", samples[:1] if lumped else samples, *columns)
 
     def _numbers(self, data: np.ndarray, lumped: bool) -> np.ndarray:
-        """What the kinetic energy is made of."""
+        """Data of the kinetic energy: lumped diagonals, or the element data."""
         return self._lumped(data) if lumped else data
 
     # lumped masses ------------------------------------------------------------------------
@@ -115,16 +120,16 @@ class KindInertia(Evaluation):
         )
 
     def _inertia(self, data: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Diagonal and mass; the same, and the data, with a density where there is none.
+        """Diagonal and mass; the same with unit density where it is zero, and the data for it.
 
-        Scales do not depend on the density, and are 0/0 without.
+        Scales do not depend on the density, but are 0/0 at zero density.
         """
         scaled = data
         if "density" in self.quantities:
             row, scaled = self.row("density"), data.copy()
             scaled[row, data[row] == 0] = 1.0
-        found = [self._kinetic("diagonal", d)[0] for d in (data, scaled)]
-        return found[0], found[1], scaled
+        inertia = [self._kinetic("diagonal", d)[0] for d in (data, scaled)]
+        return inertia[0], inertia[1], scaled
 
     def row(self, quantity: str) -> int:
         """Row of a quantity in the data."""

@@ -17,31 +17,31 @@ from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.rigid import node_places, rigid_motions
 
 LOOSE = 1e-6
-"""Residual to which a random load is balanced, to see whether anything moves freely."""
+"""Tolerance of the test solution under a random load that detects free motions."""
 SOFT = 1e-13
-"""Energy of a rigid motion that counts as none, relative to that of its terms."""
+"""Threshold of the energy of a rigid motion, relative to that of its terms."""
 FACTORS = {"SuperLU": ((2.7e8, 1.28), (3.0e9, 1.54)), "PARDISO": ((1.6e8, 1.1), (1.0e9, 1.33))}
-"""Bytes of factors for 1e5 free displacements of plates and of solids, and their growth."""
+"""Memory of factors for 1e5 free displacements of plates and solids [bytes], growth exponents."""
 SHARE = 0.7
-"""Share of the free memory that factors may take."""
+"""Upper limit of the memory of factors, as a share of the free memory."""
 
 
 def multigrid_of(
     matrix, blocks: Sequence[ElementBlock], degrees: Numbering, free: np.ndarray, p: np.ndarray
 ) -> Multigrid | None:
-    """Conjugate gradients for the stiffness of free displacements, which have these numbers.
+    """Conjugate gradients with multigrid for the stiffness of the free displacements.
 
     Raises
     ------
     SingularityError
-        It is singular: names the nodes that can move without straining anything.
+        It is singular; names the nodes that can move without strain.
     UnsupportedError
         ``pyamg`` is not installed.
     """
     if not matrix.shape[0]:
         return None
-    places = node_places(list(blocks), degrees, p)
-    motions = rigid_motions(degrees, places - places.mean(axis=0))[free]
+    positions = node_places(list(blocks), degrees, p)
+    motions = rigid_motions(degrees, positions - positions.mean(axis=0))[free]
     own = np.abs(matrix.diagonal())
     if not matrix.diagonal().all():
         refuse_motion(matrix.diagonal() == 0, degrees, free)
@@ -51,19 +51,19 @@ def multigrid_of(
     slots = np.zeros(len(degrees), dtype=np.int64)
     slots[table[table >= 0]] = np.flatnonzero(table.ravel() >= 0)
     solver = Multigrid(matrix, slots[free], used.size, motions)
-    root, pushed = np.sqrt(own), np.random.default_rng(0).standard_normal(own.size)
-    moved, residual = solver.attempt(root * pushed / np.linalg.norm(pushed), LOOSE)
-    if not (residual <= 1 and SOFTEST * np.linalg.norm(root * moved) < 1):
-        refuse_motion(moved, degrees, free)
+    root, load = np.sqrt(own), np.random.default_rng(0).standard_normal(own.size)
+    motion, residual = solver.attempt(root * load / np.linalg.norm(load), LOOSE)
+    if not (residual <= 1 and SOFTEST * np.linalg.norm(root * motion) < 1):
+        refuse_motion(motion, degrees, free)
     solver.iterations = 0
     return solver
 
 
 def _refuse_rigid(matrix, own: np.ndarray, motions: np.ndarray, degrees: Numbering, free) -> None:
-    """Raise where the structure can move as a whole."""
-    kept = motions[:, np.abs(motions).max(axis=0, initial=0.0) > 0]
-    kept = kept / np.sqrt(np.einsum("fk,f,fk->k", kept, own, kept))
-    basis, sizes, _ = scipy.linalg.svd(np.sqrt(own)[:, None] * kept, full_matrices=False)
+    """Raise if the structure has a rigid motion."""
+    nonzero = motions[:, np.abs(motions).max(axis=0, initial=0.0) > 0]
+    nonzero = nonzero / np.sqrt(np.einsum("fk,f,fk->k", nonzero, own, nonzero))
+    basis, sizes, _ = scipy.linalg.svd(np.sqrt(own)[:, None] * nonzero, full_matrices=False)
     basis = basis[:, sizes > 1e-8 * sizes[0]] / np.sqrt(own)[:, None]
     energies, mixed = np.linalg.eigh(basis.T @ (matrix @ basis))
     if energies[0] < SOFT:
@@ -73,7 +73,7 @@ def _refuse_rigid(matrix, own: np.ndarray, motions: np.ndarray, degrees: Numberi
 def better_iterative(
     size: int, blocks: Sequence[ElementBlock], memory: float | None = None
 ) -> bool:
-    """Whether factors would need more memory than is free, so far as that can be told before."""
+    """Whether factors are estimated to need more memory than is free."""
     memory = free_memory() if memory is None else memory
     if not multigrid.available() or memory is None or size < WORTH:
         return False
@@ -83,7 +83,7 @@ def better_iterative(
 
 
 def free_memory() -> float | None:
-    """Bytes that could be taken now, None where the system does not tell."""
+    """Free memory [bytes]; None where the system does not report it."""
     try:
         with open("/proc/meminfo") as lines:
             for line in lines:

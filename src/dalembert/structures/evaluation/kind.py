@@ -19,7 +19,7 @@ class ElementKind(KindInertia):
 
     Parameters
     ----------
-    graphs : of the class, or of what a change of temperature adds to it
+    graphs : graphs of the class, or of its thermal terms
     """
 
     # strain energy ------------------------------------------------------------------------
@@ -35,10 +35,10 @@ class ElementKind(KindInertia):
         """(k, k, ne) derivative of the exact tangent at rest along displacements ``u0``."""
         return self._stiffness("geometric", "geometric_moduli", u0, data)
 
-    def _stiffness(self, what: str, moduli: str, u: np.ndarray, data: np.ndarray) -> np.ndarray:
+    def _stiffness(self, name: str, moduli: str, u: np.ndarray, data: np.ndarray) -> np.ndarray:
         if self.graphs.contractible:
             return self._contracted(moduli, u, data)
-        return self._matrices(what, self.cls.samples, u, data)
+        return self._matrices(name, self.cls.samples, u, data)
 
     def push(self, u: np.ndarray, data: np.ndarray, change: np.ndarray) -> np.ndarray:
         """(k, ne) change of the forces with a change of the data."""
@@ -54,8 +54,8 @@ class ElementKind(KindInertia):
 
     def push_stiffness(self, u, data, change, du, b, geometric: bool = False) -> np.ndarray:
         """(k, ne) change of ``K(u, data) b``, or of ``K_g(u, data) b``."""
-        what = "push_geometric" if geometric else "push_tangent"
-        return self._energy(what, u, data, change, du, b)[0]
+        name = "push_geometric" if geometric else "push_tangent"
+        return self._energy(name, u, data, change, du, b)[0]
 
     def pull_stiffness(self, u, data, a, b, geometric: bool = False) -> tuple[np.ndarray, ...]:
         """Weights of displacements (k, ne) and data (m, ne) in ``aᵀ K b``, or ``aᵀ K_g b``."""
@@ -64,7 +64,7 @@ class ElementKind(KindInertia):
     # measures -----------------------------------------------------------------------------
     @cached_property
     def measures(self) -> dict[str, tuple[Any, str]]:
-        """Name → (expression, unit), the energy among them."""
+        """Name → (expression, unit), with energy and mass."""
         graphs = self.graphs
         return {
             **graphs.measures,
@@ -73,7 +73,7 @@ class ElementKind(KindInertia):
         }
 
     def unit(self, name: str) -> str | None:
-        """Unit of a measure, one at a station such as a node too; None if there is none."""
+        """Unit of a measure, also at a station such as a node; None for an unknown name."""
         base = self._station(name)[0]
         return self.measures[base][1] if base in self.measures else None
 
@@ -90,12 +90,12 @@ class ElementKind(KindInertia):
         return tuple(self._sum(f"weigh {base}", samples, u, data, weights))
 
     def turn_measure(self, name: str, u, data, weights, du, change) -> tuple[np.ndarray, ...]:
-        """Changes of what ``pull_measure`` gives with displacements and data."""
+        """Changes of the result of ``pull_measure`` with displacements and data."""
         base, samples = self._station(name)
         return tuple(self._sum(f"turn_measure {base}", samples, u, data, weights, du, change))
 
     def _station(self, name: str) -> tuple[str, Rows]:
-        """What is measured, and the samples it is summed over."""
+        """Base name of a measure, and the samples it is summed over."""
         if name == "energy":
             return name, self.cls.samples
         if name == "mass":
@@ -107,12 +107,12 @@ class ElementKind(KindInertia):
         return name, (self.cls.stations[""],)
 
     def faults(self, data: np.ndarray) -> Iterator[tuple[int, str]]:
-        """Elements whose shape or material is impossible: row, and what is wrong with it."""
+        """Elements with invalid shape or material: row, and message."""
         checks = self.graphs.checks
         if not checks:
             return
-        least = np.full((len(checks), data.shape[1]), np.inf)
+        minimum = np.full((len(checks), data.shape[1]), np.inf)
         for at in self.cls.samples:
-            least = np.minimum(least, self._at("checks", (at,), data)[0])
-        for row, element in np.argwhere(~(least > 0)):  # NaN is wrong too
-            yield int(element), checks[row][1].format(least[row, element])
+            minimum = np.minimum(minimum, self._at("checks", (at,), data)[0])
+        for row, element in np.argwhere(~(minimum > 0)):  # NaN is wrong too
+            yield int(element), checks[row][1].format(minimum[row, element])

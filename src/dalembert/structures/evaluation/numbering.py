@@ -1,4 +1,4 @@
-"""Numbers of the displacements of a structure, node by node."""
+"""Numbering of nodes, elements and displacements of a structure."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Numbering(Mapping[tuple[str, str], int]):
 
     Parameters
     ----------
-    nodes : names of the nodes, in their order
+    nodes : names of the nodes in order
     turning : (nodes,) whether they have rotations
     dimension : of space
     """
@@ -24,18 +24,18 @@ class Numbering(Mapping[tuple[str, str], int]):
     def __init__(self, nodes: Spans, turning: np.ndarray, dimension: int):
         self.nodes, self.dimension = nodes, dimension
         self.directions = TRANSLATIONS[:dimension] + ROTATIONS[dimension]
-        there = np.ones((turning.size, len(self.directions)), dtype=bool)
-        there[:, dimension:] = turning[:, None]
-        self.table = np.where(there, np.cumsum(there).reshape(there.shape) - 1, -1)
+        present = np.ones((turning.size, len(self.directions)), dtype=bool)
+        present[:, dimension:] = turning[:, None]
+        self.table = np.where(present, np.cumsum(present).reshape(present.shape) - 1, -1)
         """(nodes, directions) numbers, -1 where a node has no such displacement."""
-        self._count = int(there.sum())
-        self._owner, self._direction = np.nonzero(there)
+        self._count = int(present.sum())
+        self._owner, self._direction = np.nonzero(present)
         self.rotations = self._direction >= dimension
         """(displacements,) whether they are rotations."""
 
     @property
     def names(self) -> list[str]:
-        """Of the displacements, ``"n2.uy"``."""
+        """Names of the displacements, ``"n2.uy"``."""
         return [f"{node}.{direction}" for node, direction in self]
 
     def place(self, degree: int) -> tuple[str, str]:
@@ -43,11 +43,11 @@ class Numbering(Mapping[tuple[str, str], int]):
         return self.nodes.name(int(self._owner[degree])), self.directions[self._direction[degree]]
 
     def of_nodes(self, nodes: np.ndarray, direction: str) -> np.ndarray:
-        """Numbers of one displacement of many nodes, -1 where they have none."""
+        """Numbers of a displacement of many nodes, -1 where a node has none."""
         return self.table[nodes, self.directions.index(direction)]
 
     def of_set(self, nodes: Nodes) -> np.ndarray:
-        """Numbers of the nodes of a set."""
+        """Numbers of the nodes of a set or selection."""
         return self.nodes.first(nodes.name) + nodes.index
 
     def get(self, place, default=None):
@@ -56,14 +56,14 @@ class Numbering(Mapping[tuple[str, str], int]):
         node = self.nodes.number(name)
         if node is None or direction not in self.directions:
             return default
-        found = int(self.table[node, self.directions.index(direction)])
-        return default if found < 0 else found
+        number = int(self.table[node, self.directions.index(direction)])
+        return default if number < 0 else number
 
     def __getitem__(self, place: tuple[str, str]) -> int:
-        found = self.get(place)
-        if found is None:
+        number = self.get(place)
+        if number is None:
             raise KeyError(place)
-        return found
+        return number
 
     def __contains__(self, place) -> bool:
         return self.get(place) is not None

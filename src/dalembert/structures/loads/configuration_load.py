@@ -1,4 +1,4 @@
-"""Forces of one load case that depend on where the structure is."""
+"""Displacement-dependent forces of one load case."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from dalembert.structures.evaluation.block import ElementBlock
 
 
 class ConfigurationLoad:
-    """Forces of elements that cannot expand freely, and of moments about fixed axes.
+    """Forces of hindered thermal expansion, and of moments about fixed axes.
 
-    They hold the structure beside those of strain. For small displacements they are those at rest.
+    They are internal forces, in addition to those of strain; for small displacements those at rest.
 
     Parameters
     ----------
-    expanding : what temperature adds to blocks of elements
+    expanding : thermal blocks of elements
     moments : blocks of moments about fixed axes
     size : number of displacements
-    prescribed : numbers of the prescribed ones
+    prescribed : numbers of the prescribed displacements
     linear : for small displacements
     """
 
@@ -40,53 +40,53 @@ class ConfigurationLoad:
     def __bool__(self) -> bool:
         return bool(self.assembly.blocks)
 
-    def place(self, u: np.ndarray) -> np.ndarray:
-        """Displacements at which the forces are taken."""
+    def configuration(self, u: np.ndarray) -> np.ndarray:
+        """Displacements at which the forces are evaluated."""
         return np.zeros_like(u) if self.linear else u
 
     def forces(self, u: np.ndarray, p: np.ndarray, time: float = 0.0) -> np.ndarray:
-        """(n,) forces that hold the elements, beside those of their strain."""
-        return self.assembly.internal_forces(self.place(u), p, time)
+        """(n,) internal forces, in addition to those of strain."""
+        return self.assembly.internal_forces(self.configuration(u), p, time)
 
     def stiffness(self, u: np.ndarray, p: np.ndarray) -> scipy.sparse.csc_matrix:
-        """Their derivative by the displacements."""
-        found = self.assembly.stiffness(self.place(u), p)
-        return 0 * found if self.linear else found
+        """Derivative of the forces by the displacements."""
+        stiffness = self.assembly.stiffness(self.configuration(u), p)
+        return 0 * stiffness if self.linear else stiffness
 
     def push(self, u: np.ndarray, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) change of the forces with the parameters."""
-        return self.assembly.push(self.place(u), p, dp, time)
+        return self.assembly.push(self.configuration(u), p, dp, time)
 
     def pull(
         self, u: np.ndarray, p: np.ndarray, weights: np.ndarray, time: float = 0.0
     ) -> np.ndarray:
         """(np,) weights of the parameters from weights (n,) of the forces."""
-        return self.assembly.pull(self.place(u), p, weights, time)
+        return self.assembly.pull(self.configuration(u), p, weights, time)
 
 
 class Expansion:
-    """Forces ``−∂V/∂u`` at rest, with which changes of temperature load a structure.
+    """Thermal loads: forces ``−∂V/∂u`` at rest.
 
     Parameters
     ----------
-    held : forces that hold it
+    internal : internal forces
     """
 
-    def __init__(self, held: ConfigurationLoad):
-        self.held, self.depends_on_time = held, held.depends_on_time
-        self.rest = np.zeros(held.assembly.size)
+    def __init__(self, internal: ConfigurationLoad):
+        self.internal, self.depends_on_time = internal, internal.depends_on_time
+        self.rest = np.zeros(internal.assembly.size)
 
     def __bool__(self) -> bool:
-        return bool(self.held)
+        return bool(self.internal)
 
     def values(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) forces."""
-        return -self.held.forces(self.rest, p, time)
+        return -self.internal.forces(self.rest, p, time)
 
     def push(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) their change with the parameters."""
-        return -self.held.push(self.rest, p, dp, time)
+        return -self.internal.push(self.rest, p, dp, time)
 
     def pull(self, p: np.ndarray, weights: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(np,) weights of the parameters from weights (n,) of the forces."""
-        return -self.held.pull(self.rest, p, weights, time)
+        return -self.internal.pull(self.rest, p, weights, time)

@@ -1,4 +1,4 @@
-"""Moments about fixed axes at nodes that turn in space."""
+"""Moments about fixed axes at spatial nodes with rotations."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from dalembert.symbolic.formulas.expression import Expression
 class FixedMoment(Attached):
     """A moment that does the virtual work ``Mᵀ δθ`` with the spin ``δθ = 𝗧(r) δr`` of its node.
 
-    On the rotation vector it is the force ``𝗧(r)ᵀ M``, which no energy has.
+    The generalized force on the rotation vector is ``𝗧(r)ᵀ M``; it has no potential.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""One load case: external forces on nodes and spread over elements, and temperatures."""
+"""Load case: nodal and distributed forces, temperatures, displacement-dependent forces."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class MassForce:
         return own + self.field.pull(p, self.assembly.mass(p) @ weights, time)
 
     def turn(self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        """(m,) change of what ``pull`` gives with the parameters."""
+        """(m,) change of the result of ``pull`` with the parameters."""
         field, change = self.field.values(p, 0.0), self.field.push(p, dp, 0.0)
         heavier = self.assembly.push_inertia(from_rest(weights), p, dp)
         return (
@@ -54,13 +54,13 @@ class LoadCase:
 
     Parameters
     ----------
-    nodal : forces given at nodes
+    nodal : forces at nodes
     spread : blocks of dead loads, whose energy is the negative work of the load
-    weights : forces on masses
-    temperatures : of the elements
-    configuration : forces that depend on displacements, of hindered expansion among them
-    fixed_axes : whether moments about fixed axes are among the loads, whose tangent at large
-        displacements is not symmetric
+    weights : mass forces
+    temperatures : temperature changes of the elements
+    configuration : displacement-dependent forces, those of hindered expansion included
+    fixed_axes : whether there are moments about fixed axes, whose tangent at large displacements is
+        not symmetric
     """
 
     def __init__(
@@ -80,49 +80,49 @@ class LoadCase:
             w.field.depends_on_time for w in weights
         )
 
-    def refuse_fixed_axes(self, what: str, cure: str) -> None:
-        """Say that an analysis does not take moments about fixed axes.
+    def refuse_fixed_axes(self, analysis: str, cure: str) -> None:
+        """Raise where an analysis does not support moments about fixed axes.
 
         Raises
         ------
         UnsupportedError
-            There are some.
+            There are such moments.
         """
         if self.fixed_axes:
             raise UnsupportedError(
-                f"{what} does not take moments about fixed axes, whose stiffness is not "
+                f"{analysis} does not take moments about fixed axes, whose stiffness is not "
                 f"symmetric; {cure}"
             )
 
     def values(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) forces."""
-        found = self.nodal.values(p, time)
+        forces = self.nodal.values(p, time)
         for block, rest in self._at_rest():
-            found -= block.scatter(block.kind.forces(rest, block.data(p)), self.size)
-        return found + sum(w.values(p, time) for w in self.weights)
+            forces -= block.scatter(block.kind.forces(rest, block.data(p)), self.size)
+        return forces + sum(w.values(p, time) for w in self.weights)
 
     def push(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) their change with the parameters."""
-        found = self.nodal.push(p, dp, time)
+        change = self.nodal.push(p, dp, time)
         for block, rest in self._at_rest():
-            change = block.kind.push(rest, block.data(p), block.push_data(p, dp))
-            found -= block.scatter(change, self.size)
-        return found + sum(w.push(p, dp, time) for w in self.weights)
+            element_change = block.kind.push(rest, block.data(p), block.push_data(p, dp))
+            change -= block.scatter(element_change, self.size)
+        return change + sum(w.push(p, dp, time) for w in self.weights)
 
     def pull(self, p: np.ndarray, weights: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(m,) weights of the parameters from weights (n,) of the forces."""
-        found = self.nodal.pull(p, weights, time)
+        p_bar = self.nodal.pull(p, weights, time)
         for block, rest in self._at_rest():
-            data = block.kind.pull(rest, block.data(p), block.gather(weights))
-            found -= block.pull_data(p, data)
-        return found + sum(w.pull(p, weights, time) for w in self.weights)
+            data_bar = block.kind.pull(rest, block.data(p), block.gather(weights))
+            p_bar -= block.pull_data(p, data_bar)
+        return p_bar + sum(w.pull(p, weights, time) for w in self.weights)
 
     def turn(self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        """(m,) change of what ``pull`` gives with the parameters."""
-        found = self.nodal.turn(p, weights, dp)
+        """(m,) change of the result of ``pull`` with the parameters."""
+        change = self.nodal.turn(p, weights, dp)
         for block, rest in self._at_rest():
-            found -= block.turn(rest, p, block.gather(weights), rest, dp)[1]
-        return found + sum(w.turn(p, weights, dp) for w in self.weights)
+            change -= block.turn(rest, p, block.gather(weights), rest, dp)[1]
+        return change + sum(w.turn(p, weights, dp) for w in self.weights)
 
     def _at_rest(self):
         return ((b, np.zeros(b.degrees.shape)) for b in self.spread)

@@ -1,4 +1,4 @@
-"""From a description to load cases: forces at nodes, and loads spread over elements."""
+"""Load cases of a structure, built from its description."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class LoadCaseMaker:
 
     Parameters
     ----------
-    maker : of the blocks
+    maker : BlockMaker of the structure
     degrees : numbers of the displacements
     assembly : of all elements
     """
@@ -39,32 +39,32 @@ class LoadCaseMaker:
         self.held[assembly.prescribed] = True
 
     def cases(self) -> dict[str, LoadCase]:
-        """All by name; one without loads where none is declared.
+        """Load cases by name; an empty one if none is declared.
 
         Raises
         ------
         ModelError
-            A force on a prescribed displacement, or where nothing moves.
+            A force on a prescribed or a missing displacement.
         """
         s = self.structure
-        given = (*s.loads, *s.spread, *s.temperatures)
-        names = dict.fromkeys(plain_text(n, "load case") for n in given) or [""]
+        declared = (*s.loads, *s.spread, *s.temperatures)
+        names = dict.fromkeys(plain_text(n, "load case") for n in declared) or [""]
         return {n: self._case(s.loads.get(n, []), s.spread.get(n, []), n) for n in names}
 
     def _case(self, loads: list[Load], spread: list[Spread], name: str) -> LoadCase:
         entries = ArrayEntries(len(self.degrees))
-        moving = []
+        fixed_moments = []
         for load in loads:
             places = self._places(load)
             if load.fixed_axes and not self.maker.linear:
-                moving.append(load)
+                fixed_moments.append(load)
             else:
                 entries.add(places, load.value)
         parts = [Part.of(s, self.structure.numbers) for s in spread if isinstance(s, Elements)]
         blocks = [self.maker.block([part], self.degrees) for part in parts]
         forces = [self._mass_force(s) for s in spread if isinstance(s, (Weight, LineLoad))]
         temperatures, fixed = self._temperatures(name), any(load.fixed_axes for load in loads)
-        moments = [FixedMoment.part(load) for load in moving]
+        moments = [FixedMoment.part(load) for load in fixed_moments]
         configuration = ConfigurationLoad(
             list(temperatures.heated.values()),
             [self.maker.block(moments, self.degrees)] if moments else [],
@@ -95,20 +95,20 @@ class LoadCaseMaker:
             f"load {node}",
         )
 
-    def _mass_force(self, given: Weight | LineLoad) -> MassForce:
-        if isinstance(given, Weight):
-            return MassForce(self.assembly, self._field(given.acceleration))
-        one = Expression(1.0)  # of area and density, so that mass per length is one
+    def _mass_force(self, load: Weight | LineLoad) -> MassForce:
+        if isinstance(load, Weight):
+            return MassForce(self.assembly, self._field(load.acceleration))
+        unit = Expression(1.0)  # area and density, so that the mass per length is one
         blocks = []
-        for part in given.parts:
-            plain = Part.of(part, self.structure.numbers)
-            quantities = plain.quantities | {"area": one, "density": one}
-            blocks.append(self.maker.block([replace(plain, quantities=quantities)], self.degrees))
+        for part in load.parts:
+            line = Part.of(part, self.structure.numbers)
+            quantities = line.quantities | {"area": unit, "density": unit}
+            blocks.append(self.maker.block([replace(line, quantities=quantities)], self.degrees))
         assembly = Assembly(blocks, len(self.degrees), self.assembly.prescribed)
-        return MassForce(assembly, self._field(given.force))
+        return MassForce(assembly, self._field(load.force))
 
     def _field(self, vector: tuple[Expression, ...]):
-        """The same vector at all nodes."""
+        """A field with the same vector at all nodes."""
         entries = ArrayEntries(len(self.degrees))
         for k, value in enumerate(vector):
             entries.add(self.degrees.table[:, k], value)

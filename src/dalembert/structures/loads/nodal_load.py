@@ -10,11 +10,11 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Load:
-    """Forces, or an initial motion, in one direction at some nodes: for all, or for each.
+    """Forces, or initial motions, in one direction at nodes; one value for all, or one per node.
 
     Attributes
     ----------
-    fixed_axes : whether it is a moment about a fixed axis of space
+    fixed_axes : whether it is a moment about a fixed spatial axis
     """
 
     nodes: np.ndarray
@@ -25,13 +25,13 @@ class Load:
 
     @property
     def nothing(self) -> np.ndarray:
-        """At which nodes it is zero, whatever the parameters are."""
+        """Mask of the nodes at which it is zero for all parameter values."""
         values = self.value if isinstance(self.value, list) else [self.value]
         return np.array([value.sx.is_zero() for value in values])
 
     @property
     def each(self) -> Any:
-        """A formula for all nodes, or an array with one for each."""
+        """A formula for all nodes, or an array with one per node."""
         if not isinstance(self.value, list):
             return self.value
         return np.fromiter(self.value, dtype=object, count=len(self.value))

@@ -1,4 +1,4 @@
-"""Loads spread over elements: weight, line loads, tractions; records that the builder keeps."""
+"""Loads as the builder records them: nodal and distributed loads, temperature changes."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Part = StructuralElement | Elements
 
 @dataclass(frozen=True)
 class Weight:
-    """Forces ``M a`` of a field of gravity ``a`` [m/s²] on the masses of all elements."""
+    """Forces ``M a`` of gravity ``a`` [m/s²] on the masses of all elements."""
 
     acceleration: tuple[Expression, ...]
 
@@ -43,71 +43,73 @@ Spread = Weight | LineLoad | Elements
 
 
 def elements_of(parts: Any, load: str) -> tuple[Part, ...]:
-    """One element, a set of them, or several, as a tuple.
+    """An element, a set of elements, or several, as a tuple.
 
     Raises
     ------
     ModelError
-        Something else.
+        Another type.
     """
-    found = (parts,) if isinstance(parts, (StructuralElement, Elements)) else parts
-    known = isinstance(found, (list, tuple)) and found
-    if not known or not all(isinstance(part, (StructuralElement, Elements)) for part in found):
+    elements = (parts,) if isinstance(parts, (StructuralElement, Elements)) else parts
+    is_sequence = isinstance(elements, (list, tuple)) and elements
+    if not is_sequence or not all(
+        isinstance(part, (StructuralElement, Elements)) for part in elements
+    ):
         raise ModelError(f"needs elements or sets of elements; got {parts!r}", load)
-    return tuple(found)
+    return tuple(elements)
 
 
 def _fields(part: Part) -> dict[str, Any]:
-    """Quantities of the class of elements, with what is known of them."""
+    """Quantities of an element class, with their metadata."""
     cls = part.cls if isinstance(part, Elements) else type(part)
     return {f.name: f.metadata for f in cls.quantity_fields()}
 
 
 def lines(parts: Any) -> tuple[Part, ...]:
-    """Line elements that have mass, or sets of them.
+    """Line elements with mass, or sets of them.
 
     Raises
     ------
     ModelError
         Other elements.
     """
-    found = elements_of(parts, "line_load")
-    for part in found:
+    elements = elements_of(parts, "line_load")
+    for part in elements:
         cls = part.cls if isinstance(part, Elements) else type(part)
         if not issubclass(cls, Line) or not {"area", "density"} <= set(_fields(part)):
             raise ModelError("carries no line load; take trusses or frames", part.name)
-    return found
+    return elements
 
 
 def heating(part: Part, changes: dict[str, Any]) -> dict[str, Any]:
-    """Changes of temperature of an element or set, by quantity: formulas, or one for each.
+    """Temperature changes of an element or set, by quantity: a formula, or one per element.
 
     Raises
     ------
     ModelError
-        The elements do not feel one of them.
+        The elements have no such quantity.
     """
     fields = _fields(part)
-    felt = [name for name in CHANGES if name in fields]
-    wrong = sorted(set(changes) - set(felt))
+    known = [name for name in CHANGES if name in fields]
+    wrong = sorted(set(changes) - set(known))
     if wrong or not changes:
         raise ModelError(
-            f"feels no {', '.join(wrong) or 'change'}; it feels {', '.join(felt) or 'none'}",
+            f"feels no {', '.join(wrong) or 'change'}; it feels {', '.join(known) or 'none'}",
             part.name,
         )
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name, value in changes.items():
         entity, unit = f"heat {part.name}.{name}", fields[name]["unit"]
         if isinstance(part, Elements) and np.shape(value) == (len(part),):
-            each = [as_expression(v, entity, unit) for v in value]
-            found[name] = np.fromiter(each, dtype=object, count=len(each))
+            formulas = [as_expression(v, entity, unit) for v in value]
+            values[name] = np.fromiter(formulas, dtype=object, count=len(formulas))
         else:
-            found[name] = as_expression(value, entity, unit)
-    return found
+            values[name] = as_expression(value, entity, unit)
+    return values
 
 
 def check_expansion(parts: Sequence[Part]) -> None:
-    """A change of temperature that cannot strain anything is an input that lacks a number.
+    """Raise if a temperature change has no effect, for lack of thermal expansion.
 
     Raises
     ------
@@ -123,12 +125,12 @@ def check_expansion(parts: Sequence[Part]) -> None:
 
 
 def check_temperature(part: Part) -> None:
-    """An element with a change of temperature of its own needs thermal expansion, too.
+    """Raise if an element with a temperature change has no thermal expansion.
 
     Raises
     ------
     ModelError
-        It has none.
+        It has no coefficient of thermal expansion.
     """
     own = [name for name in CHANGES if name in _fields(part)]
     if not all(_is_zero(part, name) for name in own):
@@ -136,21 +138,21 @@ def check_temperature(part: Part) -> None:
 
 
 def _is_zero(part: Part, quantity: str) -> bool:
-    """Whether a quantity of an element, or of all of a set, is zero whatever the parameters."""
-    given = part.quantities[quantity] if isinstance(part, Elements) else getattr(part, quantity)
-    if isinstance(given, np.ndarray) and given.dtype.kind in "iuf":
-        return not given.any()
-    each = given.ravel() if isinstance(given, np.ndarray) else [given]
-    return all(as_expression(value, part.name).sx.is_zero() for value in each)
+    """Whether a quantity of an element or set is zero for all parameter values."""
+    numbers = part.quantities[quantity] if isinstance(part, Elements) else getattr(part, quantity)
+    if isinstance(numbers, np.ndarray) and numbers.dtype.kind in "iuf":
+        return not numbers.any()
+    values = numbers.ravel() if isinstance(numbers, np.ndarray) else [numbers]
+    return all(as_expression(value, part.name).sx.is_zero() for value in values)
 
 
 def tractions(name: str, elements: Elements, nodes: Nodes, numbers: dict[str, Any]) -> Elements:
-    """Traction elements on the outer facets of cells all of whose nodes are among ``nodes``.
+    """Traction elements on the outer facets of cells with all their nodes among ``nodes``.
 
     Raises
     ------
     ModelError
-        No continuum, no outer facet lies there, or a traction that cannot be.
+        Not a continuum, no outer facet there, or an unknown component.
     """
     if not isinstance(elements, Elements) or not issubclass(elements.cls, Continuum):
         raise ModelError(f"needs a set of cells of a continuum, got {elements!r}", "traction")
@@ -159,16 +161,18 @@ def tractions(name: str, elements: Elements, nodes: Nodes, numbers: dict[str, An
     if wrong or not numbers:
         raise ModelError(f"has no {', '.join(wrong) or 'value'}; give {', '.join(known)}", name)
     cell = next(n for n, c in REFERENCE_CELLS.items() if c is elements.cls.cell)
-    shape, each = facets(cell)
-    among = np.isin(elements.nodes.index[elements.cells], nodes.index)
-    found, owners = [], []
-    for facet in each:
-        there = np.flatnonzero(among[:, facet].all(axis=1))
-        found.append(elements.cells[there][:, facet])
-        owners.append(there)
-    cells, owner = np.concatenate(found), np.concatenate(owners)
-    _, place, count = np.unique(np.sort(cells), axis=0, return_inverse=True, return_counts=True)
-    outer = count[place.ravel()] == 1  # between two cells there is no surface
+    shape, local_facets = facets(cell)
+    selected = np.isin(elements.nodes.index[elements.cells], nodes.index)
+    facet_cells, owners = [], []
+    for facet in local_facets:
+        rows = np.flatnonzero(selected[:, facet].all(axis=1))
+        facet_cells.append(elements.cells[rows][:, facet])
+        owners.append(rows)
+    cells, owner = np.concatenate(facet_cells), np.concatenate(owners)
+    _, facet_index, count = np.unique(
+        np.sort(cells), axis=0, return_inverse=True, return_counts=True
+    )
+    outer = count[facet_index.ravel()] == 1  # between two cells there is no surface
     cells, owner = cells[outer], owner[outer]
     if nodes.points is not elements.nodes.points or not len(cells):
         raise ModelError(
@@ -177,8 +181,8 @@ def tractions(name: str, elements: Elements, nodes: Nodes, numbers: dict[str, An
         )
     thickness = elements.quantities.get("thickness")
     if thickness is not None:
-        one = isinstance(thickness, Expression)
-        numbers = {"thickness": thickness if one else thickness[owner]} | numbers
+        uniform = isinstance(thickness, Expression)
+        numbers = {"thickness": thickness if uniform else thickness[owner]} | numbers
     return Elements(name, TRACTIONS[shape], elements.nodes, cells, **numbers)
 
 

@@ -1,4 +1,4 @@
-"""Measures that a moving structure has beside those of one at rest."""
+"""Measures of motions: velocities, accelerations, kinetic energy."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class MovingState(State):
 
 @dataclass(kw_only=True)
 class MovingWeights(Weights):
-    """The same for weights."""
+    """Weights of a moving state."""
 
     v: np.ndarray
     a: np.ndarray
@@ -39,7 +39,7 @@ class MovingWeights(Weights):
 def _moving(s: State) -> MovingState:
     if not isinstance(s, MovingState):
         raise AnalysisError(
-            "velocities, accelerations and kinetic energy are known in a motion only; use "
+            "velocities, accelerations and kinetic energy are defined for motions only; use "
             "solve_transient"
         )
     return s
@@ -75,7 +75,7 @@ class Acceleration(Measure):
 
 @dataclass
 class KineticEnergy(Measure):
-    """``vᵀ M v / 2`` with the mass matrix of the analysis, turned as the elements are."""
+    """``vᵀ M v / 2`` with the mass matrix of the analysis, which rotates with the elements."""
 
     blocks: list[ElementBlock]
     unit: str = "J"
@@ -97,21 +97,21 @@ class KineticEnergy(Measure):
 
     @staticmethod
     def _of(b: ElementBlock, s: MovingState) -> tuple[np.ndarray, ...]:
-        """Energies of some elements, and their slopes."""
+        """Energies of the elements of a block, and their derivatives."""
         return b.kind.kinetic_energy(b.gather(s.u), b.gather(s.v), b.data(s.p), s.lumped)
 
 
 def moving_measure(name: str, degrees: Numbering, blocks: list[ElementBlock]) -> Measure | None:
-    """``node.vx``, ``node.ax``, ``node.vrz``, …, ``kinetic_energy``; None for any other name."""
+    """``node.vx``, ``node.ax``, ``node.vrz``, …, ``kinetic_energy``; None for other names."""
     if name == "kinetic_energy":
         return KineticEnergy(blocks)
     owner, _, quantity = name.partition(".")
-    made: type[Velocity | Acceleration] | None
-    made = {"v": Velocity, "a": Acceleration}.get(quantity[:1])  # type: ignore[assignment]
-    if made is None:
+    kind: type[Velocity | Acceleration] | None
+    kind = {"v": Velocity, "a": Acceleration}.get(quantity[:1])  # type: ignore[assignment]
+    if kind is None:
         return None
     for direction, unit in ((f"u{quantity[1:]}", "m"), (quantity[1:], "rad")):
         degree = degrees.get((owner, direction))
         if degree is not None and degrees.rotations[degree] == (unit == "rad"):
-            return made(degree, f"{unit}/s" if made is Velocity else f"{unit}/s^2")
+            return kind(degree, f"{unit}/s" if kind is Velocity else f"{unit}/s^2")
     return None

@@ -1,4 +1,4 @@
-"""Measures of a structure by name; each is a symbol in formulas."""
+"""Measures of a structure by name, as symbols in formulas."""
 
 from __future__ import annotations
 
@@ -41,31 +41,31 @@ class StructuralMeasures:
 
     degrees: Numbering
     blocks: list[ElementBlock]
-    _made: dict[str, Expression] = field(default_factory=dict)
-    _behind: dict[str, Measure] = field(default_factory=dict)
+    _expressions: dict[str, Expression] = field(default_factory=dict)
+    _measures: dict[str, Measure] = field(default_factory=dict)
 
     def find(self, name: str) -> Expression | None:
-        """The measure of this name, None if there is none."""
-        if name not in self._made:
+        """The symbol of the measure of this name; None for an unknown name."""
+        if name not in self._expressions:
             measure = self._measure(name)
             if measure is None:
                 return None
             self.add(name, measure)
-        return self._made[name]
+        return self._expressions[name]
 
     def add(self, name: str, measure: Measure) -> Expression:
-        """Give a measure a name and a symbol."""
-        self._made[name] = Expression(ca.SX.sym(name), name, measure.unit)
-        self._behind[name] = measure
-        return self._made[name]
+        """Register a measure under a name; returns its symbol."""
+        self._expressions[name] = Expression(ca.SX.sym(name), name, measure.unit)
+        self._measures[name] = measure
+        return self._expressions[name]
 
     def of(self, name: str) -> Measure:
-        """The measure behind the name of a symbol."""
+        """The measure of a symbol, by its name."""
         self.find(name)
-        return self._behind[name]
+        return self._measures[name]
 
     def elements(self, name: str, quantity: str) -> ElementMeasure | None:
-        """The same quantity of an element or of all elements of a set."""
+        """A quantity of an element or of all elements of a set."""
         for block in self.blocks:
             rows = block.names.numbers(name)
             unit = None if rows is None else block.kind.unit(quantity)
@@ -93,32 +93,32 @@ class StructuralMeasures:
         if moving is not None:
             return moving
         quantity, _, reduction = quantity.partition(".")
-        found = self.elements(owner, quantity)
-        if found is None or (not reduction and found.rows.size > 1):
+        measure = self.elements(owner, quantity)
+        if measure is None or (not reduction and measure.rows.size > 1):
             return None  # a field is not a number
         if reduction:
-            asked = REDUCTION.fullmatch(reduction)
-            if asked is None:
+            match = REDUCTION.fullmatch(reduction)
+            if match is None:
                 return None
-            found.reduction = asked["kind"] or asked["plain"]
-            found.smooth = float(asked["smooth"]) if asked["smooth"] else None
-            if found.smooth is not None and not 0 < found.smooth < np.inf:
+            measure.reduction = match["kind"] or match["plain"]
+            measure.smooth = float(match["smooth"]) if match["smooth"] else None
+            if measure.smooth is not None and not 0 < measure.smooth < np.inf:
                 return None
-        return found
+        return measure
 
     def names(self) -> list[str]:
-        """Names of all measures; of sets with many members those that reduce them."""
-        found = ["compliance", "strain_energy", "kinetic_energy", "mass", "load_factor"]
+        """Names of all measures; for sets the reductions of their quantities."""
+        names = ["compliance", "strain_energy", "kinetic_energy", "mass", "load_factor"]
         for node, direction in self._few(self.degrees):
             force = direction.replace("u", "f").replace("r", "m")
-            found += [f"{node}.{direction}", f"{node}.{force}"]
+            names += [f"{node}.{direction}", f"{node}.{force}"]
         for block in self.blocks:
             quantities = list(block.kind.measures)
             for name in block.names.owners:
                 many = name not in block.names
                 ends = [f".{r}" for r in REDUCTIONS] if many else [""]
-                found += [f"{name}.{q}{end}" for q in quantities for end in ends]
-        return found
+                names += [f"{name}.{q}{end}" for q in quantities for end in ends]
+        return names
 
     @staticmethod
     def _few(degrees: Numbering, most: int = 10_000) -> list[tuple[str, str]]:

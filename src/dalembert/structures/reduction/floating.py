@@ -1,9 +1,9 @@
 """Shapes of a reduced structure in a frame that floats with it.
 
-The frame is fixed in one interface, or follows the mean axes: small displacements then have no
+The frame is fixed in one interface, or follows the mean axes: small displacements then have zero
 linear and angular momentum (Tisserand), ``Rᵀ M Φ = 0`` with the rigid motions ``R``. Modes of the
-reduced structure with the frame at rest have either property, so that rigid motions belong to the
-frame alone, and the shapes are orthogonal.
+reduced structure with the frame at rest have either property, so that only the frame has rigid
+motions, and the shapes are orthogonal.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from dalembert.structures.reduction.second_order import Relief
 
 NO_PAIRS = np.zeros((0, 2), dtype=int)
 ROUND_OFF = 1e-13
-"""Share of the two fields it is a product of below which an integral counts as zero."""
+"""Threshold below which an inertia integral is zero, relative to the norms of its two fields."""
 
 
 def floating_shapes(
@@ -37,36 +37,36 @@ def floating_shapes(
     Parameters
     ----------
     places : (nodes, d)
-    pairs : (k, 2) shapes whose products have displacements of second order, which make
-        centrifugal stiffening; those that have some where None is given
+    pairs : (k, 2) shapes whose products have second-order displacements, which cause centrifugal
+        stiffening; None selects the significant pairs
 
     Raises
     ------
     ModelError
-        Displacements of second order in mean axes.
+        Second-order displacements in mean axes.
     """
     stiffness, mass = (
         reduced.assembly.stiffness(np.zeros(reduced.assembly.size), reduced.p),
         reduced.assembly.mass(reduced.p),
     )
-    held = basis.held(reduced)
-    origin = mass_centre(mass, degrees, places) if held is None else held.place
+    interface = basis.held(reduced)
+    origin = mass_centre(mass, degrees, places) if interface is None else interface.place
     rigid = rigid_motions(degrees, places - origin)
-    shapes = reduced.shapes @ basis.turned(reduced)[1]
-    if held is None:
+    shapes = reduced.shapes @ basis.adapted(reduced)[1]
+    if interface is None:
         shapes -= rigid @ momentum_shares(mass, rigid, shapes)
     modal = symmetric(shapes.T @ (stiffness @ shapes))
     if not shapes.shape[1]:
         pairs = NO_PAIRS
     amplitudes = shapes
     if pairs is None or len(pairs):
-        if held is None:
+        if interface is None:
             raise ModelError(
                 "second-order displacements need a frame that is fixed in an interface; give "
                 "frame= the name of one",
                 structure.name,
             )
-        relief = Relief(reduced, held, shapes, modal, pairs)
+        relief = Relief(reduced, interface, shapes, modal, pairs)
         pairs, amplitudes = relief.pairs, np.concatenate([shapes, relief.shapes], axis=1)
     fields = np.concatenate([rigid, amplitudes, carried(degrees, amplitudes)], axis=1)
     counted = _counted(rigid.shape[1], shapes.shape[1], amplitudes.shape[1])
@@ -93,12 +93,12 @@ def floating_shapes(
 
 
 def mass_centre(mass, degrees: Numbering, places: np.ndarray) -> np.ndarray:
-    """(d,)
+    """(d,) centre of mass [m].
 
     Raises
     ------
     ModelError
-        There is no mass.
+        The structure has no mass.
     """
     d = degrees.dimension
     shift = rigid_motions(degrees, places)[:, :d]
@@ -111,37 +111,39 @@ def mass_centre(mass, degrees: Numbering, places: np.ndarray) -> np.ndarray:
 
 
 def momentum_shares(mass, rigid: np.ndarray, shapes: np.ndarray) -> np.ndarray:
-    """Rigid motions with the momenta of shapes, ``(Rᵀ M R)⁻¹ Rᵀ M Φ``."""
-    heavy = mass @ rigid
-    return np.linalg.solve(rigid.T @ heavy, heavy.T @ shapes)
+    """Rigid motions with the momenta of the shapes, ``(Rᵀ M R)⁻¹ Rᵀ M Φ``."""
+    momenta = mass @ rigid
+    return np.linalg.solve(rigid.T @ momenta, momenta.T @ shapes)
 
 
 def _section(interface: Interface, origin: np.ndarray, amplitudes: np.ndarray) -> SectionShapes:
-    """Motion of the section, read off the displacements of its nodes."""
+    """Motion of a section from the displacements of its nodes."""
     d = origin.size
-    own = np.linalg.lstsq(interface.motions, amplitudes[interface.degrees], rcond=None)[0]
-    return SectionShapes(interface.place - origin, _small(own[:d]), _small(own[d:]))
+    moves = np.linalg.lstsq(interface.motions, amplitudes[interface.degrees], rcond=None)[0]
+    return SectionShapes(
+        interface.place - origin, _without_roundoff(moves[:d]), _without_roundoff(moves[d:])
+    )
 
 
-def _small(rows: np.ndarray) -> np.ndarray:
-    """Without round-off."""
+def _without_roundoff(rows: np.ndarray) -> np.ndarray:
+    """Rows with round-off set to zero."""
     return np.where(np.abs(rows) > ROUND_OFF * np.abs(rows).max(initial=0.0), rows, 0.0)
 
 
 def _counted(rigid: int, shapes: int, amplitudes: int) -> np.ndarray:
-    """(N, N) one where an entry of the inertia counts, else zero.
+    """(N, N) mask of the inertia entries that are included: one or zero.
 
-    Those up to the second order of the coordinates count; displacements are not known beyond. So do
-    all between rates of amplitudes, for the energy of a frame that does not turn to be a sum of
-    squares: without them the mass matrix loses its definiteness at deflections of two per cent.
+    Entries up to the second order of the coordinates are included, the order of the displacements,
+    and all entries between rates of amplitudes, so that the energy of a non-rotating frame is a sum
+    of squares: without them the mass matrix is indefinite at deflections of two per cent.
     """
     orders = np.repeat([1, 2], [shapes, amplitudes - shapes])
     rotations = spins(3 if rigid == 6 else 2).shape[0]
-    every = np.concatenate([np.zeros(rigid, dtype=int), *[orders] * (1 + rotations)])
-    found = every[:, None] + every <= 2
+    order = np.concatenate([np.zeros(rigid, dtype=int), *[orders] * (1 + rotations)])
+    mask = order[:, None] + order <= 2
     rates = slice(rigid, rigid + amplitudes)
-    found[rates, rates] = True
-    return found.astype(float)
+    mask[rates, rates] = True
+    return mask.astype(float)
 
 
 def symmetric(matrix: np.ndarray) -> np.ndarray:
@@ -149,7 +151,7 @@ def symmetric(matrix: np.ndarray) -> np.ndarray:
 
 
 def _cleared(products: np.ndarray) -> np.ndarray:
-    """Symmetric, without what is nothing but round-off."""
+    """Symmetric part with round-off set to zero."""
     size = np.sqrt(np.maximum(np.diag(products), 0.0))
     products = symmetric(products)
     return np.where(np.abs(products) > ROUND_OFF * np.outer(size, size), products, 0.0)

@@ -1,6 +1,6 @@
-"""Shapes of a floating structure backwards: weights of their numbers become those of parameters.
+"""Adjoint of the shapes of a floating structure by its parameters.
 
-The steps are those of ``FloatingSlopes.push`` in reverse; ``x_bar`` weighs the change of ``x``.
+The steps are those of ``FloatingSlopes.push`` in reverse; ``x_bar`` are the weights of ``x``.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from dalembert.structures.reduction.rigid import pull_places, rigid_motions, spi
 
 
 class FloatingWeights:
-    """Weights of the parameters (np,) for weights of what shapes consist of.
+    """Weights of the parameters (np,) from weights of the shapes and their integrals.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ class FloatingWeights:
         self.places_bar = np.zeros_like(slopes.places)
         self.origin_bar = np.zeros(slopes.places.shape[1])
 
-    def found(self) -> np.ndarray:
-        """(np,)"""
+    def parameters(self) -> np.ndarray:
+        """(np,) weights of the parameters."""
         f, first, m = self.forward, self.forward.rigid.shape[1], self.forward.count
         stiffness_bar, inertia_bar = self._inertia_weights()
         fields_bar = 2 * f.mass @ (f.fields @ inertia_bar)
@@ -62,7 +62,7 @@ class FloatingWeights:
         return self.p_bar + pull_places(blocks, self.degrees, self.p, self.places_bar)
 
     def _inertia_weights(self) -> tuple[np.ndarray, np.ndarray]:
-        """Weights of stiffness and inertia, with those of damping and mass among them."""
+        """Weights of stiffness and inertia, including those of damping and mass."""
         f, w = self.forward, self.weights
         squares, modes = modes_of(f.now.stiffness, f.now.mass)
         frequencies, carrying = np.sqrt(squares), f.now.mass @ modes
@@ -90,13 +90,13 @@ class FloatingWeights:
     def _relief(
         self, second_bar: np.ndarray, shapes_bar: np.ndarray, stiffness_bar: np.ndarray
     ) -> None:
-        """Of displacements of second order; adds to the weights of shapes and stiffness."""
+        """Second-order displacements; adds to the weights of shapes and stiffness."""
         f, r = self.forward, self.forward.relief
         full_bar = second_bar * r.halves
         shapes_bar += full_bar @ r.along.T
         eased = np.linalg.solve(f.now.stiffness, f.shapes.T @ full_bar)
         stiffness_bar -= eased @ r.along.T
-        third_bar = r.left * eased
+        third_bar = r.subtracted * eased
         shapes_bar += r.loads @ third_bar.T
         efforts_bar, open_bar = r.relieved(full_bar)
         loads_bar = f.shapes @ third_bar - efforts_bar
@@ -106,16 +106,16 @@ class FloatingWeights:
         self.motions_bar[:, r.moving] += sides_bar
         for (k, l), bar in zip(r.pairs, loads_bar.T, strict=True):
             u, x = (np.ascontiguousarray(f.shapes[:, i]) for i in (k, l))
-            given = np.ascontiguousarray(bar), x, u, self.p
-            u_bar, p_bar = self.assembly.pull_stiffness(*given, geometric=True)
+            arguments = np.ascontiguousarray(bar), x, u, self.p
+            u_bar, p_bar = self.assembly.pull_stiffness(*arguments, geometric=True)
             self.p_bar += p_bar
             shapes_bar[:, k] += u_bar
             shapes_bar[:, l] += r.strained[k] @ bar
 
     def _mean_axes(self, shapes_bar: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Weights of shapes before their momenta were taken away, and of rigid motions."""
+        """Weights of the shapes before subtraction of their momenta, and of rigid motions."""
         f = self.forward
-        raw = self.reduced.shapes @ f.basis.turned(self.reduced)[1]
+        raw = self.reduced.shapes @ f.basis.adapted(self.reduced)[1]
         rigid, heavy = f.rigid, f.mass @ f.rigid
         shares = momentum_shares(f.mass, rigid, raw)
         eased = np.linalg.solve(rigid.T @ heavy, -rigid.T @ shapes_bar)
@@ -127,7 +127,7 @@ class FloatingWeights:
 
     def _shapes(self, raw_bar: np.ndarray) -> None:
         f, count = self.forward, self.forward.basis.momenta.shape[1]
-        inverse, coordinates = f.basis.turned(self.reduced)
+        inverse, coordinates = f.basis.adapted(self.reduced)
         moved_bar = raw_bar @ coordinates.T
         if count:
             modes, free = self.reduced.shapes[:, -count:], self.assembly.free

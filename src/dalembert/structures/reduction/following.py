@@ -1,4 +1,4 @@
-"""Shapes of a floating structure that follow its parameters, with their derivatives."""
+"""Shapes of a floating structure as functions of its parameters, with tangent and adjoint."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from dalembert.structures.reduction.rigid import node_places
 
 
 class FollowingShapes:
-    """Shapes chosen once, at some parameter values, and what becomes of them at others.
+    """Shapes chosen at some parameter values, continued smoothly to others.
 
     Parameters
     ----------
     model : StructuralModel
     interface, modes, up_to, frame, second_order : see ``StructuralModel.floating``
-    parameters : values where they are chosen
+    parameters : values at which they are chosen
 
     Attributes
     ----------
-    chosen : FloatingShapes, where they are chosen
+    chosen : FloatingShapes at these values
     """
 
     def __init__(
@@ -41,19 +41,19 @@ class FollowingShapes:
         parameters: Mapping[str, float] | None,
     ):
         self.model, self.interface = model, interface
-        self._kept: FloatingSlopes | None = None
+        self._cache: FloatingSlopes | None = None
         reduced = model.craig_bampton(interface, modes, up_to=up_to, parameters=parameters)
         self.modes = reduced.frequencies.size
         places = node_places(model.blocks, model.degrees, reduced.p)
         self.basis = modal_basis(reduced, model.degrees, places, frame)
-        given = model.degrees, places, self.basis, None if second_order else NO_PAIRS, model
-        found = floating_shapes(reduced, *given)
-        self.pairs = found.pairs
+        arguments = model.degrees, places, self.basis, None if second_order else NO_PAIRS, model
+        shapes = floating_shapes(reduced, *arguments)
+        self.pairs = shapes.pairs
         self.chosen: FloatingShapes = replace(
-            found,
-            stiffness=_diagonal(found.stiffness),
-            mass=_diagonal(found.mass),
-            critical=_diagonal(found.critical),
+            shapes,
+            stiffness=_diagonal(shapes.stiffness),
+            mass=_diagonal(shapes.mass),
+            critical=_diagonal(shapes.critical),
         )
 
     def at(self, parameters: Mapping[str, float]) -> FloatingShapes:
@@ -62,38 +62,38 @@ class FollowingShapes:
         Raises
         ------
         ModelError, AnalysisError
-            The structure cannot be there; the shapes cannot follow so far.
+            Invalid values, or values too far for the shapes to follow.
         """
         reduced = self._reduced(parameters)
         places = node_places(self.model.blocks, self.model.degrees, reduced.p)
-        given = self.model.degrees, places, self.basis, self.pairs, self.model
-        return floating_shapes(reduced, *given)
+        arguments = self.model.degrees, places, self.basis, self.pairs, self.model
+        return floating_shapes(reduced, *arguments)
 
     def push(self, parameters: Mapping[str, float], changes: Mapping[str, float]) -> FloatingShapes:
-        """Changes of what they consist of with changes of some parameters."""
+        """Changes of the shapes and their integrals with changes of some parameters."""
         direction = np.array([changes.get(name, 0.0) for name in self.model.parameters])
         return self._slopes(parameters).push(direction)
 
     def pull(
         self, parameters: Mapping[str, float], weights: FloatingShapes, names: Sequence[str]
     ) -> np.ndarray:
-        """Weights of some parameters from weights of what they consist of."""
-        found = FloatingWeights(self._slopes(parameters), weights).found()
-        listed = list(self.model.parameters)
-        return found[[listed.index(name) for name in names]]
+        """Weights of some parameters from weights of the shapes and their integrals."""
+        p_bar = FloatingWeights(self._slopes(parameters), weights).parameters()
+        all_names = list(self.model.parameters)
+        return p_bar[[all_names.index(name) for name in names]]
 
     def _slopes(self, parameters: Mapping[str, float]) -> FloatingSlopes:
-        """Of these values; the last ones are kept."""
+        """Derivatives at parameter values; the last ones are cached."""
         values = self.model.values(parameters)
-        if self._kept is None or not np.array_equal(self._kept.reduced.p, values):
+        if self._cache is None or not np.array_equal(self._cache.reduced.p, values):
             reduced = self._reduced(parameters)
-            self._kept = FloatingSlopes(reduced, self.model.degrees, self.basis, self.pairs)
-        return self._kept
+            self._cache = FloatingSlopes(reduced, self.model.degrees, self.basis, self.pairs)
+        return self._cache
 
     def _reduced(self, parameters: Mapping[str, float]) -> CraigBampton:
         return self.model.craig_bampton(self.interface, self.modes, parameters=parameters)
 
 
 def _diagonal(matrix: np.ndarray) -> np.ndarray:
-    """Without the round-off beside the diagonal."""
+    """The diagonal part; the rest is round-off."""
     return np.diag(np.diag(matrix))

@@ -1,4 +1,4 @@
-"""Rigid motions of a structure, by the displacements of its nodes."""
+"""Node positions, rigid motions of a structure, and interfaces that move rigidly."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from dalembert.structures.evaluation.numbering import Numbering
 
 
 def node_places(blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray) -> np.ndarray:
-    """(nodes, d) where the nodes are at parameter values ``p`` [m]."""
+    """(nodes, d) positions of the nodes at parameter values ``p`` [m]."""
     return _by_node(blocks, degrees, lambda block: block.data(p))
 
 
 def push_places(
     blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray, dp: np.ndarray
 ) -> np.ndarray:
-    """(nodes, d) their change with the parameters."""
+    """(nodes, d) change of the positions with the parameters."""
     return _by_node(blocks, degrees, lambda block: block.push_data(p, dp))
 
 
 def pull_places(
     blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray, weights: np.ndarray
 ) -> np.ndarray:
-    """Weights (np,) of the parameters from weights (nodes, d) of the places."""
-    left, p_bar = weights.copy(), np.zeros(p.size)
+    """Weights (np,) of the parameters from weights (nodes, d) of the positions."""
+    remaining, p_bar = weights.copy(), np.zeros(p.size)
     for block in blocks:
         n, d = block.nodes.shape[0], degrees.dimension
         data = np.zeros((block.kind.data_count, block.count))
         for k, nodes in enumerate(block.nodes):
             _, first = np.unique(nodes, return_index=True)  # each node counts once
-            data[k * d : (k + 1) * d, first] = left[nodes[first]].T
-            left[nodes] = 0.0
+            data[k * d : (k + 1) * d, first] = remaining[nodes[first]].T
+            remaining[nodes] = 0.0
         if n and data.any():
             p_bar += block.pull_data(p, data)
     return p_bar
@@ -44,12 +44,12 @@ def _by_node(
     degrees: Numbering,
     data: Callable[[ElementBlock], np.ndarray],
 ) -> np.ndarray:
-    """(nodes, d) of numbers of elements that begin with those of their nodes."""
-    found = np.zeros((len(degrees.table), degrees.dimension))
+    """(nodes, d) values from element data, whose first rows belong to the nodes."""
+    values = np.zeros((len(degrees.table), degrees.dimension))
     for block in blocks:
         n, d = block.nodes.shape[0], degrees.dimension
-        found[block.nodes] = data(block)[: n * d].reshape(n, d, -1).transpose(0, 2, 1)
-    return found
+        values[block.nodes] = data(block)[: n * d].reshape(n, d, -1).transpose(0, 2, 1)
+    return values
 
 
 def spins(dimension: int) -> np.ndarray:
@@ -57,48 +57,50 @@ def spins(dimension: int) -> np.ndarray:
     third = np.array([[0.0, -1.0], [1.0, 0.0]])
     if dimension == 2:
         return third[None]
-    found = np.zeros((3, 3, 3))
+    matrices = np.zeros((3, 3, 3))
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
-        found[k][np.ix_([i, j], [i, j])] = third
-    return found
+        matrices[k][np.ix_([i, j], [i, j])] = third
+    return matrices
 
 
 def rigid_motions(degrees: Numbering, places: np.ndarray) -> np.ndarray:
-    """(n, d + rotations) displacements of translations and of small turns about the origin."""
-    d, turning = degrees.dimension, spins(degrees.dimension)
-    found = np.zeros((len(degrees), d + len(turning)))
+    """(n, d + rotations) displacements of translations and small rotations about the origin."""
+    d, spin_matrices = degrees.dimension, spins(degrees.dimension)
+    motions = np.zeros((len(degrees), d + len(spin_matrices)))
     translations = degrees.table[:, :d]
     for k in range(d):
-        found[translations[:, k], k] = 1.0
-    for k, spin in enumerate(turning):
-        found[translations, d + k] = places @ spin.T
-        turned = degrees.table[:, d + k]
-        found[turned[turned >= 0], d + k] = 1.0
-    return found
+        motions[translations[:, k], k] = 1.0
+    for k, spin in enumerate(spin_matrices):
+        motions[translations, d + k] = places @ spin.T
+        rotation = degrees.table[:, d + k]
+        motions[rotation[rotation >= 0], d + k] = 1.0
+    return motions
 
 
 def uncarried(degrees: Numbering, weights: np.ndarray) -> np.ndarray:
-    """(n, k) weights of shapes from weights (n, k · rotations) of what carries them round."""
-    d, turning = degrees.dimension, spins(degrees.dimension)
+    """(n, k) weights of shapes from weights (n, k · rotations) of the result of ``carried``."""
+    d, spin_matrices = degrees.dimension, spins(degrees.dimension)
     translations = degrees.table[:, :d]
-    found = np.zeros((len(weights), weights.shape[1] // len(turning)))
-    for part, spin in zip(np.split(weights, len(turning), axis=1), turning, strict=True):
-        found[translations] += np.einsum("ij,nik->njk", spin, part[translations])
-    return found
+    total = np.zeros((len(weights), weights.shape[1] // len(spin_matrices)))
+    for part, spin in zip(
+        np.split(weights, len(spin_matrices), axis=1), spin_matrices, strict=True
+    ):
+        total[translations] += np.einsum("ij,nik->njk", spin, part[translations])
+    return total
 
 
 def carried(degrees: Numbering, shapes: np.ndarray) -> np.ndarray:
-    """(n, k · rotations) velocities ``e_j × φ_k`` of displaced nodes as the frame turns.
+    """(n, k · rotations) velocities ``e_j × φ_k`` of displaced nodes in a rotating frame.
 
     ``e_1 × φ_1, e_1 × φ_2, …``, then ``e_2 × φ_1, …``
     """
     d = degrees.dimension
     translations = degrees.table[:, :d]
-    moved = shapes[translations]
+    displacements = shapes[translations]
     parts = []
     for spin in spins(d):
         part = np.zeros_like(shapes)
-        part[translations] = np.einsum("ij,njk->nik", spin, moved)
+        part[translations] = np.einsum("ij,njk->nik", spin, displacements)
         parts.append(part)
     return np.concatenate(parts, axis=1)
