@@ -11,7 +11,7 @@ from dalembert import structures
 from dalembert.sparse import factorise, pardiso
 from dalembert.sparse.pardiso import PardisoFactors
 from dalembert.sparse.superlu import SuperLUFactors
-from dalembert.structures.evaluation.iterative import better_iterative
+from dalembert.structures.evaluation.stiffness_solvers import better_iterative
 
 PARDISO = pytest.param(
     "PARDISO",

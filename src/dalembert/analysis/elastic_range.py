@@ -22,9 +22,8 @@ from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.structures.evaluation.assembly import Assembly
-from dalembert.structures.evaluation.factors import factors_of, free_displacements
-from dalembert.structures.reduction.interface import interfaces_of
-from dalembert.structures.reduction.rigid import node_places
+from dalembert.structures.evaluation.stiffness_solvers import factors_of, free_displacements
+from dalembert.structures.reduction.rigid import interfaces_of, node_places
 from dalembert.symbolic.once import once
 
 STRAIN = 0.1

@@ -10,10 +10,9 @@ import numpy as np
 from dalembert.elements.fem.nodal import ROTATIONS
 from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
-from dalembert.structures.evaluation.elements import Elements
-from dalembert.structures.loads.nodal_load import Load
-from dalembert.structures.loads.spread_loads import (
+from dalembert.structures.loads.load_records import (
     LineLoad,
+    Load,
     Spread,
     Weight,
     check_expansion,
@@ -22,8 +21,8 @@ from dalembert.structures.loads.spread_loads import (
     lines,
     tractions,
 )
-from dalembert.structures.nodes import Nodes
 from dalembert.structures.parts import StructureParts
+from dalembert.structures.sets import Elements, Nodes
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
 

@@ -36,7 +36,7 @@ from dalembert.errors import ModelError, UnsupportedError
 from dalembert.structures.description import StructureDescription
 from dalembert.structures.evaluation.blocks import Part
 from dalembert.structures.meshes.mesh import Mesh
-from dalembert.structures.nodes import Nodes
+from dalembert.structures.sets import Nodes
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, as_sx
 from dalembert.text.wording import unknown

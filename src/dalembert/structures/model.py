@@ -17,15 +17,13 @@ from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.block import ElementBlock
 from dalembert.structures.evaluation.blocks import BlockMaker
 from dalembert.structures.evaluation.numbering import Numbering
-from dalembert.structures.initial_conditions import InitialConditions
-from dalembert.structures.loads.load_cases import LoadCaseMaker
+from dalembert.structures.loads.load_cases import InitialConditions, LoadCaseMaker
 from dalembert.structures.measuring.measures import Measure
 from dalembert.structures.measuring.named_measures import StructuralMeasures
 from dalembert.structures.reduction.basis import MEAN
 from dalembert.structures.reduction.craig_bampton import CraigBampton, craig_bampton
 from dalembert.structures.reduction.following import FollowingShapes
-from dalembert.structures.reduction.interface import GivenInterfaces, interfaces_of
-from dalembert.structures.reduction.rigid import node_places
+from dalembert.structures.reduction.rigid import GivenInterfaces, interfaces_of, node_places
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.formulas.names import Names
 from dalembert.symbolic.parametric_array import ArrayEntries

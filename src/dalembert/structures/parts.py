@@ -11,10 +11,9 @@ from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
 from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
-from dalembert.structures.evaluation.elements import Elements
-from dalembert.structures.loads.spread_loads import check_temperature
-from dalembert.structures.nodes import Nodes
-from dalembert.structures.spans import Spans
+from dalembert.structures.evaluation.numbering import Spans
+from dalembert.structures.loads.load_records import check_temperature
+from dalembert.structures.sets import Elements, Nodes
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.declared import Declared
 from dalembert.symbolic.formulas.expression import Expression

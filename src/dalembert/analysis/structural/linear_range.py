@@ -24,8 +24,8 @@ from dalembert.analysis.structural.static_equations import Balance, StaticEquati
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.sparse.solver import Factors
 from dalembert.structures.evaluation.assembly import Assembly
-from dalembert.structures.evaluation.factors import factors_of
-from dalembert.structures.loads.configuration_load import ConfigurationLoad
+from dalembert.structures.evaluation.stiffness_solvers import factors_of
+from dalembert.structures.loads.load_case import ConfigurationLoad
 from dalembert.structures.model import StructuralModel
 from dalembert.structures.reduction.rigid import node_places, rigid_motions
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.sparse.solver import Factors, SparseSolver
-from dalembert.structures.evaluation.factors import factors_of
+from dalembert.structures.evaluation.stiffness_solvers import factors_of
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.equations.newton import NewtonSettings, Residual
 

@@ -26,8 +26,11 @@ from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.multigrid import Multigrid
 from dalembert.sparse.solver import SparseSolver
-from dalembert.structures.evaluation.factors import free_displacements
-from dalembert.structures.evaluation.iterative import better_iterative, multigrid_of
+from dalembert.structures.evaluation.stiffness_solvers import (
+    better_iterative,
+    free_displacements,
+    multigrid_of,
+)
 from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled
 from dalembert.timing import Timing

@@ -18,7 +18,7 @@ from dalembert.integrators.newmark.rule import Moving
 from dalembert.sparse.factorise import indefinite_factors, symmetric_factors
 from dalembert.sparse.solver import Factors
 from dalembert.structures.evaluation.pattern import combined
-from dalembert.structures.loads.configuration_load import ConfigurationLoad, Expansion
+from dalembert.structures.loads.load_case import ConfigurationLoad, Expansion
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import free_symbols

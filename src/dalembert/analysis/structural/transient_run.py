@@ -30,7 +30,7 @@ from dalembert.integrators.newmark.rule import Moving
 from dalembert.integrators.schedule import Schedule, told_halves
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.structures.evaluation.factors import factors_of, free_displacements
+from dalembert.structures.evaluation.stiffness_solvers import factors_of, free_displacements
 from dalembert.structures.model import StructuralModel
 from dalembert.timing import Timing
 

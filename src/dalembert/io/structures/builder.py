@@ -22,7 +22,7 @@ from dalembert.io.structures.tables import (
     VELOCITIES,
     NodeChoice,
 )
-from dalembert.structures.nodes import Nodes
+from dalembert.structures.sets import Nodes
 from dalembert.structures.structure import Structure
 from dalembert.text.wording import unknown, visible
 

@@ -16,7 +16,7 @@ from dalembert.io.location import Located
 from dalembert.io.shapes import made_of
 from dalembert.io.structures.tables import NodeChoice
 from dalembert.structures.meshes.generators import box_mesh, line_mesh, rectangle_mesh
-from dalembert.structures.nodes import Nodes
+from dalembert.structures.sets import Nodes
 
 
 class MeshReader:

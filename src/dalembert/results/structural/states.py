@@ -12,7 +12,7 @@ from dalembert.results.result import Result
 from dalembert.structures.measuring.measures import State
 from dalembert.structures.meshes.mesh import Mesh
 from dalembert.structures.model import StructuralModel
-from dalembert.structures.nodes import Nodes
+from dalembert.structures.sets import Nodes
 from dalembert.symbolic.formulas.expression import Expression
 
 

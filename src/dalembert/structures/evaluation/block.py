@@ -6,7 +6,7 @@ import numpy as np
 
 from dalembert.structures.evaluation.inertia import Moved
 from dalembert.structures.evaluation.kind import ElementKind
-from dalembert.structures.spans import Spans
+from dalembert.structures.evaluation.numbering import Spans
 from dalembert.symbolic.parametric_array import ParametricArray
 
 

@@ -15,11 +15,10 @@ from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
 from dalembert.structures.description import StructureDescription
 from dalembert.structures.evaluation.block import ElementBlock
-from dalembert.structures.evaluation.elements import Elements
 from dalembert.structures.evaluation.kind import ElementKind
-from dalembert.structures.evaluation.numbering import Numbering
+from dalembert.structures.evaluation.numbering import Numbering, Spans
 from dalembert.structures.loads.temperatures import CHANGES
-from dalembert.structures.spans import Spans
+from dalembert.structures.sets import Elements
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.parametric_array import ArrayEntries
 

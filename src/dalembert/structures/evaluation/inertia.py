@@ -1,4 +1,10 @@
-"""Masses and inertia forces of the elements of one kind, consistent or lumped."""
+"""Compiled functions of one class of elements, with masses and inertia forces.
+
+Lumped masses are the diagonal of the consistent mass matrix, scaled to the mass of the element:
+Hinton, Rock and Zienkiewicz (Earthquake Engineering and Structural Dynamics 4, 1976). In every
+direction the diagonal entries are scaled so that they add up to the mass; rotations take the mean
+of the directions. For linear simplices and parallelograms these are the row sums.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +12,133 @@ from functools import cached_property
 
 import numpy as np
 
-from dalembert.structures.evaluation.compiled import Evaluation
-from dalembert.structures.evaluation.lumping import Lumping
+from dalembert.elements.fem.energies import Rows
+from dalembert.elements.fem.graphs import ElementGraphs
+from dalembert.symbolic.evaluation import columns as symbolic
+from dalembert.symbolic.evaluation.backends import Automatic
+
+Columns = tuple[np.ndarray, ...]
+CHUNK = 4096
+"""Block size of the evaluation, in elements."""
+
+
+class Evaluation:
+    """Compiled functions of the element graphs by name; columns are elements.
+
+    Parameters
+    ----------
+    graphs : graphs of the element class
+    """
+
+    def __init__(self, graphs: ElementGraphs):
+        self.graphs, self.cls, self.linear = graphs, graphs.cls, graphs.linear
+        self.dimension, self.node_count = graphs.dimension, graphs.node_count
+        self.displacement_count, self.data_count = graphs.u.numel(), graphs.data.numel()
+        self.per_node = self.displacement_count // self.node_count
+        self.quantities = [field.name for field in graphs.cls.quantity_fields()]
+        self._backend = Automatic()
+        self._functions: dict[str, symbolic.Columns] = {}
+        self._rows: dict[tuple[Rows, int], np.ndarray] = {}
+
+    def _energy(self, name: str, *columns: np.ndarray) -> list[np.ndarray]:
+        return self._sum(name, self.cls.samples, *columns)
+
+    def _kinetic(self, name: str, *columns: np.ndarray) -> list[np.ndarray]:
+        return self._sum(name, self.cls.kinetic_samples, *columns)
+
+    def _sum(self, name: str, samples: Rows, *columns: np.ndarray) -> list[np.ndarray]:
+        """Results (rows, ne), summed over the samples in blocks of the block size."""
+        step = max(1, CHUNK // max(columns[0].shape[1], 1))
+        total = self._several(name, samples[:step], columns)
+        for begin in range(step, len(samples), step):
+            parts = self._several(name, samples[begin : begin + step], columns)
+            total = [sum_ + part for sum_, part in zip(total, parts, strict=True)]
+        return total
+
+    def _several(self, name: str, samples: Rows, columns: Columns) -> list[np.ndarray]:
+        """Results (rows, ne) summed over a few samples."""
+        if len(samples) == 1:
+            return self._at(name, samples, *columns)
+        tiled = (np.tile(column, len(samples)) for column in columns)
+        results = self._at(name, samples, *tiled)
+        return [f.reshape(len(f), len(samples), -1).sum(axis=1) for f in results]
+
+    def _at(self, name: str, samples: Rows, *columns: np.ndarray) -> list[np.ndarray]:
+        """Results for columns that run over all elements for each sample in turn."""
+        count = columns[0].shape[1]
+        if name not in self._functions:
+            self._functions[name] = self._backend.columns(self.graphs.function(name))
+        if (samples, count) not in self._rows:
+            rows = np.array(samples, dtype=float).reshape(len(samples), -1)
+            self._rows[samples, count] = np.repeat(rows, count // len(samples), axis=0).ravel()
+        return self._functions[name](count, self._rows[samples, count], *columns)
+
+    def _matrices(self, name: str, samples: Rows, *columns: np.ndarray) -> np.ndarray:
+        k, count = self.displacement_count, columns[0].shape[1]
+        return self._sum(name, samples, *columns)[0].reshape(k, k, count)
+
+    def _contracted(self, name: str, u: np.ndarray, data: np.ndarray) -> np.ndarray:
+        """``Σ ∇N_a · 𝗔 · ∇N_b``, the matrices of an energy of the displacement gradient."""
+        k, n, d, count = self.displacement_count, self.node_count, self.dimension, u.shape[1]
+        total = np.zeros((count, k, k))
+        for begin in range(0, count, CHUNK):
+            part = slice(begin, min(begin + CHUNK, count))
+            for at in self.cls.samples:
+                slopes, moduli = (
+                    r.ravel(order="F") for r in self._at(name, (at,), u[:, part], data[:, part])
+                )
+                size = slopes.size // (n * d)
+                by = slopes.reshape(size, d, n).transpose(0, 2, 1)
+                half = by @ moduli.reshape(size, d, d**3)
+                half = half.reshape(size, n, d, d, d).transpose(0, 3, 4, 1, 2)
+                total[part] += (by @ half.reshape(size, d, -1)).reshape(size, k, k)
+        return np.moveaxis(total, 0, 2)
+
+
+class Lumping:
+    """Scales of the diagonal, ``m / s`` with the sum ``s`` of the entries of a direction.
+
+    Parameters
+    ----------
+    dimension : of space
+    node_count, per_node : nodes, and displacements of each
+    """
+
+    def __init__(self, dimension: int, node_count: int, per_node: int):
+        direction = np.minimum(np.arange(per_node), dimension)
+        self._group = np.tile(direction, node_count)
+        self._sum = (self._group == np.arange(dimension + 1)[:, None]).astype(float)
+        self._sum[dimension] = self._sum[:dimension].mean(axis=0)
+
+    def scales(self, inertia: np.ndarray) -> np.ndarray:
+        """(k, ne) scales; one where there is no mass.
+
+        Parameters
+        ----------
+        inertia : (k + 1, ne) diagonal entries, then the mass
+        """
+        return self._ratio(inertia)[0][self._group]
+
+    def push(self, inertia: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """(k, ne) change of the scales with a change (k + 1, ne) of ``inertia``."""
+        ratio, inverse = self._ratio(inertia)
+        return ((change[-1] - ratio * (self._sum @ change[:-1])) * inverse)[self._group]
+
+    def pull(self, inertia: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """(k + 1, ne) weights of ``inertia`` from weights (k, ne) of the scales."""
+        ratio, inverse = self._ratio(inertia)
+        grouped = np.zeros_like(ratio)
+        np.add.at(grouped, self._group, weights)
+        grouped *= inverse
+        return np.vstack([-self._sum.T @ (ratio * grouped), grouped.sum(axis=0)])
+
+    def _ratio(self, inertia: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """``m / s`` and ``1 / s`` of every direction; one and zero where there is no mass."""
+        sums = self._sum @ inertia[:-1]
+        none = sums == 0
+        inverse = np.where(none, 0.0, 1 / np.where(none, 1.0, sums))
+        return np.where(none, 1.0, inertia[-1] * inverse), inverse
+
 
 Moved = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Displacements, velocities and accelerations."""

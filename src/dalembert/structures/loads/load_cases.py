@@ -1,25 +1,62 @@
-"""Load cases of a structure, built from its description."""
+"""Load cases and initial conditions of a structure, built from its description."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
+import casadi as ca
 import numpy as np
 
+from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.fem.attached import AXES, Attached
+from dalembert.elements.fem.rotations import spin_map
 from dalembert.errors import ModelError
+from dalembert.structures.description import StructureDescription
 from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.blocks import BlockMaker, Part
-from dalembert.structures.evaluation.elements import Elements
 from dalembert.structures.evaluation.numbering import Numbering
-from dalembert.structures.loads.configuration_load import ConfigurationLoad
-from dalembert.structures.loads.fixed_moments import FixedMoment
-from dalembert.structures.loads.load_case import LoadCase, MassForce
-from dalembert.structures.loads.nodal_load import Load
-from dalembert.structures.loads.spread_loads import LineLoad, Spread, Weight
+from dalembert.structures.loads.load_case import ConfigurationLoad, LoadCase, MassForce
+from dalembert.structures.loads.load_records import LineLoad, Load, Spread, Weight
 from dalembert.structures.loads.temperatures import Temperatures
-from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.parametric_array import ArrayEntries
+from dalembert.structures.sets import Elements
+from dalembert.symbolic.formulas.expression import Expression, free_symbols
+from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
 from dalembert.text.wording import plain_text
+
+
+@dataclass(eq=False)
+class FixedMoment(Attached):
+    """A moment that does the virtual work ``Mᵀ δθ`` with the spin ``δθ = 𝗧(r) δr`` of its node.
+
+    The generalized force on the rotation vector is ``𝗧(r)ᵀ M``; it has no potential.
+
+    Parameters
+    ----------
+    moment_x, moment_y, moment_z : about fixed axes [N m]
+    """
+
+    moment_x: Scalar = quantity("N m", "about x", default=0.0, keyword=True)
+    moment_y: Scalar = quantity("N m", "about y", default=0.0, keyword=True)
+    moment_z: Scalar = quantity("N m", "about z", default=0.0, keyword=True)
+    turns: ClassVar[bool] = True
+    dimensions: ClassVar[tuple[int, ...]] = (3,)
+
+    @classmethod
+    def virtual_work(
+        cls, u: list[ca.SX], w: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
+    ) -> ca.SX:
+        moment = ca.vertcat(*(q[f"moment_{axis}"] for axis in AXES))
+        return -ca.dot(moment, ca.mtimes(spin_map(u[0][3:]), w[0][3:]))
+
+    @classmethod
+    def part(cls, load: Load) -> Part:
+        """The moments of one load, as elements."""
+        quantities = {field.name: Expression(0.0) for field in cls.quantity_fields()}
+        quantities[f"moment_{load.direction[-1]}"] = load.each
+        nodes = load.nodes[:, None]
+        return Part(load.entity, cls, {}, nodes, load.nodes.size, quantities, timed=True)
 
 
 class LoadCaseMaker:
@@ -113,3 +150,60 @@ class LoadCaseMaker:
         for k, value in enumerate(vector):
             entries.add(self.degrees.table[:, k], value)
         return entries.array(self.maker.p)
+
+
+class InitialConditions:
+    """``u(0)`` and ``u̇(0)`` of the free displacements, zero by default.
+
+    Parameters
+    ----------
+    structure : description with the initial conditions
+    prescribed : numbers of the prescribed displacements
+    degrees : numbers of all displacements
+    p : parameters
+
+    Attributes
+    ----------
+    displacements, velocities : ParametricArray of all n displacements
+    displaced : whether any initial displacement is given
+
+    Raises
+    ------
+    ModelError
+        A prescribed displacement, a repeated condition, or a formula of unknown names.
+    """
+
+    def __init__(
+        self, structure: StructureDescription, prescribed: np.ndarray, degrees: Numbering, p: ca.SX
+    ):
+        initials = structure.initials
+        self._held = {int(k) for k in prescribed}
+        self._names = set(structure.parameters)
+        self.displaced = bool(initials["displacement"])
+        self.displacements = self._array(initials["displacement"], degrees, p)
+        self.velocities = self._array(initials["velocity"], degrees, p)
+
+    def _array(self, conditions: Sequence[Load], degrees: Numbering, p: ca.SX) -> ParametricArray:
+        entries, assigned = ArrayEntries(len(degrees)), np.zeros(len(degrees), dtype=bool)
+        for condition in conditions:
+            places = degrees.of_nodes(condition.nodes, condition.direction)
+            self._check(condition, places, assigned)
+            assigned[places] = True
+            entries.add(places, condition.value)
+        return entries.array(p)
+
+    def _check(self, condition: Load, places: np.ndarray, assigned: np.ndarray) -> None:
+        if (places < 0).any():
+            raise ModelError(f"{condition.direction}: no element turns this node", condition.entity)
+        if any(int(k) in self._held for k in places):
+            raise ModelError(
+                f"{condition.direction} is prescribed, so its motion is known; remove one of them",
+                condition.entity,
+            )
+        if assigned[places].any():
+            raise ModelError("is given twice; give it once", condition.entity)
+        for value in condition.value:
+            foreign = free_symbols(value.sx) - self._names
+            if foreign:
+                names = ", ".join(sorted(foreign))
+                raise ModelError(f"depends on {names}, no parameters here", condition.entity)

@@ -11,9 +11,8 @@ from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.cells import CELLS, oriented
 from dalembert.elements.fem.registry import element_for
 from dalembert.errors import ModelError
-from dalembert.structures.evaluation.elements import Elements
 from dalembert.structures.meshes.mesh_data import MeshData, mesh_data
-from dalembert.structures.nodes import Nodes
+from dalembert.structures.sets import Elements, Nodes
 
 if TYPE_CHECKING:
     from dalembert.structures.description import StructureDescription

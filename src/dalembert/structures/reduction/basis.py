@@ -17,7 +17,7 @@ import scipy
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.craig_bampton import CraigBampton
-from dalembert.structures.reduction.interface import Interface
+from dalembert.structures.reduction.rigid import Interface
 from dalembert.text.wording import unknown
 
 MEAN = "mean"

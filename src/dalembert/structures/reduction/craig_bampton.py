@@ -18,9 +18,9 @@ from dalembert.errors import AnalysisError, ModelError, SingularityError
 from dalembert.sparse.solver import Factors
 from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.eigenpairs import nearest
-from dalembert.structures.evaluation.factors import factors_of
 from dalembert.structures.evaluation.numbering import Numbering
-from dalembert.structures.reduction.interface import Interface
+from dalembert.structures.evaluation.stiffness_solvers import factors_of
+from dalembert.structures.reduction.rigid import Interface
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,7 @@ from dalembert.errors import ModelError
 from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.basis import ShapeBasis, modes_of
 from dalembert.structures.reduction.craig_bampton import CraigBampton
-from dalembert.structures.reduction.interface import Interface
-from dalembert.structures.reduction.rigid import carried, rigid_motions, spins
+from dalembert.structures.reduction.rigid import Interface, carried, rigid_motions, spins
 from dalembert.structures.reduction.second_order import Relief
 
 NO_PAIRS = np.zeros((0, 2), dtype=int)

@@ -15,7 +15,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from dalembert.structures.reduction.craig_bampton import CraigBampton
-from dalembert.structures.reduction.interface import Interface
+from dalembert.structures.reduction.rigid import Interface
 
 NONE = 1e-7
 """Threshold of a second-order displacement, relative to the largest, below which it is omitted."""

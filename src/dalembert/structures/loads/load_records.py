@@ -14,12 +14,41 @@ from dalembert.elements.fem.continuum import Continuum
 from dalembert.elements.fem.lines import Line
 from dalembert.elements.fem.reference_cells import REFERENCE_CELLS
 from dalembert.errors import ModelError
-from dalembert.structures.evaluation.elements import Elements
 from dalembert.structures.loads.temperatures import CHANGES
 from dalembert.structures.loads.tractions import TRACTIONS
-from dalembert.structures.nodes import Nodes
+from dalembert.structures.sets import Elements, Nodes
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
+
+
+@dataclass(frozen=True)
+class Load:
+    """Forces, or initial motions, in one direction at nodes; one value for all, or one per node.
+
+    Attributes
+    ----------
+    fixed_axes : whether it is a moment about a fixed spatial axis
+    """
+
+    nodes: np.ndarray
+    direction: str
+    value: Any
+    entity: str
+    fixed_axes: bool = False
+
+    @property
+    def nothing(self) -> np.ndarray:
+        """Mask of the nodes at which it is zero for all parameter values."""
+        values = self.value if isinstance(self.value, list) else [self.value]
+        return np.array([value.sx.is_zero() for value in values])
+
+    @property
+    def each(self) -> Any:
+        """A formula for all nodes, or an array with one per node."""
+        if not isinstance(self.value, list):
+            return self.value
+        return np.fromiter(self.value, dtype=object, count=len(self.value))
+
 
 Part = StructuralElement | Elements
 
