@@ -25,8 +25,7 @@ from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.events import Events, Occurrence
 from dalembert.analysis.kinematics.branches import Branches, outputs_of, place_outputs
-from dalembert.analysis.over_time import OverTime
-from dalembert.analysis.timeline import checked_span
+from dalembert.analysis.timeline import OverTime, checked_span
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.formulations.base import Formulation, Merits
 from dalembert.formulations.range_space import RangeSpace

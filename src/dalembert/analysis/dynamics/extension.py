@@ -9,8 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from dalembert.analysis.over_time import OverTime
-from dalembert.analysis.timeline import checked_span, checked_step, output_times
+from dalembert.analysis.timeline import OverTime, checked_span, checked_step, output_times
 from dalembert.analysis.times import follow_parameters, in_seconds
 from dalembert.errors import AnalysisError
 from dalembert.results.motion import Motion

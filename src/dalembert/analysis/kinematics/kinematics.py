@@ -19,8 +19,8 @@ from dalembert.analysis.events import Occurrence
 from dalembert.analysis.keywords import OverTimeKeywords
 from dalembert.analysis.kinematics.driven_instants import driven_instant
 from dalembert.analysis.kinematics.run import TOLERANCE, KinematicsRun
-from dalembert.analysis.over_time import OverTime
 from dalembert.analysis.requirements import need_mechanism
+from dalembert.analysis.timeline import OverTime
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model

@@ -13,7 +13,7 @@ from dalembert.analysis.keywords import NonsmoothKeywords
 from dalembert.analysis.kinematics.kinematics import refuse_outside
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.analysis.nonsmooth.step_log import interpolate
-from dalembert.analysis.over_time import OverTime
+from dalembert.analysis.timeline import OverTime
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_solver import ContactSolver

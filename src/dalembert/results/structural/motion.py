@@ -15,7 +15,7 @@ from dalembert.results.sampling import checked_instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
-from dalembert.structures.loads.temperatures import Temperatures
+from dalembert.structures.loads.load_case import Temperatures
 from dalembert.structures.measuring.named_measures import MovingState, MovingWeights
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression

@@ -13,7 +13,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.recording import Recording
 from dalembert.results.result import Instants
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.structures.loads.temperatures import Temperatures
+from dalembert.structures.loads.load_case import Temperatures
 from dalembert.symbolic.formulas.expression import Expression, t
 
 

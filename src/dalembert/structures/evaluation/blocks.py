@@ -14,10 +14,9 @@ from dalembert.elements.fem.graphs import ElementGraphs, ThermalGraphs
 from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
 from dalembert.structures.description import StructureDescription
-from dalembert.structures.evaluation.block import ElementBlock
-from dalembert.structures.evaluation.kind import ElementKind
+from dalembert.structures.evaluation.block import ElementBlock, ElementKind
 from dalembert.structures.evaluation.numbering import Numbering, Spans
-from dalembert.structures.loads.temperatures import CHANGES
+from dalembert.structures.loads.load_case import CHANGES
 from dalembert.structures.sets import Elements
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.parametric_array import ArrayEntries

@@ -13,9 +13,8 @@ import numpy as np
 import scipy
 
 from dalembert.structures.evaluation.assembly import Assembly
-from dalembert.structures.evaluation.block import ElementBlock
+from dalembert.structures.evaluation.block import ElementBlock, ElementKind
 from dalembert.structures.evaluation.inertia import Moved
-from dalembert.structures.evaluation.kind import ElementKind
 
 
 class Pulls:

@@ -17,9 +17,13 @@ from dalembert.structures.description import StructureDescription
 from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.blocks import BlockMaker, Part
 from dalembert.structures.evaluation.numbering import Numbering
-from dalembert.structures.loads.load_case import ConfigurationLoad, LoadCase, MassForce
+from dalembert.structures.loads.load_case import (
+    ConfigurationLoad,
+    LoadCase,
+    MassForce,
+    Temperatures,
+)
 from dalembert.structures.loads.load_records import LineLoad, Load, Spread, Weight
-from dalembert.structures.loads.temperatures import Temperatures
 from dalembert.structures.sets import Elements
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray

@@ -14,7 +14,7 @@ from dalembert.elements.fem.continuum import Continuum
 from dalembert.elements.fem.lines import Line
 from dalembert.elements.fem.reference_cells import REFERENCE_CELLS
 from dalembert.errors import ModelError
-from dalembert.structures.loads.temperatures import CHANGES
+from dalembert.structures.loads.load_case import CHANGES
 from dalembert.structures.loads.tractions import TRACTIONS
 from dalembert.structures.sets import Elements, Nodes
 from dalembert.symbolic.formulas.conversion import as_expression

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.structures.evaluation.block import ElementBlock
-from dalembert.structures.loads.temperatures import Temperatures
+from dalembert.structures.loads.load_case import Temperatures
 
 
 @dataclass

@@ -16,6 +16,7 @@ from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.basis import ShapeBasis, modes_of
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.floating import (
+    Relief,
     floating_shapes,
     mass_centre,
     momentum_shares,
@@ -27,7 +28,6 @@ from dalembert.structures.reduction.rigid import (
     push_places,
     rigid_motions,
 )
-from dalembert.structures.reduction.second_order import Relief
 from dalembert.structures.reduction.slopes import ReductionSlopes
 
 
