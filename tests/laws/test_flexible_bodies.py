@@ -11,7 +11,7 @@ import dalembert as da
 from dalembert import planar, spatial
 from dalembert.results.pictures.picture import pose_of
 from dalembert.results.pictures.scene import motion_scene
-from dalembert.structures.reduction.rigid import node_places
+from dalembert.structures.reduction.rigid import node_positions
 
 SPACES = pytest.mark.parametrize("dimension", [2, 3])
 BOTH = pytest.mark.parametrize("stiffening", [False, True])
@@ -42,7 +42,7 @@ def nodal_velocities(body, y, v):
     )
     (axes,) = values(body, y, v, body.frame_axes)
     spin = np.array([0, 0, v[2]]) if d == 2 else v[3:6]
-    places = node_places(model.blocks, model.degrees, shapes.p) - shapes.origin
+    places = node_positions(model.blocks, model.degrees, shapes.p) - shapes.origin
     u, w = shapes.displacements @ a, shapes.displacements @ grown
     for row, place in zip(model.degrees.table, places, strict=True):
         arm = np.zeros(3)

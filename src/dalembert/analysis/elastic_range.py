@@ -23,7 +23,7 @@ from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.stiffness_solvers import factors_of, free_displacements
-from dalembert.structures.reduction.rigid import interfaces_of, node_places
+from dalembert.structures.reduction.rigid import interfaces_of, node_positions
 from dalembert.symbolic.once import once
 
 STRAIN = 0.1
@@ -199,13 +199,13 @@ def _held_assembly(shapes: FloatingShapes, body: Flexible) -> Assembly:
     """Assembly with the frame at rest: fixed in its interface, or isostatically."""
     structure = shapes.structure
     degrees, whole = structure.degrees, structure.assembly
-    places = node_places(whole.blocks, degrees, shapes.p)
-    interfaces = {i.name: i for i in interfaces_of(body.interface, degrees, places)}
+    positions = node_positions(whole.blocks, degrees, shapes.p)
+    interfaces = {i.name: i for i in interfaces_of(body.interface, degrees, positions)}
     if body.reference in interfaces:
         held = interfaces[body.reference].degrees
     else:
         nodes = np.unique(np.concatenate([i.nodes for i in interfaces.values()]))
-        held = isostatic(structure, places, nodes)
+        held = isostatic(structure, positions, nodes)
     return Assembly(whole.blocks, whole.size, held, whole.pattern)
 
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Protocol
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.times import retimed
+from dalembert.analysis.times import evaluate_times
 from dalembert.budget import STEP, afford, numeral
 from dalembert.elements.driver import Driver
 from dalembert.errors import AnalysisError, BudgetError
@@ -260,6 +260,6 @@ class OverTime(Analysis[Model, R]):
         AssemblyError, SingularityError, UnsupportedError
             The run cannot begin.
         """
-        analysis = retimed(self, model, parameters)
+        analysis = evaluate_times(self, model, parameters)
         result: R = self.execution(analysis, model, parameters).execute(progress)
         return result

@@ -51,7 +51,7 @@ class FollowingTime(float):
         return float, (float(self),)
 
 
-def retimed(analysis: A, model: ParametricModel, parameters: Any) -> A:
+def evaluate_times(analysis: A, model: ParametricModel, parameters: Any) -> A:
     """The analysis with the times that follow parameters evaluated at these values.
 
     Raises

@@ -23,7 +23,7 @@ from dalembert.structures.measuring.named_measures import StructuralMeasures
 from dalembert.structures.reduction.basis import MEAN
 from dalembert.structures.reduction.craig_bampton import CraigBampton, craig_bampton
 from dalembert.structures.reduction.following import FollowingShapes
-from dalembert.structures.reduction.rigid import GivenInterfaces, interfaces_of, node_places
+from dalembert.structures.reduction.rigid import GivenInterfaces, interfaces_of, node_positions
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.formulas.names import Names
 from dalembert.symbolic.parametric_array import ArrayEntries
@@ -188,8 +188,8 @@ class StructuralModel(ParametricModel):
             Wrong interfaces, supports, or parts that move without strain.
         """
         p, linear = self.values(parameters), self.linearized
-        places = node_places(self.blocks, self.degrees, p)
-        interfaces = interfaces_of(interface, self.degrees, places)
+        positions = node_positions(self.blocks, self.degrees, p)
+        interfaces = interfaces_of(interface, self.degrees, positions)
         return craig_bampton(linear.assembly, self.degrees, p, interfaces, modes, up_to)
 
     def floating(

@@ -12,7 +12,7 @@ from dalembert.analysis.requirements import need_count, need_structure
 from dalembert.analysis.spectral import SpectralAnalysis
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectrum import Spectrum
-from dalembert.analysis.structural.static_equations import factorised
+from dalembert.analysis.structural.static_equations import free_factors
 from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
@@ -101,7 +101,7 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     def spectrum(self, model: StructuralModel, p: np.ndarray) -> Spectrum:
         pencil = self.pencil(model, p)
         a, b = pencil.matrices()
-        factor = factorised(pencil.model, b)
+        factor = free_factors(pencil.model, b)
         if factor is None:
             raise AnalysisError("nothing in the structure can move; release a support")
         if self.constant is not None and factor.negative:

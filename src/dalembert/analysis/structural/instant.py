@@ -18,7 +18,7 @@ from dalembert.analysis.structural.transient_equation import (
     EquationOfMotion,
     Motions,
     Slopes,
-    moved,
+    motion_of,
 )
 from dalembert.integrators.newmark.rule import Moving
 from dalembert.sparse.solver import Factors
@@ -68,20 +68,20 @@ class Instant:
         return self.equation.slopes(self.motion, self.stiffness)
 
     @cached_property
-    def loaded(self) -> np.ndarray:
+    def load_change(self) -> np.ndarray:
         """(n, c) change of the applied forces with the parameters."""
         return np.asarray(self.parameters.loads(self.time))
 
     @cached_property
-    def own(self) -> np.ndarray:
+    def parameter_change(self) -> np.ndarray:
         """(n, c) change with the parameters, the motion held."""
         changes = self.parameters
-        change = changes.equations(self.motion) - changes.expansion(self.time) - self.loaded
+        change = changes.equations(self.motion) - changes.expansion(self.time) - self.load_change
         return np.asarray(change)
 
     def push(self, change: Motions) -> np.ndarray:
         """(n, c) change with the motion and the parameters."""
-        return self.own + self.slopes.along(change)
+        return self.parameter_change + self.slopes.along(change)
 
     def pull(self, weights: np.ndarray) -> Motions:
         """Weights of the motion from (n, rows) of the equations; adds those of the parameters."""
@@ -90,16 +90,16 @@ class Instant:
 
     def free_weights(self, weights: Moving, more: Motions) -> Moving:
         """The sum of weights; those of prescribed displacements pass to the parameters."""
-        u, v, a = (first + second for first, second in zip(moved(weights), more, strict=True))
+        u, v, a = (first + second for first, second in zip(motion_of(weights), more, strict=True))
         total, held = Moving(u, v, a, weights.s.copy()), self.equation.held
-        self.parameters.supports(Motions(*(part[held] for part in moved(total))), self.time)
+        self.parameters.supports(Motions(*(part[held] for part in motion_of(total))), self.time)
         for part in total:
             part[held] = 0.0
         return total
 
     def push_forces(self, change: Motions) -> np.ndarray:
         """(n, c) change of applied forces, and of reactions at prescribed displacements."""
-        forces, held = self.loaded.copy(), self.equation.held
+        forces, held = self.load_change.copy(), self.equation.held
         forces[held] = self.push(change)[held]
         return forces
 

@@ -27,7 +27,7 @@ from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.stiffness_solvers import factors_of
 from dalembert.structures.loads.load_case import ConfigurationLoad
 from dalembert.structures.model import StructuralModel
-from dalembert.structures.reduction.rigid import node_places, rigid_motions
+from dalembert.structures.reduction.rigid import node_positions, rigid_motions
 
 RELATIVE = 0.05
 """Error relative to the largest displacement above which a result carries a warning."""
@@ -105,19 +105,21 @@ class LinearRange:
         return largest, where
 
     @cached_property
-    def places(self) -> np.ndarray:
+    def undeformed(self) -> np.ndarray:
         """(nodes, d) positions in the undeformed structure [m]."""
-        return node_places(self.model.assembly.blocks, self.model.degrees, self.p)
+        return node_positions(self.model.assembly.blocks, self.model.degrees, self.p)
 
     @cached_property
     def displacement(self) -> float:
         """Largest displacement of a node [m]."""
-        return float(np.linalg.norm(self._positions(self.u) - self.places, axis=1).max(initial=0.0))
+        return float(
+            np.linalg.norm(self._positions(self.u) - self.undeformed, axis=1).max(initial=0.0)
+        )
 
     @cached_property
     def extent(self) -> float:
         """Diagonal of the bounding box of the structure [m]."""
-        return float(np.linalg.norm(np.ptp(self.places, axis=0)))
+        return float(np.linalg.norm(np.ptp(self.undeformed, axis=0)))
 
     @cached_property
     def second_order(self) -> np.ndarray:
@@ -155,12 +157,12 @@ class LinearRange:
 
     def _positions(self, u: np.ndarray) -> np.ndarray:
         table = self.model.degrees.table[:, : self.model.degrees.dimension]
-        return self.places + np.where(table >= 0, u[table], 0.0)
+        return self.undeformed + np.where(table >= 0, u[table], 0.0)
 
     def _error(self, u: np.ndarray) -> float:
         linear, nonlinear = self._positions(self.u), self._positions(u)
         if self.floating:
-            nonlinear = aligned(nonlinear, linear)
+            nonlinear = align(nonlinear, linear)
         error = float(np.linalg.norm(nonlinear - linear, axis=1).max(initial=0.0))
         return error / max(self.displacement, 1e-300)
 
@@ -207,7 +209,7 @@ def percent(share: float) -> str:
     return f"{float(f'{100 * share:.2g}'):g} %"
 
 
-def aligned(positions: np.ndarray, to: np.ndarray) -> np.ndarray:
+def align(positions: np.ndarray, to: np.ndarray) -> np.ndarray:
     """Positions (nodes, d), moved rigidly as close as possible to others (Kabsch 1976)."""
     centre, target = positions.mean(axis=0), to.mean(axis=0)
     left, _, right = np.linalg.svd((positions - centre).T @ (to - target))

@@ -13,7 +13,7 @@ from dalembert.analysis.requirements import need_count, need_structure
 from dalembert.analysis.spectral import SpectralAnalysis
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectrum import Spectrum
-from dalembert.analysis.structural.static_equations import factorised
+from dalembert.analysis.structural.static_equations import free_factors
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options
@@ -147,7 +147,7 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
                     f"the stiffness is singular at the shift {self.shift:g}; give another one"
                 ) from None
         try:
-            factor = factorised(pencil.model, matrix)
+            factor = free_factors(pencil.model, matrix)
         except SingularityError as error:
             raise SingularityError(
                 f"{error}; for an unsupported structure give a negative shift, of the size of the "

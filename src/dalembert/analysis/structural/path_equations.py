@@ -10,7 +10,7 @@ import scipy
 from dalembert.analysis.structural.static_equations import (
     ForceResidual,
     StaticEquations,
-    factorised,
+    free_factors,
 )
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.results.structural.load_path import Plane
@@ -44,7 +44,7 @@ class PathEquations:
             "use solve_statics(…, nonlinear=True)",
         )
         stiffness, load, _ = self.matrix(np.zeros(self.size + 1))
-        factor = factorised(model, stiffness)
+        factor = free_factors(model, stiffness)
         self._slope = factor.solve(load) if factor is not None else np.zeros(0)
         arms = self.statics.balance.arms[self.free]
         length = float(np.linalg.norm(arms * self._slope))
@@ -60,7 +60,7 @@ class PathEquations:
         """The vector whose product with another direction is their inner product."""
         return np.append(direction[:-1] / self.scale**2, direction[-1])
 
-    def displaced(self, point: np.ndarray) -> np.ndarray:
+    def displacements_at(self, point: np.ndarray) -> np.ndarray:
         """(n,) all displacements."""
         u = np.zeros(self.statics.assembly.size)
         u[self.free], u[self.held] = point[:-1], point[-1] * self.statics.prescribed
@@ -68,20 +68,20 @@ class PathEquations:
 
     def forces(self, point: np.ndarray) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
-        return self.statics.forces(self.displaced(point), point[-1])
+        return self.statics.forces(self.displacements_at(point), point[-1])
 
     def residual(self, point: np.ndarray) -> ForceResidual:
         """Unbalanced forces on the free displacements."""
-        return self.statics.residual(self.displaced(point), point[-1])
+        return self.statics.residual(self.displacements_at(point), point[-1])
 
     def matrix(self, point: np.ndarray, stiffness: Any = None) -> tuple[Any, np.ndarray, Any]:
         """``K_ff``, ``q`` and the whole stiffness, computed unless passed."""
         statics = self.statics
         if stiffness is None:
-            stiffness = statics.stiffness(self.displaced(point), point[-1])
+            stiffness = statics.stiffness(self.displacements_at(point), point[-1])
         tangent, load_forces = stiffness.tocsr(), statics.applied
         if statics.moving:
-            load_forces = load_forces - statics.moving.forces(self.displaced(point), self.p)
+            load_forces = load_forces - statics.moving.forces(self.displacements_at(point), self.p)
         rows = tangent[self.free]
         load = load_forces[self.free] - rows[:, self.held] @ statics.prescribed
         return rows[:, self.free].tocsc(), load, tangent

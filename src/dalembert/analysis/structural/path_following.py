@@ -150,7 +150,7 @@ class PathFollower:
         """All points as one result."""
         e, count = self.equations, len(self.points)
         factors = np.array([point[-1] for point in self.points])
-        u = np.stack([e.displaced(point) for point in self.points], axis=1)
+        u = np.stack([e.displacements_at(point) for point in self.points], axis=1)
         forces = np.stack([e.forces(point) for point in self.points], axis=1)
         return LoadPathResult(
             e.model,

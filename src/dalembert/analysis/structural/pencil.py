@@ -16,7 +16,7 @@ import scipy
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.inertia import from_rest
-from dalembert.structures.evaluation.pattern import combined
+from dalembert.structures.evaluation.pattern import combine
 from dalembert.structures.model import StructuralModel
 
 
@@ -126,7 +126,7 @@ class Tangent(Term):
     def matrix(self) -> scipy.sparse.csc_matrix:
         s = self.state
         parts = (s.model.assembly, s.heated)
-        return combined(*((1.0, part.stiffness(s.u, s.p)) for part in parts))
+        return combine(*((1.0, part.stiffness(s.u, s.p)) for part in parts))
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
         s = self.state
@@ -153,7 +153,7 @@ class Geometric(Term):
         s = self.state
         strained = s.model.assembly.geometric(s.u, s.p)
         hot = s.heated.stiffness(np.zeros_like(s.u), s.p)
-        return combined((self.factor, strained), (self.factor, hot))
+        return combine((self.factor, strained), (self.factor, hot))
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
         s, rest = self.state, np.zeros_like(b)
@@ -190,5 +190,5 @@ class Pencil:
         return self._sum(self.left), self._sum(self.right)
 
     def _sum(self, terms: Sequence[Term]) -> scipy.sparse.csc_matrix:
-        total = combined(*((1.0, term.matrix()) for term in terms))
+        total = combine(*((1.0, term.matrix()) for term in terms))
         return self.model.assembly.inner(total)

@@ -86,7 +86,7 @@ class StaticsRecord:
     stiffness: Any
 
 
-def factorised(model: StructuralModel, matrix: Any) -> Factors | None:
+def free_factors(model: StructuralModel, matrix: Any) -> Factors | None:
     """Sparse factors of the stiffness of the free displacements; None if all are prescribed.
 
     Raises
@@ -146,7 +146,7 @@ class StaticEquations:
 
     def factor(self, stiffness: Any) -> Factors | None:
         """Factors of the free part of the whole stiffness."""
-        return factorised(self.model, self.assembly.inner(stiffness))
+        return free_factors(self.model, self.assembly.inner(stiffness))
 
     def forces(self, u: np.ndarray, share: float) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""

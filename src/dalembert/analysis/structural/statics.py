@@ -15,7 +15,7 @@ from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.static_equations import (
     StaticEquations,
     StaticsRecord,
-    factorised,
+    free_factors,
 )
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import UnsupportedError
@@ -144,7 +144,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
             iterative = better_iterative(free.size, blocks)
         if iterative:
             return multigrid_of(matrix, blocks, model.degrees, free, p)
-        return factorised(model, matrix)
+        return free_factors(model, matrix)
 
     @staticmethod
     def _statistics(

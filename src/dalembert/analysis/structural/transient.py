@@ -15,7 +15,7 @@ from dalembert.analysis.requirements import need_structure
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.structural.transient_run import TransientRun, motion_at
 from dalembert.analysis.structural.transient_start import STARTS
-from dalembert.analysis.times import Time, analysis_of, retimed
+from dalembert.analysis.times import Time, analysis_of, evaluate_times
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.newmark.family import Newmark, NewmarkFamily
 from dalembert.options import options
@@ -123,7 +123,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
                 "parameter"
             )
         p = model.values(parameters)
-        return TransientRun(retimed(self, model, p), model, p).execute(progress)
+        return TransientRun(evaluate_times(self, model, p), model, p).execute(progress)
 
     def resample(self, motion: StructuralMotion, times: np.ndarray) -> StructuralMotion:
         """The motion at other times within the run.

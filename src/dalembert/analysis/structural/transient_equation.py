@@ -17,7 +17,7 @@ from dalembert.errors import ModelError, SingularityError, UnsupportedError
 from dalembert.integrators.newmark.rule import Moving
 from dalembert.sparse.factorise import indefinite_factors, symmetric_factors
 from dalembert.sparse.solver import Factors
-from dalembert.structures.evaluation.pattern import combined
+from dalembert.structures.evaluation.pattern import combine
 from dalembert.structures.loads.load_case import ConfigurationLoad, Expansion
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.conversion import as_expression
@@ -86,7 +86,7 @@ class Motions(NamedTuple):
     a: np.ndarray
 
 
-def moved(x: Moving) -> Motions:
+def motion_of(x: Moving) -> Motions:
     """The motion without the memory variable of the method."""
     return Motions(x.u, x.v, x.a)
 
@@ -148,7 +148,7 @@ class EquationOfMotion:
         self._at_rest = self.assembly.internal_forces(rest, p)
         self.steady, self.turning = self.assembly.split(lambda b: b.kind.turning(lumped))
         self._inertia = self.steady.mass(p, lumped) if self.turns else self.mass
-        self._damper = combined((self.beta, self.stiffness))
+        self._damper = combine((self.beta, self.stiffness))
         self.supports = (
             model.prescribed,
             model.prescribed.derivative,
@@ -256,15 +256,15 @@ class EquationOfMotion:
         moved = motion._replace(a=self._damped_acceleration(motion))
         by_u, by_v, by_a = self.turning.inertia_slopes(moved, self.p, self.lumped)
         return Slopes(
-            combined((1.0, strain), (1.0, by_u)),
-            combined((1.0, constant.v), (1.0, by_v), (self.alpha, by_a)),
-            combined((1.0, constant.a), (1.0, by_a)),
+            combine((1.0, strain), (1.0, by_u)),
+            combine((1.0, constant.v), (1.0, by_v), (self.alpha, by_a)),
+            combine((1.0, constant.a), (1.0, by_a)),
         )
 
     @cached_property
     def _constant_slopes(self) -> Slopes:
         """``K``, ``C`` and ``M`` of the elements with constant inertia."""
-        damper = combined((self.alpha, self._inertia), (1.0, self._damper))
+        damper = combine((self.alpha, self._inertia), (1.0, self._damper))
         return Slopes(self.stiffness, damper, self._inertia)
 
     def _damped_acceleration(self, motion: Motions) -> np.ndarray:

@@ -12,7 +12,7 @@ from dalembert.analysis.kinematics.branches import Branches, outputs_of
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.structural.linear_range import linear_range_warnings
 from dalembert.analysis.structural.rotation_charts import RotationCharts
-from dalembert.analysis.structural.transient_equation import EquationOfMotion, moved
+from dalembert.analysis.structural.transient_equation import EquationOfMotion, motion_of
 from dalembert.analysis.structural.transient_start import TransientStart
 from dalembert.analysis.structural.transient_step import TransientStep
 from dalembert.analysis.timeline import (
@@ -115,7 +115,7 @@ class March:
     def _residual(self, h: float) -> float:
         """Residual of the equations of motion at the end, relative to their terms."""
         e, end = self.equation, self.steps.end
-        last = moved(self.node(self.steps.count))
+        last = motion_of(self.node(self.steps.count))
         rows = e.free if self.steps.count else e.massive
         step, sizes = self.step(h), abs(e.tangent(last.u))
         return step.residual(last, e.loads(end), rows, sizes).relative(step.settings.tolerance)
@@ -242,8 +242,10 @@ def motion_at(
 ) -> StructuralMotion:
     """The motion at output times."""
     e, states = march.equation, march.states(branches)
-    forces = [e.external_forces(moved(x), float(t)) for x, t in zip(states, times, strict=True)]
-    u, v, a = (np.stack(column, axis=1) for column in zip(*(moved(x) for x in states), strict=True))
+    forces = [e.external_forces(motion_of(x), float(t)) for x, t in zip(states, times, strict=True)]
+    u, v, a = (
+        np.stack(column, axis=1) for column in zip(*(motion_of(x) for x in states), strict=True)
+    )
     return StructuralMotion(
         model=e.model,
         analysis=analysis,

@@ -6,7 +6,7 @@ import numpy as np
 
 from dalembert.analysis.structural.instant import Instant, Unknown
 from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearStatics
-from dalembert.analysis.structural.static_equations import StaticEquations, factorised
+from dalembert.analysis.structural.static_equations import StaticEquations, free_factors
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions, factors
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.integrators.newmark.rule import Moving
@@ -70,7 +70,11 @@ class TransientStart:
         """Change of the state with the parameters."""
         e, changes = self.equation, instant.parameters
         held = changes.supports(self.time)
-        u = np.zeros_like(instant.own) if self.static else changes.each(self.initial.displacements)
+        u = (
+            np.zeros_like(instant.parameter_change)
+            if self.static
+            else changes.each(self.initial.displacements)
+        )
         v, a = changes.each(self.initial.velocities), np.zeros_like(u)
         u[e.held], v[e.held], a[e.held] = held
         if self.static:
@@ -101,7 +105,7 @@ class TransientStart:
         """Free displacements at rest."""
         e = self.equation
         inner = e.assembly.inner
-        return Unknown(at, e.free, lambda: factorised(e.model, inner(at.stiffness)))
+        return Unknown(at, e.free, lambda: free_factors(e.model, inner(at.stiffness)))
 
     def _equilibrium(self, held: np.ndarray) -> np.ndarray:
         e = self.equation

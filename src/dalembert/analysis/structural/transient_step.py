@@ -21,12 +21,12 @@ from dalembert.analysis.structural.transient_equation import (
     Motions,
     Slopes,
     factors,
-    moved,
+    motion_of,
 )
 from dalembert.integrators.newmark.family import NewmarkFamily
 from dalembert.integrators.newmark.rule import Course, Moving, StepRule
 from dalembert.sparse.solver import Factors
-from dalembert.structures.evaluation.pattern import combined
+from dalembert.structures.evaluation.pattern import combine
 from dalembert.symbolic.equations.newton import Equations, Residual, solve
 
 SINGULAR = (
@@ -80,7 +80,7 @@ class TransientStep:
         """Factors of ``M + κ(h γ C + h² β K)`` in the free displacements."""
         e, rule = self.equation, self.rule
         by_u, by_v = rule.slopes
-        matrix = combined((1.0, slopes.a), (by_v, slopes.v), (by_u, slopes.u))
+        matrix = combine((1.0, slopes.a), (by_v, slopes.v), (by_u, slopes.u))
         self.factorisations += 1
         return factors(e.assembly.inner(matrix), SINGULAR, symmetric=e.symmetric)
 
@@ -93,7 +93,7 @@ class TransientStep:
             The equations of the step are singular.
         """
         e = self.equation
-        prediction, held, loads = self.predicted(x), e.support_motion(time), e.loads(time)
+        prediction, held, loads = self.predict(x), e.support_motion(time), e.loads(time)
         a = np.zeros_like(x.a)
         if not e.linear:
             a = self._initial_guess(x, prediction, held, loads, time)
@@ -103,7 +103,7 @@ class TransientStep:
             if solution is None:
                 return None
             a = solution
-        motion = moved(self.state(prediction, held, a))
+        motion = motion_of(self.state(prediction, held, a))
         self.previous = self.unknown(Instant(e, motion, time))
         imbalance = (e.forces(motion) - loads)[e.free]
         # after convergence: reduces the residual to round-off
@@ -115,10 +115,10 @@ class TransientStep:
         self, x: Moving, prediction: Prediction, held: Motions, loads: np.ndarray, time: float
     ) -> np.ndarray:
         """(n,) accelerations at the end, with forces linearised at the start."""
-        e, start, a = self.equation, moved(x), np.zeros_like(x.a)
+        e, start, a = self.equation, motion_of(x), np.zeros_like(x.a)
         if self.previous is None or self.end is not x:
             self.previous = self.unknown(Instant(e, start, time - self.rule.h))
-        end = moved(self.state(prediction, held, a))
+        end = motion_of(self.state(prediction, held, a))
         change = Motions(*(new - old for new, old in zip(end, start, strict=True)))
         imbalance = e.forces(start) + self.previous.at.slopes.along(change) - loads
         a[e.free] = self.previous.correction(imbalance[e.free])
@@ -126,9 +126,9 @@ class TransientStep:
 
     def push(self, end: Instant, change: Moving) -> Moving:
         """Change of the end of the step with that of its start and of the parameters."""
-        prediction, held = self.predicted(change), end.parameters.supports(end.time)
+        prediction, held = self.predict(change), end.parameters.supports(end.time)
         a = np.zeros_like(change.u)
-        without_acceleration = moved(self.state(prediction, held, a))
+        without_acceleration = motion_of(self.state(prediction, held, a))
         a[self.equation.free] = self.unknown(end).moved(without_acceleration)
         return self.state(prediction, held, a)
 
@@ -167,7 +167,7 @@ class TransientStep:
         terms = [loads, *(-part for part in e.parts(motion))]
         return self.balance.residual(terms, magnitudes, rows)
 
-    def predicted(self, x: Moving) -> Prediction:
+    def predict(self, x: Moving) -> Prediction:
         """The step without acceleration at its end."""
         return Prediction(x.u, self.rule.predicted(x.v, x.a, x.s))
 
@@ -213,7 +213,7 @@ class EndOfStep(Equations[np.ndarray]):
 
     def motion(self, a: np.ndarray) -> Motions:
         """The motion at the end."""
-        return moved(self.step_of.state(self.prediction, self.held, a))
+        return motion_of(self.step_of.state(self.prediction, self.held, a))
 
     def _unknown(self, motion: Motions) -> Unknown:
         return self.step_of.unknown(Instant(self.step_of.equation, motion, self.time))

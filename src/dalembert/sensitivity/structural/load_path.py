@@ -44,7 +44,7 @@ class LoadPathGradient(StaticsGradient):
 
     def moved(self, case: int, rest: np.ndarray) -> tuple[np.ndarray, float]:
         found = self.factors(case)[0].solve(np.append(rest[self.free], 0.0))
-        return self.equations.displaced(found), float(found[-1])
+        return self.equations.displacements_at(found), float(found[-1])
 
     def multiplier(self, case: int, u_bar: np.ndarray, factor_bar: np.ndarray) -> np.ndarray:
         seen = np.vstack([u_bar[self.free], factor_bar])

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from dalembert.analysis.structural.instant import Instant
-from dalembert.analysis.structural.transient_equation import Motions, moved
+from dalembert.analysis.structural.transient_equation import Motions, motion_of
 from dalembert.analysis.structural.transient_step import TransientStep
 from dalembert.integrators.newmark.rule import Moving
 from dalembert.sensitivity.engine import Engine
@@ -52,7 +52,7 @@ class TransientPass:
         march, steps = self.march, self.steps
         time = float(steps.t[node]) if node < steps.count else steps.end
         state = march.arrived(node) if arrived else march.node(node)
-        return Instant(self.equation, moved(state), time, self.parameters)
+        return Instant(self.equation, motion_of(state), time, self.parameters)
 
     def begun(self, node: int) -> Instant:
         """Where steps begin."""
@@ -175,7 +175,7 @@ class TransientDirect(TransientPass, ForwardWalk[Moving]):
         for weight, part in ((seen.u, change.u), (seen.v, change.v), (seen.a, change.a)):
             self.found += weight.T @ part
         if seen.forces.any():
-            self.found += seen.forces.T @ at.push_forces(moved(change))
+            self.found += seen.forces.T @ at.push_forces(motion_of(change))
 
 
 class TransientEngine(Engine):

@@ -10,7 +10,7 @@ import scipy
 
 from dalembert.structures.evaluation.block import ElementBlock
 from dalembert.structures.evaluation.inertia import Moved
-from dalembert.structures.evaluation.pattern import Pattern, filled
+from dalembert.structures.evaluation.pattern import Pattern, with_entries
 
 
 class Assembly:
@@ -63,7 +63,7 @@ class Assembly:
         if not self.pattern.holds(matrix):
             return matrix[self.free][:, self.free].tocsc()
         places, empty = self._inner
-        return filled(empty, matrix.data[places])
+        return with_entries(empty, matrix.data[places])
 
     def arm(self, p: np.ndarray) -> float:
         """Mean length of the elements; one if all are points [m]."""

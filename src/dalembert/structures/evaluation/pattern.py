@@ -51,7 +51,7 @@ class Pattern:
     def matrix(self, entries: np.ndarray, slots: np.ndarray) -> scipy.sparse.csc_matrix:
         """The matrix with element entries summed by slot."""
         empty = self._structure[0]
-        return filled(empty, np.bincount(slots, entries, minlength=empty.indices.size))
+        return with_entries(empty, np.bincount(slots, entries, minlength=empty.indices.size))
 
     def part(self, selected: np.ndarray) -> tuple[np.ndarray, scipy.sparse.csc_matrix]:
         """Indices of the entries in selected rows and columns, and the submatrix with zeros."""
@@ -68,11 +68,11 @@ class Pattern:
         return getattr(matrix, "indices", None) is self._structure[0].indices
 
 
-def combined(*terms: tuple[float, scipy.sparse.csc_matrix]) -> scipy.sparse.csc_matrix:
+def combine(*terms: tuple[float, scipy.sparse.csc_matrix]) -> scipy.sparse.csc_matrix:
     """``Σ factor · matrix``; matrices of one pattern are added entry by entry."""
     (factor, first), *more = terms
     if all(matrix.indices is first.indices for _, matrix in more):
-        return filled(first, sum((f * m.data for f, m in more), factor * first.data))
+        return with_entries(first, sum((f * m.data for f, m in more), factor * first.data))
     return sum((f * m for f, m in more), factor * first).tocsc()
 
 
@@ -81,7 +81,7 @@ def _matrix(rows: np.ndarray, starts: np.ndarray, size: int) -> scipy.sparse.csc
     return scipy.sparse.csc_matrix((np.zeros(rows.size), indices, starts), shape=(size, size))
 
 
-def filled(like: scipy.sparse.csc_matrix, entries: np.ndarray) -> scipy.sparse.csc_matrix:
+def with_entries(like: scipy.sparse.csc_matrix, entries: np.ndarray) -> scipy.sparse.csc_matrix:
     """A matrix of the same pattern with other entries."""
     matrix = copy(like)
     matrix.data = entries

@@ -16,7 +16,7 @@ from dalembert.sparse.multigrid import Multigrid
 from dalembert.sparse.solver import Factors, SparseSolver
 from dalembert.structures.evaluation.block import ElementBlock
 from dalembert.structures.evaluation.numbering import Numbering
-from dalembert.structures.reduction.rigid import node_places, rigid_motions
+from dalembert.structures.reduction.rigid import node_positions, rigid_motions
 
 SOFTEST = 1e-14
 """Threshold of the energy of a free motion, relative to the terms whose difference it is."""
@@ -118,7 +118,7 @@ def multigrid_of(
     """
     if not matrix.shape[0]:
         return None
-    positions = node_places(list(blocks), degrees, p)
+    positions = node_positions(list(blocks), degrees, p)
     motions = rigid_motions(degrees, positions - positions.mean(axis=0))[free]
     own = np.abs(matrix.diagonal())
     if not matrix.diagonal().all():

@@ -36,9 +36,9 @@ class Temperatures:
 
     def data(self, block: ElementBlock, p: np.ndarray, share: float, time: float) -> np.ndarray:
         """(m, ne) data of the elements with a share of the temperature changes."""
-        return self.shared(block, self.source(block).data(p, time), share)
+        return self.scale(block, self.source(block).data(p, time), share)
 
-    def shared(self, block: ElementBlock, data: np.ndarray, share: float) -> np.ndarray:
+    def scale(self, block: ElementBlock, data: np.ndarray, share: float) -> np.ndarray:
         """Data, or changes or weights of data, with a share of the temperature changes."""
         if share == 1.0 or block not in self.heated:
             return data

@@ -35,14 +35,14 @@ class State:
     def push_data(self, b: ElementBlock, change: State) -> np.ndarray:
         """(m, ne) change of the data."""
         source = self.temperatures.source(b).push_data(self.p, change.p, self.time)
-        return self.temperatures.shared(b, source, self.load_factor)
+        return self.temperatures.scale(b, source, self.load_factor)
 
     def pull_data(self, b: ElementBlock, weights: np.ndarray, into: Weights) -> None:
         """Add the weights of parameters and load factor from weights (m, ne) of the data."""
         source, rows = self.temperatures.source(b), self.temperatures.rows(b)
         if rows:
             into.load_factor += float((weights[rows] * source.data(self.p, self.time)[rows]).sum())
-        shared = self.temperatures.shared(b, weights, self.load_factor)
+        shared = self.temperatures.scale(b, weights, self.load_factor)
         into.p += source.pull_data(self.p, shared, self.time)
 
     def turn_data(self, b: ElementBlock, weights: np.ndarray, change: State) -> np.ndarray:

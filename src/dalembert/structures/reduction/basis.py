@@ -47,7 +47,7 @@ class ShapeBasis:
         """The interface to which the frame is fixed; None for mean axes."""
         return frame_interface(reduced.interfaces, self.frame)
 
-    def adapted(self, reduced: CraigBampton) -> tuple[np.ndarray, np.ndarray]:
+    def adapt(self, reduced: CraigBampton) -> tuple[np.ndarray, np.ndarray]:
         """``(Yᵀ Φ)⁻¹`` (k, k), and the shapes (r, m) in the coordinates of a reduction.
 
         Raises
@@ -73,7 +73,7 @@ class ShapeBasis:
 
 
 def modal_basis(
-    reduced: CraigBampton, degrees: Numbering, places: np.ndarray, frame: str
+    reduced: CraigBampton, degrees: Numbering, positions: np.ndarray, frame: str
 ) -> ShapeBasis:
     """Modes with the frame at rest, of unit size.
 
@@ -85,7 +85,7 @@ def modal_basis(
     interface = frame_interface(reduced.interfaces, frame)
     rigid = 0 if interface is not None else (3 if degrees.dimension == 2 else 6)
     coordinates = _modes(reduced, interface, rigid)
-    coordinates = coordinates / _sizes(reduced.shapes @ coordinates, degrees, places)
+    coordinates = coordinates / _sizes(reduced.shapes @ coordinates, degrees, positions)
     free, count = reduced.assembly.free, reduced.frequencies.size
     modes = reduced.shapes[free, reduced.shapes.shape[1] - count :]
     mass = reduced.assembly.inner(reduced.assembly.mass(reduced.p))
@@ -136,8 +136,8 @@ def modes_of(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.nd
     return np.maximum(squares, 0.0), modes
 
 
-def _sizes(shapes: np.ndarray, degrees: Numbering, places: np.ndarray) -> np.ndarray:
+def _sizes(shapes: np.ndarray, degrees: Numbering, positions: np.ndarray) -> np.ndarray:
     """(m,) largest displacements, or rotations times the length of the structure."""
-    length = float(np.ptp(places, axis=0).max())
+    length = float(np.ptp(positions, axis=0).max())
     sizes = np.where(degrees.rotations, length, 1.0)
     return np.abs(sizes[:, None] * shapes).max(axis=0, initial=0.0)

@@ -25,7 +25,7 @@ from dalembert.errors import ModelError
 from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.basis import ShapeBasis, modes_of
 from dalembert.structures.reduction.craig_bampton import CraigBampton
-from dalembert.structures.reduction.rigid import Interface, carried, rigid_motions, spins
+from dalembert.structures.reduction.rigid import Interface, carry, rigid_motions, spins
 
 NONE = 1e-7
 """Threshold of a second-order displacement, relative to the largest, below which it is omitted."""
@@ -61,7 +61,7 @@ class Relief:
         self.strained = [reduced.assembly.geometric(shapes[:, k], reduced.p) for k in range(count)]
         self.loads = np.stack([self.strained[k] @ shapes[:, l] for k, l in self.pairs], axis=1)
         self.moving = self._moving()
-        self.full, self.moves = self.relieved(-self.loads)
+        self.full, self.moves = self.solve(-self.loads)
         self.third = shapes.T @ self.loads
         self.along = np.linalg.solve(stiffness, self.subtracted * self.third)
         self.shapes = (self.full + shapes @ self.along) * self.halves
@@ -90,7 +90,7 @@ class Relief:
         size = np.arange(sum(i.motions.shape[1] for i in self.reduced.interfaces))
         return np.setdiff1d(size, size[self.reduced.columns[self.held.name]])
 
-    def relieved(
+    def solve(
         self, loads: np.ndarray, at_interfaces: np.ndarray | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n, k) static displacements under loads, with the held interface fixed, the others rigid.
@@ -127,7 +127,7 @@ ROUND_OFF = 1e-13
 def floating_shapes(
     reduced: CraigBampton,
     degrees: Numbering,
-    places: np.ndarray,
+    positions: np.ndarray,
     basis: ShapeBasis,
     pairs: np.ndarray | None,
     structure,
@@ -136,7 +136,7 @@ def floating_shapes(
 
     Parameters
     ----------
-    places : (nodes, d)
+    positions : (nodes, d) of the nodes [m]
     pairs : (k, 2) shapes whose products have second-order displacements, which cause centrifugal
         stiffening; None selects the significant pairs
 
@@ -150,9 +150,9 @@ def floating_shapes(
         reduced.assembly.mass(reduced.p),
     )
     interface = basis.held(reduced)
-    origin = mass_centre(mass, degrees, places) if interface is None else interface.place
-    rigid = rigid_motions(degrees, places - origin)
-    shapes = reduced.shapes @ basis.adapted(reduced)[1]
+    origin = mass_centre(mass, degrees, positions) if interface is None else interface.place
+    rigid = rigid_motions(degrees, positions - origin)
+    shapes = reduced.shapes @ basis.adapt(reduced)[1]
     if interface is None:
         shapes -= rigid @ momentum_shares(mass, rigid, shapes)
     modal = symmetric(shapes.T @ (stiffness @ shapes))
@@ -168,7 +168,7 @@ def floating_shapes(
             )
         relief = Relief(reduced, interface, shapes, modal, pairs)
         pairs, amplitudes = relief.pairs, np.concatenate([shapes, relief.shapes], axis=1)
-    fields = np.concatenate([rigid, amplitudes, carried(degrees, amplitudes)], axis=1)
+    fields = np.concatenate([rigid, amplitudes, carry(degrees, amplitudes)], axis=1)
     counted = _counted(rigid.shape[1], shapes.shape[1], amplitudes.shape[1])
     inertia = _cleared(fields.T @ (mass @ fields)) * counted
     own = slice(rigid.shape[1], rigid.shape[1] + shapes.shape[1])
@@ -192,7 +192,7 @@ def floating_shapes(
     )
 
 
-def mass_centre(mass, degrees: Numbering, places: np.ndarray) -> np.ndarray:
+def mass_centre(mass, degrees: Numbering, positions: np.ndarray) -> np.ndarray:
     """(d,) centre of mass [m].
 
     Raises
@@ -201,13 +201,13 @@ def mass_centre(mass, degrees: Numbering, places: np.ndarray) -> np.ndarray:
         The structure has no mass.
     """
     d = degrees.dimension
-    shift = rigid_motions(degrees, places)[:, :d]
+    shift = rigid_motions(degrees, positions)[:, :d]
     momentum = mass @ shift
     total = float(shift[:, 0] @ momentum[:, 0])
     if not total > 0:
         raise ModelError("a flexible body needs mass; give its elements a density")
     weights = momentum[degrees.table[:, 0], 0]
-    return (weights @ places) / total
+    return (weights @ positions) / total
 
 
 def momentum_shares(mass, rigid: np.ndarray, shapes: np.ndarray) -> np.ndarray:

@@ -23,11 +23,11 @@ from dalembert.structures.reduction.floating import (
 )
 from dalembert.structures.reduction.floating_slopes import FloatingSlopes
 from dalembert.structures.reduction.rigid import (
-    node_places,
-    pull_places,
+    carry_transposed,
+    node_positions,
+    pull_positions,
     rigid_motions,
     spins,
-    uncarried,
 )
 
 
@@ -46,8 +46,8 @@ class FloatingWeights:
         self.assembly, self.p = slopes.reduced.assembly, slopes.reduced.p
         self.p_bar = np.zeros(self.p.size)
         self.motions_bar = np.zeros_like(slopes.reduced.shapes)
-        self.places_bar = np.zeros_like(slopes.places)
-        self.origin_bar = np.zeros(slopes.places.shape[1])
+        self.positions_bar = np.zeros_like(slopes.positions)
+        self.origin_bar = np.zeros(slopes.positions.shape[1])
 
     def parameters(self) -> np.ndarray:
         """(np,) weights of the parameters."""
@@ -57,7 +57,7 @@ class FloatingWeights:
         self._pull_mass(f.fields @ inertia_bar, f.fields)
         last = first + f.now.displacements.shape[1]
         rigid_bar, amplitudes_bar = fields_bar[:, :first], fields_bar[:, first:last]
-        amplitudes_bar = amplitudes_bar + uncarried(self.degrees, fields_bar[:, last:])
+        amplitudes_bar = amplitudes_bar + carry_transposed(self.degrees, fields_bar[:, last:])
         self._sections(amplitudes_bar)
         shapes_bar = amplitudes_bar[:, :m].copy()
         if len(f.pairs):
@@ -72,7 +72,7 @@ class FloatingWeights:
         self._rigid(rigid_bar)
         self._origin()
         blocks = self.assembly.blocks
-        return self.p_bar + pull_places(blocks, self.degrees, self.p, self.places_bar)
+        return self.p_bar + pull_positions(blocks, self.degrees, self.p, self.positions_bar)
 
     def _inertia_weights(self) -> tuple[np.ndarray, np.ndarray]:
         """Weights of stiffness and inertia, including those of damping and mass."""
@@ -97,7 +97,7 @@ class FloatingWeights:
             amplitudes_bar[i.degrees] += pushed
             moves = np.concatenate([own.shift, own.turn])
             self.motions_bar[i.degrees, self.reduced.columns[i.name]] -= pushed @ moves.T
-            self.places_bar[i.nodes] += bar.place[:d] / len(i.nodes)
+            self.positions_bar[i.nodes] += bar.place[:d] / len(i.nodes)
             self.origin_bar -= bar.place[:d]
 
     def _relief(
@@ -111,7 +111,7 @@ class FloatingWeights:
         stiffness_bar -= eased @ r.along.T
         third_bar = r.subtracted * eased
         shapes_bar += r.loads @ third_bar.T
-        efforts_bar, open_bar = r.relieved(full_bar)
+        efforts_bar, open_bar = r.solve(full_bar)
         loads_bar = f.shapes @ third_bar - efforts_bar
         self._pull_stiffness(-efforts_bar, r.full)
         sides_bar = (-r.loads - f.stiffness @ r.full) @ open_bar.T
@@ -128,7 +128,7 @@ class FloatingWeights:
     def _mean_axes(self, shapes_bar: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Weights of the shapes before subtraction of their momenta, and of rigid motions."""
         f = self.forward
-        raw = self.reduced.shapes @ f.basis.adapted(self.reduced)[1]
+        raw = self.reduced.shapes @ f.basis.adapt(self.reduced)[1]
         rigid, heavy = f.rigid, f.mass @ f.rigid
         shares = momentum_shares(f.mass, rigid, raw)
         eased = np.linalg.solve(rigid.T @ heavy, -rigid.T @ shapes_bar)
@@ -140,7 +140,7 @@ class FloatingWeights:
 
     def _shapes(self, raw_bar: np.ndarray) -> None:
         f, count = self.forward, self.forward.basis.momenta.shape[1]
-        inverse, coordinates = f.basis.adapted(self.reduced)
+        inverse, coordinates = f.basis.adapt(self.reduced)
         moved_bar = raw_bar @ coordinates.T
         if count:
             modes, free = self.reduced.shapes[:, -count:], self.assembly.free
@@ -154,20 +154,20 @@ class FloatingWeights:
         rows = self.degrees.table[:, :d]
         for k, spin in enumerate(spins(d)):
             arms_bar = rigid_bar[rows, d + k] @ spin
-            self.places_bar += arms_bar
+            self.positions_bar += arms_bar
             self.origin_bar -= arms_bar.sum(axis=0)
 
     def _origin(self) -> None:
         f, bar = self.forward, self.origin_bar
         if f.held is not None:
-            self.places_bar[f.held.nodes] += bar / len(f.held.nodes)
+            self.positions_bar[f.held.nodes] += bar / len(f.held.nodes)
             return
-        shift, rows = rigid_motions(self.degrees, f.places)[:, :1], self.degrees.table[:, 0]
+        shift, rows = rigid_motions(self.degrees, f.positions)[:, :1], self.degrees.table[:, 0]
         weights = (f.mass @ shift)[rows, 0]
         bar = bar / weights.sum()
-        self.places_bar += np.outer(weights, bar)
+        self.positions_bar += np.outer(weights, bar)
         own = np.zeros_like(shift)
-        own[rows, 0] = (f.places - mass_centre(f.mass, self.degrees, f.places)) @ bar
+        own[rows, 0] = (f.positions - mass_centre(f.mass, self.degrees, f.positions)) @ bar
         self._pull_mass(own, shift)
 
     def _pull_mass(self, bars: np.ndarray, table: np.ndarray) -> None:
@@ -205,9 +205,9 @@ class FollowingShapes:
         self._cache: FloatingSlopes | None = None
         reduced = model.craig_bampton(interface, modes, up_to=up_to, parameters=parameters)
         self.modes = reduced.frequencies.size
-        places = node_places(model.blocks, model.degrees, reduced.p)
-        self.basis = modal_basis(reduced, model.degrees, places, frame)
-        arguments = model.degrees, places, self.basis, None if second_order else NO_PAIRS, model
+        positions = node_positions(model.blocks, model.degrees, reduced.p)
+        self.basis = modal_basis(reduced, model.degrees, positions, frame)
+        arguments = model.degrees, positions, self.basis, None if second_order else NO_PAIRS, model
         shapes = floating_shapes(reduced, *arguments)
         self.pairs = shapes.pairs
         self.chosen: FloatingShapes = replace(
@@ -226,8 +226,8 @@ class FollowingShapes:
             Invalid values, or values too far for the shapes to follow.
         """
         reduced = self._reduced(parameters)
-        places = node_places(self.model.blocks, self.model.degrees, reduced.p)
-        arguments = self.model.degrees, places, self.basis, self.pairs, self.model
+        positions = node_positions(self.model.blocks, self.model.degrees, reduced.p)
+        arguments = self.model.degrees, positions, self.basis, self.pairs, self.model
         return floating_shapes(reduced, *arguments)
 
     def push(self, parameters: Mapping[str, float], changes: Mapping[str, float]) -> FloatingShapes:

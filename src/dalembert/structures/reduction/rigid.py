@@ -16,19 +16,19 @@ from dalembert.structures.sets import Nodes
 from dalembert.text.wording import unknown
 
 
-def node_places(blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray) -> np.ndarray:
+def node_positions(blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray) -> np.ndarray:
     """(nodes, d) positions of the nodes at parameter values ``p`` [m]."""
     return _by_node(blocks, degrees, lambda block: block.data(p))
 
 
-def push_places(
+def push_positions(
     blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray, dp: np.ndarray
 ) -> np.ndarray:
     """(nodes, d) change of the positions with the parameters."""
     return _by_node(blocks, degrees, lambda block: block.push_data(p, dp))
 
 
-def pull_places(
+def pull_positions(
     blocks: list[ElementBlock], degrees: Numbering, p: np.ndarray, weights: np.ndarray
 ) -> np.ndarray:
     """Weights (np,) of the parameters from weights (nodes, d) of the positions."""
@@ -70,7 +70,7 @@ def spins(dimension: int) -> np.ndarray:
     return matrices
 
 
-def rigid_motions(degrees: Numbering, places: np.ndarray) -> np.ndarray:
+def rigid_motions(degrees: Numbering, positions: np.ndarray) -> np.ndarray:
     """(n, d + rotations) displacements of translations and small rotations about the origin."""
     d, spin_matrices = degrees.dimension, spins(degrees.dimension)
     motions = np.zeros((len(degrees), d + len(spin_matrices)))
@@ -78,14 +78,14 @@ def rigid_motions(degrees: Numbering, places: np.ndarray) -> np.ndarray:
     for k in range(d):
         motions[translations[:, k], k] = 1.0
     for k, spin in enumerate(spin_matrices):
-        motions[translations, d + k] = places @ spin.T
+        motions[translations, d + k] = positions @ spin.T
         rotation = degrees.table[:, d + k]
         motions[rotation[rotation >= 0], d + k] = 1.0
     return motions
 
 
-def uncarried(degrees: Numbering, weights: np.ndarray) -> np.ndarray:
-    """(n, k) weights of shapes from weights (n, k · rotations) of the result of ``carried``."""
+def carry_transposed(degrees: Numbering, weights: np.ndarray) -> np.ndarray:
+    """(n, k) weights of shapes from weights (n, k · rotations) of the result of ``carry``."""
     d, spin_matrices = degrees.dimension, spins(degrees.dimension)
     translations = degrees.table[:, :d]
     total = np.zeros((len(weights), weights.shape[1] // len(spin_matrices)))
@@ -96,7 +96,7 @@ def uncarried(degrees: Numbering, weights: np.ndarray) -> np.ndarray:
     return total
 
 
-def carried(degrees: Numbering, shapes: np.ndarray) -> np.ndarray:
+def carry(degrees: Numbering, shapes: np.ndarray) -> np.ndarray:
     """(n, k · rotations) velocities ``e_j × φ_k`` of displaced nodes in a rotating frame.
 
     ``e_1 × φ_1, e_1 × φ_2, …``, then ``e_2 × φ_1, …``
@@ -143,7 +143,7 @@ class Interface:
 
 
 def interfaces_of(
-    selections: GivenInterfaces, degrees: Numbering, places: np.ndarray
+    selections: GivenInterfaces, degrees: Numbering, positions: np.ndarray
 ) -> list[Interface]:
     """Interfaces from name → nodes, or from nodes, each with its own name.
 
@@ -163,25 +163,27 @@ def interfaces_of(
             both = degrees.nodes.name(int(nodes[np.argmax(used[nodes])]))
             raise ModelError(f"holds {both}, which another interface holds too", str(name))
         used[nodes] = True
-        interfaces.append(_interface(name, nodes, degrees, places))
+        interfaces.append(_interface(name, nodes, degrees, positions))
     return interfaces
 
 
-def _interface(name: str, nodes: np.ndarray, degrees: Numbering, places: np.ndarray) -> Interface:
-    d, place = degrees.dimension, places[nodes].mean(axis=0)
+def _interface(
+    name: str, nodes: np.ndarray, degrees: Numbering, positions: np.ndarray
+) -> Interface:
+    d, place = degrees.dimension, positions[nodes].mean(axis=0)
     table = degrees.table[nodes]
     numbers = np.sort(table[table >= 0])
-    motions = rigid_motions(degrees, places - place)[numbers]
-    if not _turns(table, places[nodes], d):
+    motions = rigid_motions(degrees, positions - place)[numbers]
+    if not _turns(table, positions[nodes], d):
         motions = motions[:, :d]
     return Interface(name, nodes, place, numbers, motions)
 
 
-def _turns(table: np.ndarray, places: np.ndarray, d: int) -> bool:
+def _turns(table: np.ndarray, positions: np.ndarray, d: int) -> bool:
     """Whether displacements of the nodes determine the rotation of a section."""
     if (table[:, d:] >= 0).any():
         return True
-    spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
+    spread = np.linalg.svd(positions - positions.mean(axis=0), compute_uv=False)
     return bool((spread > 1e-9 * max(spread.max(initial=0.0), 1e-300)).sum() >= d - 1)
 
 

@@ -18,7 +18,7 @@ from dalembert.sparse.factorise import general_factors
 from dalembert.structures.evaluation.inertia import from_rest
 from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.craig_bampton import CraigBampton
-from dalembert.structures.reduction.rigid import pull_places, push_places, spins
+from dalembert.structures.reduction.rigid import pull_positions, push_positions, spins
 
 
 class ReductionSlopes:
@@ -170,10 +170,10 @@ class ReductionSlopes:
     def push_motions(self, dp: np.ndarray) -> np.ndarray:
         """(n, r) change of the unit motions of the interfaces with the positions of their nodes."""
         change, d = np.zeros_like(self.reduced.shapes), self.degrees.dimension
-        places = push_places(self.assembly.blocks, self.degrees, self.p, dp)
+        positions = push_positions(self.assembly.blocks, self.degrees, self.p, dp)
         for interface in self.reduced.interfaces:
             if interface.turns:
-                arms = places[interface.nodes] - places[interface.nodes].mean(axis=0)
+                arms = positions[interface.nodes] - positions[interface.nodes].mean(axis=0)
                 rows = self.degrees.table[interface.nodes, :d]
                 for k, spin in enumerate(spins(d)):
                     change[rows, self._turn(interface.name, k)] = arms @ spin.T
@@ -181,14 +181,14 @@ class ReductionSlopes:
 
     def _pull_motions(self, v_bar: np.ndarray) -> np.ndarray:
         d = self.degrees.dimension
-        places = np.zeros((len(self.degrees.table), d))
+        positions = np.zeros((len(self.degrees.table), d))
         for interface in self.reduced.interfaces:
             if interface.turns:
                 rows = self.degrees.table[interface.nodes, :d]
                 for k, spin in enumerate(spins(d)):
                     bar = v_bar[rows, self._turn(interface.name, k)] @ spin
-                    places[interface.nodes] += bar - bar.mean(axis=0)
-        return pull_places(self.assembly.blocks, self.degrees, self.p, places)
+                    positions[interface.nodes] += bar - bar.mean(axis=0)
+        return pull_positions(self.assembly.blocks, self.degrees, self.p, positions)
 
     def _turn(self, interface: str, axis: int) -> int:
         """Column of a rotation of an interface."""
