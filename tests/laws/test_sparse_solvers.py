@@ -195,7 +195,9 @@ def test_what_floats_is_told_by_every_solver(solver, held, monkeypatch):
     monkeypatch.setattr(factorise, "WORTH", 1)
     monkeypatch.setattr(pardiso, "available", lambda: solver == "PARDISO")
     option = "iterative" if solver == "iterative" else "direct"
-    with pytest.raises(da.SingularityError, match=r"mechanism: n.* can move without straining"):
+    with pytest.raises(
+        da.SingularityError, match=r"mechanism: n.* can move without significant strain"
+    ):
         da.solve_statics(plate(held).build(), solver=option)
 
 
@@ -206,7 +208,7 @@ def test_a_part_that_moves_alone_is_told_by_conjugate_gradients(height):
     end, far = structure.node("end", 5.0, 0.0), structure.node("far", 6.0, height)
     structure.add(structures.Truss("loose", end, far, area=1e-4, modulus=2e11))
     structure.support(far)
-    with pytest.raises(da.SingularityError, match="end can move without straining"):
+    with pytest.raises(da.SingularityError, match="end can move without significant strain"):
         da.solve_statics(structure.build(), solver="iterative")
 
 

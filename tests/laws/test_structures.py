@@ -388,7 +388,7 @@ def test_mechanisms_name_their_nodes():
     structure.support(a)
     structure.support(c)
     structure.load(b, fy=1.0)
-    with pytest.raises(da.SingularityError, match="b can move without straining"):
+    with pytest.raises(da.SingularityError, match="b can move without significant strain"):
         solve_statics(structure.build())
 
 

@@ -22,7 +22,7 @@ class SpectralAnalysis(Analysis[M, E]):
     and those ``following`` an earlier spectrum, and the residual ``left`` of its equation.
     """
 
-    makes: ClassVar[type[Numbered]]
+    modes_class: ClassVar[type[Numbered]]
     """Class of the modes."""
 
     def spectrum(self, model: M, p: np.ndarray) -> Any:
@@ -58,7 +58,7 @@ class SpectralAnalysis(Analysis[M, E]):
         positions = spectrum.wanted() if positions is None else positions
         numbers = np.arange(1, positions.size + 1) if numbers is None else numbers
         text = f"{self.spoken}: {positions.size} mode(s)"
-        return self.makes(  # type: ignore[return-value]
+        return self.modes_class(  # type: ignore[return-value]
             spectrum.model,
             self,
             spectrum.p,

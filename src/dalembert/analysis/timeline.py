@@ -124,7 +124,7 @@ class Pace:
 
 def afford_states(count: int, numbers: int) -> None:
     """Raise if ``count`` outputs of ``numbers`` values exceed the budget."""
-    cure = "ask for fewer, e.g. outputs=1001"
+    cure = "request fewer, e.g. outputs=1001"
     afford(f"{count} outputs of {numbers} numbers", memory=8.0 * count * numbers, cure=cure)
 
 
@@ -155,7 +155,7 @@ def check_driver_laws(model: Model, times: np.ndarray, p: np.ndarray) -> None:
             if np.any(~(values > 0)):
                 k = int(np.argmin(values > 0))
                 raise AnalysisError(
-                    f"{driver.name}: its law asks for a distance of {values[k]:g} m at "
+                    f"{driver.name}: its law gives a distance of {values[k]:g} m at "
                     f"t = {samples[k]:g} s; a distance must stay above 0"
                 )
 
@@ -168,9 +168,9 @@ def output_times(
         return None
     if isinstance(outputs, (int, np.integer)) and not isinstance(outputs, bool):
         if outputs < 1:
-            raise AnalysisError(f"outputs is {numeral(outputs)}; ask for at least one")
+            raise AnalysisError(f"outputs is {numeral(outputs)}; request at least one")
         entity = f"outputs = {numeral(outputs)}"
-        afford(entity, memory=OUTPUT * outputs, cure="ask for fewer outputs")
+        afford(entity, memory=OUTPUT * outputs, cure="request fewer outputs")
         return np.linspace(start, end, int(outputs)) if outputs > 1 else np.array([end])
     try:
         times = np.asarray([] if isinstance(outputs, bool) else outputs, dtype=float).ravel()

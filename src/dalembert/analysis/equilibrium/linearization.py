@@ -57,7 +57,7 @@ class Linearization(SpectralAnalysis[Model, Modes]):
     """
 
     spoken = "modes"
-    makes = Modes
+    modes_class = Modes
 
     time: float = 0.0
     equilibrium: bool = True
@@ -96,7 +96,7 @@ class MotionLinearization(SpectralAnalysis[Model, Modes]):
     """
 
     spoken = "modes"
-    makes = Modes
+    modes_class = Modes
 
     motion: Motion
     coordinates: Coordinates = ABSOLUTE

@@ -63,7 +63,7 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     """
 
     spoken = "linear buckling"
-    makes = BucklingModes
+    modes_class = BucklingModes
 
     count: int = 3
     case: str = ""

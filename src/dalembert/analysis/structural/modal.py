@@ -60,7 +60,7 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
     """
 
     spoken = "modes of vibration"
-    makes = VibrationModes
+    modes_class = VibrationModes
 
     count: int = 6
     lumped: bool = False

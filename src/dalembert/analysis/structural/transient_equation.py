@@ -138,9 +138,9 @@ class EquationOfMotion:
                 f"temperatures or moments about fixed axes of load case {case!r} depend on time, "
                 "which nonlinear transients do not support; use nonlinear=False, or constant ones"
             )
-        nothing = ConfigurationLoad([], [], self.assembly.size, self.held, self.linear)
-        self.expansion = Expansion(moving if self.linear else nothing)
-        self.heated = nothing.assembly if self.linear else moving.assembly
+        no_load = ConfigurationLoad([], [], self.assembly.size, self.held, self.linear)
+        self.expansion = Expansion(moving if self.linear else no_load)
+        self.heated = no_load.assembly if self.linear else moving.assembly
         self.alpha, self.beta = (float(c) for c in self.damping.values(p))
         rest = np.zeros(self.assembly.size)
         self.mass = self.assembly.mass(p, lumped)

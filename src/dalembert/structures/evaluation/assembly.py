@@ -60,7 +60,7 @@ class Assembly:
 
     def inner(self, matrix: scipy.sparse.csc_matrix) -> scipy.sparse.csc_matrix:
         """Rows and columns of the free displacements of a matrix."""
-        if not self.pattern.holds(matrix):
+        if not self.pattern.matches(matrix):
             return matrix[self.free][:, self.free].tocsc()
         places, empty = self._inner
         return with_entries(empty, matrix.data[places])

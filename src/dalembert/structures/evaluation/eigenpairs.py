@@ -34,7 +34,7 @@ def nearest(a, b, count: int, shift: float, solve: Solve) -> Pairs:
     """
     scale = np.sqrt(np.maximum(b.diagonal(), 0.0))
     if not scale.any():
-        raise AnalysisError("nothing that can move has mass; give elements a density")
+        raise AnalysisError("no free displacement has mass; give elements a density")
     if a.shape[0] <= DENSE:
         theta, vectors = _all_inverted(b, scale, solve)
     else:
@@ -93,7 +93,7 @@ def _iterated(a, count: int, **options) -> Pairs:
             a, count, v0=start, ncv=min(a.shape[0], 2 * count + 20), **options
         )
     except scipy.sparse.linalg.ArpackError as error:
-        raise AnalysisError(f"the search for eigenvalues failed ({error}); ask for fewer") from None
+        raise AnalysisError(f"the search for eigenvalues failed ({error}); request fewer") from None
 
 
 def _normalised(vectors: np.ndarray, b) -> np.ndarray:

@@ -63,7 +63,7 @@ class Pattern:
         starts = np.searchsorted(columns[entries], np.arange(selected.size + 1))
         return entries, _matrix(new[empty.indices[entries]], starts, selected.size)
 
-    def holds(self, matrix: scipy.sparse.spmatrix) -> bool:
+    def matches(self, matrix: scipy.sparse.spmatrix) -> bool:
         """Whether a matrix has this pattern."""
         return getattr(matrix, "indices", None) is self._structure[0].indices
 

@@ -65,9 +65,8 @@ def refuse_motion(motion: np.ndarray, degrees: Numbering, free: np.ndarray) -> N
     moved = free[shape > 0.1 * shape.max()][:100]
     moving = dict.fromkeys(degrees.place(int(k))[0] for k in moved)
     raise SingularityError(
-        f"the structure is a mechanism: {', '.join(list(moving)[:8])} can move without "
-        "straining anything that counts beside the stiffness of the rest; support them or add "
-        "elements"
+        f"the structure is a mechanism: {', '.join(list(moving)[:8])} can move without significant "
+        "strain; support them or add elements"
     )
 
 

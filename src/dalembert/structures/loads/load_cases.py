@@ -124,7 +124,7 @@ class LoadCaseMaker:
 
     def _places(self, load: Load) -> np.ndarray:
         places = self.degrees.of_nodes(load.nodes, load.direction)
-        wrong = np.flatnonzero((places < 0) | (self.held[places] & ~load.nothing))
+        wrong = np.flatnonzero((places < 0) | (self.held[places] & ~load.is_zero))
         if not wrong.size:
             return places
         node = self.structure.numbers.name(int(load.nodes[wrong[0]]))

@@ -37,7 +37,7 @@ class Load:
     fixed_axes: bool = False
 
     @property
-    def nothing(self) -> np.ndarray:
+    def is_zero(self) -> np.ndarray:
         """Mask of the nodes at which it is zero for all parameter values."""
         values = self.value if isinstance(self.value, list) else [self.value]
         return np.array([value.sx.is_zero() for value in values])
@@ -147,7 +147,7 @@ def check_expansion(parts: Sequence[Part]) -> None:
     """
     if parts and all(_is_zero(part, "expansion") for part in parts):
         raise ModelError(
-            "has no thermal expansion, so that a change of temperature does nothing; give "
+            "has no thermal expansion, so that a temperature change has no effect; give "
             "expansion= [1/K], e.g. 1.2e-5 for steel",
             ", ".join(part.name for part in parts[:5]),
         )
