@@ -55,8 +55,6 @@ class SmoothMotion:
         self.powers = Kernel(
             ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [ca.densify(e.powers)])
         )
-        energies = ca.densify(ca.vertcat(e.kinetic_energy, e.potential))
-        self.energies = Kernel(ca.Function("energies", inputs, [energies]))
         self._reacts = ca.sparsify(ca.horzcat(damping, stiffness)).nnz() > 0
         self.has_joints, self._go = e.constraint_count > 0, e.manifold.go
 
