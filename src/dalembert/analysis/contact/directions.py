@@ -1,4 +1,4 @@
-"""Directions in which gaps slide over surfaces, where these have to be found."""
+"""Slip directions over surfaces as roots of the slips across them."""
 
 from __future__ import annotations
 
@@ -7,50 +7,52 @@ from itertools import pairwise
 
 import numpy as np
 
-LOOKS = 48
-"""Directions at which one gap is looked at; between two that differ in sign is another."""
+SAMPLES = 48
+"""Number of sampled directions of one gap in the search for sign changes."""
 STARTS = (0.0, np.pi / 3, -np.pi / 3, np.pi)
-"""Of the search for several at once, from the directions without friction."""
+"""Offsets of the initial angles of several gaps from the directions without friction [rad]."""
 SAME = 1e-6
-"""Difference of angles that is none."""
+"""Tolerance for equal directions, and for a root relative to the largest sample."""
 
-Turned = Callable[[Sequence[float]], np.ndarray]
-"""Angles of the gaps → slips across them, zero where all directions are right."""
-
-
-def directions(turned: Turned, near: np.ndarray) -> list[np.ndarray]:
-    """Angles at which every gap slides along its direction, or against it."""
-    return _of_one(turned) if near.size == 1 else _of_several(turned, near)
+CrossSlips = Callable[[Sequence[float]], np.ndarray]
+"""Angles of the gaps → slips across these directions, zero at a solution."""
 
 
-def _of_one(turned: Turned) -> list[np.ndarray]:
+def directions(cross_slips: CrossSlips, near: np.ndarray) -> list[np.ndarray]:
+    """Angles at which every gap slides along its direction or against it."""
+    return _one_gap(cross_slips) if near.size == 1 else _several_gaps(cross_slips, near)
+
+
+def _one_gap(cross_slips: CrossSlips) -> list[np.ndarray]:
     from scipy.optimize import brentq
 
     def value(angle: float) -> float:
-        return float(turned([angle])[0])
+        return float(cross_slips([angle])[0])
 
-    looks = np.linspace(0.0, 2 * np.pi, LOOKS + 1) + 0.01
-    values, found = [value(angle) for angle in looks], []
+    samples = np.linspace(0.0, 2 * np.pi, SAMPLES + 1) + 0.01
+    values, angles = [value(angle) for angle in samples], []
     largest = np.nanmax(np.abs(values))
-    for (a, f_a), (b, f_b) in pairwise(zip(looks, values, strict=True)):
+    for (a, f_a), (b, f_b) in pairwise(zip(samples, values, strict=True)):
         if f_a == 0.0:
-            found.append(a)
+            angles.append(a)
         elif f_a * f_b < 0:
             root = float(brentq(value, a, b, xtol=1e-14, rtol=1e-14))
             if abs(value(root)) <= SAME * largest:  # no pole
-                found.append(root)
-    return [np.array([angle]) for angle in found]
+                angles.append(root)
+    return [np.array([angle]) for angle in angles]
 
 
-def _of_several(turned: Turned, near: np.ndarray) -> list[np.ndarray]:
+def _several_gaps(cross_slips: CrossSlips, near: np.ndarray) -> list[np.ndarray]:
     from scipy.optimize import root
 
-    found: list[np.ndarray] = []
+    solutions: list[np.ndarray] = []
     for start in STARTS:
-        made = root(lambda angles: turned(list(angles)), near + start, tol=1e-13)
-        if not (made.success and np.isfinite(made.x).all()):
+        result = root(lambda angles: cross_slips(list(angles)), near + start, tol=1e-13)
+        if not (result.success and np.isfinite(result.x).all()):
             continue
-        distances = [np.abs(np.exp(1j * made.x) - np.exp(1j * known)).max() for known in found]
+        distances = [
+            np.abs(np.exp(1j * result.x) - np.exp(1j * solution)).max() for solution in solutions
+        ]
         if not any(distance < SAME for distance in distances):
-            found.append(made.x)
-    return found
+            solutions.append(result.x)
+    return solutions

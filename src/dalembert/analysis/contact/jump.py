@@ -1,10 +1,10 @@
-"""The jump of the speeds at an impact, by the phases of the gaps that take part.
+"""Jump of the speeds at an impact, for given phases of the gaps in contact.
 
     M (v⁺ − v⁻) = Wᵀ P_N + Uᵀ P_T − Cᵀ Λ,      C v⁺ = −Φ_t
 
 with ``ξ = u⁺ + e u⁻`` zero where a gap presses, and where it sticks (Newton's law of restitution in
 all touching gaps at once; Moreau 1988). By Poisson's law there are two such impulses: that of
-compression with ``ξ = u``, after which ``P̄ = e P_N`` is given for that of restitution (Pfeiffer
+compression with ``ξ = u``, and that of restitution with the prescribed ``P̄ = e P_N`` (Pfeiffer
 and Glocker 1996, ch. 8). The energy lost is ``−Pᵀ (u⁺ + u⁻)/2`` (Thomson and Tait).
 """
 
@@ -16,20 +16,20 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.analysis.contact.pattern import Pattern, PatternImpulse
-from dalembert.analysis.contact.quantities import ContactDynamics, places_of, slip_rows
+from dalembert.analysis.contact.quantities import ContactDynamics, gap_rows, slip_rows
 from dalembert.formulations.base import WORK, state_symbols
 from dalembert.model.rigid_gaps import headings
 
 
 class Jump:
-    """Speeds after an impact, as a function of the state before.
+    """Speeds after an impact as a function of the state before.
 
     Parameters
     ----------
     dynamics : ContactDynamics
-    gaps : numbers of those that take part
-    patterns : what they do; of compression and of restitution where these are apart
-    dead : those among them that do not bounce this time
+    gaps : numbers of the gaps in contact
+    patterns : their pattern, or two for compression and restitution
+    dead : gaps among them that do not bounce
     """
 
     def __init__(
@@ -45,19 +45,19 @@ class Jump:
     def impulse(self) -> ca.SX:
         """``P`` of all gaps."""
         if len(self.patterns) == 1:
-            return self._part(self.patterns[0], self._returning, [ca.SX(0)] * len(self.gaps))
+            return self._part(self.patterns[0], self._restituted, [ca.SX(0)] * len(self.gaps))
         d, contacts = self.dynamics, self.dynamics.equations.contacts
-        pressed = self._part(self.patterns[0], d.speed, [ca.SX(0)] * len(self.gaps))
-        given = [
-            ca.SX(0) if k in self.dead else contacts[k].impact.restitution * pressed[k]
+        compression = self._part(self.patterns[0], d.speed, [ca.SX(0)] * len(self.gaps))
+        prescribed = [
+            ca.SX(0) if k in self.dead else contacts[k].impact.restitution * compression[k]
             for k in self.gaps
         ]
-        after = d.speed + ca.mtimes(d.delassus, pressed)
-        return pressed + self._part(self.patterns[1], after, given)
+        after = d.speed + ca.mtimes(d.delassus, compression)
+        return compression + self._part(self.patterns[1], after, prescribed)
 
     @property
-    def _returning(self) -> ca.SX:
-        """``u⁻ + e u⁻``, the tangential ones too."""
+    def _restituted(self) -> ca.SX:
+        """``u⁻ + e u⁻``, also in tangential directions."""
         c, e = ca.SX(self.dynamics.speed), self.dynamics.equations
         for k in self.gaps:
             if k not in self.dead:
@@ -66,29 +66,31 @@ class Jump:
                 c[row] *= 1 + e.contacts[k].impact.tangential
         return c
 
-    def _part(self, pattern: Pattern, c: ca.SX, given: Sequence[ca.SX]) -> ca.SX:
+    def _part(self, pattern: Pattern, c: ca.SX, prescribed: Sequence[ca.SX]) -> ca.SX:
         e = self.dynamics.equations
         friction = [e.contacts[k].impact.friction for k in self.gaps]
         along = [ca.SX(phase.sense) for phase in pattern.phases]
-        places = places_of(e, self.gaps)
-        found = PatternImpulse(self.dynamics.delassus, c, places, pattern, friction, given, along)
-        return found.solved[0]
+        rows = gap_rows(e, self.gaps)
+        impulse = PatternImpulse(
+            self.dynamics.delassus, c, rows, pattern, friction, prescribed, along
+        )
+        return impulse.solved[0]
 
     @cached_property
     def function(self) -> ca.Function:
-        """``(t, x, p)`` → state after it, impulses."""
+        """``(t, x, p)`` → state after the impact, impulses."""
         d, e = self.dynamics, self.dynamics.equations
         x, impulse = state_symbols(e), self.impulse
         v = e.v + ca.mtimes(d.response, impulse)
         gained = ca.dot(v, e.inertia.times(v)) / 2 - e.kinetic_energy
         lost = -ca.dot(impulse, d.speed + ca.mtimes(d.delassus, impulse) / 2)
         work = WORK + ca.vertcat(lost, gained + lost)
-        after = ca.vertcat(e.y, v, work, headings(e.contacts), self._sides(v))
-        found = [ca.densify(after), ca.densify(impulse)]
-        return ca.Function("jump", [e.t, x, e.p], found, {"cse": True})
+        after = ca.vertcat(e.y, v, work, headings(e.contacts), self._switch_signs(v))
+        outputs = [ca.densify(after), ca.densify(impulse)]
+        return ca.Function("jump", [e.t, x, e.p], outputs, {"cse": True})
 
-    def _sides(self, v: ca.SX) -> ca.SX:
-        """Sides of switches, those over which the speeds jump turned."""
+    def _switch_signs(self, v: ca.SX) -> ca.SX:
+        """Signs of switching functions, changed where the speeds jump across."""
         e, sides = self.dynamics.equations, self.dynamics.equations.switches.sides
         before, after = e.switches.actual, ca.substitute(e.switches.actual, e.v, v)
         return ca.if_else(before == after, sides, after) if sides.numel() else sides

@@ -1,10 +1,10 @@
-"""How gaps move and how impulses move them, at a state.
+"""Contact dynamics: rates and accelerations of gaps, and their changes by impulses.
 
-With all gaps' rates ``u = (ġ; slip)`` and forces ``F = (N; T)``, through the constraints,
+For the rates ``u = (ġ; slip)`` of all gaps and the forces ``F = (N; T)``, with the constraints,
 
     u⁺ = u⁻ + G P,      u̇ = w + G F,      G = W (M⁻¹ − M⁻¹Cᵀ(C M⁻¹Cᵀ)⁻¹C M⁻¹) Wᵀ
 
-the Delassus matrix. Normal directions of all gaps come first, then those of the slips.
+where G is the Delassus matrix. The normal directions of all gaps come first, then the slips.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.contact.pattern import Place
+from dalembert.analysis.contact.pattern import GapRows
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import Formulation, state_symbols
 from dalembert.model.contacts import Phase, touching
@@ -24,19 +24,19 @@ from dalembert.model.equations import Equations
 
 ROUNDING = 100 * float(np.finfo(float).eps)
 LEAST = 1e-3
-"""Natural speed with which speeds near zero are compared."""
+"""Minimum scale of speeds, relative to the natural speed."""
 
 
 class ContactDynamics:
-    """Expressions of one system of equations whose gaps are all apart.
+    """Expressions of a system of equations with all gaps open.
 
     Attributes
     ----------
     distance, speed, acceleration : ``g``, ``u``, ``w``
-    blur : what rounding of its terms may leave of ``g``, with a margin
+    rounding : rounding error of ``g`` from its terms, with a margin
     response : ``M⁻¹Wᵀ`` through the constraints: change of the speeds by unit impulses
     delassus : ``G``
-    size : sum of the magnitudes that ``u`` is made of, and a little that is never zero
+    size : sum of the magnitudes of the terms of ``u``, plus a positive minimum
     laws : (3, gaps) ``e``, ``e_T``, ``μ``
     """
 
@@ -53,8 +53,8 @@ class ContactDynamics:
         self.distance = ca.vertcat(*(gap.distance for gap in e.contacts))
         slopes = ca.jacobian(self.distance, ca.vertcat(e.t, e.y))
         terms = ca.mtimes(slopes, ca.vertcat(e.t, e.y))
-        self.blur = ca.mtimes(ca.fabs(slopes), ca.fabs(ca.vertcat(e.t, e.y)))
-        self.blur = ROUNDING * (self.blur + ca.fabs(self.distance - terms))
+        self.rounding = ca.mtimes(ca.fabs(slopes), ca.fabs(ca.vertcat(e.t, e.y)))
+        self.rounding = ROUNDING * (self.rounding + ca.fabs(self.distance - terms))
         self.speed = -whole.velocity_constraints[m:]
         self.acceleration = ca.mtimes(rows, a) + whole.constraint_acceleration[m:]
         own = ca.substitute(self.speed, e.v, ca.SX.zeros(e.speed_count))
@@ -67,25 +67,25 @@ class ContactDynamics:
 
     @property
     def function(self) -> ca.Function:
-        """``(t, x, p)`` → all of them."""
+        """``(t, x, p)`` → values as in ``ContactState``."""
         e = self.equations
-        found = [self.distance, self.blur, self.speed, self.size, self.acceleration]
-        found += [self.delassus, self.laws]
+        outputs = [self.distance, self.rounding, self.speed, self.size, self.acceleration]
+        outputs += [self.delassus, self.laws]
         x = state_symbols(e)
-        return ca.Function("contacts", [e.t, x, e.p], [ca.densify(f) for f in found])
+        return ca.Function("contacts", [e.t, x, e.p], [ca.densify(f) for f in outputs])
 
 
 @dataclass(frozen=True, eq=False)
 class ContactState:
-    """Their values at a state; see ``ContactDynamics``.
+    """Values of ``ContactDynamics`` at a state.
 
     Attributes
     ----------
-    slips : rows of the slip of every gap, empty where nothing rubs
+    slips : rows of the slip of every gap, empty without friction
     """
 
     distance: np.ndarray
-    blur: np.ndarray
+    rounding: np.ndarray
     speed: np.ndarray
     size: np.ndarray
     acceleration: np.ndarray
@@ -98,11 +98,11 @@ class ContactState:
     @classmethod
     def at(cls, function: ca.Function, e: Equations, t: float, x: np.ndarray, p: np.ndarray):
         *columns, delassus, laws = (f.full() for f in function(t, x, p))
-        g, blur, u, size, w = (f.ravel() for f in columns)
-        return cls(g, blur, u, size, w, delassus, laws[0], laws[1], laws[2], slip_rows(e))
+        g, rounding, u, size, w = (f.ravel() for f in columns)
+        return cls(g, rounding, u, size, w, delassus, laws[0], laws[1], laws[2], slip_rows(e))
 
     def rubs(self, gap: int) -> bool:
-        """Whether friction acts there."""
+        """Whether friction acts at a gap."""
         return bool(self.slips[gap]) and self.friction[gap] > 0
 
 
@@ -112,19 +112,19 @@ def slip_rows(e: Equations) -> list[list[int]]:
     return [list(range(a, b)) for a, b in pairwise(ends)]
 
 
-def places_of(e: Equations, gaps: Sequence[int]) -> list[Place]:
-    """Rows of some gaps."""
+def gap_rows(e: Equations, gaps: Sequence[int]) -> list[GapRows]:
+    """Rows of ``u`` of some gaps."""
     slips = slip_rows(e)
-    return [Place(k, tuple(slips[k])) for k in gaps]
+    return [GapRows(k, tuple(slips[k])) for k in gaps]
 
 
 def check_contacts(e: Equations, formulation: Formulation) -> None:
-    """Refuse what cannot be stopped at impacts.
+    """Refuse formulations that do not support impacts.
 
     Raises
     ------
     UnsupportedError
-        Names what works.
+        Names a formulation that does.
     """
     if formulation.every_equation:
         raise UnsupportedError(

@@ -1,4 +1,4 @@
-"""Gaps at the start of a run: none is negative beyond a tolerance; those within it are closed."""
+"""Checks of rigid gaps: overlaps at the start, and gaps ignored by an analysis."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
 TOUCHING = 1e-9
-"""Gap, in natural lengths, that counts as none."""
+"""Threshold for a touching gap, in natural lengths."""
 ROUNDED = 1e-4
-"""Overlap, in natural lengths, that a start of rounded numbers may have."""
+"""Upper limit of overlaps from rounded numbers at the start, in natural lengths."""
 
 
 def refuse_overlap(model: Model, start: float) -> None:
-    """With the parameters as they were when the model was built.
+    """Refuse overlaps at the start with the nominal parameters.
 
     Raises
     ------
     AnalysisError
-        As ``refuse_negative``.
+        As in ``refuse_negative``.
     """
     touching_model(model, model.nominal, start)
 
 
 def touching_model(model: Model, p: np.ndarray, start: float) -> tuple[Model, str]:
-    """The model whose start closes gaps that overlap within the tolerance, and which these are.
+    """The model whose start closes gaps that overlap within the tolerance, and their names.
 
-    The positions that it starts from satisfy ``g = 0`` of these gaps exactly, so that they, and
-    gradients, are those of bodies that touch.
+    The initial positions satisfy ``g = 0`` of these gaps exactly, so positions and gradients are
+    those of touching bodies.
 
     Raises
     ------
@@ -44,21 +44,21 @@ def touching_model(model: Model, p: np.ndarray, start: float) -> tuple[Model, st
     e = model.all_equations
     if not e.contacts:
         return model, ""
-    plain = start == 0 and p is model.nominal
-    y = model.start.y if plain else model.assemble(p, start).y
-    found = _distances(model)(start, y, p).full().ravel()
-    refuse_negative(e.contacts, found, ROUNDED * e.scales.length)
-    closed = tuple(map(int, np.flatnonzero(found < -TOUCHING * e.scales.length)))
+    nominal = start == 0 and p is model.nominal
+    y = model.start.y if nominal else model.assemble(p, start).y
+    distances = _distances(model)(start, y, p).full().ravel()
+    refuse_negative(e.contacts, distances, ROUNDED * e.scales.length)
+    closed = tuple(map(int, np.flatnonzero(distances < -TOUCHING * e.scales.length)))
     if not closed:
         return model, ""
     try:
-        made = _closed(model, closed)
-        made.assemble(p, start)
+        moved = _closed(model, closed)
+        moved.assemble(p, start)
     except DalembertError:  # the start is prescribed
-        refuse_negative(e.contacts, found, TOUCHING * e.scales.length)
+        refuse_negative(e.contacts, distances, TOUCHING * e.scales.length)
         raise
-    told = [f"{e.contacts[k].name} by {-found[k]:.3g} m" for k in closed]
-    return made, f"{', '.join(told)} (at most {ROUNDED * e.scales.length:.3g} m)"
+    overlaps = [f"{e.contacts[k].name} by {-distances[k]:.3g} m" for k in closed]
+    return moved, f"{', '.join(overlaps)} (at most {ROUNDED * e.scales.length:.3g} m)"
 
 
 @once
@@ -70,7 +70,7 @@ def _distances(model: Model) -> ca.Function:
 
 @once
 def _closed(model: Model, gaps: tuple[int, ...]) -> Model:
-    """The model that starts with some gaps closed."""
+    """The model with some gaps closed at the start."""
     parts = model.parts.copy()
     for k in gaps:
         distance = Expression(model.all_equations.contacts[k].distance)
@@ -79,12 +79,12 @@ def _closed(model: Model, gaps: tuple[int, ...]) -> Model:
 
 
 def refuse_negative(gaps: Sequence[RigidGap], distances: np.ndarray, near: float) -> None:
-    """Bodies must not overlap where a run starts.
+    """Refuse overlapping bodies at the start of a run.
 
     Raises
     ------
     AnalysisError
-        Names the first that do.
+        Names the first overlap.
     """
     for k in map(int, np.flatnonzero(distances < -near)):
         raise AnalysisError(

@@ -12,39 +12,39 @@ from dalembert.errors import UnsupportedError
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 
-INSIDE, TOUCHING = 1e-9, 1e-6
-"""In natural lengths: a negative gap that is told, and one that counts as closed."""
+INSIDE, CLOSED = 1e-9, 1e-6
+"""In natural lengths: threshold for a warning about an overlap, and for a closed gap."""
 
 
-def unseen_contacts(model: Model, s: Trajectory, p: np.ndarray, forces: bool = False) -> list[str]:
-    """Which gaps a result leaves negative, for nothing kept them from it.
+def ignored_contacts(model: Model, s: Trajectory, p: np.ndarray, forces: bool = False) -> list[str]:
+    """Warnings about negative gaps in results of analyses that ignore rigid contacts.
 
     Parameters
     ----------
-    model, s, p : states of the result and the parameters
-    forces : the result is of forces, or of what they change, so that closed gaps count as well
+    model, s, p : model, states of the result and parameters
+    forces : the result depends on forces, so closed gaps count as well
     """
     if not s.t.size:
         return []
-    length, found = model.scales.length, []
-    limit = TOUCHING * length if forces else -INSIDE * length
-    for name, k, gap, seeing in [*_stated(model, s, p), *_collisions(model, s, p)]:
+    length, warnings = model.scales.length, []
+    limit = CLOSED * length if forces else -INSIDE * length
+    for name, k, gap, analysis in [*_single_gaps(model, s, p), *_collisions(model, s, p)]:
         if gap < limit:
             size = f"{gap:.3g}" if gap < -INSIDE * length else "closed"
-            found.append(
-                f"the gap of {name} is {size} at t = {s.t[k]:.6g} s: this analysis does not see "
-                f"rigid contacts; {seeing} does"
+            warnings.append(
+                f"the gap of {name} is {size} at t = {s.t[k]:.6g} s: this analysis ignores "
+                f"rigid contacts; use {analysis}"
             )
-    return found
+    return warnings
 
 
 def refuse_collisions(model: Model) -> None:
-    """Many gaps are nothing for an analysis that follows each of them.
+    """Refuse elements with gaps among many balls.
 
     Raises
     ------
     UnsupportedError
-        There are some.
+        The model has such elements.
     """
     if many := [element.name for source in collision_gaps(model) for element in source.elements]:
         text = f"{', '.join(many)}: gaps among many balls are for solve_nonsmooth; use that"
@@ -52,11 +52,11 @@ def refuse_collisions(model: Model) -> None:
 
 
 Smallest = tuple[str, int, float, str]
-"""Element, number of the instant, its smallest gap then, and the analysis that sees it."""
+"""Element, number of the instant, smallest gap, and the analysis that includes it."""
 
 
-def _stated(model: Model, s: Trajectory, p: np.ndarray) -> Iterator[Smallest]:
-    """Of gaps that are stated one by one."""
+def _single_gaps(model: Model, s: Trajectory, p: np.ndarray) -> Iterator[Smallest]:
+    """Smallest gaps of elements with one gap each."""
     e = model.all_equations
     if not e.contacts:
         return
@@ -69,12 +69,12 @@ def _stated(model: Model, s: Trajectory, p: np.ndarray) -> Iterator[Smallest]:
 
 
 def _collisions(model: Model, s: Trajectory, p: np.ndarray) -> Iterator[Smallest]:
-    """Of gaps among many balls, as far as any is closed."""
-    travels = TOUCHING * model.equations.scales.displacements[:, None]
+    """Smallest gaps among many balls that are closed or nearly closed."""
+    travels = CLOSED * model.equations.scales.displacements[:, None]
     for source in collision_gaps(model):
         smallest = np.full(s.t.size, np.inf)
         for k, t in enumerate(s.t):
-            found = source.near(float(t), s.y[:, k], p, travels, source.width)
-            smallest[k] = found.distance.min(initial=np.inf)
+            gaps = source.near(float(t), s.y[:, k], p, travels, source.width)
+            smallest[k] = gaps.distance.min(initial=np.inf)
         k = int(np.argmin(smallest))
         yield source.elements[0].name, k, float(smallest[k]), "solve_nonsmooth"

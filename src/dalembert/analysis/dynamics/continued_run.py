@@ -1,8 +1,8 @@
-"""Going on from the end of a run: the same march, longer.
+"""Continuation of a run beyond its end.
 
-State, sides of switches, phases of contacts and the memory of the integrator are those with which
-the earlier run ended. The steps of both are one march from the first start, so that what is read
-off a run holds for the whole: outputs, events, energy, integrals, replays and gradients.
+The continued run starts with the state, signs of the switching functions, contact phases and
+integrator memory with which the earlier run ended. The steps of both form one march from the first
+start, so outputs, events, energy, integrals, replays and gradients cover the whole.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from dalembert.integrators.marching.steps import Steps, Watch
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 
-GOES_ON = Outcome.COMPLETED, Outcome.TERMINATED, Outcome.INTERRUPTED
-"""Runs that can be gone on with."""
-OF_CONTACTS = "closed at one time", "closed after ever shorter bounces"
+CONTINUABLE = Outcome.COMPLETED, Outcome.TERMINATED, Outcome.INTERRUPTED
+"""Outcomes of runs that can be continued."""
+CONTACT_STATISTICS = "closed at one time", "closed after ever shorter bounces"
+"""Statistics of contacts that are joined over both runs."""
 
-
-AT_ONCE = 1e-9
-"""Part of what follows, in which an event that ended the run before is found again."""
+END_TOLERANCE = 1e-9
+"""Fraction of the continuation in which the event that ended the earlier run is located again."""
 
 
 def refuse_ended(motion: Motion, before: float) -> None:
-    """A run that an event ended by some time does not go on.
+    """Refuse to continue a run that an event ended up to a time.
 
     Raises
     ------
@@ -45,22 +45,22 @@ def refuse_ended(motion: Motion, before: float) -> None:
 
 
 class ContinuedRun(DynamicsRun):
-    """A run that goes on from the end of another.
+    """A run that continues another from its end.
 
     Parameters
     ----------
-    motion : the run before
-    analysis : that of the whole, from the first start to the new end
-    step : length of the steps that follow [s]
+    motion : the earlier run
+    analysis : analysis of the whole, from the first start to the new end
+    step : length of the following steps [s]
 
     Raises
     ------
     AnalysisError
-        The run before broke down.
+        The earlier run failed.
     """
 
     def __init__(self, motion: Motion, analysis: Any, step: float):
-        if motion.status.outcome not in GOES_ON or not motion.record.steps.count:
+        if motion.status.outcome not in CONTINUABLE or not motion.record.steps.count:
             raise AnalysisError(f"this run cannot be continued, it ended {motion.status}")
         super().__init__(analysis, motion.model, motion.parameters)
         self.before, self.step = motion, step
@@ -70,8 +70,8 @@ class ContinuedRun(DynamicsRun):
             self.contacts.impacts = list(motion.impacts)
 
     def initial_state(self) -> tuple[np.ndarray, int]:
-        """The end of the run before, and the variant of the steps that follow."""
-        super().initial_state()  # what is doubted about the start
+        """Final state of the earlier run, and the variant of the following steps."""
+        super().initial_state()  # for its warnings
         if self.contacts is not None:
             self.contacts.trouble = ""
         return np.asarray(self.past.x[:, self.past.count]), self._following()
@@ -85,7 +85,7 @@ class ContinuedRun(DynamicsRun):
 
     @property
     def first_step(self) -> float:
-        """One of the last two, of which the last was cut at the end."""
+        """The longer one of the last two steps; the last one was cut at the end [s]."""
         return float(self.past.h[self.past.lasting[-2:]].max())
 
     @property
@@ -96,10 +96,10 @@ class ContinuedRun(DynamicsRun):
         return self.kernel.fixed.joined(self.past, super().march(x0, mode, watch), self.p)
 
     def execute(self, progress: Any) -> Motion:
-        made = super().execute(progress)
-        refuse_ended(made, before=self.begin + AT_ONCE * (self.end - self.begin))
-        for name in OF_CONTACTS:
-            told = [m.statistics[name] for m in (self.before, made) if name in m.statistics]
-            if told:
-                made.statistics[name] = ", ".join(told)
-        return made
+        motion = super().execute(progress)
+        refuse_ended(motion, before=self.begin + END_TOLERANCE * (self.end - self.begin))
+        for name in CONTACT_STATISTICS:
+            texts = [m.statistics[name] for m in (self.before, motion) if name in m.statistics]
+            if texts:
+                motion.statistics[name] = ", ".join(texts)
+        return motion

@@ -1,4 +1,4 @@
-"""A motion at dense outputs from its first to its last one, and quadratures of powers over it."""
+"""Dense outputs of a motion, and quadrature of exponentials of measures over them."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
 NEGLIGIBLE = 40.0
-"""Distance of exponents below which the smaller power counts for nothing."""
+"""Difference of exponents from which on the smaller exponential is negligible."""
 RISE = 0.5
-"""Change of an exponent within a part of a step."""
+"""Upper limit of the change of an exponent within a part of a step."""
 STEP_PARTS, PARTS = 512, 50_000
-"""Upper limits of the parts of a step, and of all steps."""
+"""Upper limits of the number of parts of a step, and of all steps."""
 
 
 @once
@@ -34,19 +34,19 @@ def dense(motion: Motion) -> Motion:
     inside = (times > time[0] + steps.instant) & (times < time[-1] - steps.instant)
     ends = place_outputs(steps, time[[0, -1]])
     index, length = (
-        np.concatenate([at[:1], some[inside], at[1:]])
-        for at, some in ((ends.index, branches.index), (ends.length, branches.length))
+        np.concatenate([ends_of_motion[:1], values[inside], ends_of_motion[1:]])
+        for ends_of_motion, values in ((ends.index, branches.index), (ends.length, branches.length))
     )
     times = np.concatenate([time[:1], times[inside], time[-1:]])
-    found = DenseOutputs(kernel, steps, times, Branches(index, length), p)
-    made = replace(record, branches=found.branches, dense=True)
-    return replace(motion, trajectory=found.trajectory, record=made)
+    outputs = DenseOutputs(kernel, steps, times, Branches(index, length), p)
+    record_at_outputs = replace(record, branches=outputs.branches, dense=True)
+    return replace(motion, trajectory=outputs.trajectory, record=record_at_outputs)
 
 
 def peak_quadrature(
     motion: Motion, measure: str | Expression, sharpness: float, sign: float, order: int
 ) -> StepQuadrature | None:
-    """Points over the run at which ``exp(± sharpness m)`` is as smooth as the motion.
+    """Quadrature points that resolve ``exp(± sharpness m)`` as well as the motion.
 
     None where the run has fixed steps, or outputs over a part of it only.
     """
@@ -56,17 +56,17 @@ def peak_quadrature(
         return None
     if time[0] > steps.t[0] + steps.instant or time[-1] < steps.end - steps.instant:
         return None
-    finely = dense(motion)
-    m = sign * sharpness * finely.values(measure)
+    dense_motion = dense(motion)
+    m = sign * sharpness * dense_motion.values(measure)
     if not np.all(np.isfinite(m)):
         return None
-    apart, index = np.diff(finely.time), finely.record.branches.index
-    lasting, index = ~jumps_between(steps, finely.time, index), index[:-1]
-    slope = np.abs(np.diff(m)) / np.where(lasting, apart, 1.0)
-    bend = np.sqrt(np.abs(np.diff(slope, append=slope[-1:])) / np.where(lasting, apart, 1.0))
+    intervals, index = np.diff(dense_motion.time), dense_motion.record.branches.index
+    lasting, index = ~jumps_between(steps, dense_motion.time, index), index[:-1]
+    slope = np.abs(np.diff(m)) / np.where(lasting, intervals, 1.0)
+    bend = np.sqrt(np.abs(np.diff(slope, append=slope[-1:])) / np.where(lasting, intervals, 1.0))
     steep = np.where(lasting, np.maximum(slope, bend), 0.0)
     steep[np.maximum(m[1:], m[:-1]) < m.max() - NEGLIGIBLE] = 0.0
-    most = np.zeros(steps.count)
-    np.maximum.at(most, index, steep)
-    parts = np.clip(np.ceil(most * steps.h / RISE), 1, STEP_PARTS).astype(int)
+    steepest = np.zeros(steps.count)
+    np.maximum.at(steepest, index, steep)
+    parts = np.clip(np.ceil(steepest * steps.h / RISE), 1, STEP_PARTS).astype(int)
     return StepQuadrature(steps, order, parts) if parts.sum() <= PARTS else None

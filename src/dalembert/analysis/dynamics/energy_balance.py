@@ -1,4 +1,4 @@
-"""Whether the energy of a motion is that put in and not dissipated."""
+"""Energy balance of a motion: change of energy against work put in and dissipated."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from dalembert.errors import AnalysisError
 from dalembert.results.status import Outcome
 
 ROUNDING = 1e-9, 1e-6
-"""Shares of the energies themselves, and of the mechanism's natural energy, that tell nothing."""
-QUARTER = 0.25
-"""Of the largest share of the energy that may come from nowhere: what is told."""
+"""Rounding: share of the energies themselves, and of the mechanism's natural energy."""
+WARNING = 0.25
+"""Share of the permitted energy error from which on a warning is given."""
 
 
 def check_balance(balance: float) -> None:
-    """A share above 0.
+    """Check that the permitted energy error is a positive share.
 
     Raises
     ------
     AnalysisError
-        It is none.
+        It is not positive.
     """
     if not balance > 0:
         raise AnalysisError(f"balance is {balance}; it must be a positive share")
 
 
 class EnergyBalance:
-    """``E − E₀ + dissipated − input`` along a trajectory, and what it is compared with.
+    """``E − E₀ + dissipated − input`` along a trajectory, relative to the energy that took part.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class EnergyBalance:
 
     @property
     def errors(self) -> np.ndarray:
-        """(K,) energy that came from nowhere [J]."""
+        """(K,) energy error [J]."""
         return energy_errors(self.energies, self.work)
 
     @property
@@ -61,30 +61,30 @@ class EnergyBalance:
         return float(shares[k]), float(self.errors[k]), float(self.t[k])
 
     def objection(self, limit: float, cure: str) -> tuple[Outcome, str] | None:
-        """Why the run must not be called completed, if so; ``limit`` is of the share."""
+        """Outcome and message if the error exceeds a share ``limit`` of the energy, else None."""
         if self.worst[0] <= limit:
             return None
         return Outcome.UNBALANCED, f"{self.text}; {cure}"
 
-    def doubts(self, limit: float) -> list[str]:
-        """What should be known of an error within the limit."""
-        if not QUARTER * limit < self.worst[0] <= limit:
+    def warnings(self, limit: float) -> list[str]:
+        """Warning about an error within the limit."""
+        if not WARNING * limit < self.worst[0] <= limit:
             return []
         return [f"{self.text}; the steps are long for this motion"]
 
     @property
     def text(self) -> str:
-        """The worst error, told."""
+        """The largest error in words."""
         share, error, time = self.worst
-        what = "appeared" if error > 0 else "vanished"
+        verb = "appeared" if error > 0 else "vanished"
         return (
-            f"{abs(error):.3g} J {what} by t = {time:.9g} s, {share:.0%} of the {self.moved:.3g} J "
+            f"{abs(error):.3g} J {verb} by t = {time:.9g} s, {share:.0%} of the {self.moved:.3g} J "
             "that took part in the motion"
         )
 
 
 def energy_errors(energies: np.ndarray, work: np.ndarray) -> np.ndarray:
-    """(…, K) energy that came from nowhere [J], of (…, 2, K) as in ``EnergyBalance``."""
+    """(…, K) energy error [J] from arrays (…, 2, K) as in ``EnergyBalance``."""
     total = energies.sum(axis=-2) + work[..., 0, :] - work[..., 1, :]
     return np.asarray(total - total[..., :1])
 

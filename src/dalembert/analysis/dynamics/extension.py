@@ -1,4 +1,4 @@
-"""The analysis of a run that goes on: its options over the longer span."""
+"""The analysis of a continued run: its options over the longer span."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from dalembert.analysis.times import follow_parameters, in_seconds
 from dalembert.errors import AnalysisError
 from dalembert.results.motion import Motion
 
-EVEN = 1e-9
-"""Difference, relative, of distances between outputs that count as equal."""
+EQUAL_SPACING = 1e-9
+"""Relative difference below which distances between outputs are equal."""
 
 A = TypeVar("A", bound=OverTime[Any])
 
@@ -24,56 +24,58 @@ A = TypeVar("A", bound=OverTime[Any])
 def extended(
     analysis: A, motion: Motion, duration: Any, options: Mapping[str, Any]
 ) -> tuple[A, float]:
-    """The analysis from the start of a motion to a later end, and the step of what follows.
+    """The analysis from the start of a motion to a later end, and the step of the continuation.
 
     Parameters
     ----------
-    duration : of what follows [s]
-    options : step, outputs of what follows and events, where they are others than before
+    duration : of the continuation [s]
+    options : step, outputs of the continuation and events, if they differ from the earlier run
 
     Raises
     ------
     AnalysisError
-        Times that follow parameters, or that do not fit each other.
+        Times that follow parameters, or that are inconsistent.
     """
     if follow_parameters(analysis):
         raise AnalysisError(
             "times of this run follow parameters; ask for a longer one instead of continuing it"
         )
-    given = in_seconds(
+    arguments = in_seconds(
         {"duration": duration, **options}, motion.model, motion.parameters, "continued"
     )
     start, end = checked_span(analysis.duration, analysis.t_span)
     begin = motion.record.steps.end
-    _, length = checked_span(float(given.pop("duration")), None)
-    usual = checked_step(analysis.step, start, end)
-    step = float(given.pop("step", usual))
+    _, length = checked_span(float(arguments.pop("duration")), None)
+    default_step = checked_step(analysis.step, start, end)
+    step = float(arguments.pop("step", default_step))
     checked_step(step, begin, begin + length)
-    asked = given.pop("outputs", None)
-    outputs = _outputs(analysis, motion, asked, begin, begin + length)
-    whole: dict[str, Any] = {"duration": None, "t_span": (start, begin + length)}
-    whole |= {"outputs": outputs, **given}
+    requested = arguments.pop("outputs", None)
+    outputs = _outputs(analysis, motion, requested, begin, begin + length)
+    changes: dict[str, Any] = {"duration": None, "t_span": (start, begin + length)}
+    changes |= {"outputs": outputs, **arguments}
     if "step" in options or (analysis.step is None and motion.record.kernel.adaptive is None):
-        whole["step"] = step
-    if "integrator" in {f.name for f in fields(analysis)}:  # a step selects no other one here
-        whole["integrator"] = copy(analysis.integrator)  # type: ignore[attr-defined]
-    return replace(analysis, **whole), step
+        changes["step"] = step
+    if "integrator" in {f.name for f in fields(analysis)}:  # a step does not select another one
+        changes["integrator"] = copy(analysis.integrator)  # type: ignore[attr-defined]
+    return replace(analysis, **changes), step
 
 
 def _outputs(
-    analysis: OverTime[Any], motion: Motion, asked: Any, begin: float, end: float
+    analysis: OverTime[Any], motion: Motion, requested: Any, begin: float, end: float
 ) -> tuple[float, ...] | None:
-    """Those of the whole: of the run before, and after it those asked for or as far apart."""
-    if asked is None and analysis.outputs is None:
+    """Output times of the whole: of the earlier run, then the requested or equally spaced ones."""
+    if requested is None and analysis.outputs is None:
         return None
-    if asked is None:
-        apart, between = end - begin, np.diff(motion.time)
-        if between.size:
-            apart = float(between[0])
-        if np.sum(np.abs(between - apart) > EVEN * apart) > 1:  # the last may be an event
+    if requested is None:
+        spacing, intervals = end - begin, np.diff(motion.time)
+        if intervals.size:
+            spacing = float(intervals[0])
+        if (
+            np.sum(np.abs(intervals - spacing) > EQUAL_SPACING * spacing) > 1
+        ):  # the last may be an event
             raise AnalysisError("this run had times of its own; give outputs= for what follows")
-        asked = 1 + max(1, round((end - begin) / apart))
-    times = output_times(asked, begin, end)
+        requested = 1 + max(1, round((end - begin) / spacing))
+    times = output_times(requested, begin, end)
     assert times is not None
     later = times[times > motion.time[-1:].max(initial=begin)]
     return (*motion.time.tolist(), *later.tolist())

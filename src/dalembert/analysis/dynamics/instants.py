@@ -1,8 +1,8 @@
-"""Where in a dynamic run an event happened, and where it does when the run is repeated.
+"""Instants of events of a dynamic run, also when the run is repeated.
 
-A repeated run takes the same steps with other parameters. Its events are located anew, each in the
-step in which it was found: the branch of the motion is kept, so the instant is a smooth function of
-the parameters.
+A repeated run takes the same steps with other parameters. Its events are located again, each in its
+original step: the branch of the motion stays the same, so the instant is a smooth function of the
+parameters.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Instant:
 
 
 def end_by_event(motion: Result) -> Occurrence | None:
-    """The terminal event at which the last output lies, if that is how the run ended."""
+    """The terminal event at the last output, if the run ended by one."""
     if motion.status.outcome is not Outcome.TERMINATED:
         return None
     if not motion.time.size or motion.time[-1] != motion.record.steps.end:
@@ -46,12 +46,12 @@ def end_by_event(motion: Result) -> Occurrence | None:
 
 @once
 def instant_of(motion: Motion, occurrence: Occurrence) -> Instant:
-    """Where an event happened.
+    """Step and length at which an event happened.
 
     Raises
     ------
     AnalysisError
-        Unknown event, or it did not happen so often.
+        Unknown event, or fewer occurrences.
     """
     event = occurrence.declared(as_events(motion.analysis.events))
     origin, steps = motion.record.origin, motion.record.steps
@@ -69,27 +69,27 @@ def instant_of(motion: Motion, occurrence: Occurrence) -> Instant:
 
 
 def ended_again(motion: Motion, steps: Steps, p: np.ndarray) -> Steps:
-    """Repeated steps of a run, the last of which ends where its terminal event happens now.
+    """Repeated steps of a run, cut at the new instant of its terminal event.
 
     Raises
     ------
     AnalysisError
-        It does not happen any more.
+        The event does not happen any more.
     """
     name = motion.events[-1].name
     event = as_events(motion.analysis.events)[name]
     flow = Flow(motion.record.kernel, steps, p)
-    found = _moved(motion, flow, event, _end(motion.record.steps))
-    return flow.ended(found.index, found.length)
+    instant = _moved(motion, flow, event, _end(motion.record.steps))
+    return flow.shortened(instant.index, instant.length)
 
 
-def _moved(motion: Motion, flow: Flow, event: Event, before: Instant) -> Instant:
-    """The instant of an event in the flow of other parameters, near where it was before."""
-    measure, k = motion.model.expression(event.measure), before.index
+def _moved(motion: Motion, flow: Flow, event: Event, original: Instant) -> Instant:
+    """Instant of an event in the flow at other parameters, near the original one."""
+    measure, k = motion.model.expression(event.measure), original.index
     length = locate_again(
         lambda s: flow.value(measure, k, s),
         lambda s: flow.rate(measure, k, s),
-        before.length,
+        original.length,
         str(Occurrence(event)),
         flow.steps.end - float(flow.steps.t[0]),
     )
@@ -97,8 +97,8 @@ def _moved(motion: Motion, flow: Flow, event: Event, before: Instant) -> Instant
 
 
 def _name_of(motion: Motion, event: Event) -> str | None:
-    known = as_events(motion.analysis.events)
-    return next((name for name, other in known.items() if other == event), None)
+    events = as_events(motion.analysis.events)
+    return next((name for name, other in events.items() if other == event), None)
 
 
 def _end(steps: Steps) -> Instant:
@@ -106,10 +106,10 @@ def _end(steps: Steps) -> Instant:
 
 
 def _placed(steps: Steps, time: float) -> Instant:
-    """An instant lies at the end of a step rather than at the beginning of the next."""
+    """Step and length of a time; a common end of two steps belongs to the first one."""
     k = int(np.clip(np.searchsorted(steps.t[: steps.count], time) - 1, 0, steps.count - 1))
-    length, small = time - float(steps.t[k]), steps.instant
-    if length < small and k > 0:
+    length, tolerance = time - float(steps.t[k]), steps.instant
+    if length < tolerance and k > 0:
         return Instant(k - 1, float(steps.h[k - 1]))
     end = float(steps.h[k])
-    return Instant(k, end if abs(length - end) < small else length)
+    return Instant(k, end if abs(length - end) < tolerance else length)

@@ -22,21 +22,21 @@ Change = Transition | ContactChange
 
 
 class MovingSide(Variant):
-    """The motion just before a change, or just after it, as a function of the state before it.
+    """The motion just before or just after a change as a function of the state before it.
 
     Parameters
     ----------
-    change : a step of no length
-    after : the side behind it
+    change : a step of zero length
+    after : the side after the change
     """
 
     def __init__(self, change: Change, after: bool):
-        own = change.before if isinstance(change, ContactChange) else change.variant
-        beyond = change.after if isinstance(change, ContactChange) else change.variant
-        self.change, self.seen = change, beyond if after else own
-        strategies = own.formulation, own.stabilization, own.integrator
-        super().__init__(own.view, own.rows, *strategies, own.phases)
-        self.behind = after
+        before = change.before if isinstance(change, ContactChange) else change.variant
+        behind = change.after if isinstance(change, ContactChange) else change.variant
+        self.change, self.variant_at_side = change, behind if after else before
+        strategies = before.formulation, before.stabilization, before.integrator
+        super().__init__(before.view, before.rows, *strategies, before.phases)
+        self.after = after
 
     @property
     def step(self) -> Step:  # type: ignore[override]
@@ -48,23 +48,23 @@ class MovingSide(Variant):
         size = self.change.step.state_size
         t, x = ca.MX.sym("t"), ca.MX.sym("x", size)
         p = ca.MX.sym("p", self.change.step.parameter_count)
-        delay, before, after = self.change.meeting(t, x, p)
-        there = after if self.behind else before
-        return ca.Function("place", [t, x, p], [ca.densify(delay), ca.densify(there)])
+        delay, before, after = self.change.located(t, x, p)
+        state = after if self.after else before
+        return ca.Function("place", [t, x, p], [ca.densify(delay), ca.densify(state)])
 
     @once
     def measured(self, measure: Expression) -> MovingMeasure:  # type: ignore[override]
-        return MovingMeasure(self._there(self.seen.measured(measure).function))
+        return MovingMeasure(self._at_change(self.variant_at_side.measured(measure).function))
 
     @cached_property
     def bodies(self) -> ca.Function:
-        return self._there(self.seen.held_bodies)
+        return self._at_change(self.variant_at_side.held_bodies)
 
-    def _there(self, function: ca.Function) -> ca.Function:
-        """A ``(t, x, p)`` function on this side, of the state before the change."""
+    def _at_change(self, function: ca.Function) -> ca.Function:
+        """A ``(t, x, p)`` function on this side as a function of the state before the change."""
         t, x, p = (ca.MX.sym(*s) for s in zip("txp", self._sizes, strict=True))
-        delay, there = self.place(t, x, p)
-        return ca.Function("there", [t, x, p], function.call([t + delay, there, p]))
+        delay, state = self.place(t, x, p)
+        return ca.Function("there", [t, x, p], function.call([t + delay, state, p]))
 
     @property
     def _sizes(self) -> tuple[int, int, int]:
@@ -72,7 +72,7 @@ class MovingSide(Variant):
 
 
 class MovingMeasure:
-    """A function ``(t, x, p) → m`` with the derivatives that gradients march with."""
+    """A function ``(t, x, p) → m`` with its tangent and adjoint functions."""
 
     def __init__(self, function: ca.Function):
         self.function = function
@@ -81,15 +81,15 @@ class MovingMeasure:
     def tangent(self) -> ca.Function:
         """``(t, x, p, ṫ, ẋ, ṗ) → ṁ``."""
         inputs, rates = self._symbols(""), self._symbols("d")
-        found = self.function.forward(1)(*inputs, self.function(*inputs), *rates)
-        return ca.Function("tangent", [*inputs, *rates], [ca.densify(found)])
+        rate = self.function.forward(1)(*inputs, self.function(*inputs), *rates)
+        return ca.Function("tangent", [*inputs, *rates], [ca.densify(rate)])
 
     @cached_property
     def adjoint(self) -> ca.Function:
         """``(t, x, p, m̄) → t̄, x̄, p̄``."""
         inputs, weight = self._symbols(""), ca.MX.sym("w")
-        found = self.function.reverse(1)(*inputs, self.function(*inputs), weight)
-        return ca.Function("adjoint", [*inputs, weight], [ca.densify(part) for part in found])
+        weights = self.function.reverse(1)(*inputs, self.function(*inputs), weight)
+        return ca.Function("adjoint", [*inputs, weight], [ca.densify(part) for part in weights])
 
     def tangents(self, count: int) -> ca.Function:
         """``(t, x, p, dx, dp) → dm`` in ``count`` columns."""
@@ -97,8 +97,8 @@ class MovingMeasure:
         _, x, p = inputs
         dx, dp = (ca.MX.sym(f"d{i}", s.numel(), count) for i, s in enumerate((x, p)))
         forward = self.function.forward(count)
-        found = forward(*inputs, self.function(*inputs), ca.MX(1, count), dx, dp)
-        return ca.Function("tangents", [*inputs, dx, dp], [ca.densify(found)])
+        changes = forward(*inputs, self.function(*inputs), ca.MX(1, count), dx, dp)
+        return ca.Function("tangents", [*inputs, dx, dp], [ca.densify(changes)])
 
     def _symbols(self, prefix: str) -> list[ca.MX]:
         return [ca.MX.sym(prefix + n, self.function.numel_in(i)) for i, n in enumerate("txp")]

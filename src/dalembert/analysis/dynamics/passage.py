@@ -1,4 +1,4 @@
-"""What is put in place of a step at whose end the motion is another: part of it, then changes."""
+"""Replacement of a step that crosses a change: its first part, then transitions."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import numpy as np
 
 from dalembert.integrators.marching.steps import Crossing
 
-NOW = 1e-13
-"""Time, relative to the run, that counts as none."""
+SIMULTANEOUS = 1e-13
+"""Difference of times, relative to the run, below which events are simultaneous."""
 
 
-class Passage:
-    """Part of a step, then transitions, one column each."""
+class StepReplacement:
+    """First part of a step, then transitions, each an entry with its end state."""
 
     def __init__(self, time: float, x: np.ndarray):
         self.time, self.x = time, x
@@ -21,7 +21,7 @@ class Passage:
         self.entries.append((self.time, length, x, mode))
         self.time, self.x = self.time + length, x
 
-    def crossing(self, kept: int, following: float, reason: str) -> Crossing:
+    def crossing(self, accepted: int, following: float, reason: str) -> Crossing:
         t, h, columns, modes = zip(*self.entries, strict=True)
         x = np.column_stack(columns)
-        return Crossing(kept, np.array(t), np.array(h), x, np.array(modes), following, reason)
+        return Crossing(accepted, np.array(t), np.array(h), x, np.array(modes), following, reason)

@@ -1,4 +1,4 @@
-"""What projections cost in a run: they are part of the function of a step, so measured anew."""
+"""Computation time of projections inside compiled steps, by repeated evaluation."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 from dalembert.analysis.dynamics.record import DynamicsRecord
 
 MOST = 200
-"""States at which it is measured."""
+"""Upper limit of the number of states at which the time is measured."""
 MACHINE = "VM"
-"""Backend that evaluates functions one by one as it does inside a step."""
+"""Backend whose evaluation time is the same inside and outside of a step."""
 
 
 def projection_time(motion: Any) -> float | None:
-    """Seconds that the projections of a run took, None where there are none or it was compiled."""
+    """Computation time of the projections of a run [s]; None without projections or if compiled."""
     record, statistics = motion.record, motion.statistics
     count = statistics.get("projections", 0)
     if not isinstance(record, DynamicsRecord) or not count or statistics["backend"] != MACHINE:

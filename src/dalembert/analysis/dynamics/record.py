@@ -1,4 +1,4 @@
-"""Record of a dynamic run: what gradients and later questions need of it."""
+"""Record of a dynamic run for gradients and later evaluations."""
 
 from __future__ import annotations
 
@@ -14,12 +14,17 @@ from dalembert.results.recording import Recording
 
 @dataclass(frozen=True)
 class DynamicsRecord:
-    """What a gradient needs of a run: the steps taken and the branches to the outputs.
+    """Steps of a run and the positions of its outputs among them.
 
-    ``origin`` is the run that this one repeats, if it does; ``quadrature`` holds the weights that
-    make integrals of the outputs, where these are points inside steps. ``accuracy`` estimates the
-    error of the run, where its steps can be repeated in halves. ``dense`` outputs show the motion
-    between the ends of its steps.
+    Attributes
+    ----------
+    kernel : DynamicsKernel of the run
+    steps : Steps taken
+    branches : positions of the outputs among the steps
+    origin : the run that this one repeats, None for an original run
+    quadrature : weights of integrals over the outputs, if these are points inside steps
+    accuracy : error estimate of the run, if its steps can be repeated in halves
+    dense : outputs follow the motion between the ends of its steps
     """
 
     kernel: DynamicsKernel

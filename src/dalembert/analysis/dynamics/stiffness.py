@@ -1,8 +1,9 @@
-"""Springs and stops that explicit steps are too long for, told before a run.
+"""Stability limit of explicit steps by springs and stops, checked before a run.
 
-An element with stiffness k and damping c along a coordinate s moves the mass ``1 / (∇s W ∇sᵀ)``, W
-the inverse of M on the motions that C permits. Alone it swings by ``s̈ + (c/m) ṡ + (k/m) s = 0``; a
-step of length h multiplies that by ``R(hz)``, z a root. One-sided elements count as touching.
+An element with stiffness k and damping c along a coordinate s moves the mass ``1 / (∇s W ∇sᵀ)``,
+where W is the inverse of M on the motions that C permits. Alone it oscillates by ``s̈ + (c/m) ṡ +
+(k/m) s = 0``; a step of length h amplifies that by ``R(hz)``, where z is a root. One-sided elements
+count as touching.
 """
 
 from __future__ import annotations
@@ -22,12 +23,12 @@ from dalembert.symbolic.formulas.expression import free_symbols, stack
 from dalembert.symbolic.once import once
 
 SMALL = 200
-"""Equations up to which a dense solve is faster."""
+"""Upper limit of the number of equations for a dense solve."""
 ALLOWED = math.log(100.0)
-"""Growth of a disturbance during a run, as a logarithm, that nobody is warned of."""
+"""Threshold for a warning: logarithm of the growth of a disturbance during a run."""
 
 
-def too_long_for(
+def unstable_step_warnings(
     model: Model,
     state: AssembledState,
     p: np.ndarray,
@@ -35,20 +36,20 @@ def too_long_for(
     step: float,
     duration: float,
 ) -> list[str]:
-    """The spring or stop that blows up fastest with these steps, if one does."""
+    """Warning about the spring or stop whose instability grows fastest with these steps."""
     if integrator.stability is None or integrator.implicit or integrator.adaptive:
         return []
     names, swings = _swings(model, state, p)
 
     def growth(swing: np.ndarray, h: float) -> float:
         roots = np.roots([1.0, *swing]).astype(complex)
-        most = float(np.max(np.abs(integrator.stability(h * roots))))  # type: ignore[misc]
-        return duration / h * math.log(max(most, 1e-300))
+        amplification = float(np.max(np.abs(integrator.stability(h * roots))))  # type: ignore[misc]
+        return duration / h * math.log(max(amplification, 1e-300))
 
-    found = [growth(swing, step) for swing in swings]
-    if not found or not max(found) > ALLOWED:
+    growths = [growth(swing, step) for swing in swings]
+    if not growths or not max(growths) > ALLOWED:
         return []
-    worst = int(np.argmax(found))
+    worst = int(np.argmax(growths))
     low, high = 0.0, step
     for _ in range(60):
         middle = (low + high) / 2
@@ -56,7 +57,7 @@ def too_long_for(
     rate = np.sqrt(swings[worst][1])
     return [
         f"{names[worst]} alone swings at {rate:.3g} rad/s: {integrator.name} with steps of "
-        f"{step:g} s multiplies that by {math.exp(min(found[worst], 700.0)):.2g} during the run; "
+        f"{step:g} s multiplies that by {math.exp(min(growths[worst], 700.0)):.2g} during the run; "
         f"use steps below {low:.3g} s, or an implicit integrator such as Radau()"
     ]
 
@@ -64,20 +65,22 @@ def too_long_for(
 def _swings(model: Model, state: AssembledState, p: np.ndarray) -> tuple[list[str], np.ndarray]:
     """Names, and ``(c/m, k/m)`` of every elastic element at a state."""
     names, function = _elastic(model)
-    nothing: list[str] = []
+    none: list[str] = []
     if function is None:
-        return nothing, np.zeros((0, 2))
-    found = function(0.0, state.y, state.v, p)
-    slopes, both = found[0].full(), found[1].full()
-    pushed = np.zeros((found[2].shape[0], slopes.shape[0]))
-    pushed[: slopes.shape[1]] = slopes.T
+        return none, np.zeros((0, 2))
+    values = function(0.0, state.y, state.v, p)
+    slopes, coefficients = values[0].full(), values[1].full()
+    loads = np.zeros((values[2].shape[0], slopes.shape[0]))
+    loads[: slopes.shape[1]] = slopes.T
     try:
-        moved = _solved(found[2], pushed)[: slopes.shape[1]]
-    except np.linalg.LinAlgError:  # singular: the run will say why
-        return nothing, np.zeros((0, 2))
-    both = both * np.sum(slopes * moved.T, axis=1)[:, None]
-    good = np.isfinite(both).all(axis=1) & (both[:, 1] > 0)
-    return [name for name, ok in zip(names, good, strict=True) if ok], both[good]
+        responses = _solved(values[2], loads)[: slopes.shape[1]]
+    except np.linalg.LinAlgError:  # singular: reported by the run
+        return none, np.zeros((0, 2))
+    coefficients = coefficients * np.sum(slopes * responses.T, axis=1)[:, None]
+    oscillating = np.isfinite(coefficients).all(axis=1) & (coefficients[:, 1] > 0)
+    return [name for name, ok in zip(names, oscillating, strict=True) if ok], coefficients[
+        oscillating
+    ]
 
 
 def _solved(matrix: ca.DM, rhs: np.ndarray) -> np.ndarray:
@@ -87,7 +90,7 @@ def _solved(matrix: ca.DM, rhs: np.ndarray) -> np.ndarray:
 
 
 def _components(powers: Powers) -> Powers:
-    """Each velocity with its effort."""
+    """Scalar pairs of velocity and effort."""
     return [
         pair
         for velocity, effort in powers
@@ -97,9 +100,9 @@ def _components(powers: Powers) -> Powers:
 
 @once
 def _elastic(model: Model) -> tuple[list[str], ca.Function | None]:
-    """Names of what stores energy; ``(t, y, v, p) → ∇s, [c k], [M Cᵀ; C 0]``."""
+    """Names of elements that store energy; ``(t, y, v, p) → ∇s, [c k], [M Cᵀ; C 0]``."""
     e = model.all_equations
-    known, places = free_symbols(ca.vertcat(e.t, e.y, e.v, e.p)), free_symbols(e.y)
+    arguments, coordinates = free_symbols(ca.vertcat(e.t, e.y, e.v, e.p)), free_symbols(e.y)
     names, slopes, stiffness, damping = [], [], [], []
     for element in model.forces:
         if element.potential() is None:
@@ -111,10 +114,10 @@ def _elastic(model: Model) -> tuple[list[str], ca.Function | None]:
 
         for u, q in _components(element.touching(rate, model.scales.energy)):
             u, q = (model.at_ground(x) for x in (u, q))
-            if not free_symbols(q) & places:  # as a weight: no derivative has to tell
+            if not free_symbols(q) & coordinates:  # constant force, such as a weight
                 continue
             by_place, by_speed = (ca.sparsify(ca.jacobian(q, x)) for x in (e.y, e.v))
-            if not by_place.nnz() or free_symbols(ca.vertcat(u, q)) - known:
+            if not by_place.nnz() or free_symbols(ca.vertcat(u, q)) - arguments:
                 continue
             slope = ca.jacobian(u, e.v)
             size = ca.sumsqr(slope)

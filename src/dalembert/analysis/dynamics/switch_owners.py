@@ -1,4 +1,4 @@
-"""Which force or law a switch belongs to, for messages."""
+"""Owners of switches, for messages."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from dalembert.model.model import Model
 from dalembert.symbolic.formulas.switches import hold
 
 SAME = 1e-9
-"""Relative difference of two switching functions at a state that makes them the same."""
+"""Relative difference below which two switching functions are equal at a state."""
 
 
 def owner_of(kernel: DynamicsKernel, mode: int, number: int, t: float, x: np.ndarray, p) -> str:
-    """The elements with a switch that has, at this state, the value of this one."""
+    """Names of the elements whose switching functions have the value of this one at a state."""
     model = kernel.model
     distance = float(kernel.distances(t, x, p)[number])
     y, v, *_ = kernel.variants[mode].bodies(t, x, p)
-    named = []
+    names = []
     for element in [*model.forces, *model.constraints]:
         values = np.abs(_values(model, element, t, y, v, p))
         if np.any(np.abs(values - abs(distance)) <= SAME * np.maximum(values, SAME)):
-            named.append(element.name)
-    return f"the force of {', '.join(named)}" if named else "a force"
+            names.append(element.name)
+    return f"the force of {', '.join(names)}" if names else "a force"
 
 
 def _values(model: Model, element: Element, t, y, v, p) -> np.ndarray:

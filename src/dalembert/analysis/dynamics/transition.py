@@ -1,7 +1,7 @@
-"""Switches of held equations: when they are crossed, and what a run does there.
+"""Transitions of switching functions, steps of zero length.
 
 The instant ``t*`` of ``g(t*, x, p) = 0`` moves with the parameters, the times of the steps do not.
-A change of it by ``δt`` gives the motion the old branch for so long, and takes the new one from it:
+A change of it by ``δt`` extends the old branch of the motion by ``δt`` and shortens the new one:
 
     x⁺ = x + (ẋ⁻ − ẋ⁺) δt,      δt = −g/ġ,      ġ = ∂g/∂t + (∂g/∂x) ẋ⁻
 
@@ -21,17 +21,17 @@ from dalembert.integrators.step import GraphStep
 from dalembert.model.equations import Equations
 
 SURFACE = 1e-13
-"""Distance from a switch, relative to the state and its natural sizes, that counts as none."""
+"""Rounding of a switching function, relative to the state and its natural sizes."""
 
 
 class Transition(Variant):
-    """A switch goes over to its other side: a step of no length between steps of a variant.
+    """Sign change of a switching function: a step of zero length between steps of a variant.
 
     Parameters
     ----------
-    variant : of the steps before and after
-    number : of the switch
-    moving : the forces change there; else the side is all that does
+    variant : Variant of the steps before and after
+    number : number of the switch
+    moving : forces change at the switch; otherwise only the stored sign
     """
 
     def __init__(self, variant: Variant, number: int, moving: bool):
@@ -56,21 +56,21 @@ class Transition(Variant):
 
     def _turned(self, x: ca.MX) -> ca.MX:
         """The state on the other side of the switch."""
-        place = self.variant.step.state_size - self.variant.equations.switches.count + self.number
-        return ca.vertcat(x[:place], x[place] < 0.5, x[place + 1 :])
+        entry = self.variant.step.state_size - self.variant.equations.switches.count + self.number
+        return ca.vertcat(x[:entry], x[entry] < 0.5, x[entry + 1 :])
 
-    def meeting(self, t: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
-        """``δ``, and the states on both sides of the switch at ``t + δ``."""
+    def located(self, t: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
+        """``δ``, and the states before and after the switch at ``t + δ``."""
         if not self.moving:
             return ca.MX(0), x, self._turned(x)
         rate = self.variant.rate.function(t, x, p)
         delay = self.delay(t, x, p, rate)
-        there = x + rate * delay
-        return delay, there, self._turned(there)
+        state = x + rate * delay
+        return delay, state, self._turned(state)
 
     @cached_property
     def delay(self) -> ca.Function:
-        """``(t, x, p, ẋ) → δt``; none where the switch is only grazed."""
+        """``(t, x, p, ẋ) → δt``; zero where the motion only grazes the switch."""
         e = self.variant.equations
         x, rate = state_symbols(e), ca.SX.sym("rate", state_symbols(e).numel())
         g = e.switches.functions[self.number]
@@ -81,7 +81,7 @@ class Transition(Variant):
 
     @cached_property
     def instant(self) -> ca.Function:
-        """``(t, x, p) → δt``, whose derivative is that of the instant."""
+        """``(t, x, p) → δt`` with the derivative of the instant."""
         t, x, p = self.variant.rate.inputs
         rate = self.variant.rate.function(t, x, p)
         return ca.Function("instant", [t, x, p], [self.delay(t, x, p, rate)])
@@ -99,7 +99,7 @@ class Transition(Variant):
 
     @property
     def bodies(self) -> ca.Function:  # type: ignore[override]
-        """Of the state before it, which may lie on the other side by rounding."""
+        """Function of the state before the switch, with the stored sign."""
         return self.held_bodies
 
     @property
@@ -108,13 +108,13 @@ class Transition(Variant):
 
 
 def distances(e: Equations) -> ca.Function:
-    """``(t, x, p)`` → distance to each switch on the side of the state, negative beyond it."""
+    """``(t, x, p)`` → distance to each switch, negative beyond it."""
     inside = (2 * e.switches.sides - 1) * e.switches.functions
     return ca.Function("distances", [e.t, state_symbols(e), e.p], [ca.densify(inside)])
 
 
 def crossed(e: Equations) -> ca.Function:
-    """``(t, x, p)`` → how far a state lies beyond each switch; rounding is not beyond."""
+    """``(t, x, p)`` → distance of a state beyond each switch, less rounding."""
     x, g = state_symbols(e), e.switches.functions
     slopes = ca.fabs(ca.jacobian(g, ca.vertcat(e.t, x)))
     near = SURFACE * ca.mtimes(slopes, ca.vertcat(0, state_sizes(e)) + ca.fabs(ca.vertcat(e.t, x)))

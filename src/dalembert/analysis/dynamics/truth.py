@@ -1,4 +1,4 @@
-"""Whether what a run has left is a motion of the model at all."""
+"""Residual check of a dynamic run: constraints, equations of motion, energy balance."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from dalembert.integrators.marching.steps import Steps
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome
 
-DRIFT, TOLD = 0.1, 1e-2
-"""Where constraints are held nearly only: what is no motion of the mechanism, and what is told."""
+DRIFT, WARNING = 0.1, 1e-2
+"""Violation of approximately enforced constraints: upper limit, and threshold for a warning."""
 
 
-class DynamicsTruth(ModelTruth):
-    """Positions, speeds, accelerations, forces and energies of a run, against the model's own.
+class DynamicsResidualCheck(ModelTruth):
+    """Positions, speeds, accelerations, forces and energies of a run against the model equations.
 
     Parameters
     ----------
     kernel, steps, trajectory : of the run
     p : (np,) parameters
-    balance : largest error of the energy over the energy that took part
+    balance : largest permitted energy error, relative to the energy that took part
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class DynamicsTruth(ModelTruth):
 
     @cached_property
     def held(self) -> frozenset[Level]:
-        """Levels at which all constraints are held, and not nearly so."""
+        """Levels at which all constraints are enforced exactly."""
         return held_levels(self.kernel)
 
     def open_at(self, level: Level) -> tuple[Gap, float]:
@@ -57,13 +57,13 @@ class DynamicsTruth(ModelTruth):
 
     @cached_property
     def energy(self) -> EnergyBalance:
-        """With the start in front, where it is no output."""
+        """Energy balance from the start, also where that is not an output."""
         s, steps, model = self.s, self.steps, self.kernel.model
         energies, work, t = self.residuals.energies, s.work, s.t
         if t[0] != steps.t[0]:
             mode, first = steps.mode[:1] if steps.count else np.array([0]), steps.t[:1]
-            found = self.kernel.mapped(lambda v: v.bodies, mode, first, steps.x[:, :1], self.p)
-            y, v, a, multiplier = found
+            bodies = self.kernel.mapped(lambda v: v.bodies, mode, first, steps.x[:, :1], self.p)
+            y, v, a, multiplier = bodies
             start = Trajectory(first, y, v, a, multiplier, np.zeros((2, 1)))
             before = ModelResiduals(model, start, self.p).energies
             energies, work = np.hstack([before, energies]), np.hstack([start.work, work])
@@ -72,26 +72,26 @@ class DynamicsTruth(ModelTruth):
 
     @property
     def objection(self) -> tuple[Outcome, str] | None:
-        """Why the run must not be called completed, if so."""
+        """Outcome and message if the run is not a motion of the model, else None."""
         if violated := super().objection:
             return violated
         return self.energy.objection(self.balance, "use a shorter step, or another integrator")
 
     @property
-    def doubts(self) -> list[str]:
-        """What is no reason to refuse the run, but should be known."""
-        found = [
+    def warnings(self) -> list[str]:
+        """Warnings about residuals within their limits."""
+        warnings = [
             f"{gap.text}, {gap.share:.2g} of the size of its terms: nothing holds it there"
             for gap, limit in self.gaps
-            if limit == DRIFT and TOLD < gap.share <= DRIFT
+            if limit == DRIFT and WARNING < gap.share <= DRIFT
         ]
-        return found + self.energy.doubts(self.balance)
+        return warnings + self.energy.warnings(self.balance)
 
 
 def held_levels(kernel: DynamicsKernel) -> frozenset[Level]:
-    """Levels at which a run holds all constraints, and not nearly so.
+    """Levels at which a run enforces all constraints exactly.
 
-    What is left out as redundant follows from the others where the levels below are held.
+    Dropped redundant constraints follow from the others where the levels below are enforced.
     """
     first, stabilization = kernel.variants[0], kernel.stabilization
     fed_back = {Level.ACCELERATION} if stabilization.feedback else NONE

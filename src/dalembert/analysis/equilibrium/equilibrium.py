@@ -15,7 +15,7 @@ import numpy as np
 
 from dalembert.analysis.batch.rests import Rests
 from dalembert.analysis.batch.solve import run_analysis
-from dalembert.analysis.contact.unseen import unseen_contacts
+from dalembert.analysis.contact.unseen import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.equilibrium.static_balance import (
     StaticBalance,
@@ -173,7 +173,7 @@ class _Search:
             truth.judged(status),
             {"iterations": found.iterations, "stable": stable, "residual [N or N m]": residual},
             warnings=[
-                *unseen_contacts(self.model, trajectory, self.p),
+                *ignored_contacts(self.model, trajectory, self.p),
                 *elastic_doubts(self.model, trajectory, self.p),
             ],
             record=EquilibriumRecord(self.kernel),

@@ -12,7 +12,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.contact.unseen import unseen_contacts
+from dalembert.analysis.contact.unseen import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.elements.flexible.nodes import Noded
@@ -174,7 +174,7 @@ class Linearized:
         still, none = np.zeros((model.equations.speed_count, 1)), np.zeros((0, 1))
         instant = Trajectory(np.array([self.time]), y, still, still, none, np.zeros((2, 1)))
         unsteady = (OF_AN_INSTANT + self._cure,) if self.unsteadiness > STEADY else ()
-        seen = unseen_contacts(model, instant, self.p, forces=True)
+        seen = ignored_contacts(model, instant, self.p, forces=True)
         return (*unsteady, *seen, *elastic_doubts(model, instant, self.p))
 
     @property

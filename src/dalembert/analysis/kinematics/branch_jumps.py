@@ -33,7 +33,7 @@ class BranchJumps:
         self.kernel, self.steps = kernel, steps
 
     @property
-    def doubts(self) -> list[str]:
+    def warnings(self) -> list[str]:
         """Where the first jump is, and between which positions; mostly nothing."""
         x, lasting = self.steps.x, self.steps.lasting
         if isinstance(x, Checkpoints) or not self.kernel.equations.speed_count:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.contact.unseen import unseen_contacts
+from dalembert.analysis.contact.unseen import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.kinematics.branch_points import BranchPoints
 from dalembert.analysis.kinematics.dead_centres import Fold, find_fold
@@ -117,7 +117,7 @@ class KinematicsRun:
             statistics,
             sorted(events, key=lambda e: e.time),
             warnings=[
-                *unseen_contacts(self.model, trajectory, self.p, self.analysis.efforts),
+                *ignored_contacts(self.model, trajectory, self.p, self.analysis.efforts),
                 *elastic_doubts(self.model, trajectory, self.p),
             ],
             record=KinematicsRecord(self.kernel, path),

@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.analysis.contact.start import ROUNDED
 from dalembert.analysis.dynamics.energy_balance import EnergyBalance
-from dalembert.analysis.dynamics.truth import DRIFT, TOLD
+from dalembert.analysis.dynamics.truth import DRIFT, WARNING
 from dalembert.analysis.model_residuals import Gap
 from dalembert.analysis.model_truth import EXACT, ModelTruth
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
@@ -81,8 +81,8 @@ class ContactTruth(ModelTruth):
     @property
     def doubts(self) -> list[str]:
         """What is no reason to refuse the run, but should be known."""
-        found = self.energy.doubts(self.balance)
-        if TOLD < self.deepest.share <= self.limit:
+        found = self.energy.warnings(self.balance)
+        if WARNING < self.deepest.share <= self.limit:
             found.append(
                 f"{self.deepest.text}: it is not opened; use a shorter step, or projection=True"
             )
