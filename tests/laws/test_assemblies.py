@@ -180,7 +180,7 @@ def test_a_run_that_changes_branch_says_so():
     """Steps whose end is put into the other assembly, with its speeds; without that, silence."""
     from dataclasses import replace
 
-    from dalembert.analysis.kinematics.branch_jumps import BranchJumps
+    from dalembert.analysis.dynamics.step_length_checks import BranchJumps
 
     model = four_bar(0.6)
     motion = da.solve_dynamics(model, 0.1, step=0.01, stabilization=da.Projection())

@@ -7,7 +7,7 @@ from test_joint_coordinates import mechanism
 from test_short_corrections import ladder
 
 import dalembert as da
-from dalembert.analysis.dynamics.merits import merits_of
+from dalembert.analysis.dynamics.formulation_cost import cost_and_error
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.automatic_formulation import CANDIDATES, LONG
 from dalembert.formulations.base import Merits
@@ -25,7 +25,9 @@ def analysis(formulation, **more):
 def test_fewest_operations_of_those_that_are_accurate(name, coordinates):
     model = mechanism(name)
     chosen = analysis(AUTOMATIC, coordinates=coordinates).kernel(model)
-    merits = [merits_of(analysis(f, coordinates=coordinates).kernel(model)) for f in CANDIDATES]
+    merits = [
+        cost_and_error(analysis(f, coordinates=coordinates).kernel(model)) for f in CANDIDATES
+    ]
     assert max(m.error for m in merits) < 1e-10
     assert chosen.operations == min(m.operations for m in merits)
     assert chosen.formulation in CANDIDATES

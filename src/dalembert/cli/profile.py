@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from dalembert.analysis.dynamics.projection_time import projection_time
+from dalembert.analysis.dynamics.record import projection_time
 from dalembert.cli.console import console
 from dalembert.text.wording import visible
 from dalembert.timing import ENDING, Timing

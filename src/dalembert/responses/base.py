@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.events import Occurrence
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import options

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.events import Occurrence
 from dalembert.errors import AnalysisError
 from dalembert.options import options

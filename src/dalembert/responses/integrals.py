@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.events import Occurrence
 from dalembert.responses.base import Response
 from dalembert.responses.quadrature import Count, Quadrature, Rule, rule_over

@@ -10,8 +10,12 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.batch.states import MarchedStates, States
-from dalembert.analysis.dynamics.energy_balance import energy_errors, energy_moved
-from dalembert.analysis.dynamics.truth import DRIFT, held_levels
+from dalembert.analysis.dynamics.residual_check import (
+    DRIFT,
+    energy_errors,
+    energy_moved,
+    held_levels,
+)
 from dalembert.analysis.model_residuals import (
     STILL,
     constraint_rows,

@@ -17,7 +17,7 @@ from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.pattern import ActiveSet
 from dalembert.analysis.contact.zeros import HALVINGS, cubic, first_zero, minimum_of_cubic
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.passage import SIMULTANEOUS, StepReplacement
+from dalembert.analysis.dynamics.transition import SIMULTANEOUS, StepReplacement
 from dalembert.analysis.events import locate
 from dalembert.errors import SingularityError, UnsolvedPart, UnsupportedError
 from dalembert.formulations.base import state_symbols

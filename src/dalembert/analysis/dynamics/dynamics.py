@@ -11,15 +11,14 @@ import numpy as np
 from dalembert.analysis.batch.adaptive_steps import AdaptiveSteps
 from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.contact.start import refuse_overlap
-from dalembert.analysis.dynamics.continued_run import ContinuedRun, refuse_ended
-from dalembert.analysis.dynamics.dense_motion import peak_quadrature
-from dalembert.analysis.dynamics.energy_balance import check_balance
-from dalembert.analysis.dynamics.extension import extended
-from dalembert.analysis.dynamics.instants import end_by_event, ended_again, instant_of
+from dalembert.analysis.dynamics.continuation import ContinuedRun, extended, refuse_ended
+from dalembert.analysis.dynamics.dense_outputs import peak_quadrature
+from dalembert.analysis.dynamics.event_search import end_by_event, ended_again, instant_of
+from dalembert.analysis.dynamics.formulation_cost import cost_and_error
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.merits import merits_of
 from dalembert.analysis.dynamics.peaks import peaks
 from dalembert.analysis.dynamics.record import DynamicsRecord
+from dalembert.analysis.dynamics.residual_check import check_balance
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
 from dalembert.analysis.dynamics.variant import Variant
@@ -301,7 +300,7 @@ def _kernel(
 
     def merits_with(candidate: Formulation) -> Merits:
         kernel = _kernel(model, coordinates, candidate, stabilization, integrator, backend)
-        return merits_of(kernel)
+        return cost_and_error(kernel)
 
     selected = formulation.chosen(merits_with, integrator.implicit)
     if selected is not formulation:

@@ -12,9 +12,8 @@ from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.contact.headings import first_headings
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.quantities import check_contacts
-from dalembert.analysis.dynamics.moving_sides import MovingSide
 from dalembert.analysis.dynamics.step_outputs import StepOutputs
-from dalembert.analysis.dynamics.transition import Transition, crossed, distances
+from dalembert.analysis.dynamics.transition import MovingSide, Transition, crossed, distances
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation

@@ -13,8 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dalembert.analysis.dynamics.dense_motion import dense
-from dalembert.analysis.dynamics.dense_outputs import jumps_between
+from dalembert.analysis.dynamics.dense_outputs import dense, jumps_between
 from dalembert.analysis.dynamics.flow import Flow
 from dalembert.analysis.dynamics.step_quadrature import INSIDE
 from dalembert.analysis.events import locate

@@ -14,14 +14,13 @@ from dalembert.analysis.contact.unseen import refuse_collisions
 from dalembert.analysis.dynamics.dense_outputs import DenseOutputs, contact_changes
 from dalembert.analysis.dynamics.event_search import EventSearch
 from dalembert.analysis.dynamics.record import DynamicsRecord
+from dalembert.analysis.dynamics.residual_check import DynamicsResidualCheck
 from dalembert.analysis.dynamics.status import RunEnd, statistics
 from dalembert.analysis.dynamics.step_accuracy import StepAccuracy
-from dalembert.analysis.dynamics.stiffness import unstable_step_warnings
+from dalembert.analysis.dynamics.step_length_checks import BranchJumps, unstable_step_warnings
 from dalembert.analysis.dynamics.switch_search import SwitchSearch
-from dalembert.analysis.dynamics.truth import DynamicsResidualCheck
 from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.events import as_events
-from dalembert.analysis.kinematics.branch_jumps import BranchJumps
 from dalembert.analysis.kinematics.branches import outputs_of
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
@@ -114,9 +113,9 @@ class DynamicsRun:
     def initial_state(self) -> tuple[np.ndarray, int]:
         state = self.model.assemble(self.p, self.start)
         length = self.end - self.start
-        integrator = self.analysis.integrator
+        method = self.analysis.integrator
         self.forewarned = unstable_step_warnings(
-            self.model, state, self.p, integrator, self.step, length
+            self.model, state, self.p, method, self.step, length
         )
         if self.analysis.strict and state.projected_speeds:
             raise AssemblyError(
@@ -131,7 +130,7 @@ class DynamicsRun:
         mode = self.contacts.begin(x0, mode)
         return self.kernel.remembered(self.start, x0, self.p, mode), mode
 
-    def warnings(self, motion: Motion, residual_check: DynamicsResidualCheck) -> list[str]:
+    def warnings(self, motion: Motion, check: DynamicsResidualCheck) -> list[str]:
         """Warnings about strategies and results; energy exchange below rounding counts as zero."""
         a = self.analysis
         exchanged = float(np.max(np.abs(motion.trajectory.work), initial=0.0))
@@ -144,9 +143,7 @@ class DynamicsRun:
         warnings += self.contacts.warnings if self.contacts else []
         warnings += told_halves(self.halved_steps(motion.record.steps))
         if motion.status.success:
-            warnings += (
-                residual_check.warnings + BranchJumps(self.kernel, motion.record.steps).warnings
-            )
+            warnings += check.warnings + BranchJumps(self.kernel, motion.record.steps).warnings
         warnings += elastic_doubts(self.model, motion.trajectory, self.p)
         return warnings
 
@@ -186,15 +183,14 @@ class DynamicsRun:
         else:
             trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         timing.lap("outputs")
-        residual_check = DynamicsResidualCheck(
-            self.kernel, steps, trajectory, self.p, self.analysis.balance
-        )
+        balance = self.analysis.balance
+        check = DynamicsResidualCheck(self.kernel, steps, trajectory, self.p, balance)
         motion = Motion(
             model=self.model,
             analysis=self.analysis,
             parameters=self.p,
             trajectory=trajectory,
-            status=self.status(steps, residual_check, events if ends is not None else []),
+            status=self.status(steps, check, events if ends is not None else []),
             statistics=statistics(self.kernel, steps, trajectory, self.p, timing),
             events=events,
             record=DynamicsRecord(
@@ -206,9 +202,8 @@ class DynamicsRun:
             if self.closed_gaps:
                 motion.statistics["overlaps closed at the start"] = self.closed_gaps
             motion.impacts = [i for i in self.contacts.impacts if i.time <= steps.end]
-        motion.warnings = Warnings(
-            self.warnings(motion, residual_check), lambda: self.accuracy_warnings(motion)
-        )
+        warnings = self.warnings(motion, check)
+        motion.warnings = Warnings(warnings, lambda: self.accuracy_warnings(motion))
         timing.lap("checks")
         motion.statistics |= timing.statistics
         return motion
@@ -295,17 +290,11 @@ class DynamicsRun:
 
     # status ------------------------------------------------------------------
     def status(
-        self, steps: Steps, residual_check: DynamicsResidualCheck, ended_by: list[EventRecord]
+        self, steps: Steps, check: DynamicsResidualCheck, ended_by: list[EventRecord]
     ) -> Status:
         """Status of the run; ``ended_by`` are the events up to a terminal one."""
-        end = RunEnd(
-            self.kernel,
-            steps,
-            residual_check.s,
-            self.p,
-            self.following_length(steps),
-            residual_check,
-        )
+        following = self.following_length(steps)
+        end = RunEnd(self.kernel, steps, check.s, self.p, following, check)
         if self.contacts and self.contacts.trouble and not ended_by:
             return end.contact(self.contacts.trouble, self.contacts.inconsistent)
         if self.switches.trouble and not ended_by:

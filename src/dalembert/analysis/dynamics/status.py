@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.truth import DynamicsResidualCheck
+from dalembert.analysis.dynamics.residual_check import DynamicsResidualCheck
 from dalembert.analysis.singular_positions import LOST, SingularPosition, near_singular_position
 from dalembert.integrators.marching.steps import Steps
 from dalembert.model.table_ranges import left_table

@@ -11,12 +11,15 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.passage import SIMULTANEOUS, StepReplacement
-from dalembert.analysis.dynamics.switch_owners import owner_of
+from dalembert.analysis.dynamics.transition import SIMULTANEOUS, StepReplacement
 from dalembert.analysis.events import locate
+from dalembert.elements.base import Constraint, Element, ForceElement
+from dalembert.elements.coordinates import rate_of
 from dalembert.formulations.base import state_symbols
 from dalembert.integrators.marching.steps import Crossing
+from dalembert.model.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.formulas.switches import hold
 
 ROUNDING = 4 * float(np.finfo(float).eps)
 RESTART = 1e-4
@@ -34,6 +37,8 @@ MANY, SHORTLY = 100, 1e-7
 
 
 REMEDY = "smooth it, for friction by tanh(speed/transition) or JointFriction"
+SAME = 1e-9
+"""Relative difference below which two switching functions are equal at a state."""
 
 
 class SwitchSearch:
@@ -211,3 +216,30 @@ class SwitchSearch:
         )
         self.trouble += REMEDY
         return self.trouble
+
+
+def owner_of(kernel: DynamicsKernel, mode: int, number: int, t: float, x: np.ndarray, p) -> str:
+    """Names of the elements whose switching functions have the value of this one at a state."""
+    model = kernel.model
+    distance = float(kernel.distances(t, x, p)[number])
+    y, v, *_ = kernel.variants[mode].bodies(t, x, p)
+    names = []
+    for element in [*model.forces, *model.constraints]:
+        values = np.abs(_values(model, element, t, y, v, p))
+        if np.any(np.abs(values - abs(distance)) <= SAME * np.maximum(values, SAME)):
+            names.append(element.name)
+    return f"the force of {', '.join(names)}" if names else "a force"
+
+
+def _values(model: Model, element: Element, t, y, v, p) -> np.ndarray:
+    """The switching functions of one element."""
+    e = model.all_equations
+    if isinstance(element, ForceElement):
+        owners = element.parts() or model.coordinates
+        powers = element.powers(lambda s: rate_of(s, owners, e.t))
+        formulas = [model.at_ground(effort) for _, effort in powers]
+    else:
+        formulas = [model.at_ground(element.equations)] if isinstance(element, Constraint) else []
+    _, switches = hold(formulas, ca.vertcat(e.t, e.y, e.v))
+    g = ca.substitute(switches.functions, switches.sides, switches.actual)
+    return ca.Function("g", [e.t, e.y, e.v, e.p], [g])(t, y, v, p).full().ravel()

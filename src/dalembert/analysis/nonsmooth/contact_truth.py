@@ -7,8 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from dalembert.analysis.contact.start import ROUNDED
-from dalembert.analysis.dynamics.energy_balance import EnergyBalance
-from dalembert.analysis.dynamics.truth import DRIFT, WARNING
+from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, EnergyBalance
 from dalembert.analysis.model_residuals import Gap
 from dalembert.analysis.model_truth import EXACT, ModelTruth
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
@@ -82,7 +81,7 @@ class ContactTruth(ModelTruth):
     def doubts(self) -> list[str]:
         """What is no reason to refuse the run, but should be known."""
         found = self.energy.warnings(self.balance)
-        if WARNING < self.deepest.share <= self.limit:
+        if DRIFT_WARNING < self.deepest.share <= self.limit:
             found.append(
                 f"{self.deepest.text}: it is not opened; use a shorter step, or projection=True"
             )

@@ -8,7 +8,7 @@ from typing import Unpack
 
 import numpy as np
 
-from dalembert.analysis.dynamics.energy_balance import check_balance
+from dalembert.analysis.dynamics.residual_check import check_balance
 from dalembert.analysis.keywords import NonsmoothKeywords
 from dalembert.analysis.kinematics.kinematics import refuse_outside
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun

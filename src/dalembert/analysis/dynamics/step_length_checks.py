@@ -1,9 +1,12 @@
-"""Stability limit of explicit steps by springs and stops, checked before a run.
+"""Checks of the step length: stability of explicit steps, jumps to another assembly.
 
-An element with stiffness k and damping c along a coordinate s moves the mass ``1 / (∇s W ∇sᵀ)``,
-where W is the inverse of M on the motions that C permits. Alone it oscillates by ``s̈ + (c/m) ṡ +
-(k/m) s = 0``; a step of length h amplifies that by ``R(hz)``, where z is a root. One-sided elements
-count as touching.
+Stability is checked before a run. An element with stiffness k and damping c along a coordinate s
+moves the mass ``1 / (∇s W ∇sᵀ)``, where W is the inverse of M on the motions that C permits. Alone
+it oscillates by ``s̈ + (c/m) ṡ + (k/m) s = 0``; a step of length h amplifies that by ``R(hz)``,
+where z is a root. One-sided elements count as touching.
+
+A correction of positions finds the nearest assembly. After a long step that may be another assembly
+than before: then positions jump farther than the speeds on either side permit.
 """
 
 from __future__ import annotations
@@ -13,9 +16,12 @@ import math
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.elements.base import Powers
 from dalembert.elements.coordinates import rate_of
 from dalembert.integrators.base import Integrator
+from dalembert.integrators.marching.checkpoints import Checkpoints
+from dalembert.integrators.marching.steps import Steps
 from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.model.model import Model
 from dalembert.sparse.factorise import general_factors
@@ -26,6 +32,12 @@ SMALL = 200
 """Upper limit of the number of equations for a dense solve."""
 ALLOWED = math.log(100.0)
 """Threshold for a warning: logarithm of the growth of a disturbance during a run."""
+JUMP = 2.0
+"""Threshold for a jump: displacement relative to that by the larger speed at the ends."""
+SMALLEST_JUMP = 1e-2
+"""Minimum displacement of a jump, in natural sizes."""
+BLOCK = 2000
+"""Number of steps that are checked together."""
 
 
 def unstable_step_warnings(
@@ -56,7 +68,7 @@ def unstable_step_warnings(
         low, high = (middle, high) if growth(swings[worst], middle) <= ALLOWED else (low, middle)
     rate = np.sqrt(swings[worst][1])
     return [
-        f"{names[worst]} alone swings at {rate:.3g} rad/s: {integrator.name} with steps of "
+        f"{names[worst]} alone oscillates at {rate:.3g} rad/s: {integrator.name} with steps of "
         f"{step:g} s multiplies that by {math.exp(min(growths[worst], 700.0)):.2g} during the run; "
         f"use steps below {low:.3g} s, or an implicit integrator such as Radau()"
     ]
@@ -78,9 +90,8 @@ def _swings(model: Model, state: AssembledState, p: np.ndarray) -> tuple[list[st
         return none, np.zeros((0, 2))
     coefficients = coefficients * np.sum(slopes * responses.T, axis=1)[:, None]
     oscillating = np.isfinite(coefficients).all(axis=1) & (coefficients[:, 1] > 0)
-    return [name for name, ok in zip(names, oscillating, strict=True) if ok], coefficients[
-        oscillating
-    ]
+    names = [name for name, ok in zip(names, oscillating, strict=True) if ok]
+    return names, coefficients[oscillating]
 
 
 def _solved(matrix: ca.DM, rhs: np.ndarray) -> np.ndarray:
@@ -131,3 +142,48 @@ def _elastic(model: Model) -> tuple[list[str], ca.Function | None]:
     saddle = ca.blockcat([[e.mass, c.T], [c, ca.SX(c.shape[0], c.shape[0])]])
     outputs = [ca.vertcat(*slopes), ca.horzcat(stack(damping), stack(stiffness)), saddle]
     return names, ca.Function("elastic", [e.t, e.y, e.v, e.p], outputs, {"cse": True})
+
+
+class BranchJumps:
+    """Jumps to another assembly in the steps of a run whose states are all stored.
+
+    Parameters
+    ----------
+    kernel : DynamicsKernel of the run
+    steps : Steps taken
+    """
+
+    def __init__(self, kernel: DynamicsKernel, steps: Steps):
+        self.kernel, self.steps = kernel, steps
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warning about the first jump, if there is one."""
+        x, lasting = self.steps.x, self.steps.lasting
+        if isinstance(x, Checkpoints) or not self.kernel.equations.speed_count:
+            return []
+        parts = (lasting[i : i + BLOCK] for i in range(0, lasting.size, BLOCK))
+        return next((warnings for part in parts if (warnings := self._first(x, part))), [])
+
+    def _first(self, x: np.ndarray, k: np.ndarray) -> list[str]:
+        """Warning about the first jump in some of the steps."""
+        e = self.kernel.equations
+        n, sizes = e.coordinate_count, e.scales.displacements[:, None]
+        with np.errstate(all="ignore"):
+            before, after = x[:, k], x[:, k + 1]
+            speeds = slice(n, n + e.speed_count)
+            displacements = np.abs(e.manifold.lead(before[:n], after[:n])) / sizes
+            fastest = np.maximum(np.abs(before[speeds]), np.abs(after[speeds]))
+            permitted = fastest * self.steps.h[k] / sizes
+            jumps = displacements > JUMP * permitted.max(axis=0) + SMALLEST_JUMP
+        jumping = np.flatnonzero(jumps.any(axis=0))
+        if not jumping.size:
+            return []
+        row = int(np.argmax(displacements[:, jumping[0]]))
+        name = self.kernel.view.speed_names[row]
+        moved = displacements[row, jumping[0]] * float(sizes[row, 0])
+        return [
+            f"at t = {self.steps.t[k[jumping[0]]]:.6g} s {name} jumps by {moved:.3g}, farther than "
+            "the speeds permit: the run has jumped to another assembly of the mechanism; use a "
+            "shorter step"
+        ]

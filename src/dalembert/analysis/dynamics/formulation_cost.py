@@ -13,7 +13,7 @@ from dalembert.formulations.base import Merits, state_symbols
 from dalembert.model.equations import Equations
 
 
-def merits_of(kernel: DynamicsKernel) -> Merits:
+def cost_and_error(kernel: DynamicsKernel) -> Merits:
     """Operations of a step, and the error of its accelerations at the start.
 
     The reference accelerations come from a pivoting factorisation of (5.7), with equations and

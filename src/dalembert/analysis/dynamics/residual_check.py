@@ -6,17 +6,103 @@ from functools import cached_property
 
 import numpy as np
 
-from dalembert.analysis.dynamics.energy_balance import EnergyBalance
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.model_residuals import Gap, ModelResiduals
 from dalembert.analysis.model_truth import ModelTruth
+from dalembert.errors import AnalysisError
 from dalembert.formulations.levels import NONE, Level
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome
 
-DRIFT, WARNING = 0.1, 1e-2
+ROUNDING = 1e-9, 1e-6
+"""Rounding: share of the energies themselves, and of the mechanism's natural energy."""
+ENERGY_WARNING = 0.25
+"""Share of the permitted energy error from which on a warning is given."""
+DRIFT, DRIFT_WARNING = 0.1, 1e-2
 """Violation of approximately enforced constraints: upper limit, and threshold for a warning."""
+
+
+def check_balance(balance: float) -> None:
+    """Check that the permitted energy error is a positive share.
+
+    Raises
+    ------
+    AnalysisError
+        It is not positive.
+    """
+    if not balance > 0:
+        raise AnalysisError(f"balance is {balance}; it must be a positive share")
+
+
+class EnergyBalance:
+    """``E − E₀ + dissipated − input`` along a trajectory, relative to the energy that took part.
+
+    Parameters
+    ----------
+    energies : (2, K) kinetic and potential energy from the start on [J]
+    work : (2, K) dissipated and put in since the start [J]
+    t : (K,) [s]
+    natural : energy of the mechanism's own size [J]
+    """
+
+    def __init__(self, energies: np.ndarray, work: np.ndarray, t: np.ndarray, natural: float):
+        self.energies, self.work, self.t, self.natural = energies, work, t, natural
+
+    @property
+    def errors(self) -> np.ndarray:
+        """(K,) energy error [J]."""
+        return energy_errors(self.energies, self.work)
+
+    @property
+    def moved(self) -> float:
+        """The energy that took part: kinetic, of storages since the start, dissipated, put in."""
+        return float(energy_moved(self.energies, self.work, self.natural))
+
+    @cached_property
+    def worst(self) -> tuple[float, float, float]:
+        """Largest error over the energy that took part, the error itself [J], and its time [s]."""
+        with np.errstate(all="ignore"):
+            shares = np.abs(self.errors) / self.moved
+        shares = np.where(np.isfinite(shares), shares, np.inf)
+        k = int(np.argmax(shares))
+        return float(shares[k]), float(self.errors[k]), float(self.t[k])
+
+    def objection(self, limit: float, cure: str) -> tuple[Outcome, str] | None:
+        """Outcome and message if the error exceeds a share ``limit`` of the energy, else None."""
+        if self.worst[0] <= limit:
+            return None
+        return Outcome.UNBALANCED, f"{self.text}; {cure}"
+
+    def warnings(self, limit: float) -> list[str]:
+        """Warning about an error within the limit."""
+        if not ENERGY_WARNING * limit < self.worst[0] <= limit:
+            return []
+        return [f"{self.text}; the steps are long for this motion"]
+
+    @property
+    def text(self) -> str:
+        """The largest error in words."""
+        share, error, time = self.worst
+        verb = "appeared" if error > 0 else "vanished"
+        return (
+            f"{abs(error):.3g} J {verb} by t = {time:.9g} s, {share:.0%} of the {self.moved:.3g} J "
+            "that took part in the motion"
+        )
+
+
+def energy_errors(energies: np.ndarray, work: np.ndarray) -> np.ndarray:
+    """(…, K) energy error [J] from arrays (…, 2, K) as in ``EnergyBalance``."""
+    total = energies.sum(axis=-2) + work[..., 0, :] - work[..., 1, :]
+    return np.asarray(total - total[..., :1])
+
+
+def energy_moved(energies: np.ndarray, work: np.ndarray, natural: float) -> np.ndarray:
+    """(…,) energy that took part [J]."""
+    kinetic, potential = energies[..., 0, :], energies[..., 1, :]
+    parts = (kinetic, potential - potential[..., :1], work[..., 0, :], work[..., 1, :])
+    least = ROUNDING[0] * np.abs(energies).max(axis=(-2, -1)) + ROUNDING[1] * natural
+    return np.asarray(sum(np.abs(part).max(axis=-1) for part in parts) + least)
 
 
 class DynamicsResidualCheck(ModelTruth):
@@ -83,7 +169,7 @@ class DynamicsResidualCheck(ModelTruth):
         warnings = [
             f"{gap.text}, {gap.share:.2g} of the size of its terms: nothing holds it there"
             for gap, limit in self.gaps
-            if limit == DRIFT and WARNING < gap.share <= DRIFT
+            if limit == DRIFT and DRIFT_WARNING < gap.share <= DRIFT
         ]
         return warnings + self.energy.warnings(self.balance)
 
