@@ -17,8 +17,7 @@ from functools import cached_property
 
 import casadi as ca
 
-from dalembert.analysis.contact.headings import Headings
-from dalembert.analysis.contact.jump import Jump
+from dalembert.analysis.contact.state_jumps import Headings, Jump
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.step import GraphStep

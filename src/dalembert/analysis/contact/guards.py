@@ -7,7 +7,7 @@ the slip ``s`` has turned by 60°, has halved or is four times as large.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -15,6 +15,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.events import locate
 from dalembert.formulations.base import state_symbols
 from dalembert.model.contacts import Phase, slow
 from dalembert.model.equations import Equations
@@ -27,6 +28,8 @@ SHRUNK, GROWN = 0.5, 4.0
 """Slip, relative to the stored slip, at which the stored slip is renewed."""
 SMALLEST = 1e-30
 """Offset that makes the length of a zero vector differentiable."""
+HALVINGS = 50
+"""Upper limit of the halvings of a step that begins at a zero."""
 
 
 class Change(Enum):
@@ -124,3 +127,30 @@ class Guards:
         rates = ca.jtimes(values, ca.vertcat(t, x), ca.vertcat(1, self._rate(t, x, p)))
         outputs = [ca.densify(values), ca.densify(rates)]
         return ca.Function("guards", [t, x, p], outputs, {"cse": True})
+
+
+def first_zero(value: Callable[[float], float], inside: float, longest: float) -> float | None:
+    """The first zero of a function that is smooth only before it; None without a zero."""
+    before = inside
+    for k in range(HALVINGS - 1, -1, -1):
+        length = inside + (longest - inside) * 2.0**-k
+        if not value(length) > 0:
+            return locate(value, before, length)
+        before = length
+    return None
+
+
+def cubic(c, begin, end, slope, slope_end) -> np.ndarray:
+    """Cubic Hermite interpolation at fractions ``c`` of steps by values and slopes at the ends."""
+    values = (1 + 2 * c) * (1 - c) ** 2 * begin + c**2 * (3 - 2 * c) * end
+    return values + c * (1 - c) ** 2 * slope - c**2 * (1 - c) * slope_end
+
+
+def minimum_of_cubic(begin, end, slope, slope_end) -> np.ndarray:
+    """Fraction of every step at the minimum of the cubic inside; the middle without one."""
+    a = 6 * (begin - end) + 3 * (slope + slope_end)
+    b = -6 * (begin - end) - 4 * slope - 2 * slope_end
+    with np.errstate(all="ignore"):
+        root = np.sqrt(b**2 - 4 * a * slope)
+        fraction = np.where(b > 0, -2 * slope / (b + root), (root - b) / (2 * a))
+    return np.where((fraction > 0) & (fraction < 1), fraction, 0.5)

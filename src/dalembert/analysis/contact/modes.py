@@ -8,10 +8,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.contact.change import ContactChange
-from dalembert.analysis.contact.headings import Headings
-from dalembert.analysis.contact.jump import Jump
+from dalembert.analysis.contact.contact_dynamics import ContactDynamics
 from dalembert.analysis.contact.pattern import ActiveSet, Pattern
-from dalembert.analysis.contact.quantities import ContactDynamics
+from dalembert.analysis.contact.state_jumps import Headings, Jump
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.integrators.base import Integrator
 from dalembert.model.contacts import Phase, Phases

@@ -11,11 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.contact.choice import ActiveSetSelector
-from dalembert.analysis.contact.guards import Guard, Guards
+from dalembert.analysis.contact.active_set import ActiveSetSelector
+from dalembert.analysis.contact.guards import (
+    HALVINGS,
+    Guard,
+    Guards,
+    cubic,
+    first_zero,
+    minimum_of_cubic,
+)
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.pattern import ActiveSet
-from dalembert.analysis.contact.zeros import HALVINGS, cubic, first_zero, minimum_of_cubic
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.transition import SIMULTANEOUS, StepReplacement
 from dalembert.analysis.events import locate

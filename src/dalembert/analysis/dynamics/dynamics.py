@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.analysis.batch.adaptive_steps import AdaptiveSteps
 from dalembert.analysis.batch.fixed_steps import FixedSteps
-from dalembert.analysis.contact.start import refuse_overlap
+from dalembert.analysis.contact.gap_checks import refuse_overlap
 from dalembert.analysis.dynamics.continuation import ContinuedRun, extended, refuse_ended
 from dalembert.analysis.dynamics.dense_outputs import peak_quadrature
 from dalembert.analysis.dynamics.event_search import end_by_event, ended_again, instant_of

@@ -9,9 +9,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.contact.change import ContactChange
-from dalembert.analysis.contact.headings import first_headings
+from dalembert.analysis.contact.contact_dynamics import check_contacts
 from dalembert.analysis.contact.modes import ContactModes
-from dalembert.analysis.contact.quantities import check_contacts
+from dalembert.analysis.contact.state_jumps import first_headings
 from dalembert.analysis.dynamics.step_outputs import StepOutputs
 from dalembert.analysis.dynamics.transition import MovingSide, Transition, crossed, distances
 from dalembert.analysis.dynamics.variant import Variant

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.choices import doubts
+from dalembert.analysis.contact.gap_checks import refuse_collisions, touching_model
 from dalembert.analysis.contact.search import ContactSearch
-from dalembert.analysis.contact.start import touching_model
-from dalembert.analysis.contact.unseen import refuse_collisions
 from dalembert.analysis.dynamics.dense_outputs import DenseOutputs, contact_changes
 from dalembert.analysis.dynamics.event_search import EventSearch
 from dalembert.analysis.dynamics.record import DynamicsRecord

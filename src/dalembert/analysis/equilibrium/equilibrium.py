@@ -15,7 +15,7 @@ import numpy as np
 
 from dalembert.analysis.batch.rests import Rests
 from dalembert.analysis.batch.solve import run_analysis
-from dalembert.analysis.contact.unseen import ignored_contacts
+from dalembert.analysis.contact.gap_checks import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.equilibrium.static_balance import (
     StaticBalance,

@@ -12,7 +12,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.contact.unseen import ignored_contacts
+from dalembert.analysis.contact.gap_checks import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.elements.flexible.nodes import Noded

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.contact.unseen import ignored_contacts
+from dalembert.analysis.contact.gap_checks import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.kinematics.branch_points import BranchPoints
 from dalembert.analysis.kinematics.dead_centres import Fold, find_fold

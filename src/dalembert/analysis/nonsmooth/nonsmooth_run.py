@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.contact.start import touching_model
+from dalembert.analysis.contact.gap_checks import touching_model
 from dalembert.analysis.elastic_range import elastic_doubts
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
 from dalembert.analysis.nonsmooth.contact_truth import ContactTruth

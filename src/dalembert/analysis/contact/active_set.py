@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from dalembert.analysis.contact.complementarity import GapConditions, Solution, solutions, too_many
+from dalembert.analysis.contact.contact_dynamics import ContactState, slip_rows
+from dalembert.analysis.contact.gap_checks import TOUCHING, refuse_negative
 from dalembert.analysis.contact.guards import Change, Guard
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.pattern import ActiveSet, GapRows, Pattern
-from dalembert.analysis.contact.quantities import ContactState, slip_rows
-from dalembert.analysis.contact.start import TOUCHING, refuse_negative
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.model.contacts import Phase, Phases
 
