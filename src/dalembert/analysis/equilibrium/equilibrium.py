@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 
-from dalembert.analysis.batch.rests import Rests
+from dalembert.analysis.batch.equilibrium_batch import EquilibriumBatch
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.contact.gap_checks import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_doubts
@@ -82,7 +82,7 @@ class Equilibrium(Analysis[Model, Motion]):
 
     spoken = "static equilibrium"
     at_rest = True
-    batched = Rests
+    batched = EquilibriumBatch
 
     time: float = 0.0
     tolerance: float = TOLERANCE

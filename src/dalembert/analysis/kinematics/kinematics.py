@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 
-from dalembert.analysis.batch.driven_steps import DrivenSteps
+from dalembert.analysis.batch.kinematics_batch import KinematicsBatch
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.events import Occurrence
 from dalembert.analysis.keywords import OverTimeKeywords
@@ -59,7 +59,7 @@ class Kinematics(OverTime[Motion]):
 
     spoken = "kinematics"
     execution = KinematicsRun
-    batched = DrivenSteps
+    batched = KinematicsBatch
 
     @property
     def efforts(self) -> bool:

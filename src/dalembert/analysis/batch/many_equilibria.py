@@ -1,8 +1,7 @@
-"""Equilibria of many designs at an instant, all by Newton's method at once.
+"""Equilibria of many designs at an instant by one Newton iteration.
 
-What ``StaticBalance`` and ``newton.solve`` do for one. A design of which some directions are much
-stiffer than others, whose forces have no potential, or that does not arrive, is left to a run of
-its own.
+The vectorised form of ``StaticBalance`` and ``newton.solve``. A design with directions of very
+different stiffness, with forces without potential, or without convergence runs individually.
 """
 
 from __future__ import annotations
@@ -30,12 +29,12 @@ HALVINGS = NewtonSettings(tolerance=1.0, max_iterations=1).halvings
 
 @dataclass(eq=False)
 class ManyForces:
-    """``Forces`` of many designs; arrays begin with the design.
+    """``Forces`` of many designs; the first axis is the design.
 
     Attributes
     ----------
-    y, value, force, multiplier, free, resistance, stiffness : as of one
-    size : largest of what is left, in what counts as zero
+    y, value, force, multiplier, free, resistance, stiffness : as in ``Forces``
+    size : largest residual over its tolerance
     """
 
     y: np.ndarray
@@ -47,18 +46,18 @@ class ManyForces:
     stiffness: np.ndarray
     size: np.ndarray
 
-    def some(self, chosen: np.ndarray) -> ManyForces:
-        """Those of some designs."""
-        return ManyForces(*(getattr(self, f.name)[chosen] for f in fields(self)))
+    def some(self, designs: np.ndarray) -> ManyForces:
+        """Forces of selected designs."""
+        return ManyForces(*(getattr(self, f.name)[designs] for f in fields(self)))
 
-    def put(self, places: np.ndarray, other: ManyForces) -> None:
-        """Take over those of some designs."""
+    def put(self, designs: np.ndarray, forces: ManyForces) -> None:
+        """Replace the forces of selected designs."""
         for f in fields(self):
-            getattr(self, f.name)[places] = getattr(other, f.name)
+            getattr(self, f.name)[designs] = getattr(forces, f.name)
 
     @property
     def stable(self) -> np.ndarray:
-        """(designs,) whether every direction resists."""
+        """(designs,) whether every direction has positive stiffness."""
         largest = np.abs(self.resistance).max(axis=1, initial=0.0)[:, None]
         return np.asarray(np.all(self.resistance > CURVED * largest, axis=1))
 
@@ -71,31 +70,31 @@ class ManyForces:
 
     @property
     def stiff(self) -> np.ndarray:
-        """(designs, k) magnitudes of the resistances, none of them nothing."""
+        """(designs, k) magnitudes of the resistances, bounded below."""
         sizes = np.abs(self.resistance)
         return np.maximum(sizes, CURVED * sizes.max(axis=1, initial=0.0)[:, None])
 
     @property
     def uneven(self) -> np.ndarray:
-        """(designs,) whether what is stiff must be kept straight on the way along the rest."""
+        """(designs,) whether stiff directions need a correction after steps along soft ones."""
         stiff = self.stiff
         return np.asarray(
             np.any(stiff > STIFF * stiff.min(axis=1, initial=np.inf)[:, None], axis=1)
         )
 
     def deflection(self, force: np.ndarray) -> np.ndarray:
-        """Of the free directions by forces."""
+        """Deflections along the free directions by forces."""
         return np.asarray(np.linalg.solve(self.stiffness, force[..., None])[..., 0])
 
 
-class ManyBalances:
+class ManyEquilibria:
     """Equilibria of a model at an instant.
 
     Parameters
     ----------
     kernel : StaticsKernel
     time : [s]
-    tolerance, max_iterations : as of ``Equilibrium``
+    tolerance, max_iterations : as in ``Equilibrium``
     evaluate : function and rows of arguments → rows of results
     """
 
@@ -113,66 +112,68 @@ class ManyBalances:
         self.sizes = self.e.scales
 
     def solve(self, y: np.ndarray, p: np.ndarray) -> tuple[ManyForces, np.ndarray, np.ndarray]:
-        """Equilibria near assembled positions, after how many steps, and which were found."""
+        """Equilibria near assembled positions, numbers of steps, and flags of convergence."""
         with np.errstate(all="ignore"):
-            here = self._look(y, p)
-            count, lost = np.zeros(len(y), dtype=int), ~np.isfinite(here.size)
+            here = self._forces(y, p)
+            count, failed = np.zeros(len(y), dtype=int), ~np.isfinite(here.size)
             for _ in range(self.max_iterations):
-                lost |= (here.size > 1) & here.uneven
-                if not (going := np.flatnonzero((here.size > 1) & ~lost)).size:
+                failed |= (here.size > 1) & here.uneven
+                if not (active := np.flatnonzero((here.size > 1) & ~failed)).size:
                     break
-                arrived = self._advance(here, going, p)
-                count[going[arrived]] += 1
-                lost[going[~arrived]] = True
-        return here, count, ~lost & here.conservative & (here.size <= 1)
+                success = self._advance(here, active, p)
+                count[active[success]] += 1
+                failed[active[~success]] = True
+        return here, count, ~failed & here.conservative & (here.size <= 1)
 
-    def _advance(self, here: ManyForces, going: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """Take a step of some designs, halved until it leads nearer; which have taken one."""
-        now = here.some(going)
-        step = self._steps(now)
-        waiting, arrived = np.arange(going.size), np.zeros(going.size, dtype=bool)
+    def _advance(self, here: ManyForces, active: np.ndarray, p: np.ndarray) -> np.ndarray:
+        """Step of some designs, halved until it reduces the residual; flags of success."""
+        current = here.some(active)
+        step = self._steps(current)
+        waiting, success = np.arange(active.size), np.zeros(active.size, dtype=bool)
         for _ in range(HALVINGS + 1):
-            before, at = now.some(waiting), going[waiting]
-            there, found = self._arrived(before.y, step[waiting], p[at])
-            good = found & np.isfinite(there.size) & self._nearer(before, there)
-            here.put(at[good], there.some(good))
-            arrived[waiting[good]] = True
-            waiting = waiting[~good]
+            before, designs = current.some(waiting), active[waiting]
+            after, assembled = self._after(before.y, step[waiting], p[designs])
+            accepted = assembled & np.isfinite(after.size) & self._nearer(before, after)
+            here.put(designs[accepted], after.some(accepted))
+            success[waiting[accepted]] = True
+            waiting = waiting[~accepted]
             if not waiting.size:
                 break
             step[waiting] /= 2
-        return arrived
+        return success
 
-    def _steps(self, now: ManyForces) -> np.ndarray:
-        """Newton's steps; where some direction does not resist, such that fall instead."""
-        stable, along = now.stable, now.value / now.stiff
+    def _steps(self, current: ManyForces) -> np.ndarray:
+        """Newton steps; descent steps where a direction has no positive stiffness."""
+        stable, along_free = current.stable, current.value / current.stiff
         if stable.any():
-            resisting = now.some(stable)
-            along[stable] = resisting.deflection(resisting.value)
-        step = np.einsum("knf,kf->kn", now.free, along)
+            stable_forces = current.some(stable)
+            along_free[stable] = stable_forces.deflection(stable_forces.value)
+        step = np.einsum("knf,kf->kn", current.free, along_free)
         longest = LONGEST * self.sizes.displacements
         shares = np.min(longest / np.maximum(np.abs(step), TINY), axis=1, initial=1.0)
         return np.asarray(step * shares[:, None])
 
-    def _arrived(
+    def _after(
         self, y: np.ndarray, step: np.ndarray, p: np.ndarray
     ) -> tuple[ManyForces, np.ndarray]:
-        """Where steps lead, and whether they lead to assembled positions."""
-        y, found = self._onto_constraints(self._gone(y, step), p)
-        return self._look(y, p), found
+        """Forces after steps, and whether the positions could be assembled."""
+        y, assembled = self._onto_constraints(self._retract(y, step), p)
+        return self._forces(y, p), assembled
 
     def _nearer(self, here: ManyForces, there: ManyForces) -> np.ndarray:
-        way = self.e.manifold.lead(here.y.T, there.y.T).T
-        nearer = np.einsum("kn,kn->k", here.force + there.force, way) > 0
-        if (left := np.flatnonzero(~nearer & here.stable)).size:
-            now, then = here.some(left), there.some(left)
-            turned = now.free / self.sizes.displacements[:, None] ** 2
-            seen = np.einsum("knf,kng,kg->kf", turned, then.free, then.value)
-            bent = np.linalg.norm(now.deflection(seen), axis=1)
-            nearer[left] = bent < np.linalg.norm(now.deflection(now.value), axis=1)
+        displacement = self.e.manifold.lead(here.y.T, there.y.T).T
+        nearer = np.einsum("kn,kn->k", here.force + there.force, displacement) > 0
+        if (remaining := np.flatnonzero(~nearer & here.stable)).size:
+            current, after = here.some(remaining), there.some(remaining)
+            turned = current.free / self.sizes.displacements[:, None] ** 2
+            residual = np.einsum("knf,kng,kg->kf", turned, after.free, after.value)
+            deflections = np.linalg.norm(current.deflection(residual), axis=1)
+            nearer[remaining] = deflections < np.linalg.norm(
+                current.deflection(current.value), axis=1
+            )
         return np.asarray(nearer)
 
-    def _look(self, y: np.ndarray, p: np.ndarray) -> ManyForces:
+    def _forces(self, y: np.ndarray, p: np.ndarray) -> ManyForces:
         unit, row, m = self.sizes.displacements, self.sizes.rows, self.e.constraint_count
         force, c, _, _ = self._static(y, np.zeros((len(y), m)), p)
         force, c = force * unit, c * unit / row[:, None]
@@ -185,17 +186,17 @@ class ManyBalances:
         free = right[:, m:].transpose(0, 2, 1) * unit[:, None]
         stiffness = self._static(y, multiplier, p)[2]
         stiffness[undefined | ~np.isfinite(stiffness).all(axis=(1, 2))] = np.nan
-        seen = free.transpose(0, 2, 1) @ stiffness @ free
-        symmetric = np.nan_to_num((seen + seen.transpose(0, 2, 1)) / 2)
+        projected = free.transpose(0, 2, 1) @ stiffness @ free
+        symmetric = np.nan_to_num((projected + projected.transpose(0, 2, 1)) / 2)
         resistance, turned = np.linalg.eigh(symmetric)
-        resistance[np.isnan(seen).any(axis=(1, 2))] = np.nan
+        resistance[np.isnan(projected).any(axis=(1, 2))] = np.nan
         free = free @ turned
         value = np.einsum("knf,kn->kf", free, force / unit)
         value[undefined] = np.nan
         stiff = np.abs(resistance)
-        place = np.abs(y / self.sizes.coordinates).max(axis=1, initial=0.0)[:, None]
+        position = np.abs(y / self.sizes.coordinates).max(axis=1, initial=0.0)[:, None]
         scale = np.maximum(np.abs(force).max(axis=1, initial=0.0)[:, None], BENT * stiff)
-        zero = self.tolerance * scale + ROUNDING * np.maximum(scale, stiff * place)
+        zero = self.tolerance * scale + ROUNDING * np.maximum(scale, stiff * position)
         return ManyForces(
             y,
             value,
@@ -208,37 +209,39 @@ class ManyBalances:
         )
 
     def _onto_constraints(self, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The assembled positions near others, and which of them there are."""
+        """Assembled positions near others, and flags of convergence."""
         unit, row, m = self.sizes.displacements, self.sizes.rows, self.e.constraint_count
         zero, idle = (CLOSED.tolerance + ROUNDING) * row, np.zeros((len(y), m))
         _, c, _, phi = self._static(y, idle, p)
         y, best, size = y.copy(), y.copy(), _largest(phi, zero)
         least, ended = size.copy(), ~np.isfinite(size) | (size <= 1)
         for _ in range(CLOSED.max_iterations):
-            if not (going := np.flatnonzero(~ended)).size:
+            if not (active := np.flatnonzero(~ended)).size:
                 break
-            alike = c[going] * unit / row[:, None]
-            alike[~np.isfinite(alike).all(axis=(1, 2))] = 0.0
-            inverse = np.linalg.pinv(alike, rcond=np.finfo(float).eps * max(alike.shape[1:]))
-            step = -unit * np.einsum("knm,km->kn", inverse, phi[going] / row)
-            there = self._gone(y[going], step)
-            _, then, _, left = self._static(there, idle[going], p[going])
-            new, old = _largest(left, zero), size[going]
-            nearer = _norm(left / zero) < _norm(phi[going] / zero)
-            at = going[nearer]
-            y[at], c[at], phi[at], size[at] = (a[nearer] for a in (there, then, left, new))
-            better = at[size[at] <= least[at]]
-            best[better], least[better] = y[better], size[better]
-            slow = (old <= CLOSED.slack) & (new > 1) & (new > old / 2)
-            ended[going] = slow | ~nearer | (new <= 1)
+            scaled = c[active] * unit / row[:, None]
+            scaled[~np.isfinite(scaled).all(axis=(1, 2))] = 0.0
+            inverse = np.linalg.pinv(scaled, rcond=np.finfo(float).eps * max(scaled.shape[1:]))
+            step = -unit * np.einsum("knm,km->kn", inverse, phi[active] / row)
+            moved = self._retract(y[active], step)
+            _, jacobian, _, violation = self._static(moved, idle[active], p[active])
+            new_size, old_size = _largest(violation, zero), size[active]
+            nearer = _norm(violation / zero) < _norm(phi[active] / zero)
+            improved = active[nearer]
+            y[improved], c[improved], phi[improved], size[improved] = (
+                a[nearer] for a in (moved, jacobian, violation, new_size)
+            )
+            record = improved[size[improved] <= least[improved]]
+            best[record], least[record] = y[record], size[record]
+            slow = (old_size <= CLOSED.slack) & (new_size > 1) & (new_size > old_size / 2)
+            ended[active] = slow | ~nearer | (new_size <= 1)
         done = size <= 1
         return np.where(done[:, None], y, best), done | (least <= CLOSED.slack)
 
-    def _gone(self, y: np.ndarray, step: np.ndarray) -> np.ndarray:
+    def _retract(self, y: np.ndarray, step: np.ndarray) -> np.ndarray:
         return self.e.manifold.go(y.T, step.T).T
 
     def _static(self, y: np.ndarray, multiplier: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
-        """Applied forces, ``C``, stiffness and ``Φ``."""
+        """Applied forces, ``C``, stiffness and ``Φ`` of all designs."""
         t, n, m = np.full((len(y), 1), self.time), self.e.speed_count, self.e.constraint_count
         force, c, stiffness, phi = self.evaluate(_columns(self.kernel), t, y, multiplier, p)
         c, stiffness = (a.reshape(len(y), n, -1).transpose(0, 2, 1) for a in (c, stiffness))
@@ -246,7 +249,7 @@ class ManyBalances:
 
 
 def _inverse(singular: np.ndarray, columns: int) -> np.ndarray:
-    """Of singular values; zero of those that are rounding."""
+    """Inverse singular values; zero for rounding."""
     least = np.finfo(float).eps * columns * singular.max(axis=1, initial=0.0)[:, None]
     return np.where(singular > least, 1 / singular, 0.0)
 
@@ -263,6 +266,6 @@ def _norm(shares: np.ndarray) -> np.ndarray:
 @once
 def _columns(kernel: StaticsKernel) -> ca.Function:
     """``(t, y, λ, p)`` → forces, ``C``, stiffness and ``Φ``, matrices column by column."""
-    given = kernel.static.sx_in()
-    outputs = [ca.densify(ca.vec(part)) for part in kernel.static.call(given)]
-    return ca.Function("static_columns", given, outputs, {"cse": True})
+    arguments = kernel.static.sx_in()
+    outputs = [ca.densify(ca.vec(part)) for part in kernel.static.call(arguments)]
+    return ca.Function("static_columns", arguments, outputs, {"cse": True})

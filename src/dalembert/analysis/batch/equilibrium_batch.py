@@ -1,4 +1,4 @@
-"""Equilibria of many designs: assembled at once, balanced at once."""
+"""Batches of equilibria, assembled and solved at once."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.batch.ending import ended_batch
-from dalembert.analysis.batch.judgement import at_some
-from dalembert.analysis.batch.many_balances import ManyBalances
+from dalembert.analysis.batch.batch_residuals import at_some
+from dalembert.analysis.batch.individual_runs import completed_batch
+from dalembert.analysis.batch.many_equilibria import ManyEquilibria
 from dalembert.analysis.batch.starts import Starts, backend_of
 from dalembert.analysis.batch.states import States
 from dalembert.analysis.equilibrium.static_balance import rest_text, statics_kernel
@@ -23,18 +23,18 @@ from dalembert.results.batch.designs import Designs
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.once import once
 
-ROOM = 1 << 22
-"""Entries of matrices of several designs at once."""
+BLOCK_ENTRIES = 1 << 22
+"""Upper limit of the matrix entries of designs that are solved together."""
 
 
-class Rests:
-    """One execution of a batch; what is not beyond doubt has a run of its own.
+class EquilibriumBatch:
+    """Execution of a batch of equilibria; designs that fail the checks run individually.
 
     Parameters
     ----------
     analysis : strategy object with the fields of ``Equilibrium``
-    model, designs : what comes to rest
-    workers : threads at most
+    model, designs : model and parameters of the runs
+    workers : upper limit of threads
     """
 
     def __init__(self, analysis: Any, model: Model, designs: Designs, workers: int):
@@ -44,34 +44,36 @@ class Rests:
 
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
-        """Whether all equations are independent, so that designs are assembled at once."""
+        """Whether all equations are independent, as the common assembly requires."""
         return not (model.closure.lost or model.equations.contacts)
 
     def execute(self, report: Callable[[float], None]) -> Batch:
-        """All designs; after an interruption those that were finished."""
+        """Batch of all designs; after an interruption with the finished ones."""
         begin, model, count = clock.perf_counter(), self.model, len(self.designs)
         span = self.time, self.time
         starts = Starts(model, self.designs, self.backend, self.workers, span, False, _first(model))
         e, analysis = model.equations, self.analysis
-        balances = ManyBalances(
+        equilibria = ManyEquilibria(
             self.kernel, self.time, analysis.tolerance, analysis.max_iterations, starts.evaluate
         )
-        known, statuses = starts.known, dict(starts.statuses)
+        started, statuses = starts.started, dict(starts.statuses)
         x = np.full((count, 1, e.coordinate_count + e.constraint_count), np.nan)
         texts: dict[int, str] = {}
-        left = np.full(count, np.nan)
-        block, interrupted = max(1, ROOM // (e.speed_count**2 + 1)), False
+        residuals = np.full(count, np.nan)
+        block, interrupted = max(1, BLOCK_ENTRIES // (e.speed_count**2 + 1)), False
         try:
-            for at in range(0, known.size, block):
-                part = known[at : at + block]
-                here, steps, found = balances.solve(starts.x0[at : at + block], starts.p[part])
-                x[part, 0] = np.hstack([here.y, here.multiplier])
-                left[part] = np.where(found, here.size * analysis.tolerance, np.nan)
-                worst = np.abs(here.value).max(axis=1, initial=0.0) / model.scales.length
-                stable = np.all(here.resistance > 0, axis=1)
-                told = zip(part, worst, steps, stable, strict=True)
-                texts |= {int(k): rest_text(float(w), int(n), bool(s)) for k, w, n, s in told}
-                report(min(1.0, (at + block) / known.size))
+            for first in range(0, started.size, block):
+                part = started[first : first + block]
+                forces, steps, converged = equilibria.solve(
+                    starts.x0[first : first + block], starts.p[part]
+                )
+                x[part, 0] = np.hstack([forces.y, forces.multiplier])
+                residuals[part] = np.where(converged, forces.size * analysis.tolerance, np.nan)
+                worst = np.abs(forces.value).max(axis=1, initial=0.0) / model.scales.length
+                stable = np.all(forces.resistance > 0, axis=1)
+                rows = zip(part, worst, steps, stable, strict=True)
+                texts |= {int(k): rest_text(float(w), int(n), bool(s)) for k, w, n, s in rows}
+                report(min(1.0, (first + block) / started.size))
         except KeyboardInterrupt:
             interrupted = True
         states = States(
@@ -83,15 +85,15 @@ class Rests:
             x,
             self.workers,
         )
-        for k in self._beyond_doubt(states, np.flatnonzero(np.isfinite(left))):
+        for k in self._verified(states, np.flatnonzero(np.isfinite(residuals))):
             text = texts[int(k)]
-            statuses[int(k)] = Status(Outcome.COMPLETED, text, self.time, float(left[k]))
-        made_by = analysis, model, self.designs, self.workers
-        about = {"backend": "NumPy, all designs at once"}
-        return ended_batch(made_by, states, statuses, interrupted, about, begin)
+            statuses[int(k)] = Status(Outcome.COMPLETED, text, self.time, float(residuals[k]))
+        task = analysis, model, self.designs, self.workers
+        statistics = {"backend": "NumPy, all designs at once"}
+        return completed_batch(task, states, statuses, interrupted, statistics, begin)
 
-    def _beyond_doubt(self, states: States, designs: np.ndarray) -> np.ndarray:
-        """Those of some designs that satisfy the model's own equations at rest."""
+    def _verified(self, states: States, designs: np.ndarray) -> np.ndarray:
+        """Designs that satisfy the model equations at rest."""
         if not designs.size:
             return designs
         function = at_some(self.model, states.bodies, True)

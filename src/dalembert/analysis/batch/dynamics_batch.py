@@ -1,7 +1,7 @@
-"""Dynamics of many designs that march side by side, in lanes and threads.
+"""Batches of dynamics that march in lanes and threads.
 
-All designs are assembled at once, keep their states at the outputs only, and are judged at once.
-What cannot be, or does not pass, is run on its own.
+All designs are assembled at once, store their states at the outputs only, and are checked at once.
+Unsupported designs and designs that fail the checks run individually.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.batch.judgement import Judgement
-from dalembert.analysis.batch.one_by_one import STOPPED, OneByOne
+from dalembert.analysis.batch.batch_residuals import BatchResiduals
+from dalembert.analysis.batch.individual_runs import STOPPED, IndividualRuns
 from dalembert.analysis.batch.starts import Starts, first_states, starting_mode
 from dalembert.analysis.batch.states import MarchedStates
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
@@ -29,18 +29,18 @@ from dalembert.results.status import Status, reached
 from dalembert.symbolic.evaluation.lane_march import LaneMarch, in_groups
 
 
-class SideBySide(ABC):
-    """One execution of a batch.
+class DynamicsBatch(ABC):
+    """Execution of a batch of dynamics.
 
     Parameters
     ----------
     analysis : strategy object with the fields of ``Dynamics``
-    model, designs : what is run
-    workers : threads at most
+    model, designs : model and parameters of the runs
+    workers : upper limit of threads
     """
 
     same_instants = True
-    """All designs have the same ends of steps, between which integrals are formed."""
+    """All designs share the ends of steps, as required for integrals."""
     times: np.ndarray
     """(K,) outputs [s]."""
     marching: LaneMarch
@@ -48,7 +48,7 @@ class SideBySide(ABC):
     def __init__(self, analysis: Any, model: Model, designs: Designs, workers: int):
         self.analysis, self.model, self.designs = analysis, model, designs
         self.workers, self.count = workers, len(designs)
-        self.run = DynamicsRun(analysis, model, None)  # which tells what is wrong for all designs
+        self.run = DynamicsRun(analysis, model, None)  # raises errors common to all designs
         self.kernel: DynamicsKernel = self.run.kernel
         self.start = self.run.start
         self.mode = starting_mode(self.kernel, model)
@@ -56,11 +56,11 @@ class SideBySide(ABC):
     @classmethod
     @abstractmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
-        """Whether designs of this analysis can march so."""
+        """Whether designs of this analysis can march together."""
 
     @staticmethod
     def starting_variant(analysis: Any, model: Model) -> Variant | None:
-        """The variant of the nominal start; None where runs may leave it."""
+        """The variant of the nominal start; None if runs may change it."""
         if analysis.events or model.closure.lost:
             return None
         if analysis.strict and model.closure.recipe.projected:
@@ -70,24 +70,24 @@ class SideBySide(ABC):
             return None
         try:
             variant: Variant = kernel.variants[starting_mode(kernel, model)]
-        except SingularityError:  # the nominal start is no measure of the others
+        except SingularityError:  # other designs may still start
             return None
         return variant if variant.conditioning is None else None
 
     def execute(self, report: Callable[[float], None]) -> Batch:
-        """All designs; after an interruption those that were finished."""
+        """Batch of all designs; after an interruption with the finished ones."""
         begin = clock.perf_counter()
         states, ended = self.march(report)
         started, marched = self.started - begin, clock.perf_counter() - self.started
-        passed = self._judge(states, ended)
-        runs = OneByOne(self.analysis, self.model, self.designs)
+        passed = self._verify(states, ended)
+        runs = IndividualRuns(self.analysis, self.model, self.designs)
         if self.alone and not any(s is STOPPED for s in self.statuses.values()):
             runs.run(sorted(self.alone), self.workers, lambda fraction: None)
             self.statuses |= runs.statuses
         for k in self.alone:
             self.statuses.setdefault(k, STOPPED)
-        self._refuse_nothing(runs)
-        states.apart = runs.results
+        self._raise_common_error(runs)
+        states.individual = runs.results
         if passed.size < self.count:
             states.x[np.setdiff1d(np.arange(self.count), passed)] = np.nan
         self._keep_outputs(states)
@@ -118,7 +118,7 @@ class SideBySide(ABC):
         """Number of steps, a mean where designs differ."""
 
     def march(self, report: Callable[[float], None]) -> tuple[MarchedStates, np.ndarray]:
-        """States at the outputs, the start and the end, and the designs that have them."""
+        """States at the outputs, the start and the end, and numbers of the finished designs."""
         self.starts = Starts(
             self.model,
             self.designs,
@@ -130,18 +130,18 @@ class SideBySide(ABC):
         )
         self.statuses, self.alone = self.starts.statuses, self.starts.alone
         self.started = clock.perf_counter()
-        return self._march(self.starts.known, report)
+        return self._march(self.starts.started, report)
 
     # the march ---------------------------------------------------------------------
     @abstractmethod
     def _march(
         self, started: np.ndarray, report: Callable[[float], None]
     ) -> tuple[MarchedStates, np.ndarray]:
-        """States at the outputs, the start and the end, and the designs that have them.
+        """States at the outputs, the start and the end, and numbers of the finished designs.
 
         Parameters
         ----------
-        started : numbers of the designs that have a start
+        started : numbers of the designs with an assembled start
         """
 
     def _in_groups(
@@ -151,7 +151,7 @@ class SideBySide(ABC):
         started: np.ndarray,
         report: Callable[[float], None],
     ) -> np.ndarray:
-        """Do ``work`` for groups of the designs that start; those that were not interrupted."""
+        """Call ``work`` for groups of started designs; return those that were not interrupted."""
         threads = self.workers if march.threaded else 1
         done = in_groups(work, np.arange(started.size), march.width, threads, report)
         for k in started[~done]:
@@ -159,7 +159,7 @@ class SideBySide(ABC):
         return started[done]
 
     def _finite(self, x: np.ndarray, ended: np.ndarray) -> np.ndarray:
-        """The designs whose states are finite; the others are left to a run of their own."""
+        """Designs with finite states; the others run individually."""
         finite = np.all(np.isfinite(x[ended]), axis=(1, 2))
         self.alone += [int(k) for k in ended[~finite]]
         x[np.setdiff1d(np.arange(self.count), ended[finite])] = np.nan
@@ -183,57 +183,55 @@ class SideBySide(ABC):
     def _partial(self, designs: np.ndarray, t, h, x: np.ndarray) -> np.ndarray:
         """(designs, places, size) states after parts of steps from (designs, places, size)."""
         places, size = x.shape[1:]
-        (moved,) = self.starts.evaluate(
+        (states,) = self.starts.evaluate(
             self.kernel.variants[self.mode].step.function,
             np.broadcast_to(t, x.shape[:2]).reshape(-1, 1),
             np.broadcast_to(h, x.shape[:2]).reshape(-1, 1),
             x.reshape(-1, size),
             np.repeat(self.starts.p[designs], places, axis=0),
         )
-        return moved.reshape(x.shape)
+        return states.reshape(x.shape)
 
-    def _afford(self, size: int) -> None:
-        """Refuse more outputs than can be kept."""
+    def _check_budget(self, size: int) -> None:
+        """Refuse more outputs than memory permits."""
         afford(
             f"{self.count} designs with {self.times.size} outputs of {size} numbers",
             memory=24.0 * self.count * self.times.size * size,
             cure="ask for fewer, e.g. outputs=101, or run the designs in several batches",
         )
 
-    # after it ----------------------------------------------------------------------
-    def _judge(self, states: MarchedStates, ended: np.ndarray) -> np.ndarray:
-        """Designs that are motions beyond doubt; the others are left to a run of their own."""
+    # results ----------------------------------------------------------------------
+    def _verify(self, states: MarchedStates, ended: np.ndarray) -> np.ndarray:
+        """Designs with verified motions; the others run individually."""
         self.worst: int | None = None
         if not ended.size:
             return ended
-        found = Judgement(states, ended, self.outputs, self.analysis.balance)
-        end = reached(float(self.times[-1]), 0.0)
+        residuals = BatchResiduals(states, ended, self.outputs, self.analysis.balance)
+        end, passed = reached(float(self.times[-1]), 0.0), ended[residuals.passed]
+        violations = residuals.violations[residuals.passed]
         self.statuses |= {
-            k: Status(end.outcome, end.message, end.time, residual)  # thousands of the same words
-            for k, residual in zip(
-                ended[found.passed].tolist(), found.violations[found.passed].tolist(), strict=True
-            )
+            k: Status(end.outcome, end.message, end.time, violation)  # designs share the message
+            for k, violation in zip(passed.tolist(), violations.tolist(), strict=True)
         }
-        self.alone += [int(k) for k in ended[~found.passed]]
-        passed = ended[found.passed]
+        self.alone += [int(k) for k in ended[~residuals.passed]]
         if passed.size:
-            self.worst = int(passed[np.argmax(found.unbalanced[found.passed])])
+            self.worst = int(passed[np.argmax(residuals.unbalanced[residuals.passed])])
         return passed
 
     def _keep_outputs(self, states: MarchedStates) -> None:
-        """Without the start and end that were judged with them, where they are no outputs."""
+        """Remove the start and the end of the run where they are not outputs."""
         if states.time.size > self.times.size:
             states.x = states.x[:, self.outputs]
         states.time = self.times
 
-    def _refuse_nothing(self, runs: OneByOne) -> None:
-        """What is wrong for all designs for one reason is no design's fault."""
+    def _raise_common_error(self, runs: IndividualRuns) -> None:
+        """Raise an error that all designs share."""
         texts = {status.message for status in self.statuses.values()}
         if len(texts) == 1 and len(runs.errors) == self.count:
             raise next(iter(runs.errors.values()))
 
     def _warnings(self, passed: np.ndarray) -> list[str]:
-        """Doubts about the design whose energy is balanced worst."""
+        """Warnings of the design with the largest energy error."""
         if self.worst is None:
             return []
         motion = self.analysis.run(self.model, self.designs.named(self.worst))
