@@ -15,11 +15,11 @@ from dalembert.analysis.batch.starts import Starts, backend_of
 from dalembert.analysis.batch.states import States
 from dalembert.analysis.kinematics.kernel import KinematicsKernel
 from dalembert.analysis.kinematics.run import (
-    FEW,
+    COARSE_STEPS,
     LARGEST_TURN,
     REGULAR,
-    SHORT_WAY,
     SMALL_TURN,
+    STEP_DISPLACEMENT,
     TOLERANCE,
     KinematicsRun,
 )
@@ -92,7 +92,7 @@ class KinematicsBatch:
     ) -> tuple[States, np.ndarray, np.ndarray, bool]:
         """States at the outputs, designs with trusted steps, residuals, and interruption."""
         requested, started, single = self.run.requested, starts.started, _step(self.kernel)
-        step_count = 2 * FEW + requested.size if self.run.chosen else self.run.grid.size
+        step_count = 2 * COARSE_STEPS + requested.size if self.run.chosen else self.run.grid.size
         requested_steps = _requested_steps(self.kernel)
         requested_steps[0] += step_count * started.size
         columns = self.backend.columns(single, True, (3,))
@@ -138,7 +138,7 @@ class KinematicsBatch:
 
         done, interrupted = np.zeros(started.size, dtype=bool), False
         if self.run.chosen:
-            coarse_grid = np.linspace(self.run.start, self.run.end, FEW + 1)
+            coarse_grid = np.linspace(self.run.start, self.run.end, COARSE_STEPS + 1)
             interrupted = not move(coarse_grid, np.arange(started.size), store_displacements).all()
         for grid, sets in self._grids(displacements):
             if not interrupted:
@@ -156,8 +156,10 @@ class KinematicsBatch:
         """
         run = self.run
         with np.errstate(invalid="ignore"):
-            doublings = np.ceil(np.log2(np.maximum(displacements / SHORT_WAY, 1.0)))
-        counts = np.where(np.isnan(doublings), run.grid.size, FEW * 2.0 ** np.nan_to_num(doublings))
+            doublings = np.ceil(np.log2(np.maximum(displacements / STEP_DISPLACEMENT, 1.0)))
+        counts = np.where(
+            np.isnan(doublings), run.grid.size, COARSE_STEPS * 2.0 ** np.nan_to_num(doublings)
+        )
         grids = []
         for count in np.unique(counts):
             grid = run.grid
