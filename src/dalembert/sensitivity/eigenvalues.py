@@ -74,7 +74,7 @@ class EigenvalueGradient:
 
     def _probes(self) -> Probes:
         """What to differentiate, from all eigenvalues that the response sees."""
-        (jacobian, tangency), (states, rows) = self.state.alike, self.state.sizes
+        (jacobian, tangency), (states, rows) = self.state.scaled, self.state.sizes
         inverse = np.linalg.pinv(tangency)
         q, a, b = [], [], []
         for group, weight in self._groups():
