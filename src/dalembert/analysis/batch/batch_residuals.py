@@ -116,7 +116,7 @@ def residual_shares(states: States, designs: np.ndarray, forces: bool) -> np.nda
 
 @once
 def at_outputs(model: Model, bodies: ca.Function) -> ca.Function:
-    """``(t, x, p) →`` violation, kinetic and potential energy, and 0 or NaN where undefined."""
+    """``(t, x, p) →`` violation, kinetic and potential energy, and 0 (NaN if undefined)."""
     t, x, p = bodies.sx_in()
     y, v, a, multiplier = bodies.call([t, x, p])
     defined = ca.sum1(0 * ca.vertcat(a, multiplier))

@@ -181,14 +181,14 @@ class DynamicsBatch(ABC):
         )
 
     def _partial(self, designs: np.ndarray, t, h, x: np.ndarray) -> np.ndarray:
-        """(designs, places, size) states after parts of steps from (designs, places, size)."""
-        places, size = x.shape[1:]
+        """(designs, count, size) states after parts of steps from (designs, count, size)."""
+        count, size = x.shape[1:]
         (states,) = self.starts.evaluate(
             self.kernel.variants[self.mode].step.function,
             np.broadcast_to(t, x.shape[:2]).reshape(-1, 1),
             np.broadcast_to(h, x.shape[:2]).reshape(-1, 1),
             x.reshape(-1, size),
-            np.repeat(self.starts.p[designs], places, axis=0),
+            np.repeat(self.starts.p[designs], count, axis=0),
         )
         return states.reshape(x.shape)
 

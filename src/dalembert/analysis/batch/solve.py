@@ -89,7 +89,7 @@ def warnings_of(results: Mapping[int, Result]) -> list[str]:
     if not warned:
         return []
     texts = [f"design {warned[0]}: {text}" for text in results[warned[0]].warnings]
-    summary = f"{len(warned)} of {len(results)} designs that ran on their own carry warnings"
+    summary = f"{len(warned)} of {len(results)} individually run designs have warnings"
     return [*texts, summary] if len(warned) > 1 else texts
 
 

@@ -35,7 +35,7 @@ class ContactChange(Variant):
     ----------
     before, after : the variants
     guard : number of the guard of ``before`` that reaches zero; None where no instant moves
-    sudden : maps of the state: the jump of an impact, new slip directions
+    state_maps : maps of the state: the jump of an impact, new slip directions
     struck : there is an impact
     closes : gaps that stop bouncing after an accumulation of impacts
     together : gaps that reach zero at the same time
@@ -48,7 +48,7 @@ class ContactChange(Variant):
         before: Variant,
         after: Variant,
         guard: int | None,
-        sudden: Sequence[Jump | Headings] = (),
+        state_maps: Sequence[Jump | Headings] = (),
         struck: bool = False,
         closes: frozenset[int] = frozenset(),
         together: tuple[int, ...] = (),
@@ -56,7 +56,7 @@ class ContactChange(Variant):
         strategies = before.formulation, before.stabilization, before.integrator
         super().__init__(before.view, before.rows, *strategies, before.phases, before.bare)
         self.before, self.after, self.guard = before, after, guard
-        self.sudden, self.struck = sudden, struck
+        self.state_maps, self.struck = state_maps, struck
         self.closes, self.together = closes, together
 
     @cached_property
@@ -87,7 +87,7 @@ class ContactChange(Variant):
                 delay += ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
                 state = flow(self.before, t, x, p, delay)
         before = state
-        for state_map in self.sudden:
+        for state_map in self.state_maps:
             state = state_map.function.call([t + delay, state, p])[0]
         return delay, before, state
 

@@ -130,13 +130,13 @@ class ContactModes:
                 if struck
                 else self.settling(mode, active_set)
             )
-            sudden = [
+            state_maps = [
                 state_map
                 for state_map in (jump, self.headings(mode, active_set))
                 if state_map is not None
             ]
             ends = active_set.dead, active_set.together
             variants = self.variants[mode], self.variants[after]
-            self.variants.append(ContactChange(*variants, guard, sudden, struck, *ends))
+            self.variants.append(ContactChange(*variants, guard, state_maps, struck, *ends))
             self._changes[key] = len(self.variants) - 1
         return self._changes[key]

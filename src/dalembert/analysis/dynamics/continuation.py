@@ -54,7 +54,7 @@ def extended(
     """
     if follow_parameters(analysis):
         raise AnalysisError(
-            "times of this run follow parameters; ask for a longer one instead of continuing it"
+            "times of this run follow parameters; compute a longer run instead of continuing it"
         )
     arguments = in_seconds(
         {"duration": duration, **options}, motion.model, motion.parameters, "continued"
@@ -89,7 +89,9 @@ def _outputs(
         if (
             np.sum(np.abs(intervals - spacing) > EQUAL_SPACING * spacing) > 1
         ):  # the last may be an event
-            raise AnalysisError("this run had times of its own; give outputs= for what follows")
+            raise AnalysisError(
+                "the outputs of this run are not equally spaced; give outputs= for the continuation"
+            )
         requested = 1 + max(1, round((end - begin) / spacing))
     times = output_times(requested, begin, end)
     assert times is not None

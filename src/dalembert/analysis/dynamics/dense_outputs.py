@@ -1,8 +1,8 @@
 """Dense outputs of runs with error control.
 
 Under error control a method of high order takes long steps, and straight lines between their ends
-do not follow the motion. Each step is divided into equal parts until straight lines
-between neighbouring outputs follow every coordinate, speed, acceleration and multiplier.
+do not follow the motion. Each step is divided into equal parts until straight lines between
+neighbouring outputs follow every coordinate, speed, acceleration and multiplier.
 
 An output inside a step is a partial step from its beginning. It is as accurate as the steps for
 every integrator, satisfies the constraints, and has gradients like any other output. An

@@ -118,7 +118,7 @@ class PeakSearch:
             mode, size = int(steps.mode[k]), change.step.state_size
             before = self._before(k)
             after = np.flatnonzero((self.index == following) & (self.length == 0))
-            location = self.kernel.variants[self.kernel.side(mode, False)].place
+            location = self.kernel.variants[self.kernel.side(mode, False)].location
             instant = steps.t[k] + float(location(steps.t[k], steps.x[:size, k], self.p)[0])
             valid &= ~np.where(self.index < k, self.time > instant, False)
             valid &= ~np.where(self.index > k, self.time < instant, False)

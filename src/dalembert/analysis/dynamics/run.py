@@ -113,7 +113,7 @@ class DynamicsRun:
         state = self.model.assemble(self.p, self.start)
         length = self.end - self.start
         method = self.analysis.integrator
-        self.forewarned = unstable_step_warnings(
+        self.stability_warnings = unstable_step_warnings(
             self.model, state, self.p, method, self.step, length
         )
         if self.analysis.strict and state.projected_speeds:
@@ -138,7 +138,7 @@ class DynamicsRun:
         freedom = self.model.diagnosis.free
         formulation = self.kernel.formulation
         warnings = doubts(formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
-        warnings += self.forewarned
+        warnings += self.stability_warnings
         warnings += self.contacts.warnings if self.contacts else []
         warnings += told_halves(self.halved_steps(motion.record.steps))
         if motion.status.success:

@@ -70,9 +70,9 @@ class RunEnd:
         residual = float(np.max(self.violations, initial=0.0))
         if steps.interrupted:
             return stopped(self.time, residual)
-        lacking = self.left_table() if steps.message and not steps.explained else ""
-        if lacking:
-            return self._ends(Outcome.DIVERGED, f"after t = {steps.end:.9g} s {lacking}")
+        table_end = self.left_table() if steps.message and not steps.explained else ""
+        if table_end:
+            return self._ends(Outcome.DIVERGED, f"after t = {steps.end:.9g} s {table_end}")
         if steps.explained:
             if singular := self.singular_position():
                 return self._ends(Outcome.SINGULAR, singular)
@@ -159,7 +159,7 @@ class RunEnd:
         there = SingularPosition(self.kernel.model, time, y, self.p)
         cure = "formulation=AugmentedLagrangian() passes through such positions"
         if not self.kernel.model.diagnosis.free:  # no motion exists beyond a lock
-            cure = f"solve_kinematics tells whether the drivers lock there; if not, {cure}"
+            cure = f"solve_kinematics shows whether the drivers lock there; if not, {cure}"
         return (
             f"the constraints were lost at t = {time:.6g} s near a singular position{there.drivers}"
             f", where {there.joints} lose their independence (smallest singular value of C "

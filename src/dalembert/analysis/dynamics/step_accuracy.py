@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.step_outputs import alike
+from dalembert.analysis.dynamics.step_outputs import columns_by_mode
 from dalembert.errors import SolverFailure
 from dalembert.integrators.marching.checkpoints import Checkpoints
 from dalembert.integrators.marching.steps import Steps
@@ -212,7 +212,7 @@ class StepAccuracy:
         """Positions and speeds after some steps, each divided into equal parts."""
         x, t, h = begins.copy(), self.steps.t[chosen], self.steps.h[chosen] / parts
         for i in range(parts):
-            for mode, some in alike(self.steps.mode[chosen], np.arange(chosen.size)):
+            for mode, some in columns_by_mode(self.steps.mode[chosen], np.arange(chosen.size)):
                 p = np.tile(self.p[:, None], some.size)
                 step = self.kernel.over(self.kernel.variants[mode].step.function, some.size)
                 (x[:, some],) = step(t[some] + i * h[some], h[some], x[:, some], p)

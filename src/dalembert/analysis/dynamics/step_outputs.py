@@ -44,7 +44,7 @@ class StepOutputs:
         k, ends = branches.index, branches.ends_of(steps)
         states = steps.x[:, k + ends]
         inside = np.flatnonzero((branches.length != 0) & ~ends)
-        for mode, part in alike(steps.mode[k[inside]], inside):
+        for mode, part in columns_by_mode(steps.mode[k[inside]], inside):
             (states[:, part],) = self.over(self.variants[mode].step.function, part.size)(
                 steps.t[k[part]],
                 branches.length[part],
@@ -90,7 +90,7 @@ class StepOutputs:
         """``(t, x, p, …)`` functions of the variants over outputs, each by its own variant."""
         results: list[np.ndarray] = []
         size = self.variants[0].step.state_size
-        for mode, part in alike(modes, np.arange(modes.size)):
+        for mode, part in columns_by_mode(modes, np.arange(modes.size)):
             function = function_of(self.variants[mode])
             parts = self.over(function, part.size)(
                 times[part],
@@ -115,7 +115,7 @@ class StepOutputs:
         return Trajectory(times, y, v, a, multiplier, work)
 
 
-def alike(modes: np.ndarray, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+def columns_by_mode(modes: np.ndarray, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
     """Blocks of the chosen columns that share a mode, at most ``BLOCK`` columns each."""
     for mode in np.unique(modes):
         part = chosen[modes == mode]

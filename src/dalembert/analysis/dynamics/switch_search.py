@@ -149,15 +149,15 @@ class SwitchSearch:
         return not np.array_equal(before, after, equal_nan=True)
 
     def _hides_effective(self, mode: int, switches: list[int], t: float, x: np.ndarray) -> bool:
-        """Whether changing these signs shows an effective switch beyond which the state lies.
+        """Whether the state lies beyond an effective switch after a change of these signs.
 
         This happens where these switches select a distance, such as those from the edges of a
         shape, and another switch compares the selected distance with zero.
         """
         state, visited = x.copy(), list(switches)
         while switches:
-            places = [self.size - self.count + k for k in switches]
-            state[places] = 1 - state[places]
+            entries = [self.size - self.count + k for k in switches]
+            state[entries] = 1 - state[entries]
             switches = [k for k in self._beyond(t, state) if k not in visited]
             if any(self._is_effective(mode, k, t, state) for k in switches):
                 return True
@@ -196,7 +196,7 @@ class SwitchSearch:
             self.crossings.append((replacement.time, k))
 
     def _chattering(self, mode: int, replacement: StepReplacement, switches: list[int]) -> str:
-        """Message if switches just crossed chatter, else empty."""
+        """Message if the crossed switches chatter, else empty."""
         elapsed = replacement.time - np.array([t for t, _ in self.crossings])
         simultaneous = [
             k
@@ -210,7 +210,7 @@ class SwitchSearch:
         at = (replacement.time, replacement.x[: self.size], self.p)
         owner = owner_of(self.kernel, mode, (stuck or switches)[0], *at)
         self.trouble = f"{owner} switches back and forth at t = {replacement.time:.9g} s: " + (
-            "on both sides it drives the motion back across, so that none goes on; "
+            "on both sides it drives the motion back across, so no motion continues; "
             if stuck
             else f"{count} times within {SHORTLY * self.span:.2g} s; "
         )

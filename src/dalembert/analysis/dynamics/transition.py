@@ -156,14 +156,14 @@ class MovingSide(Variant):
         return self.change.step
 
     @cached_property
-    def place(self) -> ca.Function:
+    def location(self) -> ca.Function:
         """``(t, x, p) → δ, x`` on this side of the change."""
         size = self.change.step.state_size
         t, x = ca.MX.sym("t"), ca.MX.sym("x", size)
         p = ca.MX.sym("p", self.change.step.parameter_count)
         delay, before, after = self.change.located(t, x, p)
         state = after if self.after else before
-        return ca.Function("place", [t, x, p], [ca.densify(delay), ca.densify(state)])
+        return ca.Function("location", [t, x, p], [ca.densify(delay), ca.densify(state)])
 
     @once
     def measured(self, measure: Expression) -> MovingMeasure:  # type: ignore[override]
@@ -176,8 +176,8 @@ class MovingSide(Variant):
     def _at_change(self, function: ca.Function) -> ca.Function:
         """A ``(t, x, p)`` function on this side as a function of the state before the change."""
         t, x, p = (ca.MX.sym(*s) for s in zip("txp", self._sizes, strict=True))
-        delay, state = self.place(t, x, p)
-        return ca.Function("there", [t, x, p], function.call([t + delay, state, p]))
+        delay, state = self.location(t, x, p)
+        return ca.Function("at_change", [t, x, p], function.call([t + delay, state, p]))
 
     @property
     def _sizes(self) -> tuple[int, int, int]:

@@ -164,11 +164,11 @@ class Variant:
 
         Both are relative to the limit above which another variant is chosen; None if never.
         """
-        e, nothing = self.equations, ca.SX(0)
+        e, zero = self.equations, ca.SX(0)
         condition = self.formulation.conditioning(e)
         redundant = len(self.rows) < self.view.whole.constraint_count
         if condition is None and not redundant:
             return None
-        share = largest_share(self.view.whole, self.rows) / TRUSTED if redundant else nothing
-        value = nothing if condition is None else condition[0] / condition[1]
+        share = largest_share(self.view.whole, self.rows) / TRUSTED if redundant else zero
+        value = zero if condition is None else condition[0] / condition[1]
         return ca.Function("conditioning", [e.t, e.y, e.p], [share, value])

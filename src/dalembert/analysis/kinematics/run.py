@@ -87,7 +87,7 @@ class KinematicsRun:
         self.parts = [slice(*pair) for pair in pairwise(ends)]
         self.fold: Fold | None = None
         self.substeps = 0
-        self.message, self.lacking, self.interrupted = "", "", False
+        self.message, self.table_end, self.interrupted = "", "", False
 
     def execute(self, progress) -> Motion:
         begin = clock.perf_counter()
@@ -279,8 +279,8 @@ class KinematicsRun:
             self.message = f"no continuous position was found after t = {now:.9g} s{there.drivers}"
             v, model = last[self.parts[1]], self.model
             back = LOOK * float(np.ptp(self.grid))
-            self.lacking = left_ahead(model.parts, model.all_equations, now, (y, v), back, self.p)
-            self.message = self.lacking or self.message
+            self.table_end = left_ahead(model.parts, model.all_equations, now, (y, v), back, self.p)
+            self.message = self.table_end or self.message
 
     # results ----------------------------------------------------------------
     def singular(self, name: str, time: float, y: np.ndarray) -> EventRecord:
@@ -313,7 +313,7 @@ class KinematicsRun:
             return stopped(time, residual)
         if self.message:
             ended = Outcome.LOCKED if self.fold else Outcome.SINGULAR
-            ended = Outcome.DIVERGED if self.lacking else ended
+            ended = Outcome.DIVERGED if self.table_end else ended
             return Status(ended, self.message, time, residual)
         forces = MOTION if self.analysis.efforts else np.inf
         return ModelTruth(self.model, s, self.p, motion=forces).judged(reached(time, residual))

@@ -20,6 +20,7 @@ from dalembert.symbolic.equations.newton import Equations, NewtonSettings, Resid
 MANY = 400
 """Upper limit of the number of displacements for which determinants are computed."""
 SETTINGS = NewtonSettings(tolerance=1e-13, slack=1e4, max_iterations=30)
+"""Newton settings of the fold system."""
 TURNS = 1e-6
 """Threshold for a fold: part of ``Φ_t`` outside the range of ``C``."""
 

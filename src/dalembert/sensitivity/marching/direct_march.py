@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics.step_outputs import alike
+from dalembert.analysis.dynamics.step_outputs import columns_by_mode
 from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.marching.tangent_march import TangentMarch, beside
 from dalembert.sensitivity.samples import Sample
@@ -88,7 +88,7 @@ class DirectMarch:
     ) -> Iterator[tuple[int, np.ndarray]]:
         """Outputs, and the derivatives (columns,) of the measure there."""
         states = sample.states_at(chosen)
-        for mode, part in alike(sample.modes[chosen], np.arange(chosen.size)):
+        for mode, part in columns_by_mode(sample.modes[chosen], np.arange(chosen.size)):
             size = sample.step_of(mode).state_size
             measured = _measured(sample.measured(sample.kernel.variants[mode]), self.width)
             rates = sample.kernel.over(measured, part.size)(

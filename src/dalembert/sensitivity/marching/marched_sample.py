@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.step_outputs import alike
+from dalembert.analysis.dynamics.step_outputs import columns_by_mode
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.kinematics.branches import Branches
 from dalembert.integrators.marching.march import CHUNK
@@ -61,7 +61,7 @@ class MarchedSample(Sightings):
     def parts_of_steps(self, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
         """Modes, and places among chosen outputs of those inside steps of this mode."""
         places = np.flatnonzero(self.within[chosen])
-        return alike(self.steps.mode[self.branches.index[chosen[places]]], places)
+        return columns_by_mode(self.steps.mode[self.branches.index[chosen[places]]], places)
 
     def partial(self, part: np.ndarray) -> tuple:
         """Where the parts of steps to these outputs begin, and how long they are."""

@@ -18,7 +18,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.step_outputs import alike
+from dalembert.analysis.dynamics.step_outputs import columns_by_mode
 from dalembert.analysis.timeline import checked_span, checked_step, uniform_grid
 from dalembert.analysis.times import follow_parameters, slopes
 from dalembert.integrators.marching.march import branches
@@ -99,7 +99,7 @@ def _by_times(kernel: DynamicsKernel, steps: Steps, p: np.ndarray) -> tuple[np.n
     size = steps.x.shape[0]
     found = np.zeros((2, size, steps.count))
     lasting = steps.lasting
-    for mode, some in alike(steps.mode[lasting], lasting):
+    for mode, some in columns_by_mode(steps.mode[lasting], lasting):
         whole = kernel.variants[mode].step
         for corrected in np.unique(steps.corrected[some]):
             part = some[steps.corrected[some] == corrected]
