@@ -76,65 +76,41 @@ class ContactModes:
 
     def headings(self, mode: int, active_set: ActiveSet) -> Headings | None:
         """Renewal of slip directions, None if no gap slides over a surface."""
-        if active_set.rest is None or Phase.SLIDING not in active_set.rest.phases:
+        resting, rest = active_set.resting, active_set.rest
+        if rest is None or Phase.SLIDING not in rest.phases:
             return None
         variant = self.variants[mode]
-        key = (variant.rows, variant.bare, active_set.resting, active_set.rest)
+        key = (variant.rows, variant.bare, resting, rest)
         if key not in self._headings:
-            self._headings[key] = Headings(
-                self.dynamics(mode)[0], active_set.resting, active_set.rest
-            )
+            self._headings[key] = Headings(self.dynamics(mode)[0], resting, rest)
         return self._headings[key]
 
     def settling(self, mode: int, active_set: ActiveSet) -> Jump | None:
         """Jump that removes residual slips where sliding over surfaces stops, None if none does."""
-        if active_set.rest is None:
+        rest = active_set.rest
+        if rest is None:
             return None
-        before = self.variants[mode].phases
+        before, resting = self.variants[mode].phases, active_set.resting
         stops = [
-            before[k] is Phase.SLIDING and active_set.phases[k] is Phase.STICKING
-            for k in active_set.resting
+            before[k] is Phase.SLIDING and active_set.phases[k] is Phase.STICKING for k in resting
         ]
         if not any(stops):
             return None
         unchanged = Phase.APART, Phase.STICKING
-        impact_phases = (
-            phase if phase in unchanged else Phase.SMOOTH for phase in active_set.rest.phases
-        )
-        none: tuple[None, ...] = (None,) * len(active_set.resting)
-        pattern = Pattern(tuple(impact_phases), active_set.rest.released, none)
-        return self.jump(mode, active_set.resting, (pattern,), frozenset(active_set.resting))
+        phases = tuple(p if p in unchanged else Phase.SMOOTH for p in rest.phases)
+        none: tuple[None, ...] = (None,) * len(resting)
+        return self.jump(mode, resting, (Pattern(phases, rest.released, none),), frozenset(resting))
 
     def change(self, mode: int, after: int, active_set: ActiveSet, guard: int | None) -> int:
         """The mode of the change from one mode to the phases of another."""
-        impact = (
-            active_set.phases,
-            active_set.gaps,
-            active_set.patterns,
-            active_set.dead,
-            active_set.together,
-        )
-        key = (
-            mode,
-            after,
-            guard,
-            active_set.impulse is None,
-            active_set.resting,
-            active_set.rest,
-            *impact,
-        )
+        impact = active_set.gaps, active_set.patterns, active_set.dead
+        phases = active_set.phases, active_set.resting, active_set.rest
+        struck = active_set.impulse is not None
+        key = (mode, after, guard, struck, *phases, *impact, active_set.together)
         if key not in self._changes:
-            struck = active_set.impulse is not None
-            jump = (
-                self.jump(mode, active_set.gaps, active_set.patterns, active_set.dead)
-                if struck
-                else self.settling(mode, active_set)
-            )
-            state_maps = [
-                state_map
-                for state_map in (jump, self.headings(mode, active_set))
-                if state_map is not None
-            ]
+            jump = self.jump(mode, *impact) if struck else self.settling(mode, active_set)
+            headings = self.headings(mode, active_set)
+            state_maps = [state_map for state_map in (jump, headings) if state_map is not None]
             ends = active_set.dead, active_set.together
             variants = self.variants[mode], self.variants[after]
             self.variants.append(ContactChange(*variants, guard, state_maps, struck, *ends))
