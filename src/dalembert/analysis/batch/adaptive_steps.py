@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.batch.dynamics_batch import DynamicsBatch
-from dalembert.analysis.batch.states import MarchedStates
+from dalembert.analysis.batch.states import MarchedStates, check_memory
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.marching.method_choice import MOST, STIFF
 from dalembert.model.model import Model
@@ -65,7 +65,7 @@ class AdaptiveSteps(DynamicsBatch):
         self.times = run.requested
         times = np.union1d(self.times, [self.start, run.end])
         size = variant.step.size
-        self._check_budget(size)
+        check_memory(self.count, self.times.size, size)
         function = _recorded(attempt)
         columns, work = kernel.backend.columns(function, True, (1,)), USUAL * started.size
         self.marching = march = LaneMarch(function, columns, kernel.backend, work)

@@ -14,13 +14,12 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.batch.batch_residuals import BatchResiduals
-from dalembert.analysis.batch.individual_runs import STOPPED, IndividualRuns
+from dalembert.analysis.batch.individual_runs import STOPPED, completed_batch
 from dalembert.analysis.batch.starts import Starts, first_states, starting_mode
 from dalembert.analysis.batch.states import MarchedStates
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.variant import Variant
-from dalembert.budget import afford
 from dalembert.errors import SingularityError
 from dalembert.model.model import Model
 from dalembert.results.batch.batch import Batch
@@ -79,38 +78,21 @@ class DynamicsBatch(ABC):
         begin = clock.perf_counter()
         states, ended = self.march(report)
         started, marched = self.started - begin, clock.perf_counter() - self.started
-        passed = self._verify(states, ended)
-        runs = IndividualRuns(self.analysis, self.model, self.designs)
-        if self.alone and not any(s is STOPPED for s in self.statuses.values()):
-            runs.run(sorted(self.alone), self.workers, lambda fraction: None)
-            self.statuses |= runs.statuses
-        for k in self.alone:
-            self.statuses.setdefault(k, STOPPED)
-        self._raise_common_error(runs)
-        states.individual = runs.results
-        if passed.size < self.count:
-            states.x[np.setdiff1d(np.arange(self.count), passed)] = np.nan
-        self._keep_outputs(states)
-        elapsed = clock.perf_counter() - begin
+        worst = self._verify(states, ended)
         statistics = {
-            "workers": self.workers,
             "backend": self.marching.report,
             "steps of a design": self.steps_of_a_design,
-            "designs run on their own": len(self.alone),
             "assembly time [s]": round(started, 6),
             "integration time [s]": round(marched, 6),
-            "computation time [s]": round(elapsed, 6),
         }
-        return Batch(
-            self.model,
-            self.analysis,
-            self.designs,
-            [self.statuses[k] for k in range(self.count)],
-            states,
-            runs.results,
-            statistics,
-            self._warnings(passed),
-        )
+        interrupted = any(status is STOPPED for status in self.statuses.values())
+        task = self.analysis, self.model, self.designs, self.workers
+        batch = completed_batch(task, states, self.statuses, interrupted, statistics, begin)
+        if states.time.size > self.times.size:  # the start or the end is not an output
+            states.x = states.x[:, self.outputs]
+        states.time = self.times
+        batch.warnings = self._warnings(worst)
+        return batch
 
     @property
     @abstractmethod
@@ -128,7 +110,7 @@ class DynamicsBatch(ABC):
             self.kernel.formulation.needs_mass,
             first_states(self.kernel, self.mode),
         )
-        self.statuses, self.alone = self.starts.statuses, self.starts.alone
+        self.statuses = self.starts.statuses
         self.started = clock.perf_counter()
         return self._march(self.starts.started, report)
 
@@ -161,7 +143,6 @@ class DynamicsBatch(ABC):
     def _finite(self, x: np.ndarray, ended: np.ndarray) -> np.ndarray:
         """Designs with finite states; the others run individually."""
         finite = np.all(np.isfinite(x[ended]), axis=(1, 2))
-        self.alone += [int(k) for k in ended[~finite]]
         x[np.setdiff1d(np.arange(self.count), ended[finite])] = np.nan
         return ended[finite]
 
@@ -192,20 +173,11 @@ class DynamicsBatch(ABC):
         )
         return states.reshape(x.shape)
 
-    def _check_budget(self, size: int) -> None:
-        """Refuse more outputs than memory permits."""
-        afford(
-            f"{self.count} designs with {self.times.size} outputs of {size} numbers",
-            memory=24.0 * self.count * self.times.size * size,
-            cure="ask for fewer, e.g. outputs=101, or run the designs in several batches",
-        )
-
     # results ----------------------------------------------------------------------
-    def _verify(self, states: MarchedStates, ended: np.ndarray) -> np.ndarray:
-        """Designs with verified motions; the others run individually."""
-        self.worst: int | None = None
+    def _verify(self, states: MarchedStates, ended: np.ndarray) -> int | None:
+        """Set the statuses of verified motions; return the design with the largest energy error."""
         if not ended.size:
-            return ended
+            return None
         residuals = BatchResiduals(states, ended, self.outputs, self.analysis.balance)
         end, passed = reached(float(self.times[-1]), 0.0), ended[residuals.passed]
         violations = residuals.violations[residuals.passed]
@@ -213,26 +185,13 @@ class DynamicsBatch(ABC):
             k: Status(end.outcome, end.message, end.time, violation)  # designs share the message
             for k, violation in zip(passed.tolist(), violations.tolist(), strict=True)
         }
-        self.alone += [int(k) for k in ended[~residuals.passed]]
-        if passed.size:
-            self.worst = int(passed[np.argmax(residuals.unbalanced[residuals.passed])])
-        return passed
+        if not passed.size:
+            return None
+        return int(passed[np.argmax(residuals.unbalanced[residuals.passed])])
 
-    def _keep_outputs(self, states: MarchedStates) -> None:
-        """Remove the start and the end of the run where they are not outputs."""
-        if states.time.size > self.times.size:
-            states.x = states.x[:, self.outputs]
-        states.time = self.times
-
-    def _raise_common_error(self, runs: IndividualRuns) -> None:
-        """Raise an error that all designs share."""
-        texts = {status.message for status in self.statuses.values()}
-        if len(texts) == 1 and len(runs.errors) == self.count:
-            raise next(iter(runs.errors.values()))
-
-    def _warnings(self, passed: np.ndarray) -> list[str]:
+    def _warnings(self, worst: int | None) -> list[str]:
         """Warnings of the design with the largest energy error."""
-        if self.worst is None:
+        if worst is None:
             return []
-        motion = self.analysis.run(self.model, self.designs.named(self.worst))
-        return [f"design {self.worst}: {text}" for text in motion.warnings]
+        motion = self.analysis.run(self.model, self.designs.named(worst))
+        return [f"design {worst}: {text}" for text in motion.warnings]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.batch.dynamics_batch import DynamicsBatch
-from dalembert.analysis.batch.states import MarchedStates
+from dalembert.analysis.batch.states import MarchedStates, check_memory
 from dalembert.analysis.kinematics.branches import outputs_of
 from dalembert.analysis.timeline import uniform_grid
 from dalembert.integrators.marching.steps import Steps
@@ -47,7 +47,7 @@ class FixedSteps(DynamicsBatch):
         ends = branches.index + branches.ends_of(steps)
         stored = np.union1d(ends, [0, h.size])
         size = kernel.variants[self.mode].step.size
-        self._check_budget(size)
+        check_memory(self.count, self.times.size, size)
         prepared = kernel.fixed.prepared(self.mode)
         single, columns = prepared.side_by_side, kernel.fixed.columns(self.mode)
         self.marching = march = LaneMarch(single, columns, kernel.backend, h.size * started.size)

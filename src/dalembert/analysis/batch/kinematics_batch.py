@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.analysis.batch.batch_residuals import residual_shares
 from dalembert.analysis.batch.individual_runs import completed_batch
 from dalembert.analysis.batch.starts import Starts, backend_of
-from dalembert.analysis.batch.states import States
+from dalembert.analysis.batch.states import States, check_memory
 from dalembert.analysis.kinematics.kernel import KinematicsKernel
 from dalembert.analysis.kinematics.run import (
     COARSE_STEPS,
@@ -23,7 +23,6 @@ from dalembert.analysis.kinematics.run import (
     TOLERANCE,
     KinematicsRun,
 )
-from dalembert.budget import afford
 from dalembert.model.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs
@@ -48,15 +47,11 @@ class KinematicsBatch:
         self.run = KinematicsRun(analysis, model, None)
         self.kernel: KinematicsKernel = self.run.kernel
         self.backend = backend_of(model)
-        e, times = model.equations, self.run.requested.size
+        e = model.equations
         self.size = e.coordinate_count + 2 * e.speed_count
         if analysis.efforts:
             self.size += e.constraint_count
-        afford(
-            f"{self.count} designs with {times} outputs of {self.size} numbers",
-            memory=24.0 * self.count * times * self.size,
-            cure="ask for fewer, e.g. outputs=101, or move the designs in several batches",
-        )
+        check_memory(self.count, self.run.requested.size, self.size)
 
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:

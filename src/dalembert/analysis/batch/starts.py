@@ -37,7 +37,6 @@ class Starts:
     x0 : (started, size) initial states
     y0 : (designs, n) assembled positions of the bodies
     statuses : number of the design → Status of designs that cannot be assembled
-    alone : numbers of the designs that run individually
     """
 
     def __init__(
@@ -54,13 +53,11 @@ class Starts:
         self.backend, self.workers, self.first = backend, workers, first
         (self.start, self.end), self.needs_mass = span, needs_mass
         self.statuses: dict[int, Status] = {}
-        self.alone: list[int] = []
-        self.p = self._parameters()
-        candidates = np.setdiff1d(np.arange(self.count), self.alone)
+        self.p, candidates = self._parameters()
         self.x0, self.started = self._starts(candidates)
 
-    def _parameters(self) -> np.ndarray:
-        """(designs, n) parameters including computed ones; doubtful designs run individually."""
+    def _parameters(self) -> tuple[np.ndarray, np.ndarray]:
+        """(designs, n) parameters including computed ones, and numbers of valid designs."""
         table, model = self.designs.values, self.model
         suspect = model.doubtful(table)
         p = np.tile(model.nominal, (self.count, 1))
@@ -77,8 +74,7 @@ class Starts:
                     check_driver_laws(model, instants, p[k])
                 except AnalysisError:
                     suspect[k] = True
-        self.alone = [int(k) for k in np.flatnonzero(suspect)]
-        return p
+        return p, np.flatnonzero(~suspect)
 
     def _lose_mass(self, p: np.ndarray) -> np.ndarray:
         """(designs,) whether a mass is zero that was positive when the model was built."""
@@ -108,7 +104,6 @@ class Starts:
         t = np.full((candidates.size, 1), self.start)
         (x0,) = self.evaluate(self.first, t, y[assembled], p)
         defined = np.all(np.isfinite(x0), axis=1)
-        self.alone += [int(k) for k in candidates[~defined]]
         self.y0 = np.full((self.count, y.shape[1]), np.nan)
         self.y0[candidates] = y[assembled]
         return x0[defined], candidates[defined]

@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.variant import Variant
+from dalembert.budget import afford
 from dalembert.model.model import Model
 from dalembert.results.batch.samples import place
 from dalembert.results.result import Result
@@ -102,6 +103,21 @@ class MarchedStates(States):
     @property
     def variant(self) -> Variant:
         return self.kernel.variants[self.mode]
+
+
+def check_memory(designs: int, outputs: int, size: int) -> None:
+    """Refuse more outputs than memory permits.
+
+    Parameters
+    ----------
+    designs, outputs : numbers of designs and of outputs of each
+    size : number of entries of a state
+    """
+    afford(
+        f"{designs} designs with {outputs} outputs of {size} numbers",
+        memory=24.0 * designs * outputs * size,
+        cure="request fewer, e.g. outputs=101, or run the designs in several batches",
+    )
 
 
 @once
