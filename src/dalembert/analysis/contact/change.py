@@ -82,9 +82,7 @@ class ContactChange(Variant):
         if self.guard is not None:
             for _ in range(CORRECTIONS):
                 values, rates = self._guards(t + delay, state, p)
-                value, rate = values[self.guard], rates[self.guard]
-                grazed = rate == 0
-                delay += ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
+                delay += delay_to_zero(values[self.guard], rates[self.guard])
                 state = flow(self.before, t, x, p, delay)
         before = state
         for state_map in self.state_maps:
@@ -97,9 +95,7 @@ class ContactChange(Variant):
         assert self.guard is not None
         t, x, p = self.rate.inputs
         values, rates = self._guards(t, x, p)
-        value, rate = values[self.guard], rates[self.guard]
-        grazed = rate == 0
-        delay = ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
+        delay = delay_to_zero(values[self.guard], rates[self.guard])
         return ca.Function("instant", [t, x, p], [delay])
 
     @property
@@ -136,6 +132,12 @@ class ContactChange(Variant):
     @property
     def attempt(self) -> Attempt | None:
         return self.before.attempt
+
+
+def delay_to_zero(value: ca.SX | ca.MX, rate: ca.SX | ca.MX) -> ca.SX | ca.MX:
+    """``−g/ġ``, time to the zero of a function; zero where the motion only grazes it."""
+    grazed = rate == 0
+    return ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
 
 
 def flow(variant: Variant, t: ca.MX, x: ca.MX, p: ca.MX, length: ca.MX) -> ca.MX:

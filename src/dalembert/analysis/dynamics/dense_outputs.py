@@ -149,7 +149,6 @@ class DenseOutputs:
         spacing = np.diff(s.t)
         jump = jumps_between(self.steps, s.t, self.branches.index)
         spacing = np.where(jump, 1.0, spacing)
-        through = ~(jump[1:] | jump[:-1])  # outputs inside a smooth stretch
         bent = np.zeros(spacing.size, dtype=bool)
         for rows in (s.y, s.v, s.a, s.multiplier):
             if not rows.shape[0]:
@@ -157,13 +156,27 @@ class DenseOutputs:
             size = np.ptp(rows, axis=1)
             size = np.maximum(size, SMALL * np.abs(rows).max())
             size = np.where(size > 0, size, 1.0)[:, None]
-            slopes = np.diff(rows, axis=1) / (spacing * size)
-            curvature = np.where(through, np.abs(np.diff(slopes)).max(axis=0), 0.0)
-            curvature = 2 * curvature / (spacing[1:] + spacing[:-1])
-            largest = np.maximum(np.append(curvature, 0.0), np.append(0.0, curvature))
-            bent |= ~(largest * spacing**2 / 8 <= FLAT)
+            bent |= ~(sagittas(rows, spacing, jump, size) <= FLAT)
         marked[self.branches.index[:-1][bent & ~jump]] = True
         return marked
+
+
+def sagittas(
+    rows: np.ndarray, spacing: np.ndarray, jump: np.ndarray, size: float | np.ndarray = 1.0
+) -> np.ndarray:
+    """(k,) distances of (n, k + 1) samples from straight lines, estimated by second differences.
+
+    Parameters
+    ----------
+    spacing : (k,) lengths of the intervals, positive also at jumps
+    jump : (k,) whether the interval is a jump; slopes there are ignored
+    size : of the rows, to which distances are relative
+    """
+    slopes = np.diff(rows, axis=1) / (spacing * size)
+    curvature = np.where(jump[1:] | jump[:-1], 0.0, np.abs(np.diff(slopes)).max(axis=0))
+    curvature = 2 * curvature / (spacing[1:] + spacing[:-1])
+    largest = np.maximum(np.append(curvature, 0.0), np.append(0.0, curvature))
+    return np.asarray(largest * spacing**2 / 8)
 
 
 def jumps_between(steps: Steps, times: np.ndarray, index: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dalembert.analysis.dynamics.dense_outputs import dense, jumps_between
+from dalembert.analysis.dynamics.dense_outputs import dense, jumps_between, sagittas
 from dalembert.analysis.dynamics.flow import Flow
 from dalembert.analysis.dynamics.step_quadrature import INSIDE
 from dalembert.analysis.events import locate
@@ -147,12 +147,8 @@ class PeakSearch:
     def _bounds(self) -> np.ndarray:
         """Upper bound of the measure above the ends of each interval."""
         intervals, jump = self._intervals
-        intervals = np.where(jump, 1.0, intervals)
-        slopes = np.diff(self.m) / intervals
-        curvature = np.where(jump[1:] | jump[:-1], 0.0, np.abs(np.diff(slopes)))
-        curvature = 2 * curvature / (intervals[1:] + intervals[:-1])
-        largest = np.maximum(np.append(curvature, 0.0), np.append(0.0, curvature))
-        return np.where(jump, 0.0, ROOM * largest * intervals**2 / 8)
+        spacing = np.where(jump, 1.0, intervals)
+        return np.where(jump, 0.0, ROOM * sagittas(self.m[None], spacing, jump))
 
     def _refine(self) -> None:
         """Halve intervals in which the measure may exceed the current maximum."""

@@ -17,7 +17,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.contact.change import ContactChange
+from dalembert.analysis.contact.change import ContactChange, delay_to_zero
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.formulations.base import state_sizes, state_symbols
 from dalembert.integrators.base import Attempt
@@ -84,9 +84,7 @@ class Transition(Variant):
         x, rate = state_symbols(e), ca.SX.sym("rate", state_symbols(e).numel())
         g = e.switches.functions[self.number]
         change = ca.jtimes(g, ca.vertcat(e.t, x), ca.vertcat(1, rate))
-        grazed = change == 0
-        delay = ca.if_else(grazed, 0, -g / ca.if_else(grazed, 1, change))
-        return ca.Function("delay", [e.t, x, e.p, rate], [delay])
+        return ca.Function("delay", [e.t, x, e.p, rate], [delay_to_zero(g, change)])
 
     @cached_property
     def instant(self) -> ca.Function:
