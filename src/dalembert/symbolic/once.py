@@ -1,4 +1,4 @@
-"""Results that are made once and kept by what they belong to."""
+"""Memoisation on the first argument of a function."""
 
 from __future__ import annotations
 
@@ -7,35 +7,35 @@ from functools import wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
 
 Owner = TypeVar("Owner")
-Given = ParamSpec("Given")
-Made = TypeVar("Made")
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
 
-MOST = 256
-"""Results that an owner keeps of one function; the one not asked for longest goes first."""
+CACHE_SIZE = 256
+"""Upper limit of cached results per owner and function; the least recently used is dropped."""
 
 
 def once(
-    make: Callable[Concatenate[Owner, Given], Made],
-) -> Callable[Concatenate[Owner, Given], Made]:
-    """Decorator: what a function makes of its first argument is kept there, for the others.
+    function: Callable[Concatenate[Owner, Arguments], Result],
+) -> Callable[Concatenate[Owner, Arguments], Result]:
+    """Decorator: cache the results of a function on its first argument, the owner.
 
-    It goes when its owner goes. The other arguments are hashable: strategies by their values,
-    expressions and steps by their identity.
+    The cache is freed with its owner. The other arguments are hashable: strategies by their
+    values, expressions and steps by their identity.
     """
 
-    @wraps(make)
-    def kept(owner: Owner, *given: Given.args, **named: Given.kwargs) -> Made:
-        key = (given, tuple(sorted(named.items())))
-        found: dict[Any, Made] = vars(owner).setdefault("_once", {}).setdefault(make, {})
-        made = found.pop(key) if key in found else make(owner, *given, **named)
-        found[key] = made  # the newest stands last
-        if len(found) > MOST:
-            del found[next(iter(found))]
-        return made
+    @wraps(function)
+    def cached(owner: Owner, *arguments: Arguments.args, **options: Arguments.kwargs) -> Result:
+        key = (arguments, tuple(sorted(options.items())))
+        cache: dict[Any, Result] = vars(owner).setdefault("_once", {}).setdefault(function, {})
+        result = cache.pop(key) if key in cache else function(owner, *arguments, **options)
+        cache[key] = result  # the most recently used is last
+        if len(cache) > CACHE_SIZE:
+            del cache[next(iter(cache))]
+        return result
 
-    return kept
+    return cached
 
 
 def forget(owner: object) -> None:
-    """Drop all that is kept on an object, so that the time to make it is seen again."""
+    """Clear the cache of an owner, for instance to measure the time of its functions."""
     vars(owner).pop("_once", None)

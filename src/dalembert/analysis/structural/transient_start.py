@@ -74,21 +74,21 @@ class TransientStart:
         v, a = changes.each(self.initial.velocities), np.zeros_like(u)
         u[e.held], v[e.held], a[e.held] = held
         if self.static:
-            u[e.free] = self._displacements(begin.at_rest()).moved(Motions(u, 0 * v, 0 * a))
-        a[e.massive] = self._accelerations(begin).moved(Motions(u, v, a))
+            u[e.free] = self._displacements(begin.at_rest()).tangent(Motions(u, 0 * v, 0 * a))
+        a[e.massive] = self._accelerations(begin).tangent(Motions(u, v, a))
         return Moving(u, v, a, np.zeros_like(a))
 
     def pull(self, begin: Instant, weights: Moving) -> None:
         """Take weights of the state to the parameters."""
         e, parameters = self.equation, begin.parameters
-        by_motion = self._accelerations(begin).weighed(weights.a[e.massive])
+        by_motion = self._accelerations(begin).adjoint(weights.a[e.massive])
         left = begin.freed(weights, by_motion)
         parameters.pull(self.initial.velocities, left.v)
         if not self.static:
             parameters.pull(self.initial.displacements, left.u)
             return
         still = self._displacements(begin.at_rest())
-        by_place = still.weighed(left.u[e.free])
+        by_place = still.adjoint(left.u[e.free])
         nothing = np.zeros_like(by_place.u)
         still.at.freed(Moving(*(nothing,) * 4), Motions(by_place.u, nothing, nothing))
 

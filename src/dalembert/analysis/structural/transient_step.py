@@ -128,7 +128,7 @@ class TransientStep:
         ahead, held = self.predicted(change), end.parameters.supports(end.time)
         a = np.zeros_like(change.u)
         known = moved(self.placed(ahead, held, a))
-        a[self.equation.free] = self.unknown(end).moved(known)
+        a[self.equation.free] = self.unknown(end).tangent(known)
         return self.placed(ahead, held, a)
 
     def pull(self, end: Instant, weights: Moving) -> Moving:
@@ -138,7 +138,7 @@ class TransientStep:
         weight of the accelerations there.
         """
         by_a = self.rule.weigh_acceleration(weights)[self.equation.free]
-        through = self.unknown(end).weighed(by_a)
+        through = self.unknown(end).adjoint(by_a)
         return self.rule.weigh_start(end.freed(weights, through))
 
     def _solved(self, end: EndOfStep, a: np.ndarray) -> np.ndarray | None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from dalembert.symbolic.formulas.series import alternating, angle_over_sine
+from dalembert.symbolic.rotation import alternating, angle_over_sine
 
 SMALL_SQUARE = 0.25
 """Square of an angle [rad²] below which series are taken."""
