@@ -75,7 +75,7 @@ class Driver(Constraint):
 
     def doubts(self) -> list[Condition]:
         """Accelerations are second derivatives of the law, which a table may not determine."""
-        found = dict.fromkeys(spline.end_doubt() for spline in self.law.splines())
+        found = dict.fromkeys(spline.end_warning() for spline in self.law.splines())
         return [(ca.SX(-1), text) for text in found if text]
 
     def checked_quantities(self):

@@ -24,7 +24,7 @@ from dalembert.model.scales import Scales
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.formulas.names import Names
+from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.once import once
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.cards import card, messages, table

@@ -13,7 +13,7 @@ from dalembert.model.model import Model
 from dalembert.results.files.contents import Contents
 from dalembert.results.numbered import Numbered
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
-from dalembert.symbolic.formulas.names import Names
+from dalembert.symbolic.formulas.parser import Names
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -27,7 +27,7 @@ from dalembert.structures.reduction.following import FollowingShapes
 from dalembert.structures.reduction.interface import GivenInterfaces, interfaces_of
 from dalembert.structures.reduction.rigid import node_places
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
-from dalembert.symbolic.formulas.names import Names
+from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.parametric_array import ArrayEntries
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.cards import card, table

@@ -1,10 +1,12 @@
-"""Memoisation on the first argument of a function."""
+"""Memoisation: results cached on their owner, and graphs written once as templates."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import wraps
+from functools import cache, wraps
 from typing import Any, Concatenate, ParamSpec, TypeVar
+
+import casadi as ca
 
 Owner = TypeVar("Owner")
 Arguments = ParamSpec("Arguments")
@@ -26,11 +28,11 @@ def once(
     @wraps(function)
     def cached(owner: Owner, *arguments: Arguments.args, **options: Arguments.kwargs) -> Result:
         key = (arguments, tuple(sorted(options.items())))
-        cache: dict[Any, Result] = vars(owner).setdefault("_once", {}).setdefault(function, {})
-        result = cache.pop(key) if key in cache else function(owner, *arguments, **options)
-        cache[key] = result  # the most recently used is last
-        if len(cache) > CACHE_SIZE:
-            del cache[next(iter(cache))]
+        results: dict[Any, Result] = vars(owner).setdefault("_once", {}).setdefault(function, {})
+        result = results.pop(key) if key in results else function(owner, *arguments, **options)
+        results[key] = result  # the most recently used is last
+        if len(results) > CACHE_SIZE:
+            del results[next(iter(results))]
         return result
 
     return cached
@@ -39,3 +41,25 @@ def once(
 def forget(owner: object) -> None:
     """Clear the cache of an owner, for instance to measure the time of its functions."""
     vars(owner).pop("_once", None)
+
+
+def template(*sizes: int) -> Callable[[Callable[..., ca.SX]], Callable[..., ca.SX]]:
+    """Decorator: write the graph of a function once, for inputs of these sizes, and copy it.
+
+    The graph is the same. CasADi copies it twenty times faster than Python writes it operation by
+    operation, which is noticeable for a mechanism of a thousand bodies.
+    """
+
+    def decorated(write: Callable[..., ca.SX]) -> Callable[..., ca.SX]:
+        @cache
+        def graph() -> ca.Function:
+            symbols = [ca.SX.sym(f"x{k}", size) for k, size in enumerate(sizes)]
+            return ca.Function("template", symbols, [write(*symbols)])
+
+        @wraps(write)
+        def copied(*expressions: ca.SX) -> ca.SX:
+            return graph()(*expressions)
+
+        return copied
+
+    return decorated

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.formulas.names import Names
 from dalembert.symbolic.formulas.parameter import Parameter, parameter_vector
+from dalembert.symbolic.formulas.parser import Names
 
 
 class ParametricModel(ABC):

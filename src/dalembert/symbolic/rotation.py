@@ -13,7 +13,7 @@ from math import factorial
 import casadi as ca
 
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.template import template
+from dalembert.symbolic.once import template
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 VERSINE_TERMS = 20

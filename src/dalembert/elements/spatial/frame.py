@@ -19,7 +19,7 @@ from dalembert.elements.point import components
 from dalembert.elements.spatial.attitude import Attitude
 from dalembert.symbolic import rotation
 from dalembert.symbolic.formulas.expression import Expression, t
-from dalembert.symbolic.formulas.template import template
+from dalembert.symbolic.once import template
 
 
 @template(7, 6)

@@ -11,7 +11,7 @@ from dalembert.elements.base import Condition
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, as_sx
-from dalembert.symbolic.formulas.template import template
+from dalembert.symbolic.once import template
 
 ROUNDING = 1e-9
 """Of moments of inertia as people write them, relative to their sum."""

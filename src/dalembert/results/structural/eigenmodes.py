@@ -23,7 +23,7 @@ from dalembert.structures.measuring.measures import (
 )
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
-from dalembert.symbolic.formulas.names import Names
+from dalembert.symbolic.formulas.parser import Names
 
 EIGENVALUE = ca.SX.sym("eigenvalue")
 
