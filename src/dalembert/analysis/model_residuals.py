@@ -17,8 +17,7 @@ import numpy as np
 from dalembert.formulations.levels import Level
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
-from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
-from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.kernel import SELDOM, Kernel, condensed
 from dalembert.symbolic.once import once
 
 LOOKED = 50

@@ -22,7 +22,7 @@ from dalembert.model.diagnosis import diagnose
 from dalembert.model.natural_units import scales_of
 from dalembert.model.scales import Scales
 from dalembert.symbolic.equations.implicit import ImplicitFunction
-from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
+from dalembert.symbolic.evaluation.kernel import SELDOM, condensed
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.once import once

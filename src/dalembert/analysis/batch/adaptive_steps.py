@@ -18,7 +18,7 @@ from dalembert.analysis.batch.states import MarchedStates
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.marching.method_choice import MOST, STIFF
 from dalembert.model.model import Model
-from dalembert.symbolic.evaluation.lane_march import LaneMarch
+from dalembert.symbolic.evaluation.parallel import LaneMarch
 from dalembert.symbolic.once import once
 
 ATTEMPTS = 64

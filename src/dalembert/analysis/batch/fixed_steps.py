@@ -14,7 +14,7 @@ from dalembert.analysis.timeline import uniform_grid
 from dalembert.integrators.marching.steps import Steps
 from dalembert.model.model import Model
 from dalembert.results.batch.designs import Designs
-from dalembert.symbolic.evaluation.lane_march import LaneMarch
+from dalembert.symbolic.evaluation.parallel import LaneMarch
 
 
 class FixedSteps(SideBySide):

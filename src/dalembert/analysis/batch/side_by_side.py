@@ -26,7 +26,7 @@ from dalembert.model.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs
 from dalembert.results.status import Status, reached
-from dalembert.symbolic.evaluation.lane_march import LaneMarch, in_groups
+from dalembert.symbolic.evaluation.parallel import LaneMarch, in_groups
 
 
 class SideBySide(ABC):

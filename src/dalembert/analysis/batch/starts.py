@@ -14,7 +14,7 @@ from dalembert.model.model import Model
 from dalembert.results.batch.designs import Designs
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.evaluation.backends import BACKENDS, Backend
-from dalembert.symbolic.evaluation.shared_columns import in_blocks
+from dalembert.symbolic.evaluation.parallel import in_blocks
 from dalembert.symbolic.formulas.expression import stack
 from dalembert.symbolic.once import once
 

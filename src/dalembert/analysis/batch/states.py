@@ -14,7 +14,7 @@ from dalembert.model.model import Model
 from dalembert.results.batch.samples import place
 from dalembert.results.result import Result
 from dalembert.symbolic.evaluation.backends import Backend
-from dalembert.symbolic.evaluation.shared_columns import BLOCK, gathered_blocks
+from dalembert.symbolic.evaluation.parallel import BLOCK, gathered_blocks
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 

@@ -11,8 +11,7 @@ from dalembert.elements.contact.balls import meeting_at_wall, meeting_of_balls
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel
-from dalembert.symbolic.evaluation.patterned import Patterned
+from dalembert.symbolic.evaluation.kernel import Kernel, Patterned
 
 SMALLEST = 16
 """Columns of the smallest mapped function; others have twice, four times … as many."""

@@ -13,7 +13,7 @@ from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.friction_problem import FrictionProblem
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
 from dalembert.model.model import Model
-from dalembert.symbolic.evaluation.patterned import dense
+from dalembert.symbolic.evaluation.kernel import dense_array
 
 ROUNDS = 50
 """Times that contacts may ask for something else in one step."""
@@ -129,7 +129,7 @@ class ContactStep:
 
     def _mobility(self, contacts: Contacts, solve: Solve) -> tuple[np.ndarray, np.ndarray]:
         """Changes of speeds and of multipliers by impulses."""
-        directions = dense(contacts.directions).T
+        directions = dense_array(contacts.directions).T
         return solve(directions, None)
 
     def _impulses(

@@ -11,7 +11,7 @@ from dalembert.analysis.nonsmooth.smooth_motion import Solve
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.friction_problem import FrictionProblem
 from dalembert.symbolic.equations import newton
-from dalembert.symbolic.evaluation.patterned import Matrix, dense
+from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
 
 OPENED = newton.NewtonSettings(tolerance=CLOSED, max_iterations=20, halvings=0)
 """What is left is squared by every step."""
@@ -79,7 +79,7 @@ class Opening(newton.Equations[np.ndarray]):
     def _opened(self, gaps: Contacts, joined: np.ndarray, solve: Solve) -> np.ndarray:
         """Displacement by which some gaps open, beside that which closes joints."""
         normals = normals_of(gaps)
-        way = solve(dense(normals).T, None)[0]
+        way = solve(dense_array(normals).T, None)[0]
         open_by = (gaps.distance + normals @ joined)[:, None]
         scale = float(np.abs(open_by).max())
         problem = FrictionProblem(normals @ way, open_by, np.zeros(gaps.count), scale)

@@ -14,8 +14,7 @@ from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ModelError, UnsupportedError
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel
-from dalembert.symbolic.evaluation.patterned import Patterned, dense
+from dalembert.symbolic.evaluation.kernel import Kernel, Patterned, dense_array
 from dalembert.symbolic.formulas.expression import t
 
 
@@ -111,7 +110,7 @@ class FormulaGaps(GapSource):
         reach = np.abs(directions @ travels).max(initial=0.0)
         count = self.owner.size
         more = ((0, 0), (0, width - self.width), (0, 0))
-        rows = np.pad(dense(directions).reshape(count, self.width, -1), more)
+        rows = np.pad(dense_array(directions).reshape(count, self.width, -1), more)
         restitution, tangential, friction = self._laws(time, y, p)[0][:, self.owner]
         every = Contacts(
             distance,

@@ -12,8 +12,7 @@ from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.model.assembly.assembly import ROUNDING
 from dalembert.model.model import Model
 from dalembert.sparse.factorise import general_factors
-from dalembert.symbolic.evaluation.kernel import Kernel
-from dalembert.symbolic.evaluation.patterned import Matrix, Patterned
+from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
 
 Solve = Callable[[np.ndarray, np.ndarray | None], tuple[np.ndarray, np.ndarray]]
 """``(right side of the speeds, of the joints or None) → (speeds, multipliers)``."""

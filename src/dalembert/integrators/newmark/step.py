@@ -16,7 +16,7 @@ from dalembert.integrators.newmark.rule import NewmarkCoefficients, StepRule
 from dalembert.integrators.stage_equations import StageEquations
 from dalembert.integrators.step import GraphStep
 from dalembert.symbolic.equations.newton_node import NewtonNode, constant
-from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
+from dalembert.symbolic.evaluation.kernel import SELDOM, condensed
 
 SUDDEN = 1.0
 """Change of the accelerations within the first step, by their size, that it does not resolve."""

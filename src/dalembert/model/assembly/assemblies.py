@@ -16,7 +16,7 @@ from dalembert.model.assembly.completeness import Completeness, covered
 from dalembert.model.assembly.many_roots import ManyRoots
 from dalembert.model.assembly.random_starts import RandomStarts
 from dalembert.symbolic.evaluation.backends import VirtualMachine
-from dalembert.symbolic.evaluation.shared_columns import in_blocks
+from dalembert.symbolic.evaluation.parallel import in_blocks
 from dalembert.symbolic.formulas.expression import stack
 
 CLOSED, IMPLIED = 1e-10, 1e-9

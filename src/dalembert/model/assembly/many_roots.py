@@ -24,7 +24,7 @@ from dalembert.model.assembly.assembly import (
 )
 from dalembert.model.assembly.recipe import Pinned
 from dalembert.symbolic.evaluation.backends import VirtualMachine
-from dalembert.symbolic.evaluation.shared_columns import in_blocks
+from dalembert.symbolic.evaluation.parallel import in_blocks
 
 TOLERANCE, SLACK = 1e-14, 1e3
 """Residuals, relative to their terms, that count as zero; how many times as much is accepted."""

@@ -18,7 +18,7 @@ from dalembert.model.manifold import Manifold
 from dalembert.model.tree.kinematic_tree import links_of
 from dalembert.model.tree.motion import TreeMotion
 from dalembert.symbolic.evaluation.backends import VirtualMachine
-from dalembert.symbolic.evaluation.shared_columns import in_blocks
+from dalembert.symbolic.evaluation.parallel import in_blocks
 from dalembert.symbolic.formulas.expression import stack
 
 REACH = 2.0

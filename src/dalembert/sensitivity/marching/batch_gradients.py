@@ -17,8 +17,7 @@ from dalembert.responses.base import Response
 from dalembert.results.batch.batch import Batch
 from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.samples import Sample, take_sample
-from dalembert.symbolic.evaluation.lane_march import LaneMarch, in_groups
-from dalembert.symbolic.evaluation.shared_columns import in_blocks
+from dalembert.symbolic.evaluation.parallel import LaneMarch, in_blocks, in_groups
 
 MEMORY = 2.0**26
 """Bytes of states, and of what is seen of them, at once."""

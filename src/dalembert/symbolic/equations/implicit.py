@@ -22,7 +22,7 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.symbolic.equations.linear_map import LinearChain, LinearMap, TriangularMap
-from dalembert.symbolic.evaluation.condensed import condensed
+from dalembert.symbolic.evaluation.kernel import condensed
 from dalembert.symbolic.evaluation.prelude import Prelude, before_tangent
 from dalembert.symbolic.evaluator import Evaluator
 

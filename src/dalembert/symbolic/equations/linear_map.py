@@ -16,7 +16,7 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from dalembert.symbolic.evaluation.condensed import condensed
+from dalembert.symbolic.evaluation.kernel import condensed
 from dalembert.symbolic.evaluation.tape import Tape
 
 MAX_WIDTH, CACHED_NUMBERS = 16, 1 << 16

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.symbolic.equations.newton import NewtonSettings
-from dalembert.symbolic.evaluation.condensed import condensed
+from dalembert.symbolic.evaluation.kernel import condensed
 
 FACTORS = 0.2
 """Time of a floating-point operation of a factorisation relative to an operation of the graph."""
