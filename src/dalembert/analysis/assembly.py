@@ -202,7 +202,7 @@ def solve_assembly(
     search = Assemblies(model.closure, time, p)
     seed = random_generator(0 if rng is None else rng)
     completeness = search.search(None if first is None else first.y, count, seed)
-    states = [model.closure.state(y, p, time) for y in search.known]
+    states = [model.closure.state(y, p, time) for y in search.positions]
     if first is not None:
         states[0] = first
     return AllAssemblies(

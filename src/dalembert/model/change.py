@@ -39,7 +39,7 @@ def speeds_by_basis(
     Parameters
     ----------
     basis, drift : SX ``B`` (n, k) and ``b`` (n,) of ``t, y, p``; no drift by default
-    new_speeds : SX symbols ``v'`` (k,), k ≤ n; quasi-velocities are welcome
+    new_speeds : SX symbols ``v'`` (k,), k ≤ n; may be quasi-velocities
 
     Raises
     ------
@@ -51,7 +51,7 @@ def speeds_by_basis(
     _check("basis", basis, (e.speed_count, new_speeds.numel()))
     _check("drift", offset, (e.speed_count, 1))
     if ca.depends_on(ca.vertcat(ca.vec(basis), offset), ca.vertcat(e.v, new_speeds)):
-        raise ModelError("it depends on speeds; write basis and drift in t, y and p", "basis")
+        raise ModelError("depends on speeds; write basis and drift in t, y and p", "basis")
     speeds = ca.mtimes(basis, new_speeds) + offset
     rate = ca.substitute(e.pose_rate, e.v, speeds)
     return Transformation(e.t, e.y, new_speeds, _rates(new_speeds), rate, e.y, speeds)
@@ -69,7 +69,7 @@ def coordinates_by(
     ----------
     coordinates : SX ``g`` (n_y,) of ``t, y', p``
     new_coordinates : SX symbols ``y'``, as many as ``y`` or fewer
-    new_speeds : SX symbols for ``ẏ'``; made if not given
+    new_speeds : SX symbols for ``ẏ'``; new ones by default
 
     Raises
     ------
@@ -79,7 +79,7 @@ def coordinates_by(
     e, y = equations, new_coordinates
     _check("coordinates", coordinates, (e.coordinate_count, 1))
     if ca.depends_on(coordinates, ca.vertcat(e.y, e.v)):
-        raise ModelError("they depend on the old ones; write them in t, y' and p", "coordinates")
+        raise ModelError("depend on the old ones; write them in t, y' and p", "coordinates")
     v = _rates(y) if new_speeds is None else new_speeds
     _check("new_speeds", v, (y.numel(), 1))
     carried = ca.substitute(e.pose_rate, e.v, ca.SX.zeros(e.speed_count))  # by an earlier drift
@@ -89,11 +89,11 @@ def coordinates_by(
 
 
 def speeds_by_partition(equations: Equations, independent: list[int]) -> Transformation:
-    """Some of the speeds, ``u``, give the others: ``w = −W⁻¹ (U u + Φ_t)``, ``C = [U W]`` (6.4).
+    """Independent speeds ``u`` determine the rest: ``w = −W⁻¹ (U u + Φ_t)``, ``C = [U W]`` (6.4).
 
     Parameters
     ----------
-    independent : indices in ``v`` of the ``u``; the columns W of the others are regular
+    independent : indices in ``v`` of the ``u``; W, the columns of the dependent speeds, is regular
 
     Raises
     ------
@@ -103,8 +103,8 @@ def speeds_by_partition(equations: Equations, independent: list[int]) -> Transfo
     e, n = equations, equations.speed_count
     if n - len(independent) != e.constraint_count:
         raise ModelError(
-            f"{e.constraint_count} equations give as many speeds, not {n - len(independent)}; "
-            f"name {n - e.constraint_count} independent ones",
+            f"{e.constraint_count} equations determine as many speeds, not "
+            f"{n - len(independent)}; name {n - e.constraint_count} independent ones",
             "partition",
         )
     basis = PartitionBasis(e.jacobian, tuple(independent))
@@ -113,13 +113,13 @@ def speeds_by_partition(equations: Equations, independent: list[int]) -> Transfo
     return speeds_by_basis(e, basis.matrix, speeds, basis.particular(-imposed))
 
 
-def _check(name: str, given: ca.SX, shape: tuple[int, int]) -> None:
-    if given.shape != shape:
-        raise ModelError(f"shape {given.shape} does not fit, {shape} is needed", name)
+def _check(name: str, argument: ca.SX, shape: tuple[int, int]) -> None:
+    if argument.shape != shape:
+        raise ModelError(f"shape {argument.shape} does not fit, {shape} is needed", name)
 
 
 def _rates(symbols: ca.SX) -> ca.SX:
-    """Symbols for the time derivatives of symbols."""
+    """Symbols of the time derivatives of symbols."""
     return ca.vertcat(*(ca.SX.sym(f"d{s.name()}") for s in ca.vertsplit(symbols)))
 
 

@@ -1,4 +1,4 @@
-"""What a mechanism consists of, and how its names are read."""
+"""Description of a mechanism: its parts, and the names of its measures."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from dalembert.text.wording import plain_text
 
 
 class Description:
-    """The parts of a mechanism by name; the builder fills it, the model keeps a copy.
+    """The parts of a mechanism by name; filled by the builder, copied by the model.
 
     Parameters
     ----------
@@ -46,15 +46,15 @@ class Description:
         self.initial_conditions: list[tuple[Expression, Expression]] = []
 
     def copy(self) -> Description:
-        """The same parts; adding to one leaves the other as it is."""
-        made = Description(self.name, self.gravity, self.description)
-        made.ground = self.ground
-        made.parameters = dict(self.parameters)
-        made.derived_parameters = dict(self.derived_parameters)
-        made.tables = dict(self.tables)
-        made.elements = dict(self.elements)
-        made.initial_conditions = list(self.initial_conditions)
-        return made
+        """A copy with the same parts; additions do not affect the original."""
+        copied = Description(self.name, self.gravity, self.description)
+        copied.ground = self.ground
+        copied.parameters = dict(self.parameters)
+        copied.derived_parameters = dict(self.derived_parameters)
+        copied.tables = dict(self.tables)
+        copied.elements = dict(self.elements)
+        copied.initial_conditions = list(self.initial_conditions)
+        return copied
 
     def __repr__(self) -> str:
         kind, counted = type(self).__name__, f"{len(self.elements)} elements"
@@ -67,48 +67,50 @@ class Description:
         return card(f"{type(self).__name__} {self.name}", counted, *parts)
 
     def parameter_table(self) -> str:
-        """The parameters, as notebooks show them."""
+        """The parameters as an HTML table, for notebooks."""
         rows = [
-            (p.name, float(p.value), p.unit or "–", _told(p.bounds), p.description)
+            (p.name, float(p.value), p.unit or "–", _bounds_text(p.bounds), p.description)
             for p in self.parameters.values()
         ]
         return table(rows, ("parameter", "value", "unit", "bounds", ""))
 
     @property
     def bodies(self) -> list[Any]:
-        """Those that were added, and nodes that elements bring along."""
+        """Added bodies, and nodes of elements."""
         added = [e for e in self.elements.values() if isinstance(e, BodyElement)]
         return added + [c for c in self._own_coordinates if isinstance(c, BodyElement)]
 
     @property
     def _own_coordinates(self) -> list[Coordinates]:
-        """Those that elements bring along."""
+        """Coordinates of elements."""
         holders = [*self.elements.values(), *self.constraints]
-        found = (c for holder in dict.fromkeys(holders) for c in holder.own_coordinates())
-        return list(dict.fromkeys(found))
+        groups = (c for holder in dict.fromkeys(holders) for c in holder.own_coordinates())
+        return list(dict.fromkeys(groups))
 
     @cached_property
     def space(self) -> ParameterSpace:
-        """Parameters, and numbers that are computed from them; of a description that is whole."""
+        """Parameters, and numbers computed from them; for a complete description."""
         computed = [c for element in self.elements.values() for c in element.computed()]
         return ParameterSpace(stack(p.sx for p in self.parameters.values()), computed)
 
     @property
     def constraints(self) -> list[Constraint]:
-        found: list[Constraint] = []
+        constraints: list[Constraint] = []
         for element in self.elements.values():
-            found += [element] if isinstance(element, Constraint) else element.own_constraints()
-        return found
+            constraints += (
+                [element] if isinstance(element, Constraint) else element.own_constraints()
+            )
+        return constraints
 
     @property
     def conditions(self) -> list[tuple[Expression, Expression]]:
-        """(measure, value) that hold at the start, given or of elements."""
+        """(measure, value) prescribed at the start, by the user or by elements."""
         own = [c for element in self.elements.values() for c in element.initial_conditions()]
         return [*self.initial_conditions, *own]
 
     @property
     def rows(self) -> list[tuple[Constraint, int]]:
-        """Constraint and component behind each equation, nonholonomic ones last."""
+        """Constraint and component of each equation, nonholonomic ones last."""
         spans = [(c, c.equations.numel(), c.multiplier.numel()) for c in self.constraints]
         of_position = [(c, k) for c, held, _ in spans for k in range(held)]
         return of_position + [(c, k) for c, held, count in spans for k in range(held, count)]
@@ -123,7 +125,7 @@ class Description:
 
     @property
     def coordinates(self) -> list[Coordinates]:
-        """All groups of coordinates: bodies, then others that elements bring along."""
+        """All groups of coordinates: bodies, then other coordinates of elements."""
         others = [c for c in self._own_coordinates if not isinstance(c, BodyElement)]
         return [*self.bodies, *others]
 
@@ -131,14 +133,14 @@ class Description:
         """The body (or the ground) of this name."""
         if name == "ground":
             return self.ground
-        found = next((body for body in self.bodies if body.name == name), None)
-        if found is None:
-            known = ", ".join(b.name for b in self.bodies) or "none"
-            raise ModelError(f"unknown body {name!r} (known: ground, {known})")
-        return found
+        named = next((body for body in self.bodies if body.name == name), None)
+        if named is None:
+            names = ", ".join(b.name for b in self.bodies) or "none"
+            raise ModelError(f"unknown body {name!r} (known: ground, {names})")
+        return named
 
     def lookup(self, name: str) -> Any:
-        """The parameter, table, time or measure behind a name of a formula."""
+        """The parameter, table, time or measure of a name in a formula."""
         if name in self.tables:
             return self.tables[name]
         if name == "t":
@@ -155,11 +157,11 @@ class Description:
         def lookup(name: str) -> Any:
             return local[name] if local and name in local else self.lookup(name)
 
-        known = [*self.parameters, *self.derived_parameters, "t", *(local or {})]
-        return parse_formula(text, lookup, lambda: [*known, *self.measure_names()])
+        names = [*self.parameters, *self.derived_parameters, "t", *(local or {})]
+        return parse_formula(text, lookup, lambda: [*names, *self.measure_names()])
 
     def measure_names(self) -> list[str]:
-        """All names that formulas may use for quantities of elements."""
+        """Names of quantities of elements in formulas."""
         return [
             f"{name}.{quantity}"
             for name, element in self.elements.items()
@@ -168,7 +170,7 @@ class Description:
 
 
 def _field(gravity) -> Expression:
-    """Gravity in the plane, or in space by three components."""
+    """Gravity as an expression of two components in the plane, three in space."""
     size = gravity.sx.numel() if isinstance(gravity, Expression) else 1
     if isinstance(gravity, (list, tuple, np.ndarray)):
         size = len(gravity)
@@ -177,6 +179,6 @@ def _field(gravity) -> Expression:
     return as_expression(gravity, "gravity", "m/s^2", 3 if size == 3 else 2)
 
 
-def _told(bounds: tuple[float | None, float | None]) -> str:
+def _bounds_text(bounds: tuple[float | None, float | None]) -> str:
     low, high = ("" if value is None else f"{value:g}" for value in bounds)
     return f"{low} … {high}" if low or high else "–"

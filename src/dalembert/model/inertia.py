@@ -1,7 +1,7 @@
-"""The mass matrix as what it does: multiply, and be inverted.
+"""Mass matrix as a linear operator with products and solves.
 
-Absolute coordinates have a block diagonal matrix; a tree of joints has a full one that is never
-formed to be inverted. Formulations ask for the matrix, a product or a solve, and need not know.
+Absolute coordinates have a block diagonal matrix; a tree of joints has a full one, which is never
+formed for a solve. Formulations use the same interface for both.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class Inertia:
 
     @property
     def matrix(self) -> ca.SX:
-        """``M`` itself."""
+        """``M`` as a matrix."""
         raise NotImplementedError
 
     def times(self, x: ca.SX) -> ca.SX:
@@ -34,12 +34,12 @@ class Inertia:
         raise NotImplementedError
 
     def substitute(self, symbols: ca.SX, values: ca.SX) -> Inertia:
-        """The same at other values of some symbols."""
+        """The matrix with some symbols replaced."""
         raise NotImplementedError
 
 
 class BlockInertia(Inertia):
-    """A matrix of connected blocks, solved with block by block.
+    """A matrix of connected blocks, factorised block by block.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
-"""The parameter vector of a mechanism: values of its parameters, then numbers computed from them.
+"""Parameter vector of a mechanism: values of its parameters, then numbers computed from them.
 
-What is computed outside of the graph (the shapes of flexible bodies) stands behind the parameters,
-``(p, r(p))``, so that equations, steps and gradients take both for parameters. Gradients come back
-by the chain rule, ``dJ/dp = ∂J/∂p + (∂J/∂r) (∂r/∂p)``.
+Numbers computed outside of the graph (shapes of flexible bodies) are appended to the parameters,
+``(p, r(p))``, so that equations, steps and gradients treat both as parameters. Gradients follow by
+the chain rule, ``dJ/dp = ∂J/∂p + (∂J/∂r) (∂r/∂p)``.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from dalembert.symbolic.formulas.expression import stack
 
 
 class ParameterSpace:
-    """How computed numbers follow the parameters.
+    """Parameters and the numbers computed from them.
 
     Parameters
     ----------
     parameters : (np,) SX symbols
-    computed : what is computed, in the order in which it stands behind them
+    computed : computed numbers, in their order in the vector
     """
 
     def __init__(self, parameters: ca.SX, computed: list[ComputedNumbers]):
@@ -36,44 +36,44 @@ class ParameterSpace:
         )
 
     def complete(self, p: np.ndarray) -> np.ndarray:
-        """``(p, r(p))`` of ``p``, whatever stands behind it now.
+        """``(p, r(p))`` from ``p``, replacing appended numbers if there are any.
 
         Raises
         ------
         ModelError, AnalysisError
-            Something cannot be computed at these values.
+            A number cannot be computed at these values.
         """
         own = np.asarray(p, dtype=float)[: self.count]
         if not self.computed:
             return own
-        given = zip(self.computed, self._columns(self._arguments, own), strict=True)
-        return np.concatenate([own, *(c.values(a.ravel()) for c, a in given)])
+        arguments = zip(self.computed, self._columns(self._arguments, own), strict=True)
+        return np.concatenate([own, *(c.values(a.ravel()) for c, a in arguments)])
 
     def arguments(self, p: np.ndarray, of: ComputedNumbers) -> np.ndarray:
-        """What one of them follows."""
+        """Arguments of some of the computed numbers."""
         return self._columns(self._arguments, p[: self.count])[self.computed.index(of)].ravel()
 
     def tangents(self, p: np.ndarray, columns: Sequence[int]) -> np.ndarray:
         """(n, columns) changes of the whole vector with some of the parameters."""
-        moved = [np.eye(self.count)[:, list(columns)]]
+        changes = [np.eye(self.count)[:, list(columns)]]
         for numbers, arguments, slopes in self._chains(p):
-            moved.append(numbers.push(arguments.ravel(), slopes @ moved[0]))
-        return np.vstack(moved)
+            changes.append(numbers.push(arguments.ravel(), slopes @ changes[0]))
+        return np.vstack(changes)
 
     def gathered(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
         """(rows, np) gradients by the parameters from (rows, n) by the whole vector."""
         if not self.computed:
             return gradients
-        found, begin = gradients[:, : self.count].copy(), self.count
+        total, begin = gradients[:, : self.count].copy(), self.count
         for numbers, arguments, slopes in self._chains(p):
             size = numbers.symbols.numel()
             own = gradients[:, begin : begin + size].T
-            found += numbers.pull(arguments.ravel(), own).T @ slopes
+            total += numbers.pull(arguments.ravel(), own).T @ slopes
             begin += size
-        return found
+        return total
 
     def _chains(self, p: np.ndarray) -> Iterator[tuple[ComputedNumbers, np.ndarray, np.ndarray]]:
-        """What is computed, its arguments, and their slopes (k, np)."""
+        """Computed numbers, their arguments, and the slopes of these (k, np)."""
         if not self.computed:
             return iter(())
         own = p[: self.count]
@@ -81,5 +81,5 @@ class ParameterSpace:
         return zip(self.computed, arguments, slopes, strict=True)
 
     def _columns(self, function: ca.Function, p: np.ndarray) -> list[np.ndarray]:
-        found = function(p)
-        return [x.full() for x in (found if isinstance(found, (tuple, list)) else [found])]
+        results = function(p)
+        return [x.full() for x in (results if isinstance(results, (tuple, list)) else [results])]

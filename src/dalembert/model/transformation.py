@@ -1,4 +1,4 @@
-"""One motion in two descriptions, book section 4.2.2; the new one is primed.
+"""Changes of coordinates and speeds, book section 4.2.2; new ones are primed.
 
     y = g(y', t),      v = B v' + b,      v̇ = B v̇' + γ,      γ = Ḃ v' + ḃ        (4.5)–(4.6)
 
@@ -6,10 +6,10 @@ The equations of motion are projected onto the columns of B and keep their form:
 
     M' = Bᵀ M B,      d' = Bᵀ (M γ + d),      f' = Bᵀ f,      C' = C B                  (4.8)
 
-B is square for another basis. With fewer new speeds it is the D of the explicit constraint
-equations (4.15)–(4.17), ``C D = 0``, and the same lines are the equations in joint coordinates
-(6.2), by velocity partitioning (6.8), and the general projective scheme (6.9). The constraints
-they satisfy already are left out by ``with_rows([])``.
+B is square for a change of basis. With fewer new speeds it is the D of the explicit constraint
+equations (4.15)–(4.17), ``C D = 0``, and the result are the equations in joint coordinates (6.2),
+by velocity partitioning (6.8), and the general projective scheme (6.9). Constraints that are then
+satisfied identically are left out by ``with_rows([])``.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Transformation:
 
     @property
     def basis(self) -> ca.SX:
-        """``B``, or ``D``: the directions of ``v`` that ``v'`` spans."""
+        """``B``, or ``D``: ``∂v/∂v'``."""
         return ca.jacobian(self.old_v, self.v)
 
     @property
@@ -67,18 +67,18 @@ class Transformation:
         return ca.jtimes(expression, state, ca.vertcat(1, self.pose_rate, acceleration))
 
     def seen(self, equations: Equations, expression: ca.SX) -> ca.SX:
-        """An expression of ``y, v, v̇`` in the new description."""
+        """An expression of ``y, v, v̇`` in the new variables."""
         return ca.substitute(expression, *self._exchange(equations))
 
     def _exchange(self, e: Equations) -> tuple[ca.SX, ca.SX]:
         return ca.vertcat(e.y, e.v, e.a), ca.vertcat(self.old_y, self.old_v, self.old_a)
 
     def apply(self, equations: Equations) -> Equations:
-        """The equations of motion in the new description (4.8), (6.9).
+        """The equations of motion in the new variables (4.8), (6.9).
 
-        Kinetic energy is ``v'ᵀ M' v' / 2`` where there is no drift. Speeds without mass stay
-        known as such where a new speed mixes only these. Drivers whose equations are left out
-        afterwards take the power they deliver with them.
+        Kinetic energy is ``v'ᵀ M' v' / 2`` without drift. A new speed is massless if it combines
+        massless speeds only. Leaving out the equations of a driver afterwards also removes its
+        power.
         """
         e, b = equations, self.basis
         mass = e.inertia.substitute(*self._exchange(e))
@@ -95,22 +95,22 @@ class Transformation:
             rubbing=ca.sparsify(ca.mtimes(b.T, self.seen(e, e.rubbing))),
             constraints=self.seen(e, e.constraints),
             nonholonomic=self.seen(e, e.nonholonomic),
-            known=None,
+            kinematics=None,
             potential=self.seen(e, e.potential),
             powers=self.seen(e, e.powers),
-            massless=_still_massless(e.massless, b),
+            massless=_massless(e.massless, b),
             scales=self._scales(e),
             manifold=self._manifold(e),
         )
 
     def _manifold(self, e: Equations) -> Manifold:
-        """Displacements are those of the new speeds."""
+        """The manifold of the new positions, with displacements of the new speeds."""
         if self.y.shape == e.y.shape and ca.is_equal(self.y, e.y):
             return e.manifold.along(self.basis)
         return Manifold.plain(self.y)
 
     def _scales(self, e: Equations) -> Scales:
-        """Sizes of new coordinates, or of fewer speeds, are not known."""
+        """Scales of the new variables; one for new coordinates and for fewer speeds."""
         same = self.y.shape == e.y.shape and ca.is_equal(self.y, e.y) and self.v.shape == e.v.shape
         if same:
             return e.scales
@@ -130,8 +130,8 @@ def consistent_speeds(mass: ca.SX, basis: ca.SX, speeds: ca.SX) -> ca.SX:
     return LdlFactor(ca.mtimes(momenta, basis)).solve(ca.mtimes(momenta, speeds))
 
 
-def _still_massless(massless: tuple[int, ...], basis: ca.SX) -> tuple[int, ...]:
+def _massless(massless: tuple[int, ...], basis: ca.SX) -> tuple[int, ...]:
     pattern = ca.sparsify(basis).sparsity()
     rows, starts = pattern.row(), pattern.colind()
     columns = [set(rows[starts[k] : starts[k + 1]]) for k in range(basis.shape[1])]
-    return tuple(k for k, met in enumerate(columns) if met and met <= set(massless))
+    return tuple(k for k, combined in enumerate(columns) if combined and combined <= set(massless))

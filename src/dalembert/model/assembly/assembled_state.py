@@ -15,8 +15,9 @@ class AssembledState:
     ----------
     y, v : (n,) arrays
     residual : largest remaining violation
-    corrections : coordinate name → change made to a given guess
-    velocity_corrections : largest change made to given speeds that were inconsistent
+    corrections : coordinate name → change of its guess by assembly
+    velocity_corrections : speed name → change of its guess, if guesses were inconsistent
+    projected_speeds : whether inconsistent guesses of speeds were projected
     """
 
     y: np.ndarray

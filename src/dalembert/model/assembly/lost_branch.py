@@ -19,12 +19,12 @@ from dalembert.model.description import Description
 
 @dataclass(frozen=True, eq=False)
 class BranchEnd:
-    """Where following the nominal assembly failed.
+    """End of the continuation of the nominal assembly.
 
     Attributes
     ----------
-    t, p : instant [s] and (np,) parameter values of the first position that was not found
-    y : (n_y,) where its search ended
+    t, p : instant [s] and (np,) parameter values of the first position without convergence
+    y : (n_y,) final position of Newton's method
     """
 
     t: float
@@ -40,34 +40,34 @@ def lost_branch(
     t: float,
     p: np.ndarray,
 ) -> AssemblyError:
-    """The error that says why parameter values at an instant are not reached.
+    """The error for parameter values at an instant that continuation does not reach.
 
     Parameters
     ----------
     pinned, d : square system of the start, and the mechanism
-    anchor : nominal parameters and the position assembled for them
+    anchor : nominal parameters and the assembled position for them
     end : BranchEnd
-    t, p : the wanted instant [s] and parameter values
+    t, p : the target instant [s] and parameter values
     """
     assembler, (p0, y0) = pinned.assembler, anchor
     search = PositionSearch(assembler, d, t, p)
     open_by = assembler.closeness(end.t, end.y, end.p).value
     residual = float(np.abs(open_by).max(initial=0.0))
-    reached, wanted = _described(d, end.p, p0, end.t), _described(d, p, p0, t)
-    held = search.held(y0, pinned)
-    if len(held.positions):
-        return branch_end(reached, wanted, residual, held)
-    anywhere, places = search.near(y0), pinned.recipe.positions.indices
+    reached, target = _values_text(d, end.p, p0, end.t), _values_text(d, p, p0, t)
+    with_fixed = search.with_fixed(y0, pinned)
+    if len(with_fixed.positions):
+        return branch_end(reached, target, residual, with_fixed)
+    anywhere, fixed = search.near(y0), pinned.recipe.positions.indices
     if not len(anywhere.positions):
         return failure(assembler, d, t, end.y, p, anywhere)
-    if not places:
-        return branch_end(reached, wanted, residual, anywhere)
-    names = ", ".join(assembler.guesses.speed_names[k] for k in places)
-    return unreachable_guess(names, wanted, residual, held.starts)
+    if not fixed:
+        return branch_end(reached, target, residual, anywhere)
+    names = ", ".join(assembler.guesses.speed_names[k] for k in fixed)
+    return unreachable_guess(names, target, residual, with_fixed.starts)
 
 
-def _described(d: Description, p: np.ndarray, p0: np.ndarray, t: float) -> str:
-    """Values of the parameters that differ from others, and the time."""
+def _values_text(d: Description, p: np.ndarray, p0: np.ndarray, t: float) -> str:
+    """Values of the parameters that differ from p0, and the time."""
     pairs = [
         f"{name} = {value:.6g} {parameter.unit}".rstrip()
         for (name, parameter), value, old in zip(d.parameters.items(), p, p0, strict=False)
@@ -78,19 +78,19 @@ def _described(d: Description, p: np.ndarray, p0: np.ndarray, t: float) -> str:
     return ", ".join(pairs)
 
 
-def branch_end(reached: str, wanted: str, residual: float, searched: Searched) -> AssemblyError:
-    """The error of a branch that ends before the wanted values, where other assemblies exist.
+def branch_end(reached: str, target: str, residual: float, searched: Searched) -> AssemblyError:
+    """The error for a branch that ends before the target, where other assemblies exist.
 
     Parameters
     ----------
-    reached, wanted : parameters and time where the branch ends, and where it should lead
-    residual : of the first position that was not found
-    searched : Searched, with assembled positions at the wanted values
+    reached, target : parameters and time at the end of the branch, and at its target
+    residual : of the first position without convergence
+    searched : Searched, with assembled positions at the target
     """
-    count, one = len(searched.positions), len(searched.positions) == 1
+    count, single = len(searched.positions), len(searched.positions) == 1
     return AssemblyError(
-        f"the branch of the nominal assembly ends at {reached}, before {wanted}: a dead centre; "
-        f"{count} other {'assembly exists' if one else 'assemblies exist'} there "
+        f"the branch of the nominal assembly ends at {reached}, before {target}: a dead centre; "
+        f"{count} other {'assembly exists' if single else 'assemblies exist'} there "
         f"({searched.starts} random starts); list them by solve_assembly(model, parameters, "
         "all=True), and build the model with these values and with guesses near one of them",
         residual,
@@ -98,10 +98,11 @@ def branch_end(reached: str, wanted: str, residual: float, searched: Searched) -
     )
 
 
-def unreachable_guess(held: str, wanted: str, residual: float, starts: int) -> AssemblyError:
-    """The error of given coordinates at which the mechanism closes nowhere, though elsewhere."""
+def unreachable_guess(fixed: str, target: str, residual: float, starts: int) -> AssemblyError:
+    """The error for a mechanism that can be assembled, but not with its fixed coordinates."""
     return AssemblyError(
-        f"the mechanism closes at {wanted}, but not with {held} as given ({starts} random starts); "
-        "build the model with these values, so that assembly moves the guess, or give another one",
+        f"the mechanism closes at {target}, but not with {fixed} as given ({starts} random "
+        "starts); build the model with these values, so that assembly moves the guess, or give "
+        "another one",
         residual,
     )

@@ -1,7 +1,7 @@
-"""Search for assembled positions from random places, where the way from one place leads nowhere.
+"""Search for assembled positions from random starts, if a single start fails.
 
-Starts spread from the given position until bodies lie anywhere. The search repeats itself exactly:
-its random numbers have a fixed seed.
+Starts spread from a given position to the whole space. The search is reproducible, with a fixed
+seed of its random numbers.
 """
 
 from __future__ import annotations
@@ -20,26 +20,27 @@ from dalembert.model.description import Description
 from dalembert.symbolic.formulas.expression import stack
 
 SHARES = (0.1, 0.3, 1.0)
-"""Largest displacements of the starts, as shares of turns and of twice the natural length."""
+"""Upper limits of the displacements of starts, as shares of turns and of two natural lengths."""
 STARTS, WORK = 100, 1e8
-"""Starts of each share at most, and the same times the cube of the number of displacements."""
+"""Upper limits of the starts per share, and of starts times the cube of the displacements."""
 ENOUGH = 10
-"""Starts that lead to assembled positions before those farther away are left out."""
+"""Successful starts after which more distant ones are left out."""
 FARTHER = 2.0
+"""Upper limit of the distance of a position from the guesses, relative to a reference."""
 SAME = 1e-6
-"""Distance, by natural sizes, of two positions that are one."""
+"""Threshold for the distance of equal positions, in natural sizes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Searched:
-    """Outcome of a search.
+    """Result of a search.
 
     Attributes
     ----------
-    starts : random starts
+    starts : number of random starts
     positions : (k, n_y) assembled positions, the nearest to the given one first
-    best : (n_y,) position of the smallest residual where none is assembled
-    residual : that residual, relative to its natural size
+    best : (n_y,) position of the smallest residual
+    residual : smallest residual, relative to its natural size
     """
 
     starts: int
@@ -49,7 +50,7 @@ class Searched:
 
 
 class PositionSearch:
-    """Assembled positions of a mechanism at an instant, the nearest to a given one first.
+    """Search for assembled positions of a mechanism at an instant.
 
     Parameters
     ----------
@@ -69,57 +70,60 @@ class PositionSearch:
     def near(self, y: np.ndarray) -> Searched:
         """Positions that satisfy all joints, drivers and initial conditions."""
         roots = ManyRoots(self.assembler, self.t, self.p)
-        return self._searched(y, roots, roots.nearest)
+        return self._search(y, roots, roots.nearest)
 
-    def held(self, y: np.ndarray, pinned: Pinned) -> Searched:
-        """Positions that satisfy the square system of the start, with what it holds."""
+    def with_fixed(self, y: np.ndarray, pinned: Pinned) -> Searched:
+        """Positions that satisfy the square system of the start, with its fixed coordinates."""
         roots = ManyRoots(self.assembler, self.t, self.p, pinned)
-        return self._searched(y, roots, roots.newton)
+        return self._search(y, roots, roots.newton)
 
     def keeping(self, y: np.ndarray, pinned: Pinned) -> np.ndarray | None:
-        """An assembled position that keeps what is held, about as near to the guesses as ``y``.
+        """An assembled position with the fixed coordinates, about as near to the guesses as ``y``.
 
-        None where there is none, or only such as are ``FARTHER`` times as far.
+        None if there is none within ``FARTHER`` times the distance.
         """
         guess = self.assembler.start(self.t, self.p).full().ravel()
         roots = ManyRoots(self.assembler, self.t, self.p, pinned)
-        found = self._searched(guess, roots, roots.newton).positions
-        if not len(found):
+        positions = self._search(guess, roots, roots.newton).positions
+        if not len(positions):
             return None
-        far = np.linalg.norm(self.weight * roots.apart(guess, np.array([y, found[0]])), axis=1)
-        return found[0] if far[1] <= FARTHER * far[0] else None
+        distances = np.linalg.norm(
+            self.weight * roots.apart(guess, np.array([y, positions[0]])), axis=1
+        )
+        return positions[0] if distances[1] <= FARTHER * distances[0] else None
 
-    def _searched(self, y: np.ndarray, roots: ManyRoots, search) -> Searched:
+    def _search(self, y: np.ndarray, roots: ManyRoots, search) -> Searched:
         a, rng = self.assembler, np.random.default_rng(0)
         starts = RandomStarts(self.d, a.equations, a.guesses, y, self.p)
         size = max(a.longest.size, 1)
-        each = int(np.clip(WORK / size**3, 8, STARTS))
+        count = int(np.clip(WORK / size**3, 8, STARTS))
         ends, closed = [], np.zeros(0, dtype=bool)
         for share in SHARES:
-            ends.append(search(starts.draw(each, rng, share)))
+            ends.append(search(starts.draw(count, rng, share)))
             closed = np.concatenate([closed, self._closed(ends[-1])])
             if roots.pinned is None and np.sum(closed) >= ENOUGH:
-                break  # starts farther away lead farther away
+                break  # more distant starts lead to more distant positions
         y_end, residual = (np.concatenate([getattr(e, x) for e in ends]) for x in ("y", "open"))
         positions = self._distinct(y, y_end[closed], roots)
         best = int(np.argmin(np.nan_to_num(residual, nan=np.inf)))
         return Searched(len(y_end), positions, y_end[best], float(residual[best]))
 
     def _closed(self, ends: Ends) -> np.ndarray:
-        """(k,) which ends are assembled, with hinges the right way round."""
+        """(k,) which final positions are assembled, with joints in the correct orientation."""
         a, closed = self.assembler, ends.closed.copy()
         for k in np.flatnonzero(closed):
             closed[k] = bool(np.all(a.facing(self.t, ends.y[k], self.p).full() > 0))
         return closed
 
-    def _distinct(self, y: np.ndarray, found: np.ndarray, roots: ManyRoots) -> np.ndarray:
-        """Different positions, the nearest first."""
-        if not len(found):
-            return found
-        away = np.linalg.norm(self.weight * roots.apart(y, found), axis=1)
-        turned = [np.any(self._facing(self.t, y, self.p).full() <= 0) for y in found]
-        left, kept = found[np.lexsort((away, turned))], []  # hinges turned over come last
-        while len(left):
-            kept.append(left[0])
-            left = left[np.max(np.abs(roots.apart(left[0], left)), axis=1, initial=0.0) > SAME]
-        return np.array([roots.unwound(y, one) for one in kept])
+    def _distinct(self, y: np.ndarray, positions: np.ndarray, roots: ManyRoots) -> np.ndarray:
+        """Distinct positions, the nearest first."""
+        if not len(positions):
+            return positions
+        away = np.linalg.norm(self.weight * roots.apart(y, positions), axis=1)
+        reversed_joints = [np.any(self._facing(self.t, q, self.p).full() <= 0) for q in positions]
+        remaining, distinct = positions[np.lexsort((away, reversed_joints))], []
+        while len(remaining):
+            distinct.append(remaining[0])
+            distance = np.max(np.abs(roots.apart(remaining[0], remaining)), axis=1, initial=0.0)
+            remaining = remaining[distance > SAME]
+        return np.array([roots.unwound(y, position) for position in distinct])

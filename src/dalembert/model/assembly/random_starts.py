@@ -1,7 +1,7 @@
-"""Random positions of a mechanism, from which searches start.
+"""Random positions of a mechanism as starts of searches.
 
-Three quarters of them are drawn in joint coordinates of a spanning tree: the joints of the tree
-close, and their axes point the right way. In the others every body is placed anywhere.
+Three quarters of them are sampled in joint coordinates of a spanning tree: the joints of the tree
+are closed, and their axes have the correct direction. In the rest every body is placed freely.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ from dalembert.symbolic.evaluation.parallel import in_blocks
 from dalembert.symbolic.formulas.expression import stack
 
 REACH = 2.0
-"""Largest displacement of a body, in natural lengths."""
+"""Upper limit of the displacement of a body, in natural lengths."""
 
 
 class RandomStarts:
-    """Random positions around one.
+    """Random positions around a reference position.
 
     Parameters
     ----------
     d, e, guesses : the mechanism
-    y, p : a position, which settles the branches of the joints, and parameter values
+    y, p : reference position, which determines the branches of the joints, and parameter values
     """
 
     def __init__(
         self, d: Description, e: Equations, guesses: Guesses, y: np.ndarray, p: np.ndarray
     ):
         self.y, self.p = y, p
-        self.bodies = _Throw(
+        self.bodies = _Sampler(
             e.manifold, e.scales.displacements, guesses.speed_units, guesses.angles
         )
         sizes = dict(zip(guesses.speed_names, e.scales.displacements, strict=True))
@@ -48,19 +48,19 @@ class RandomStarts:
             fixed = at_ground(d.ground, ca.densify(expression))
             return ca.Function("at", [e.t, e.y, e.p], [fixed])(0.0, y, p).full()
 
-        standing = number(ca.horzcat(ca.SX(4, 0), *(link.standing for link in links)))
-        links = [link.on_branch(standing[:, k]) for k, link in enumerate(links)]
+        branches = number(ca.horzcat(ca.SX(4, 0), *(link.branch_offset for link in links)))
+        links = [link.on_branch(branches[:, k]) for k, link in enumerate(links)]
         self.q = number(stack(link.space.reading for link in links)).ravel()
         motion = TreeMotion(links, d.coordinates)
         spaces = [link.space for link in links]
-        named = [name for space in spaces for name in space.speed_names]
+        names = [name for space in spaces for name in space.speed_names]
         units = [unit for space in spaces for unit in space.speed_units]
         angles = [space.flat and u == "rad" for space in spaces for u in space.speed_units]
         natural = {"m": e.scales.length, "rad": 1.0}
         joints = np.array(
-            [sizes.get(n, natural.get(u, 1.0)) for n, u in zip(named, units, strict=True)]
+            [sizes.get(n, natural.get(u, 1.0)) for n, u in zip(names, units, strict=True)]
         )
-        self.joints = _Throw(Manifold.of(spaces), joints, units, angles)
+        self.joints = _Sampler(Manifold.of(spaces), joints, units, angles)
         self.intervals = [
             (k, link.group.interval)
             for link, columns in zip(links, motion.columns, strict=True)
@@ -71,32 +71,32 @@ class RandomStarts:
         self._pose = VirtualMachine().columns(ca.Function("pose", [motion.q, e.p], [pose]))
 
     def draw(self, count: int, rng: np.random.Generator, share: float = 1.0) -> np.ndarray:
-        """(count, n_y) positions; ``share`` of the largest displacements."""
+        """(count, n_y) positions; ``share`` scales the largest displacements."""
         carried_count = count - count // 4
-        q = self.joints.thrown(self.q, carried_count, rng, share)
+        q = self.joints.sample(self.q, carried_count, rng, share)
         for k, (low, high) in self.intervals:
             q[:, k] = rng.uniform(low, high, carried_count)
         (carried,) = in_blocks(self._pose, 1, q, np.tile(self.p, (carried_count, 1)))
-        thrown = self.bodies.thrown(self.y, count - carried_count, rng, share)
-        return np.concatenate([carried, thrown])
+        free = self.bodies.sample(self.y, count - carried_count, rng, share)
+        return np.concatenate([carried, free])
 
 
-class _Throw:
-    """Random displacements of coordinates."""
+class _Sampler:
+    """Random sampling of displacements of coordinates."""
 
     def __init__(self, manifold: Manifold, sizes: np.ndarray, units: list[str], angles: list[bool]):
         self.manifold, self.sizes = manifold, sizes
         self.turns = np.array([unit == "rad" for unit in units], dtype=bool)
         self.angles = np.array(angles, dtype=bool)
 
-    def thrown(
+    def sample(
         self, y: np.ndarray, count: int, rng: np.random.Generator, share: float
     ) -> np.ndarray:
-        """(count, n_y) positions anywhere near one: some natural lengths away, turned anyhow."""
-        way = share * rng.uniform(-1, 1, (count, self.sizes.size))
-        turned = np.where(self.angles, np.pi * way, 2 * np.tan(np.pi / 2 * way))
-        steps = self.sizes * np.where(self.turns, turned, REACH * way)
+        """(count, n_y) positions around ``y``, within some natural lengths and any rotation."""
+        uniform = share * rng.uniform(-1, 1, (count, self.sizes.size))
+        rotations = np.where(self.angles, np.pi * uniform, 2 * np.tan(np.pi / 2 * uniform))
+        steps = self.sizes * np.where(self.turns, rotations, REACH * uniform)
         if self.manifold.flat:
             return y + steps
-        going = VirtualMachine().columns(self.manifold.going)
-        return in_blocks(going, 1, np.tile(y, (count, 1)), steps)[0]
+        retract = VirtualMachine().columns(self.manifold.going)
+        return in_blocks(retract, 1, np.tile(y, (count, 1)), steps)[0]

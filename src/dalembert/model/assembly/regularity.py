@@ -1,4 +1,4 @@
-"""What makes an assembled position useless as a start, and says so."""
+"""Checks of an assembled position: over-driving, redundancy, singularity and defined values."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from dalembert.model.table_ranges import left_table
 from dalembert.symbolic.formulas.expression import free_symbols, stack, t
 
 Owners = list[tuple[Constraint, int]]
-"""Constraint and component behind each row."""
+"""Constraint and component of each row."""
 NEARBY = (1e-2, 1e-3)
-"""Largest changes, in natural units, by which a motion leaves a singular position."""
+"""Displacements away from a singular position, in natural units."""
 CLEARLY_INDEPENDENT = 1e-7
 SHARED = 1e-9
-"""Share of an equation in another, from which on it is told."""
+"""Threshold for a dependence between equations of unit length."""
 
 
 def refuse_over_driving(owners: Owners, rows: list[int]) -> None:
-    """Every driver must be among the independent rows.
+    """Check that every driver is among the independent rows.
 
     Raises
     ------
     ModelError
         Names a driver that is not.
     """
-    kept = set(rows)
+    independent = set(rows)
     for k, (constraint, _) in enumerate(owners):
-        if isinstance(constraint, Driver) and k not in kept:
+        if isinstance(constraint, Driver) and k not in independent:
             raise ModelError(
                 "drives a coordinate that the joints and other drivers already determine "
                 "(over-driven mechanism); remove this driver or another one",
@@ -45,12 +45,12 @@ def refuse_over_driving(owners: Owners, rows: list[int]) -> None:
 
 
 def refuse_contradiction(owners: Owners, independence: Echelon, row: int, open_by: float) -> None:
-    """A row that depends on others prescribes another speed than they do.
+    """Raise the error for a redundant row whose speed contradicts the rows it depends on.
 
     Raises
     ------
     ModelError
-        Always; names its constraint and those it contradicts.
+        Always; names its constraint and the contradicted ones.
     """
     weights, (constraint, component) = independence.kernel({row: -1.0}), owners[row]
     others = (owners[k][0] for k in independence.pivots if abs(weights[k]) > SHARED)
@@ -66,9 +66,9 @@ def refuse_contradiction(owners: Owners, independence: Echelon, row: int, open_b
 def generic_rows(
     assembler: Assembler, owners: Owners, rows: list[int], y: np.ndarray, p: np.ndarray
 ) -> list[int]:
-    """Rows that are independent nearly everywhere, of which some may not be so at a position.
+    """Rows that are independent almost everywhere, though some may not be so at a position.
 
-    Tells redundancy, which stays, from a singular position, which a small motion leaves.
+    Distinguishes redundancy from a singular position, which a small motion leaves.
 
     Parameters
     ----------
@@ -80,10 +80,10 @@ def generic_rows(
     rng = np.random.default_rng(1)
     for size in NEARBY if motions.free else ():
         motion = size * assembler.scales.displacements * motions.any_kernel(rng)
-        found = assembler.close(0.0, assembler.moved(y, motion), p, joints)
-        if not found.accepted:
+        solution = assembler.close(0.0, assembler.displaced(y, motion), p, joints)
+        if not solution.accepted:
             continue
-        jacobian = assembler.scaled_jacobian(0.0, found.x, p)[: len(owners)]
+        jacobian = assembler.scaled_jacobian(0.0, solution.x, p)[: len(owners)]
         generic = independent_rows(jacobian, CLEARLY_INDEPENDENT)
         if len(generic) > len(rows):
             return generic
@@ -91,7 +91,7 @@ def generic_rows(
 
 
 class Definedness:
-    """Whether every element has a value and a direction at a position.
+    """Check that every element has finite values and directions at a position.
 
     Parameters
     ----------
@@ -104,12 +104,12 @@ class Definedness:
         self.d, self.e, self.y, self.p = d, equations, y, p
 
     def refuse_undefined(self) -> None:
-        """Every element must be defined.
+        """Check all elements.
 
         Raises
         ------
         ModelError
-            Names one that is not.
+            Names an element with undefined values.
         """
         if self._is_finite(stack([ca.vec(self.e.jacobian.nz[:]), self.e.force])):
             return
@@ -125,7 +125,7 @@ class Definedness:
                 )
 
     def _definition(self, element: Element) -> ca.SX:
-        """Directions and values an element is made of."""
+        """Directions and values of an element."""
 
         def fixed(expression: ca.SX) -> ca.SX:
             return at_ground(self.d.ground, expression)
@@ -143,7 +143,7 @@ class Definedness:
     def _is_finite(self, column: ca.SX) -> bool:
         inputs = [self.e.t, self.e.y, self.e.v, self.e.p]
         if free_symbols(column) - free_symbols(ca.vertcat(*inputs)):
-            return True  # accelerations or multipliers: nothing can be said before a run
+            return True  # depends on accelerations or multipliers, unknown before a run
         at_rest = np.zeros(self.e.speed_count)
         values = ca.Function("defined", inputs, [column])(0.0, self.y, at_rest, self.p)
         return bool(np.all(np.isfinite(values.full())))

@@ -1,10 +1,11 @@
-"""Motion of a tree of bodies as a recursion: the operators D and E of (6.1) and (7.8).
+"""Motion of a tree of bodies: operators D and E of (6.1), (7.8), poses ``g(q)``, ``D u`` and ``γ``.
 
     v_i = X_i v_parent + S_i (u_i + N_i v_parent) (+ E_i ż_i)
 
-where ``u + N v_parent`` takes a body's own angular velocity in the place of the relative one. In
-space the recursion goes by angular velocities in inertial axes, and ``T_i v_i`` are the speeds.
-Products with D, Dᵀ and Eᵀ pass once along the tree; the matrices are never formed.
+where ``u + N v_parent`` is for absolute instead of relative angular velocities. In space the
+recursion uses angular velocities in inertial axes, and ``T_i v_i`` are the speeds. Products with D,
+Dᵀ and Eᵀ pass once along the tree; the matrices are never formed. Each body adds its own joint to
+the motion of its carrier, so that everything grows linearly with the number of bodies (6.17).
 """
 
 from __future__ import annotations
@@ -16,30 +17,30 @@ import casadi as ca
 
 @dataclass(frozen=True, eq=False)
 class Branch:
-    """One body as its joint moves it.
+    """Operators of a body and its joint in the recursion.
 
     Attributes
     ----------
-    parent : index of the branch it is carried by; None on the ground, or free
-    rows, columns, opened : its part of ``v``, ``u`` and ``z``
-    carried, moved, turned, forced : SX ``X``, ``S``, ``N`` and ``E``
-    seen : SX ``T``, orthogonal
+    parent : index of the carrier's branch; None on the ground, or for a free body
+    rows, columns, open_columns : its part of ``v``, ``u`` and ``z``
+    transport, subspace, coupling, opening : SX ``X``, ``S``, ``N`` and ``E``
+    projection : SX ``T``, orthogonal
     """
 
     parent: int | None
     rows: slice
     columns: slice
-    opened: slice
-    carried: ca.SX
-    moved: ca.SX
-    turned: ca.SX
-    forced: ca.SX
-    seen: ca.SX
+    open_columns: slice
+    transport: ca.SX
+    subspace: ca.SX
+    coupling: ca.SX
+    opening: ca.SX
+    projection: ca.SX
 
     @property
-    def across(self) -> ca.SX:
+    def propagation(self) -> ca.SX:
         """``∂v_i/∂v_parent = X + S N``."""
-        return self.carried + ca.mtimes(self.moved, self.turned)
+        return self.transport + ca.mtimes(self.subspace, self.coupling)
 
 
 class TreeBasis:
@@ -56,51 +57,51 @@ class TreeBasis:
 
     def times(self, x: ca.SX, drift: list[ca.SX] | None = None) -> ca.SX:
         """``D x``, or with a drift of each body relative to its parent ``D x + γ``."""
-        found: list[ca.SX] = []
+        twists: list[ca.SX] = []
         result = ca.SX(self.speed_count, x.shape[1])
         for k, b in enumerate(self.branches):
-            own, twist = x[b.columns, :], ca.SX(b.moved.shape[0], x.shape[1])
+            own, twist = x[b.columns, :], ca.SX(b.subspace.shape[0], x.shape[1])
             if b.parent is not None:
-                twist = ca.mtimes(b.carried, found[b.parent])
-                own += ca.mtimes(b.turned, found[b.parent])
-            twist += ca.mtimes(b.moved, own)
+                twist = ca.mtimes(b.transport, twists[b.parent])
+                own += ca.mtimes(b.coupling, twists[b.parent])
+            twist += ca.mtimes(b.subspace, own)
             if drift is not None:
                 twist += drift[k]
-            found.append(twist)
-            result[b.rows, :] = ca.mtimes(b.seen, twist)
+            twists.append(twist)
+            result[b.rows, :] = ca.mtimes(b.projection, twist)
         return result
 
     def wrenches(self, w: ca.SX) -> list[ca.SX]:
-        """What each branch carries of ``w``: its own part and that of all bodies behind it."""
-        carried = [ca.mtimes(b.seen.T, w[b.rows, :]) for b in self.branches]
+        """Wrench on each branch: the part of ``w`` of its body and of all bodies it carries."""
+        total = [ca.mtimes(b.projection.T, w[b.rows, :]) for b in self.branches]
         for k, b in reversed(list(enumerate(self.branches))):
             if b.parent is not None:
-                along = ca.mtimes(b.moved.T, carried[k])
-                carried[b.parent] += ca.mtimes(b.carried.T, carried[k])
-                carried[b.parent] += ca.mtimes(b.turned.T, along)
-        return carried
+                along = ca.mtimes(b.subspace.T, total[k])
+                total[b.parent] += ca.mtimes(b.transport.T, total[k])
+                total[b.parent] += ca.mtimes(b.coupling.T, along)
+        return total
 
     def transposed(self, w: ca.SX) -> ca.SX:
         """``Dᵀ w``."""
         pairs = zip(self.branches, self.wrenches(w), strict=True)
-        return ca.vertcat(*(ca.mtimes(b.moved.T, part) for b, part in pairs))
+        return ca.vertcat(*(ca.mtimes(b.subspace.T, part) for b, part in pairs))
 
     def opened_transposed(self, w: ca.SX) -> ca.SX:
         """``Eᵀ w``."""
         pairs = zip(self.branches, self.wrenches(w), strict=True)
-        return ca.vertcat(*(ca.mtimes(b.forced.T, part) for b, part in pairs))
+        return ca.vertcat(*(ca.mtimes(b.opening.T, part) for b, part in pairs))
 
     def opened_times(self, z: ca.SX) -> ca.SX:
         """``E z``."""
-        drift = [ca.mtimes(b.forced, z[b.opened, :]) for b in self.branches]
+        drift = [ca.mtimes(b.opening, z[b.open_columns, :]) for b in self.branches]
         columns = self.branches[-1].columns.stop if self.branches else 0
         return self.times(ca.SX(columns, z.shape[1]), drift)
 
     def substitute(self, symbols: ca.SX, values: ca.SX) -> TreeBasis:
-        """The same at other values of some symbols."""
-        made = []
+        """The operators with some symbols replaced."""
+        branches = []
         for b in self.branches:
-            parts = [b.carried, b.moved, b.turned, b.forced, b.seen]
+            parts = [b.transport, b.subspace, b.coupling, b.opening, b.projection]
             parts = ca.substitute(parts, [symbols], [values])
-            made.append(Branch(b.parent, b.rows, b.columns, b.opened, *parts))
-        return TreeBasis(made, self.speed_count)
+            branches.append(Branch(b.parent, b.rows, b.columns, b.open_columns, *parts))
+        return TreeBasis(branches, self.speed_count)

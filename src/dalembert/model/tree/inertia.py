@@ -1,8 +1,8 @@
 """Mass matrix of a tree of bodies in joint coordinates, ``M̄ = Dᵀ M D`` (6.2).
 
 It is full, but a product and a solve pass only once up and down the tree: ``M̄ = L D̄ Lᵀ`` is
-eliminated from the leaves to the root without being formed, each body seeing what hangs on it as
-its articulated inertia (Featherstone, *Rigid Body Dynamics Algorithms*, 2008).
+eliminated from the leaves to the root without being formed, with the articulated inertia of each
+body (Featherstone, *Rigid Body Dynamics Algorithms*, 2008).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class TreeInertia(Inertia):
     def _bodies(self) -> list[ca.SX]:
         """``M_i`` for the twists of the recursion."""
         pairs = zip(self.basis.branches, self.masses, strict=True)
-        return [_congruent(mass, b.seen) for b, mass in pairs]
+        return [_congruent(mass, b.projection) for b, mass in pairs]
 
     @property
     def size(self) -> int:
@@ -41,29 +41,29 @@ class TreeInertia(Inertia):
 
     @cached_property
     def matrix(self) -> ca.SX:
-        """Composite bodies: what hangs on a joint moves as one, ``M̄_ji = S_jᵀ X…ᵀ I_i S_i``."""
+        """``M̄_ji = S_jᵀ X…ᵀ I_i S_i`` with the inertia ``I_i`` of composite bodies."""
         branches, n = self.basis.branches, self.size
         composite = list(self._bodies)
         result = ca.SX(n, n)
         for k, b in reversed(list(enumerate(branches))):
             if b.parent is not None:
-                composite[b.parent] += _congruent(composite[k], b.across)
-            momentum, at = ca.mtimes(composite[k], b.moved), k
-            result[b.columns, b.columns] = ca.mtimes(b.moved.T, momentum)
+                composite[b.parent] += _congruent(composite[k], b.propagation)
+            momentum, at = ca.mtimes(composite[k], b.subspace), k
+            result[b.columns, b.columns] = ca.mtimes(b.subspace.T, momentum)
             parent = b.parent
             while parent is not None:
-                momentum = ca.mtimes(branches[at].across.T, momentum)
-                block = ca.mtimes(branches[parent].moved.T, momentum)
+                momentum = ca.mtimes(branches[at].propagation.T, momentum)
+                block = ca.mtimes(branches[parent].subspace.T, momentum)
                 result[branches[parent].columns, b.columns] = block
                 result[b.columns, branches[parent].columns] = block.T
                 at, parent = parent, branches[parent].parent
         return ca.sparsify(result)
 
     def times(self, x: ca.SX) -> ca.SX:
-        moved = self.basis.times(x)
-        product = ca.SX(*moved.shape)
+        speeds = self.basis.times(x)
+        product = ca.SX(*speeds.shape)
         for b, mass in zip(self.basis.branches, self.masses, strict=True):
-            product[b.rows, :] = ca.mtimes(mass, moved[b.rows, :])
+            product[b.rows, :] = ca.mtimes(mass, speeds[b.rows, :])
         return ca.densify(self.basis.transposed(product))
 
     @cached_property
@@ -73,38 +73,41 @@ class TreeInertia(Inertia):
         inverses: list[ca.SX] = []
         gains: list[ca.SX] = []
         for k, b in reversed(list(enumerate(self.basis.branches))):
-            momentum = ca.mtimes(articulated[k], b.moved)
-            inverse = block_inverse(ca.mtimes(b.moved.T, momentum))
+            momentum = ca.mtimes(articulated[k], b.subspace)
+            inverse = block_inverse(ca.mtimes(b.subspace.T, momentum))
             gain = ca.mtimes(momentum, inverse)
             inverses.insert(0, inverse)
             gains.insert(0, gain)
-            if b.parent is not None:  # what the joint lets go does not see S N
-                left = articulated[k] - ca.mtimes(gain, momentum.T)
-                articulated[b.parent] += _congruent(left, b.carried)
+            if b.parent is not None:  # S N drops out of the projected inertia
+                projected = articulated[k] - ca.mtimes(gain, momentum.T)
+                articulated[b.parent] += _congruent(projected, b.transport)
         return inverses, gains
 
     def solve(self, rhs: ca.SX) -> ca.SX:
         inverses, gains = self._elimination
         branches, columns = self.basis.branches, rhs.shape[1]
-        passed = [ca.SX(b.moved.shape[0], columns) for b in branches]
-        left: list[ca.SX] = [ca.SX()] * len(branches)
+        wrenches = [ca.SX(b.subspace.shape[0], columns) for b in branches]
+        residuals: list[ca.SX] = [ca.SX()] * len(branches)
         for k, b in reversed(list(enumerate(branches))):
-            left[k] = rhs[b.columns, :] - ca.mtimes(b.moved.T, passed[k])
+            residuals[k] = rhs[b.columns, :] - ca.mtimes(b.subspace.T, wrenches[k])
             if b.parent is not None:
-                through = passed[k] + ca.mtimes(gains[k], left[k])
-                passed[b.parent] += ca.mtimes(b.carried.T, through)
-                passed[b.parent] += ca.mtimes(b.turned.T, rhs[b.columns, :])
-        found: list[ca.SX] = []
+                through = wrenches[k] + ca.mtimes(gains[k], residuals[k])
+                wrenches[b.parent] += ca.mtimes(b.transport.T, through)
+                wrenches[b.parent] += ca.mtimes(b.coupling.T, rhs[b.columns, :])
+        twists: list[ca.SX] = []
         result = ca.SX(self.size, columns)
         for k, b in enumerate(branches):
-            own = ca.mtimes(inverses[k], left[k])
-            twist, turned = ca.SX(b.moved.shape[0], columns), ca.SX(own.shape[0], columns)
+            joint_rates = ca.mtimes(inverses[k], residuals[k])
+            twist, coupled = (
+                ca.SX(b.subspace.shape[0], columns),
+                ca.SX(joint_rates.shape[0], columns),
+            )
             if b.parent is not None:
-                twist = ca.mtimes(b.carried, found[b.parent])
-                turned = ca.mtimes(b.turned, found[b.parent])
-                own = own - ca.mtimes(gains[k].T, twist)
-            found.append(twist + ca.mtimes(b.moved, own))
-            result[b.columns, :] = own - turned
+                twist = ca.mtimes(b.transport, twists[b.parent])
+                coupled = ca.mtimes(b.coupling, twists[b.parent])
+                joint_rates = joint_rates - ca.mtimes(gains[k].T, twist)
+            twists.append(twist + ca.mtimes(b.subspace, joint_rates))
+            result[b.columns, :] = joint_rates - coupled
         return result if columns > 1 else ca.densify(result)  # zero columns stay cheap
 
     def substitute(self, symbols: ca.SX, values: ca.SX) -> TreeInertia:

@@ -1,4 +1,4 @@
-"""One group of coordinates in the tree, and how it moves with what carries it."""
+"""Links of a kinematic tree: a group of coordinates and its motion relative to its carrier."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from dalembert.symbolic import rotation
 
 @dataclass(frozen=True, eq=False)
 class RigidMotion:
-    """Where a body is and how it moves, in inertial axes, by q and u alone.
+    """Position and velocity of a body in inertial axes, as expressions of q and u.
 
     Attributes
     ----------
-    place, velocity, spin : SX (3,) of the mass centre, and the angular velocity
-    euler, axes : SX (4,) its Euler parameters, (3, 3) the axes they stand for
+    place, velocity, spin : SX (3,) position and velocity of the mass centre, angular velocity
+    euler, axes : SX (4,) Euler parameters, (3, 3) axes of the body
     outward : SX (6, n), ``[velocity; spin]`` of the twist in the recursion
     """
 
@@ -41,7 +41,7 @@ AT_REST = RigidMotion(
     ca.SX(3, 1),
     ca.SX(6, 0),
 )
-"""That of the ground."""
+"""Motion of the ground."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,32 +51,32 @@ class Step:
     Attributes
     ----------
     pose, twist : SX of the group, of q and u
-    drift : SX, rate of the twist in the recursion beside those of the carrier's twist and of u
-    carried, moved, turned, forced : SX ``X``, ``S``, ``N`` and ``E``
-    seen : SX, ``v`` of the twist in the recursion
-    rigid : as a carrier in space, where it can be one
+    drift : SX, rate of the twist in the recursion at constant twist of the carrier and u
+    transport, subspace, coupling, opening : SX ``X``, ``S``, ``N`` and ``E``
+    projection : SX ``T``, twist in the recursion → ``v``
+    rigid : motion as a carrier in space, if it can be one
     """
 
     pose: ca.SX
     twist: ca.SX
     drift: ca.SX
-    carried: ca.SX
-    moved: ca.SX
-    turned: ca.SX
-    forced: ca.SX
-    seen: ca.SX
+    transport: ca.SX
+    subspace: ca.SX
+    coupling: ca.SX
+    opening: ca.SX
+    projection: ca.SX
     rigid: RigidMotion | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A group of coordinates that no joint carries; those of a joint say how it places a body.
+    """A group of coordinates without a carrier; subclasses describe bodies carried by joints.
 
     Attributes
     ----------
-    group : what moves
+    group : the moving coordinates
     space : joint coordinates q with their speeds u
-    carrier, joint : None where no joint carries it
+    carrier, joint : None without a carrier
     """
 
     group: Coordinates
@@ -86,41 +86,41 @@ class Link:
 
     @property
     def equation_count(self) -> int:
-        """Equations of its joint, and open-constraint coordinates."""
+        """Number of equations of its joint, and of open-constraint coordinates."""
         return 0 if self.joint is None else self.joint.equations.numel()
 
     @property
-    def standing(self) -> ca.SX:
-        """(4,) turn of its joint's second frame from where q puts it; of the poses.
+    def branch_offset(self) -> ca.SX:
+        """(4,) rotation of its joint's second frame from its orientation by q, from the poses.
 
-        Equations may be satisfied after half a turn about an axis of that frame, too, and Euler
-        parameters of both signs mean the same.
+        Equations may also be satisfied after a half turn about an axis of that frame, and Euler
+        parameters of both signs are equivalent.
         """
         return ca.SX(list(rotation.IDENTITY))
 
-    def on_branch(self, standing: np.ndarray) -> Link:
-        """The same with q as they stand."""
+    def on_branch(self, offset: np.ndarray) -> Link:
+        """The link with q on the branch of an offset."""
         return self
 
     def step(self, carrier: Step | None) -> Step:
-        """Motion by q and u, and by that of the carrier; None on the ground."""
-        known = ca.vertcat(self.group.pose, self.group.twist)
+        """Motion as a function of q, u and the motion of the carrier; None on the ground."""
+        symbols = ca.vertcat(self.group.pose, self.group.twist)
         own = ca.vertcat(self.space.pose, self.space.twist)
         n = self.space.twist.numel()
         return Step(
             pose=self.space.pose,
             twist=self.space.twist,
             drift=ca.SX(n, 1),
-            carried=ca.SX(n, 0),
-            moved=ca.SX.eye(n),
-            turned=ca.SX(n, 0),
-            forced=ca.SX(n, 0),
-            seen=ca.SX.eye(n),
-            rigid=_seen_in_space(self.group, known, own),
+            transport=ca.SX(n, 0),
+            subspace=ca.SX.eye(n),
+            coupling=ca.SX(n, 0),
+            opening=ca.SX(n, 0),
+            projection=ca.SX.eye(n),
+            rigid=_rigid_motion(self.group, symbols, own),
         )
 
 
-def _seen_in_space(group: Coordinates, symbols: ca.SX, values: ca.SX) -> RigidMotion | None:
+def _rigid_motion(group: Coordinates, symbols: ca.SX, values: ca.SX) -> RigidMotion | None:
     if not isinstance(group, BodyElement) or group.dimension != 3:
         return None
     velocity = group.twist[:3]
@@ -131,5 +131,5 @@ def _seen_in_space(group: Coordinates, symbols: ca.SX, values: ca.SX) -> RigidMo
 
 
 def free_link(group: Coordinates) -> Link:
-    """With its own coordinates."""
+    """A link with its own coordinates as joint coordinates."""
     return Link(group, JointSpace.of(group), None, None)

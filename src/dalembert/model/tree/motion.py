@@ -21,14 +21,14 @@ class TreeMotion:
 
     Parameters
     ----------
-    links : carriers before what they carry
+    links : carriers before the bodies they carry
     groups : groups of coordinates in the order of y and v
 
     Attributes
     ----------
     q, u, a : SX symbols: joint coordinates (k_q,), their speeds (k,) and ``u̇``
     rate : SX (k_q,), ``q̇``
-    columns : of u, those of each link
+    columns : of u, for each link
     pose : SX, ``g(q)``
     basis : TreeBasis, ``D`` and ``E``
     speed, gamma, acceleration : SX (n,), ``D u``, ``γ`` and ``D u̇ + γ``
@@ -40,19 +40,19 @@ class TreeMotion:
         self.u = stack(link.space.twist for link in links)
         self.a = stack(link.space.acceleration_symbols for link in links)
         self.rate = stack(link.space.pose_rate for link in links)
-        places = _spans(group.twist.numel() for group in groups)
-        at = {group.name: place for group, place in zip(groups, places, strict=True)}
+        row_spans = _spans(group.twist.numel() for group in groups)
+        rows_of = {group.name: rows for group, rows in zip(groups, row_spans, strict=True)}
         self.columns = columns = _spans(link.space.twist.numel() for link in links)
-        opened = _spans(link.equation_count for link in links)
+        open_columns = _spans(link.equation_count for link in links)
         index = {link.group.name: k for k, link in enumerate(links)}
         steps: list[Step] = []
         branches: list[Branch] = []
         for k, link in enumerate(links):
             parent = None if link.carrier is None else index.get(link.carrier.name)
             step = link.step(None if parent is None else steps[parent])
-            place = at[link.group.name], columns[k], opened[k]
-            operators = step.carried, step.moved, step.turned, step.forced, step.seen
-            branches.append(Branch(parent, *place, *operators))
+            spans = rows_of[link.group.name], columns[k], open_columns[k]
+            operators = step.transport, step.subspace, step.coupling, step.opening, step.projection
+            branches.append(Branch(parent, *spans, *operators))
             steps.append(step)
         by_group = {link.group.name: step for link, step in zip(links, steps, strict=True)}
         drifts = [step.drift for step in steps]
@@ -64,9 +64,9 @@ class TreeMotion:
 
 
 def _spans(sizes: Iterable[int]) -> list[slice]:
-    """Consecutive parts of these sizes."""
-    found, begin = [], 0
+    """Consecutive slices of these sizes."""
+    spans, begin = [], 0
     for size in sizes:
-        found.append(slice(begin, begin + size))
+        spans.append(slice(begin, begin + size))
         begin += size
-    return found
+    return spans

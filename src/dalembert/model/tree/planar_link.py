@@ -1,4 +1,4 @@
-"""Bodies that joints carry in the plane, ``y = g(q, z)`` (4.15), (7.7)."""
+"""Planar bodies carried by joints, ``y = g(q, z)`` (4.15), (7.7)."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from dalembert.symbolic.formulas.expression import stack
 
 @dataclass(frozen=True, eq=False)
 class PlanarLink(Link):
-    """A body and how its joint places it.
+    """A planar body with its joint.
 
     Attributes
     ----------
     carrier, joint : at most one end of the joint is the ground
     z : SX symbols, open-constraint coordinates
-    own, own_value : SX symbols ``q*``, and their value by the carrier's pose and q: the same with
-        the body's own angle in the place of a relative one, which makes shorter recursions
+    own, own_value : SX symbols ``q*``, and their value as a function of the carrier's pose and q:
+        q with the absolute angle in place of a relative one, which makes shorter recursions
     pose : SX of the carrier's pose, ``q*`` and z
     """
 
@@ -34,38 +34,38 @@ class PlanarLink(Link):
     pose: ca.SX
 
     def step(self, carrier: Step | None) -> Step:
-        """The local motion by q and ``q̇`` alone, with what the carrier does."""
+        """The local motion as a function of q and ``q̇``, with the motion of the carrier."""
         parts, value = self._local(carrier is not None), self.own_value
         if carrier is not None:
             symbols = ca.vertcat(self.carrier.pose, self.carrier.twist)
-            known = ca.vertcat(carrier.pose, carrier.twist)
-            *parts, value = ca.substitute([*parts, value], [symbols], [known])
-        found = ca.substitute(parts, [self.own], [value])
-        pose, twist, drift, carried, moved, turned, forced = found
-        seen = ca.SX.eye(self.group.twist.numel())
-        return Step(pose, twist, drift, carried, moved, turned, forced, seen)
+            motion = ca.vertcat(carrier.pose, carrier.twist)
+            *parts, value = ca.substitute([*parts, value], [symbols], [motion])
+        parts = ca.substitute(parts, [self.own], [value])
+        return Step(*parts, ca.SX.eye(self.group.twist.numel()))
 
     def _local(self, carried_by_a_body: bool) -> list[ca.SX]:
-        """Pose, twist, drift, ``X, S, N, E`` by the carrier's motion."""
-        nothing, u = ca.SX(0, 1), self.space.twist
-        base, speed = nothing, nothing
+        """Pose, twist, drift, ``X, S, N, E`` as functions of the carrier's motion."""
+        empty, u = ca.SX(0, 1), self.space.twist
+        base, speed = empty, empty
         if carried_by_a_body:
             base, speed = self.carrier.pose, self.carrier.twist
         closed = ca.SX.zeros(self.z.numel())
         opened = [self.pose, ca.jacobian(self.pose, self.z)]
-        pose, forced = ca.substitute(opened, [self.z], [closed])
-        sense, led = (ca.jacobian(self.own_value, x) for x in (self.space.pose, base))  # ±1; 0, 1
-        carried, along = ca.jacobian(pose, base), ca.jacobian(pose, self.own)
-        own_rate = ca.mtimes(sense, u) + ca.mtimes(led, speed)
-        twist = ca.mtimes(carried, speed) + ca.mtimes(along, own_rate)
-        place, rate = ca.vertcat(base, self.own), ca.vertcat(speed, own_rate)
-        drift = ca.jtimes(twist, place, rate) if place.numel() else ca.SX.zeros(pose.numel())
-        moved, turned = ca.mtimes(along, sense), ca.mtimes(sense.T, led)
-        return [ca.densify(pose), ca.densify(twist), drift, carried, moved, turned, forced]
+        pose, opening = ca.substitute(opened, [self.z], [closed])
+        sign, by_base = (ca.jacobian(self.own_value, x) for x in (self.space.pose, base))
+        transport, along = ca.jacobian(pose, base), ca.jacobian(pose, self.own)
+        own_rate = ca.mtimes(sign, u) + ca.mtimes(by_base, speed)
+        twist = ca.mtimes(transport, speed) + ca.mtimes(along, own_rate)
+        position, rate = ca.vertcat(base, self.own), ca.vertcat(speed, own_rate)
+        drift = ca.SX.zeros(pose.numel())
+        if position.numel():
+            drift = ca.jtimes(twist, position, rate)
+        subspace, coupling = ca.mtimes(along, sign), ca.mtimes(sign.T, by_base)
+        return [ca.densify(pose), ca.densify(twist), drift, transport, subspace, coupling, opening]
 
 
 def planar_link(joint: TreeJoint, carrier: Body, child: Body, absolute_angles: bool) -> PlanarLink:
-    """The child behind a joint, whichever end of the joint it is."""
+    """The link of a child at either end of a joint."""
     forward = joint.ends()[1] is child
     base = ca.SX.zeros(3) if isinstance(carrier, Ground) else carrier.pose
     base_angle = base[2] if carrier.rotates else ca.SX(0)

@@ -1,4 +1,4 @@
-"""The graph of bodies and joints: components and closed loops."""
+"""Graph of bodies and joints: spanning trees, connectivity and closed loops."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dalembert.model.tree.spanning_tree import Edge, spanning_tree
 
 @dataclass(frozen=True)
 class Topology:
-    """Loops by joint names, and bodies that nothing ties to the ground."""
+    """Loops by joint names, and bodies without any connection."""
 
     loops: tuple[tuple[str, ...], ...]
     unconnected: tuple[str, ...]
@@ -22,7 +22,7 @@ class Topology:
 def analyse_topology(
     bodies: list[BodyElement], constraints: list[Constraint], touched: set[str]
 ) -> Topology:
-    """Fundamental loops of a breadth-first spanning tree that starts at the ground.
+    """Fundamental loops of a breadth-first spanning tree from the ground.
 
     Parameters
     ----------

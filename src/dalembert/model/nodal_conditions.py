@@ -1,4 +1,4 @@
-"""What holds and loads nodes of a mechanism, by the joints, drivers and forces there are."""
+"""Supports and loads of nodes, built from joints, drivers and forces."""
 
 from __future__ import annotations
 
@@ -15,51 +15,51 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
 
-Held = NodeBody | Sequence[NodeBody]
+Nodes = NodeBody | Sequence[NodeBody]
 
 
-def supports(ground: Ground, nodes: Held, displacements: dict[str, Any]) -> Iterator[Constraint]:
+def supports(ground: Ground, nodes: Nodes, displacements: dict[str, Any]) -> Iterator[Constraint]:
     """Constraints that prescribe displacements ``ux, uy, uz`` [m] and ``rz`` [rad] in the plane.
 
-    In space rotations are held all together, with all displacements, or not at all.
+    In space, rotations are fixed all together, with all displacements, or not at all.
 
     Raises
     ------
     ModelError
         No node, or an unknown direction.
     """
-    for node in several(nodes):
+    for node in as_list(nodes):
         name = f"{node.name.replace('.', '_')}_support"
-        known = _directions(node)
-        _check(node, displacements, known)
-        given = {
+        directions = _directions(node)
+        _check(node, displacements, directions)
+        values = {
             d: as_expression(value, f"support {node.name}.{d}", "rad" if d == "rz" else "m")
-            for d, value in (displacements or dict.fromkeys(known, 0.0)).items()
+            for d, value in (displacements or dict.fromkeys(directions, 0.0)).items()
         }
-        held = all(_is_zero(given.get(direction, 1.0)) for direction in known)
-        place = ground.point(*(Expression(node.natural[k]) for k in range(node.dimension)))
-        turned = [direction for direction in given if direction in ROTATIONS[node.dimension]]
-        if held and node.dimension == 2:
+        fixed = all(_is_zero(values.get(direction, 1.0)) for direction in directions)
+        point = ground.point(*(Expression(node.natural[k]) for k in range(node.dimension)))
+        rotations = [direction for direction in values if direction in ROTATIONS[node.dimension]]
+        if fixed and node.dimension == 2:
             joint = planar.Weld if _body(node).rotates else planar.Revolute
-            yield joint(name, place, _body(node).center)
-        elif held and not _body(node).rotates:
-            yield spatial.Spherical(name, place, _body(node).center)
-        elif held:
-            stands = _body(node).initial[1]
-            frame = ground.frame(tuple(place.local[k] for k in range(3)), rotation=stands)
+            yield joint(name, point, _body(node).center)
+        elif fixed and not _body(node).rotates:
+            yield spatial.Spherical(name, point, _body(node).center)
+        elif fixed:
+            orientation = _body(node).initial[1]
+            frame = ground.frame(tuple(point.local[k] for k in range(3)), rotation=orientation)
             yield spatial.Weld(name, frame, _body(node).frame())
-        elif turned and node.dimension == 3:
+        elif rotations and node.dimension == 3:
             raise ModelError(
-                f"{node.name}: {turned[0]} cannot be prescribed alone in space; hold all of "
-                f"{', '.join(known)} at zero, or use a joint or a RotationalDriver"
+                f"{node.name}: {rotations[0]} cannot be prescribed alone in space; hold all of "
+                f"{', '.join(directions)} at zero, or use a joint or a RotationalDriver"
             )
         else:
-            for direction, value in given.items():
+            for direction, value in values.items():
                 yield _driver(f"{name}_{direction}", ground, node, direction, value)
 
 
 def _driver(name: str, ground: Ground, node: NodeBody, direction: str, value: Any) -> Constraint:
-    """The constraint that one displacement has a value."""
+    """The constraint of one displacement to a value."""
     if direction == "rz":
         return planar.RotationalDriver(name, ground, _body(node), law=value)
     kind = planar if node.dimension == 2 else spatial
@@ -69,21 +69,21 @@ def _driver(name: str, ground: Ground, node: NodeBody, direction: str, value: An
     return kind.CoordinateDriver(name, _body(node).center, law=law, direction=axis)
 
 
-def loads(nodes: Held, forces: dict[str, Any], number: int) -> Iterator[ForceElement]:
-    """Forces ``fx, fy, fz`` [N] and moments ``mx, my, mz`` [N m] on each of some nodes.
+def loads(nodes: Nodes, forces: dict[str, Any], number: int) -> Iterator[ForceElement]:
+    """Forces ``fx, fy, fz`` [N] and moments ``mx, my, mz`` [N m] on each of the nodes.
 
-    In fixed axes. Nodes of the plane have one moment, points have none.
+    Axes are fixed. Planar nodes have one moment, points have none.
 
     Parameters
     ----------
-    number : what tells their names from those of other loads
+    number : suffix that makes their names unique
 
     Raises
     ------
     ModelError
         No node, no load, or an unknown direction.
     """
-    for node in several(nodes):
+    for node in as_list(nodes):
         named = {d.replace("u", "f").replace("r", "m"): d for d in _directions(node)}
         if not forces:
             raise ModelError(f"{node.name}: gets no load; give one of {', '.join(named)}")
@@ -100,44 +100,44 @@ def loads(nodes: Held, forces: dict[str, Any], number: int) -> Iterator[ForceEle
             yield spatial.Torque(f"{name}_moment", _body(node), moment)
 
 
-def several(nodes: Held) -> list[NodeBody]:
-    """One node, or some.
+def as_list(nodes: Nodes) -> list[NodeBody]:
+    """A node or a sequence of nodes as a list.
 
     Raises
     ------
     ModelError
-        Something else.
+        Anything else.
     """
-    given = list(nodes) if isinstance(nodes, Sequence) else [nodes]
-    for node in given:
+    listed = list(nodes) if isinstance(nodes, Sequence) else [nodes]
+    for node in listed:
         if not isinstance(node, NodeBody):
             raise ModelError(
                 f"expected nodes, as planar.Node or those of a mesh; got {node!r}; other bodies "
                 "are held by joints and loaded by forces"
             )
-    return given
+    return listed
 
 
 def _body(node: NodeBody) -> Any:
-    """The node, as the body that it is."""
+    """The node as a body."""
     assert isinstance(node, BodyElement)
     return node
 
 
 def _directions(node: NodeBody) -> tuple[str, ...]:
-    """Those of its motions."""
+    """Directions of the displacements of a node."""
     turns = ROTATIONS[node.dimension] if _body(node).rotates else ()
     return TRANSLATIONS[: node.dimension] + turns
 
 
-def _check(node: NodeBody, given: dict[str, Any], known: tuple[str, ...]) -> None:
-    for direction in given:
-        if direction not in known:
+def _check(node: NodeBody, values: dict[str, Any], directions: tuple[str, ...]) -> None:
+    for direction in values:
+        if direction not in directions:
             raise ModelError(
-                f"{node.name}: unknown direction {direction!r}; known: {', '.join(known)}"
+                f"{node.name}: unknown direction {direction!r}; known: {', '.join(directions)}"
             )
 
 
 def _is_zero(value: Any) -> bool:
-    made = as_expression(value, "load") if isinstance(value, (str, Expression)) else value
-    return bool(made.sx.is_zero()) if isinstance(made, Expression) else bool(made == 0)
+    expression = as_expression(value, "load") if isinstance(value, (str, Expression)) else value
+    return bool(expression.sx.is_zero()) if isinstance(expression, Expression) else bool(expression == 0)
