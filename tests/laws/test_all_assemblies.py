@@ -11,7 +11,7 @@ from registry import CASES, model_of
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.cli import main
-from dalembert.model.assembly.completeness import Completeness
+from dalembert.model.assembly.assemblies import Completeness
 from dalembert.model.assembly.many_roots import ManyRoots
 from dalembert.model.assembly.random_starts import RandomStarts
 

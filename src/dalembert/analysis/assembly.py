@@ -10,9 +10,8 @@ import numpy as np
 
 from dalembert.analysis.served import need_mechanism
 from dalembert.errors import AnalysisError, AssemblyError
-from dalembert.model.assembly.assembled_state import AssembledState
-from dalembert.model.assembly.assemblies import Assemblies
-from dalembert.model.assembly.completeness import Completeness
+from dalembert.model.assembly.assemblies import Assemblies, Completeness
+from dalembert.model.assembly.guesses import AssembledState
 from dalembert.model.model import Model
 from dalembert.options import is_number, is_whole, random_generator
 from dalembert.text.spelling import spelled

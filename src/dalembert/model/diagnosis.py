@@ -16,7 +16,7 @@ from dalembert.model.assembly.independence import columns_of, least_fill
 from dalembert.model.checks import element_warnings
 from dalembert.model.description import Description
 from dalembert.model.idle_freedom import idle_freedoms
-from dalembert.model.tree.topology import Topology, analyse_topology
+from dalembert.model.tree.spanning_tree import Topology, analyse_topology
 from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.text.cards import card, messages, table
 

@@ -13,9 +13,8 @@ import numpy as np
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.model.absolute import absolute_equations, at_ground
-from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.model.assembly.closure import Closure
-from dalembert.model.assembly.guesses import Guesses
+from dalembert.model.assembly.guesses import AssembledState, Guesses
 from dalembert.model.checks import ValueChecks
 from dalembert.model.description import Description
 from dalembert.model.diagnosis import diagnose

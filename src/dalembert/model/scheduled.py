@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.model.assembly.assembled_state import AssembledState
+from dalembert.model.assembly.guesses import AssembledState
 from dalembert.model.model import Model
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import stack, t

@@ -15,7 +15,7 @@ import numpy as np
 from dalembert.elements.base import Powers
 from dalembert.elements.coordinates import rate_of
 from dalembert.integrators.base import Integrator
-from dalembert.model.assembly.assembled_state import AssembledState
+from dalembert.model.assembly.guesses import AssembledState
 from dalembert.model.model import Model
 from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.formulas.expression import free_symbols, stack

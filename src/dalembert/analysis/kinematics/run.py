@@ -25,8 +25,8 @@ from dalembert.analysis.timeline import (
     uniform_grid,
 )
 from dalembert.errors import AnalysisError
+from dalembert.model.assembly.regularity import left_ahead
 from dalembert.model.model import Model
-from dalembert.model.table_ranges import left_ahead
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status, reached, stopped

@@ -14,13 +14,11 @@ import numpy as np
 from dalembert.elements.driver import Driver
 from dalembert.errors import AssemblyError, ModelError, SingularityError
 from dalembert.model.absolute import at_ground
-from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.model.assembly.assembly import Assembler
-from dalembert.model.assembly.continuation import continued
+from dalembert.model.assembly.continuation import BranchEnd, continued, lost_branch
 from dalembert.model.assembly.failure import failure
-from dalembert.model.assembly.guesses import Guesses
+from dalembert.model.assembly.guesses import AssembledState, Guesses
 from dalembert.model.assembly.independence import determine_dependent, free_columns, rows_of
-from dalembert.model.assembly.lost_branch import BranchEnd, lost_branch
 from dalembert.model.assembly.placement import curve_searches, loosely_facing, placed_guesses
 from dalembert.model.assembly.position_search import PositionSearch, Searched
 from dalembert.model.assembly.recipe import (

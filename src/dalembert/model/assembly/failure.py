@@ -20,7 +20,7 @@ from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.assembly import Assembler
 from dalembert.model.assembly.position_search import Searched
 from dalembert.model.description import Description
-from dalembert.model.tree.topology import analyse_topology
+from dalembert.model.tree.spanning_tree import analyse_topology
 
 CLOSED = 1e-6
 """Threshold for closed joints: violation in natural units."""

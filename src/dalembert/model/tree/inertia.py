@@ -12,7 +12,7 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.model.inertia import Inertia
-from dalembert.model.tree.basis import TreeBasis
+from dalembert.model.tree.motion import TreeBasis
 from dalembert.symbolic.equations.factor import block_inverse
 
 

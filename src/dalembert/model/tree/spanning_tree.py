@@ -1,4 +1,4 @@
-"""Spanning trees of the graph of bodies and joints."""
+"""Graph of bodies and joints: spanning trees, connectivity and closed loops."""
 
 from __future__ import annotations
 
@@ -6,6 +6,11 @@ import heapq
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
+
+from dalembert.elements.base import Constraint
+from dalembert.elements.body import BodyElement
+from dalembert.elements.driver import Driver
+from dalembert.elements.pair import Pair
 
 
 @dataclass(frozen=True)
@@ -102,3 +107,33 @@ def spanning_tree(nodes: list[str], edges: list[Edge]) -> SpanningTree:
                     )
     tree_edges = {visit.edge for visit in visits}
     return SpanningTree(tuple(visits), tuple(e for e in edges if e.name not in tree_edges))
+
+
+@dataclass(frozen=True)
+class Topology:
+    """Loops by joint names, and bodies without any connection."""
+
+    loops: tuple[tuple[str, ...], ...]
+    unconnected: tuple[str, ...]
+
+
+def analyse_topology(
+    bodies: list[BodyElement], constraints: list[Constraint], touched: set[str]
+) -> Topology:
+    """Fundamental loops of a breadth-first spanning tree from the ground.
+
+    Parameters
+    ----------
+    touched : names of bodies that any constraint or force other than gravity acts on
+    """
+    edges = [
+        Edge(c.name, c.ends()[0].name, c.ends()[1].name)
+        for c in constraints
+        if isinstance(c, Pair) and not isinstance(c, Driver)
+    ]
+    names = [body.name for body in bodies]
+    tree = spanning_tree(["ground", *names], edges)
+    return Topology(
+        loops=tuple(tree.loop(chord) for chord in tree.chords),
+        unconnected=tuple(name for name in names if name not in touched),
+    )
