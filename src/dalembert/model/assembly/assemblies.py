@@ -25,7 +25,7 @@ import numpy as np
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.closure import Closure
 from dalembert.model.assembly.many_roots import ManyRoots
-from dalembert.model.assembly.random_starts import RandomStarts
+from dalembert.model.assembly.position_search import RandomStarts
 from dalembert.symbolic.evaluation.backends import VirtualMachine
 from dalembert.symbolic.evaluation.parallel import in_blocks
 from dalembert.symbolic.formulas.expression import stack

@@ -17,10 +17,10 @@ import numpy as np
 from dalembert.model.assembly.independence import independent_rows
 from dalembert.model.coordinates import CoordinateView
 from dalembert.model.equations import Equations
+from dalembert.model.inertia import TreeInertia
 from dalembert.model.manifold import Manifold
 from dalembert.model.model import Model
 from dalembert.model.rigid_gaps import RigidGap
-from dalembert.model.tree.inertia import TreeInertia
 from dalembert.model.tree.kinematic_tree import between_neighbours, links_of
 from dalembert.model.tree.link import Link
 from dalembert.model.tree.motion import TreeMotion

@@ -12,8 +12,7 @@ from dalembert.elements.planar.joint import TreeJoint as PlanarJoint
 from dalembert.elements.spatial.tree_joint import TreeJoint as SpatialJoint
 from dalembert.errors import ModelError
 from dalembert.model.description import Description
-from dalembert.model.tree.link import Link, free_link
-from dalembert.model.tree.planar_link import planar_link
+from dalembert.model.tree.link import Link, free_link, planar_link
 from dalembert.model.tree.spanning_tree import Edge, SpanningTree, spanning_tree
 from dalembert.model.tree.spatial_link import spatial_link
 
