@@ -15,7 +15,7 @@ from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.description import Description
 from dalembert.model.rigid_gaps import rigid_gaps
-from dalembert.symbolic.formulas.expression import free_symbols, refuse_unusable, stack, t
+from dalembert.symbolic.formulas.expression import check_magnitude, free_symbols, stack, t
 
 Formulas = list[tuple[str, ca.SX]]
 """Formulas with the entities they belong to."""
@@ -200,7 +200,7 @@ def _check_number(number: float, entity: str, meta: Mapping) -> None:
     unit = f" {meta['unit']}" if meta["unit"] else ""
     if not math.isfinite(number):
         raise ModelError(f"its value is {number}; give a finite number", entity)
-    refuse_unusable(number, entity)
+    check_magnitude(number, entity)
     if number < meta["minimum"]:
         raise ModelError(
             f"is {number:g}{unit}, but it must not be "

@@ -21,7 +21,7 @@ class CoordinateView:
     ----------
     model : Model
     whole : Equations in these coordinates, including redundant ones
-    choosing : the same with free branches, if those of ``whole`` are frozen
+    with_free_branches : the same with free branches, if those of ``whole`` are frozen
     rows : constraint equations that are solved at the start
     names : names of the coordinates
     units, speed_units : units of the coordinates, and of the displacements
@@ -29,7 +29,7 @@ class CoordinateView:
 
     model: Model
     whole: Equations
-    choosing: Equations
+    with_free_branches: Equations
     rows: tuple[int, ...]
     names: list[str]
     units: list[str]
@@ -50,9 +50,9 @@ class CoordinateView:
         """Equations with these constraint rows."""
         return self.whole.with_rows(list(rows))
 
-    def hold_switches(self) -> None:
+    def freeze_branches(self) -> None:
         """Freeze the branches of formulas, for integrators that locate switches."""
-        self.choosing, self.whole = self.whole, self.whole.held()
+        self.with_free_branches, self.whole = self.whole, self.whole.with_frozen_branches()
 
     def lift(self, expression: ca.SX) -> ca.SX:
         """An expression of the bodies (of t, y, v, v̇, λ, p) in the symbols of ``whole``."""

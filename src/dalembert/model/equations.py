@@ -21,7 +21,7 @@ from dalembert.model.inertia import Inertia
 from dalembert.model.manifold import Manifold
 from dalembert.model.rigid_gaps import RigidGap, contact_forces
 from dalembert.model.scales import Scales
-from dalembert.symbolic.formulas.switches import Switches, hold
+from dalembert.symbolic.formulas.switches import Switches, freeze_branches
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,13 +106,15 @@ class Equations:
         if self.manifold is None:
             object.__setattr__(self, "manifold", Manifold.plain(self.y))
 
-    def held(self) -> Equations:
+    def with_frozen_branches(self) -> Equations:
         """The system with frozen branches of all formulas."""
         moving = ca.vertcat(self.t, self.y, self.v)
         parts = [self.bias, self.force, self.constraints, self.potential, self.powers]
-        (bias, force, constraints, potential, powers), switches = hold(parts, moving)
+        (bias, force, constraints, potential, powers), switches = freeze_branches(parts, moving)
         kinematics = None
-        if not hold([self.constraints], moving)[1].count:  # roots in them must not be continued
+        if not freeze_branches([self.constraints], moving)[
+            1
+        ].count:  # roots in them must not be continued
             constraints, kinematics = self.constraints, self.kinematics
         return replace(
             self,

@@ -81,7 +81,7 @@ class _IdleSearch:
 
     def _candidates(self) -> Iterator[tuple[set[str], Constraint, Constraint]]:
         """Sets of bodies connected to two other bodies by two joints, one of them a ball joint."""
-        joints = [k for k, c in enumerate(self.constraints) if _place(c) is not None]
+        joints = [k for k, c in enumerate(self.constraints) if _location(c) is not None]
         balls = {k for k in joints if isinstance(self.constraints[k], Spherical)}
         if len(balls) * len(joints) * len(self.names) > MAX_OPERATIONS:
             pairs = self._around_single_bodies(joints)
@@ -146,7 +146,7 @@ class _IdleSearch:
     @cached_property
     def _places(self) -> dict[str, np.ndarray]:
         """Joint → (3,) its location."""
-        spots = {c.name: spot for c in self.constraints if (spot := _place(c)) is not None}
+        spots = {c.name: spot for c in self.constraints if (spot := _location(c)) is not None}
         values = self._numbers(ca.horzcat(ca.SX(3, 0), *spots.values()))
         return {name: values[:, k] for k, name in enumerate(spots)}
 
@@ -192,7 +192,7 @@ class _Groups:
         return {body} | {name for name in self.parent if self._root(name) == root} | {root}
 
 
-def _place(constraint: Constraint) -> ca.SX | None:
+def _location(constraint: Constraint) -> ca.SX | None:
     """Location of a joint of two bodies; None without a single one."""
     if len(constraint.parts()) != 2 or constraint.spots is None:
         return None

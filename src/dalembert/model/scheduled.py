@@ -30,7 +30,7 @@ class ScheduledModel(Model):
     """
 
     def __init__(self, model: Model, schedules: Mapping[str, ca.SX]):
-        refuse_other_than_forces(model, list(schedules))
+        check_controls(model, list(schedules))
         self.__dict__.update({k: v for k, v in vars(model).items() if k not in CACHED})
         self._replaced = stack(model.parameters[name].sx for name in schedules)
         self._schedules = stack(schedules.values())
@@ -94,7 +94,7 @@ class SteeredModel(ScheduledModel):
         self.equations = self.all_equations.with_rows(self.closure.rows)
 
 
-def refuse_other_than_forces(model: Model, names: list[str]) -> None:
+def check_controls(model: Model, names: list[str]) -> None:
     """Check that controls affect forces only, not masses, lengths or drivers.
 
     Raises

@@ -82,7 +82,7 @@ class DynamicsKernel(StepOutputs):
         stabilization.check(formulation)
         self.view = coordinates.view(model, formulation.every_equation)
         if integrator.adaptive:
-            self.view.hold_switches()
+            self.view.freeze_branches()
         self.equations = self.view.equations
         self.variants: list[Variant] = []
         self.contacts: ContactModes | None = None

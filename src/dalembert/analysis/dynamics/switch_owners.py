@@ -9,7 +9,7 @@ from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.elements.coordinates import rate_of
 from dalembert.model.model import Model
-from dalembert.symbolic.formulas.switches import hold
+from dalembert.symbolic.formulas.switches import freeze_branches
 
 SAME = 1e-9
 """Relative difference of two switching functions at a state that makes them the same."""
@@ -37,6 +37,6 @@ def _values(model: Model, element: Element, t, y, v, p) -> np.ndarray:
         formulas = [model.at_ground(effort) for _, effort in powers]
     else:
         formulas = [model.at_ground(element.equations)] if isinstance(element, Constraint) else []
-    _, switches = hold(formulas, ca.vertcat(e.t, e.y, e.v))
+    _, switches = freeze_branches(formulas, ca.vertcat(e.t, e.y, e.v))
     g = ca.substitute(switches.functions, switches.sides, switches.actual)
     return ca.Function("g", [e.t, e.y, e.v, e.p], [g])(t, y, v, p).full().ravel()

@@ -117,7 +117,7 @@ class Variant:
         e = self.equations
         if not e.switches.count:
             return self.held_bodies
-        choosing = touching(self.view.choosing.with_rows(list(self.rows)), self.phases)
+        choosing = touching(self.view.with_free_branches.with_rows(list(self.rows)), self.phases)
         found = self._seen(choosing, self.view.everything, "bodies").function
         x, count = state_symbols(e), found.numel_in(1)
         return ca.Function("bodies", [e.t, x, e.p], found.call([e.t, x[:count], e.p]))

@@ -18,7 +18,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
-from dalembert.model.scheduled import refuse_other_than_forces
+from dalembert.model.scheduled import check_controls
 from dalembert.symbolic.formulas.expression import stack
 
 
@@ -44,7 +44,7 @@ class Physics:
             raise UnsupportedError(
                 "shapes of flexible bodies cannot vary with a trajectory; leave out vary="
             )
-        refuse_other_than_forces(model, self.controls)
+        check_controls(model, self.controls)
         order = list(model.parameters)
         moving = [order.index(name) for name in (*self.controls, *self.vary)]
         fixed = [k for k in range(e.p.numel()) if k not in moving]

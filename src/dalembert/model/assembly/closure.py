@@ -31,9 +31,9 @@ from dalembert.model.assembly.recipe import (
 from dalembert.model.assembly.regularity import (
     Definedness,
     Owners,
+    check_over_driving,
     generic_rows,
-    refuse_contradiction,
-    refuse_over_driving,
+    raise_contradiction,
 )
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
@@ -105,23 +105,23 @@ class Closure:
             e, self.guesses, placed_guesses(d), self.scales, positions, searches, facing
         )
         y = self._projected()
-        Definedness(d, e, y, p).refuse_undefined()
+        Definedness(d, e, y, p).check()
         self.jacobian = self.assembler.scaled_jacobian(0.0, y, p)[: len(self.owners)]
         self.independence = rows_of(self.jacobian)
         self.rows = self.independence.pivots
         self.generic = self.rows
         if len(self.rows) < len(self.owners):
             self.generic = generic_rows(self.assembler, self.owners, self.rows, y, p)
-        refuse_over_driving(self.owners, self.generic)
+        check_over_driving(self.owners, self.generic)
         self.recipe = Recipe(e, self.guesses, self.scales, self.rows, positions, speeds)
         self.anchor = p.copy(), self._hold_positions(y, p)
         self._hold_speeds(strict)
         self.start = self.assemble(p)
         left_out = sorted(set(range(len(self.owners))) - set(self.generic))
         if left_out and ca.depends_on(e.constraints, e.t):
-            self._refuse_contradiction(left_out)
+            self._check_contradiction(left_out)
 
-    def _refuse_contradiction(self, left_out: list[int]) -> None:
+    def _check_contradiction(self, left_out: list[int]) -> None:
         """Check that redundant equations do not contradict those they depend on."""
         e, start = self.all_equations, self.start
         psi = ca.Function("speeds", [e.t, e.y, e.v, e.p], [e.velocity_constraints[left_out]])
@@ -129,9 +129,9 @@ class Closure:
         shares = open_by * self.scales.time / self.scales.rows[left_out]
         worst = int(np.argmax(shares))
         if not shares[worst] <= INCONSISTENT:
-            refuse_contradiction(self.owners, self.independence, left_out[worst], open_by[worst])
+            raise_contradiction(self.owners, self.independence, left_out[worst], open_by[worst])
 
-    def _refuse_conditions(self, count: int, freedom: int) -> None:
+    def _raise_conditions(self, count: int, freedom: int) -> None:
         """Raise the error for more conditions on speeds than degrees of freedom."""
         raise ModelError(
             f"{count} conditions on speeds hold at the start, where joints and drivers leave "
@@ -148,7 +148,7 @@ class Closure:
             freedom = self.all_equations.speed_count - (len(self.owners) - len(drivers))
             if 1 <= freedom < len(drivers):
                 remaining = sorted(set(range(len(self.owners))) - {drivers[-1]})
-                refuse_over_driving(self.owners, remaining)
+                check_over_driving(self.owners, remaining)
             return self._searched(solution.x)
         return solution.x
 
@@ -217,7 +217,7 @@ class Closure:
         given, n = self.guesses.twist, self.all_equations.speed_count
         jacobian = self.recipe.scaled_speed_jacobian(0.0, y, p)
         if jacobian.shape[0] > n:
-            self._refuse_conditions(jacobian.shape[0] - len(self.rows), n - len(self.rows))
+            self._raise_conditions(jacobian.shape[0] - len(self.rows), n - len(self.rows))
         is_given = [speed is not None for speed in given]
         chosen = free_columns(jacobian, self.guesses.priority(is_given))
         self.recipe = replace(self.recipe, speeds=FixedSpeeds.of(chosen, given, np.zeros(n)))

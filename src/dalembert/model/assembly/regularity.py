@@ -25,7 +25,7 @@ SHARED = 1e-9
 """Threshold for a dependence between equations of unit length."""
 
 
-def refuse_over_driving(owners: Owners, rows: list[int]) -> None:
+def check_over_driving(owners: Owners, rows: list[int]) -> None:
     """Check that every driver is among the independent rows.
 
     Raises
@@ -43,7 +43,7 @@ def refuse_over_driving(owners: Owners, rows: list[int]) -> None:
             )
 
 
-def refuse_contradiction(owners: Owners, independence: Echelon, row: int, open_by: float) -> None:
+def raise_contradiction(owners: Owners, independence: Echelon, row: int, open_by: float) -> None:
     """Raise the error for a redundant row whose speed contradicts the rows it depends on.
 
     Raises
@@ -102,7 +102,7 @@ class Definedness:
     def __init__(self, d: Description, equations: Equations, y: np.ndarray, p: np.ndarray):
         self.d, self.e, self.y, self.p = d, equations, y, p
 
-    def refuse_undefined(self) -> None:
+    def check(self) -> None:
         """Check all elements.
 
         Raises

@@ -46,7 +46,7 @@ def _stepped_over(motion: Recording) -> list[str]:
 def _switching(model: Model) -> ca.Function:
     """``(t, y, v, p) → g`` of all switches."""
     e = model.equations
-    found = e.held().switches
+    found = e.with_frozen_branches().switches
     g = ca.substitute(found.functions, found.sides, found.actual)
     return ca.Function("switching", [e.t, e.y, e.v, e.p], [ca.densify(g)])
 

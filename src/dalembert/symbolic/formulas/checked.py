@@ -14,7 +14,7 @@ from dalembert.symbolic.formulas.expression import (
     Dimensioned,
     Expression,
     as_sx,
-    refuse_unusable,
+    check_magnitude,
     splines_of,
 )
 from dalembert.units.amounts import Amount, check_unit
@@ -78,7 +78,7 @@ def checked_expression(
     sx = ca.densify(ca.reshape(sx, size, 1))
     for i in range(size):
         if sx[i].is_constant():
-            refuse_unusable(float(sx[i]), entity)
+            check_magnitude(float(sx[i]), entity)
     if unit is None:
         unit = value.unit if isinstance(value, Expression) and sx.is_constant() else ""
     name = value.name if isinstance(value, Expression) else ""

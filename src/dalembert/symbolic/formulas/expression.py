@@ -228,7 +228,7 @@ def splines_of(*values: Any) -> tuple:
     return tuple(s for v in values if isinstance(v, Expression) for s in v.splines)
 
 
-def refuse_unusable(number: float, entity: str) -> None:
+def check_magnitude(number: float, entity: str) -> None:
     """Check that a number is finite and that products and quotients do not overflow.
 
     Raises

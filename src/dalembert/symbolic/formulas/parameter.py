@@ -11,7 +11,7 @@ import numpy as np
 
 from dalembert.budget import numeral
 from dalembert.errors import ExpressionError, ModelError
-from dalembert.symbolic.formulas.expression import Expression, refuse_unusable
+from dalembert.symbolic.formulas.expression import Expression, check_magnitude
 from dalembert.text.spelling import Spelled
 from dalembert.text.wording import plain_text, unknown
 from dalembert.units.amounts import Amount, check_unit
@@ -169,7 +169,7 @@ def _finite(value, name: str, quantity: str) -> float:
         raise ModelError(f"{quantity} {value!r} is not a number", name) from None
     if isinstance(value, bool) or not math.isfinite(number):
         raise ModelError(f"{quantity} {value} is not a finite number", name)
-    refuse_unusable(number, name)
+    check_magnitude(number, name)
     return number
 
 

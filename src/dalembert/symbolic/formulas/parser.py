@@ -48,7 +48,7 @@ def parse_formula(
         return Expression(value.value, "", value.si)
     if isinstance(value, Interpolation):
         raise ExpressionError(
-            f"in formula {text[:60]!r}: a table is no number; write interp(x, {value.name})"
+            f"in formula {text[:60]!r}: a table is not a number; write interp(x, {value.name})"
         )
     formula = value if isinstance(value, Expression) else Expression(value)
     dimension = grammar.dimension

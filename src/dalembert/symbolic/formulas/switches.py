@@ -44,7 +44,7 @@ class Switches:
         return self.sides.numel()
 
 
-def hold(expressions: list[ca.SX], moving: ca.SX) -> tuple[list[ca.SX], Switches]:
+def freeze_branches(expressions: list[ca.SX], moving: ca.SX) -> tuple[list[ca.SX], Switches]:
     """The expressions with frozen branches, and their switches.
 
     Parameters
