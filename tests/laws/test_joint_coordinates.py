@@ -178,7 +178,7 @@ def test_tree_satisfies_its_joints_at_every_level(name, angles):
     """Φ_I(g(q)) = 0, C_I D = 0, C_I γ = ξ_I (4.18)–(4.19) and C_I E = I (7.9)."""
     view = JointCoordinates(angles=angles).view(TREES[name]())
     e, m, rows = view.bodies, view.motion, view.tree_rows
-    phi, c, xi = view.express(
+    phi, c, xi = view.moved(
         [x[rows, :] for x in (e.constraints, e.jacobian, e.constraint_acceleration)]
     )
     d = m.basis.times(ca.SX.eye(m.u.numel()))
@@ -200,10 +200,10 @@ def test_operators_of_the_tree(name, angles):
     x = ca.SX(np.random.default_rng(1).standard_normal((k, 2)))
     w = ca.SX(np.random.default_rng(2).standard_normal((e.speed_count, 2)))
     q, u = ca.substitute(view.reduce.outputs, [e.y, e.v], [m.pose, m.speed])
-    (by_pose,) = view.express([e.manifold.reading])
+    (by_pose,) = view.moved([e.manifold.reading])
     d = ca.mtimes([by_pose, ca.jacobian(m.pose, m.q), view.equations.lift])
     rate = ca.jtimes(m.speed, ca.vertcat(m.q, m.u), ca.vertcat(m.rate, m.a))
-    full = ca.mtimes([d.T, view.express([e.mass])[0], d])
+    full = ca.mtimes([d.T, view.moved([e.mass])[0], d])
     pairs = [
         (q, m.q),
         (u, m.u),

@@ -277,7 +277,7 @@ def test_example_7_2_matrices(suspended, q):
     """D and E of (7.8) by hand, and C E = I (7.9)."""
     assert suspended.names == list(BAR_SLIDER_MASS)
     e, basis = suspended.model.all_equations, suspended.motion.basis
-    (c,) = suspended.express([e.jacobian])
+    (c,) = suspended.moved([e.jacobian])
     found, forced, c = evaluated(
         suspended,
         [basis.times(ca.SX.eye(3)), basis.opened_times(ca.SX.eye(5)), ca.densify(c)],

@@ -87,7 +87,7 @@ class JointView(CoordinateView):
         e, m = self.bodies, self.motion
         return ca.vertcat(e.y, e.v, e.a), ca.vertcat(m.pose, m.speed, m.acceleration)
 
-    def express(self, expressions: list[ca.SX]) -> list[ca.SX]:
+    def moved(self, expressions: list[ca.SX]) -> list[ca.SX]:
         """Expressions of ``y, v, v̇`` of the bodies in ``q, u, u̇``."""
         symbols, values = self._exchange
         return ca.substitute(expressions, [symbols], [values])
@@ -96,7 +96,7 @@ class JointView(CoordinateView):
         """Equations with all loop equations."""
         e, m = self.bodies, self.motion
         loops = [x[self.loop_rows, :] for x in (e.constraints, e.nonholonomic)]
-        bias, force, potential, powers, mass, *loops = self.express(
+        bias, force, potential, powers, mass, *loops = self.moved(
             [e.bias, e.force, e.potential, e.powers, e.mass, *loops]
         )
         inertia = TreeInertia(m.basis, [mass[b.rows, b.rows] for b in m.basis.branches])
@@ -122,12 +122,12 @@ class JointView(CoordinateView):
                 displacements=sizes,
             ),
             manifold=self.manifold,
-            contacts=tuple(self._express_gap(gap) for gap in e.contacts),
+            contacts=tuple(self._moved_gap(gap) for gap in e.contacts),
         )
         return replace(equations, massless=self._massless(inertia)) if e.massless else equations
 
-    def _express_gap(self, gap: RigidGap) -> RigidGap:
-        distance, slip, friction = self.express([gap.distance, gap.slip, gap.impact.friction])
+    def _moved_gap(self, gap: RigidGap) -> RigidGap:
+        distance, slip, friction = self.moved([gap.distance, gap.slip, gap.impact.friction])
         law = replace(gap.impact, friction=friction)
         return replace(gap, distance=distance, slip=slip, impact=law)
 
@@ -220,10 +220,10 @@ class JointView(CoordinateView):
             columns = e.jacobian[self.loop_rows, :].T
             loop_forces = ca.mtimes(columns, e.multiplier[self.loop_rows, :])
         applied = e.force + e.contact_push
-        transmitted = self.express([applied - e.bias - loop_forces - ca.mtimes(e.mass, e.a)])[0]
+        transmitted = self.moved([applied - e.bias - loop_forces - ca.mtimes(e.mass, e.a)])[0]
         if self.reactions == "augmented":  # (7.13)
             return ca.densify(m.basis.opened_transposed(transmitted))
         jacobian = e.by_displacement(e.constraints[self.tree_rows, :])
-        c, mass = self.express([jacobian, e.metric])
+        c, mass = self.moved([jacobian, e.metric])
         response = ca.mtimes(block_inverse(mass), c.T)
         return LdlFactor(ca.mtimes(c, response)).solve(ca.mtimes(response.T, transmitted))
