@@ -13,6 +13,7 @@ from dalembert.elements.driver import Driver
 from dalembert.errors import SingularityError
 from dalembert.model.assembly.closure import Closure
 from dalembert.model.assembly.independence import columns_of, least_fill
+from dalembert.model.assembly.regularity import shared_constraints
 from dalembert.model.checks import element_warnings
 from dalembert.model.description import Description
 from dalembert.model.idle_freedom import idle_freedoms
@@ -20,8 +21,6 @@ from dalembert.model.tree.spanning_tree import Topology, analyse_topology
 from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.text.cards import card, messages, table
 
-SHARED = 1e-9
-"""Threshold for a dependence between equations of unit length."""
 MASSLESS = 1e-12
 """Threshold for zero mass, relative to the largest one."""
 MOVING = 1e-6
@@ -261,13 +260,8 @@ def _moved(closure: Closure) -> tuple[str, ...]:
 
 def _redundancy(closure: Closure, row: int) -> Redundancy:
     constraint, component = closure.owners[row]
-    weights = closure.independence.kernel({row: -1.0})
-    shared = [
-        closure.owners[k][0].name
-        for k in closure.rows
-        if abs(weights[k]) > SHARED and closure.owners[k][0] is not constraint
-    ]
-    return Redundancy(constraint.name, component, tuple(dict.fromkeys(shared)))
+    shared = shared_constraints(closure.owners, closure.independence, row)
+    return Redundancy(constraint.name, component, shared)
 
 
 def _massless(closure: Closure, mass: scipy.sparse.csc_array) -> tuple[str, ...]:

@@ -31,9 +31,9 @@ from dalembert.model.assembly.recipe import (
 from dalembert.model.assembly.regularity import (
     Definedness,
     Owners,
+    check_contradiction,
     check_over_driving,
     generic_rows,
-    raise_contradiction,
 )
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
@@ -119,17 +119,7 @@ class Closure:
         self.start = self.assemble(p)
         left_out = sorted(set(range(len(self.owners))) - set(self.generic))
         if left_out and ca.depends_on(e.constraints, e.t):
-            self._check_contradiction(left_out)
-
-    def _check_contradiction(self, left_out: list[int]) -> None:
-        """Check that redundant equations do not contradict those they depend on."""
-        e, start = self.all_equations, self.start
-        psi = ca.Function("speeds", [e.t, e.y, e.v, e.p], [e.velocity_constraints[left_out]])
-        open_by = np.abs(psi(0.0, start.y, start.v, self.nominal).full().ravel())
-        shares = open_by * self.scales.time / self.scales.rows[left_out]
-        worst = int(np.argmax(shares))
-        if not shares[worst] <= INCONSISTENT:
-            raise_contradiction(self.owners, self.independence, left_out[worst], open_by[worst])
+            check_contradiction(e, self.owners, self.independence, left_out, self.start, p)
 
     def _raise_conditions(self, count: int, freedom: int) -> None:
         """Raise the error for more conditions on speeds than degrees of freedom."""

@@ -16,7 +16,7 @@ from dalembert.model.assembly.assembly import ROUNDING
 from dalembert.model.assembly.closure import Closure
 from dalembert.model.assembly.continuation import FOLLOWED, SHORTEST
 from dalembert.symbolic.equations.factor import QrFactor
-from dalembert.symbolic.equations.newton import TINY
+from dalembert.symbolic.equations.newton import TINY, relative
 from dalembert.symbolic.once import once
 
 Evaluate = Callable[..., list[np.ndarray]]
@@ -156,10 +156,9 @@ def start_step(closure: Closure) -> ca.Function:
 def _size(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
     """(sets,) largest residual, relative to its threshold."""
     with np.errstate(all="ignore"):
-        shares = np.where(value == 0, 0.0, np.abs(value) / zero)
-    return np.max(shares, axis=1, initial=0.0)
+        return np.max(relative(value, zero), axis=1, initial=0.0)
 
 
 def _norm(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
     with np.errstate(all="ignore"):
-        return np.linalg.norm(np.where(value == 0, 0.0, value / zero), axis=1)
+        return np.linalg.norm(relative(value, zero), axis=1)

@@ -11,7 +11,9 @@ from dalembert.elements.driver import Driver
 from dalembert.errors import ModelError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.assembly import Assembler
+from dalembert.model.assembly.guesses import AssembledState
 from dalembert.model.assembly.independence import Echelon, columns_of, independent_rows
+from dalembert.model.assembly.recipe import INCONSISTENT
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
 from dalembert.symbolic.formulas.expression import free_symbols, stack, t
@@ -43,21 +45,40 @@ def check_over_driving(owners: Owners, rows: list[int]) -> None:
             )
 
 
-def raise_contradiction(owners: Owners, independence: Echelon, row: int, open_by: float) -> None:
-    """Raise the error for a redundant row whose speed contradicts the rows it depends on.
+def shared_constraints(owners: Owners, independence: Echelon, row: int) -> tuple[str, ...]:
+    """Names of the other constraints whose equations a redundant row depends on."""
+    weights, constraint = independence.kernel({row: -1.0}), owners[row][0]
+    shared = (owners[k][0] for k in independence.pivots if abs(weights[k]) > SHARED)
+    return tuple(dict.fromkeys(c.name for c in shared if c is not constraint))
+
+
+def check_contradiction(
+    e: Equations,
+    owners: Owners,
+    independence: Echelon,
+    rows: list[int],
+    start: AssembledState,
+    p: np.ndarray,
+) -> None:
+    """Check that the speeds of redundant rows agree with the rows they depend on.
 
     Raises
     ------
     ModelError
-        Always; names its constraint and the contradicted ones.
+        Names a contradictory constraint and the constraints it depends on.
     """
-    weights, (constraint, component) = independence.kernel({row: -1.0}), owners[row]
-    others = (owners[k][0] for k in independence.pivots if abs(weights[k]) > SHARED)
-    names = dict.fromkeys(other.name for other in others if other is not constraint)
+    psi = ca.Function("speeds", [e.t, e.y, e.v, e.p], [e.velocity_constraints[rows]])
+    open_by = np.abs(psi(0.0, start.y, start.v, p).full().ravel())
+    shares = open_by * e.scales.time / e.scales.rows[rows]
+    worst = int(np.argmax(shares))
+    if shares[worst] <= INCONSISTENT:
+        return
+    constraint, component = owners[rows[worst]]
+    names = ", ".join(shared_constraints(owners, independence, rows[worst]))
     raise ModelError(
-        f"prescribes another speed than {', '.join(names)}, which determine the same coordinate "
-        f"(by {open_by:.3g} {constraint.units()[component]}/s at the start): over-driven "
-        "mechanism; remove one of them, or let them move alike",
+        f"prescribes another speed than {names}, which determine the same coordinate "
+        f"(by {open_by[worst]:.3g} {constraint.units()[component]}/s at the start): over-driven "
+        "mechanism; remove one of them, or make their speeds equal",
         constraint.name,
     )
 

@@ -237,14 +237,14 @@ class _Point(Generic[X]):
     size: float
 
 
-def _relative(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
+def relative(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
     """``|value| / zero``, and 0 for a residual of zero."""
     return np.where(value == 0, 0.0, np.abs(value) / zero)
 
 
 def _largest(value: np.ndarray, zero: np.ndarray) -> float:
-    return float(np.max(_relative(value, zero), initial=0.0))
+    return float(np.max(relative(value, zero), initial=0.0))
 
 
 def _norm(value: np.ndarray, zero: np.ndarray) -> float:
-    return float(np.linalg.norm(_relative(value, zero)))
+    return float(np.linalg.norm(relative(value, zero)))
