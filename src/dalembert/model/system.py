@@ -1,4 +1,4 @@
-"""The mutable, validating builder of a model."""
+"""Builder of mechanism models, with validation."""
 
 from __future__ import annotations
 

@@ -252,7 +252,7 @@ def _rates(symbols: ca.SX) -> ca.SX:
 
 
 def _speeds_of(lift: ca.SX, rate: ca.SX) -> ca.SX:
-    """``v`` with ``A v = ẏ``; A has more rows than columns where ``y`` are Euler parameters."""
+    """``v`` with ``A v = ẏ``; A has more rows than columns for Euler parameters."""
     if lift.is_eye():
         return rate
     if lift.shape[0] == lift.shape[1]:

@@ -94,6 +94,6 @@ class ParametricModel(ABC):
         Raises
         ------
         ExpressionError
-            A formula outside the grammar; ``UnknownNameError`` where a name is unknown.
+            A formula outside the grammar; ``UnknownNameError`` for an unknown name.
         """
         return self.names.expression(measure)

@@ -159,7 +159,7 @@ class _Failure:
         return list(dict.fromkeys([*prescribed, *loop[len(loop) // 2 :][:1], worst]))[:MAX_SUSPECTS]
 
     def violations(self, y: np.ndarray) -> dict[str, float]:
-        """Largest violation of each demand, in natural units."""
+        """Demand → largest violation, in natural units."""
         closeness = self.assembler.closeness(self.t, y, self.p)
         relative = np.nan_to_num(np.abs(closeness.value) / closeness.scale, nan=np.inf)
         return {name: float(relative[d.rows].max()) for name, d in self.demands.items()}

@@ -53,7 +53,7 @@ class TreeBasis:
 
     Parameters
     ----------
-    branches : parents before the bodies they carry; rows, columns and opened in this order
+    branches : parents before the bodies they carry; columns and open columns in this order
     speed_count : n, rows of ``v`` by body and not by branch
     """
 

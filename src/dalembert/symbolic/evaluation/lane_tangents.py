@@ -45,7 +45,7 @@ class LinearStep:
 
 
 class LaneTangents:
-    """Pushes directions through steps.
+    """Tangents of steps along several directions, in lanes.
 
     Parameters
     ----------

@@ -167,10 +167,6 @@ def _threaded(work, groups: list[np.ndarray], done: np.ndarray, width: int, work
         pool.shutdown(wait=True, cancel_futures=True)
 
 
-BLOCK = 4000
-"""Columns at once."""
-
-
 def in_blocks(columns: Columns, workers: int, *arguments: np.ndarray) -> list[np.ndarray]:
     """Results for many columns, evaluated in threads by machine code.
 

@@ -71,7 +71,7 @@ def _tridiagonal(a: list[Scalar], b: list[Scalar], c: list[Scalar], d: list[Scal
 
 
 def _cyclic(a: list[Scalar], b: list[Scalar], c: list[Scalar], d: list[Scalar]) -> list:
-    """The same with ``a_0`` in the last column and ``c_{n−1}`` in the first (Sherman–Morrison)."""
+    """Cyclic system: ``a_0`` in the last column, ``c_{n−1}`` in the first (Sherman–Morrison)."""
     n = len(b)
     if n == 2:
         off0, off1 = a[0] + c[0], a[1] + c[1]

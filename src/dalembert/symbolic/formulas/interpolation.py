@@ -180,7 +180,7 @@ def table(
 
     Parameters
     ----------
-    x, y, kind, outside, units, name, ends : as of ``Interpolation``
+    x, y, kind, outside, units, name, ends : as in ``Interpolation``
 
     Examples
     --------
