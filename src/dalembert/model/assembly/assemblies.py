@@ -19,16 +19,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
-from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.closure import Closure
 from dalembert.model.assembly.many_roots import ManyRoots
-from dalembert.model.assembly.position_search import RandomStarts
+from dalembert.model.assembly.position_search import RandomStarts, facing_function
 from dalembert.symbolic.evaluation.backends import VirtualMachine
 from dalembert.symbolic.evaluation.parallel import in_blocks
-from dalembert.symbolic.formulas.expression import stack
 
 CONFIDENCE = 0.95
 
@@ -131,9 +128,7 @@ class Assemblies:
         self.hits: list[int] = []
         self.singular: list[bool] = []
         self.not_isolated = 0
-        e, parts = closure.all_equations, closure.description.constraints
-        facing = at_ground(closure.description.ground, stack(c.facing() for c in parts))
-        self._facing = ca.Function("facing", [e.t, e.y, e.p], [ca.densify(facing)])
+        self._facing = facing_function(closure.description, closure.all_equations)
 
     def search(
         self, first: np.ndarray | None, count: int | None, rng: np.random.Generator

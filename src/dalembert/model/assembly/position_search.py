@@ -120,6 +120,12 @@ SAME = 1e-6
 """Threshold for the distance of equal positions, in natural sizes."""
 
 
+def facing_function(d: Description, e: Equations) -> ca.Function:
+    """``(t, y, p)`` → orientations of all joints, positive if correct."""
+    facing = at_ground(d.ground, stack(c.facing() for c in d.constraints))
+    return ca.Function("facing", [e.t, e.y, e.p], [ca.densify(facing)])
+
+
 @dataclass(frozen=True, eq=False)
 class Searched:
     """Result of a search.
@@ -150,11 +156,7 @@ class PositionSearch:
     def __init__(self, assembler: Assembler, d: Description, t: float, p: np.ndarray):
         self.assembler, self.d, self.t, self.p = assembler, d, t, p
         self.weight = np.where(assembler.guesses.missing, MISSING_WEIGHT, 1.0)
-        e, facing = (
-            assembler.equations,
-            at_ground(d.ground, stack(c.facing() for c in d.constraints)),
-        )
-        self._facing = ca.Function("facing", [e.t, e.y, e.p], [ca.densify(facing)])
+        self._facing = facing_function(d, assembler.equations)
 
     def near(self, y: np.ndarray) -> Searched:
         """Positions that satisfy all joints, drivers and initial conditions."""
