@@ -123,7 +123,7 @@ class ArrayEntries:
             if value.sx.is_constant():
                 np.add.at(self.constants, index, float(value.sx))
             else:
-                self._place(index, np.full(index.size, self._number(value.sx)))
+                self._append(index, np.full(index.size, self._number(value.sx)))
         elif isinstance(value, list) or np.asarray(value).dtype.hasobject:
             self._add_each(index, list(value))
         else:
@@ -149,7 +149,7 @@ class ArrayEntries:
             slot[index] = which
             with_formula = np.flatnonzero(slot[sources] >= 0)
             numbers = np.array([self._number(formula) for formula in other.formulas], dtype=int)
-            self._place(places[with_formula], numbers[slot[sources[with_formula]]])
+            self._append(places[with_formula], numbers[slot[sources[with_formula]]])
 
     @property
     def placed(self) -> tuple[np.ndarray, np.ndarray]:
@@ -172,6 +172,6 @@ class ArrayEntries:
             self.formulas.append(formula)
         return self._formula_numbers[key]
 
-    def _place(self, index: np.ndarray, which: np.ndarray) -> None:
+    def _append(self, index: np.ndarray, which: np.ndarray) -> None:
         self._index.append(index)
         self._which.append(which)

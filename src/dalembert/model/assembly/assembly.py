@@ -34,7 +34,7 @@ ROUNDING = 4 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
-class Closeness(newton.Residual):
+class ConstraintResidual(newton.Residual):
     """Violations of the position-level equations with their Jacobian.
 
     Attributes
@@ -46,9 +46,9 @@ class Closeness(newton.Residual):
     rounding: np.ndarray
     jacobian: scipy.sparse.csr_array = field(kw_only=True)
 
-    def some(self, rows: list[int]) -> Closeness:
+    def some(self, rows: list[int]) -> ConstraintResidual:
         """The violations of some equations."""
-        return Closeness(
+        return ConstraintResidual(
             self.value[rows], self.scale[rows], self.rounding[rows], jacobian=self.jacobian[rows]
         )
 
@@ -119,12 +119,12 @@ class Assembler:
         """The position after a displacement."""
         return self.manifold.go(y, step)
 
-    def closeness(self, t: float, y: np.ndarray, p: np.ndarray) -> Closeness:
+    def residual(self, t: float, y: np.ndarray, p: np.ndarray) -> ConstraintResidual:
         """Violations at a position, of the constraints and then of initial conditions."""
         value, scale, rounding, entries = self.violations(t, y, p)
         shape = self.row_count, self.longest.size
         jacobian = scipy.sparse.csr_array((entries, self.entry_columns, self._ends), shape)
-        return Closeness(value, scale, rounding, jacobian=jacobian)
+        return ConstraintResidual(value, scale, rounding, jacobian=jacobian)
 
     def scaled_jacobian(self, t: float, y: np.ndarray, p: np.ndarray) -> scipy.sparse.csr_array:
         """``C`` and the Jacobian of initial conditions, by displacements in natural units."""
@@ -190,15 +190,15 @@ class _Nearest(newton.Equations[np.ndarray]):
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         return self.assembler.displaced(x, step)
 
-    def residual(self, x: np.ndarray) -> Closeness:
-        closeness = self.assembler.closeness(self.t, x, self.p)
-        return closeness if self.rows is None else closeness.some(self.rows)
+    def residual(self, x: np.ndarray) -> ConstraintResidual:
+        residual = self.assembler.residual(self.t, x, self.p)
+        return residual if self.rows is None else residual.some(self.rows)
 
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
         return next(self.steps(x, residual))
 
     def steps(self, x: np.ndarray, residual: newton.Residual) -> Iterator[np.ndarray]:
-        assert isinstance(residual, Closeness)
+        assert isinstance(residual, ConstraintResidual)
         value = residual.value / residual.scale
         jacobian = scaled(residual.jacobian, 1 / residual.scale, 1 / self.weight)
         normal = jacobian @ jacobian.T

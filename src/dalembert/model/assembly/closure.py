@@ -20,7 +20,7 @@ from dalembert.model.assembly.failure import failure
 from dalembert.model.assembly.guesses import AssembledState, Guesses
 from dalembert.model.assembly.independence import determine_dependent, free_columns, rows_of
 from dalembert.model.assembly.placement import curve_searches, loosely_facing, placed_guesses
-from dalembert.model.assembly.position_search import PositionSearch, Searched
+from dalembert.model.assembly.position_search import PositionSearch, SearchResult
 from dalembert.model.assembly.recipe import (
     INCONSISTENT,
     FixedPositions,
@@ -66,7 +66,7 @@ class Closure:
     recipe : Recipe of the start
     assembler : Assembler, equations of positions
     jacobian : ``C`` of all rows at the assembled position, sparse, in natural units
-    searched : Searched, if only a search from random starts could assemble it; else None
+    searched : SearchResult, if only a search from random starts could assemble it; else None
     anchor : nominal parameters and the assembled position for them, the start of continuation
 
     Raises
@@ -86,7 +86,7 @@ class Closure:
         self.description, self.all_equations, self.nominal = description, equations, nominal
         self.guesses, self.scales = guesses, equations.scales
         self.owners: Owners = description.rows
-        self.searched: Searched | None = None
+        self.searched: SearchResult | None = None
         self._close(strict)
 
     def _fixed(self, expression: ca.SX) -> ca.SX:
@@ -258,7 +258,7 @@ class Closure:
         anchor_p, anchor_y = self.anchor
         y = self._follow(anchor_p, anchor_y, p, time)
         if self.lost:  # equations left out at the start may not hold for other parameters
-            left = self.assembler.closeness(time, y, p)
+            left = self.assembler.residual(time, y, p)
             if np.max(np.abs(left.value) / left.scale, initial=0.0) > STAYS_CLOSED:
                 raise failure(self.assembler, self.description, time, y, p)
         return self.state(y, p, time)

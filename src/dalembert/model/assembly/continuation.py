@@ -13,7 +13,7 @@ import numpy as np
 
 from dalembert.errors import AssemblyError
 from dalembert.model.assembly.failure import failure
-from dalembert.model.assembly.position_search import PositionSearch, Searched
+from dalembert.model.assembly.position_search import PositionSearch, SearchResult
 from dalembert.model.assembly.recipe import Pinned
 from dalembert.model.description import Description
 from dalembert.symbolic.equations import newton
@@ -91,7 +91,7 @@ def lost_branch(
     """
     assembler, (p0, y0) = pinned.assembler, anchor
     search = PositionSearch(assembler, d, t, p)
-    open_by = assembler.closeness(end.t, end.y, end.p).value
+    open_by = assembler.residual(end.t, end.y, end.p).value
     residual = float(np.abs(open_by).max(initial=0.0))
     reached, target = _values_text(d, end.p, p0, end.t), _values_text(d, p, p0, t)
     with_fixed = search.with_fixed(y0, pinned)
@@ -118,14 +118,14 @@ def _values_text(d: Description, p: np.ndarray, p0: np.ndarray, t: float) -> str
     return ", ".join(pairs)
 
 
-def branch_end(reached: str, target: str, residual: float, searched: Searched) -> AssemblyError:
+def branch_end(reached: str, target: str, residual: float, searched: SearchResult) -> AssemblyError:
     """The error for a branch that ends before the target, where other assemblies exist.
 
     Parameters
     ----------
     reached, target : parameters and time at the end of the branch, and at its target
     residual : of the first position without convergence
-    searched : Searched, with assembled positions at the target
+    searched : SearchResult, with assembled positions at the target
     """
     count, single = len(searched.positions), len(searched.positions) == 1
     return AssemblyError(

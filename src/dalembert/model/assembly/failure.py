@@ -18,7 +18,7 @@ from dalembert.elements.pair import PointJoint
 from dalembert.errors import AssemblyError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.assembly import Assembler
-from dalembert.model.assembly.position_search import Searched
+from dalembert.model.assembly.position_search import SearchResult
 from dalembert.model.description import Description
 from dalembert.model.tree.spanning_tree import analyse_topology
 
@@ -67,7 +67,7 @@ def failure(
     t: float,
     y: np.ndarray,
     p: np.ndarray,
-    searched: Searched | None = None,
+    searched: SearchResult | None = None,
 ) -> AssemblyError:
     """The error with the closest position near ``y``, or near the best one of a search."""
     if searched is not None and searched.residual < _open(assembler, t, y, p):
@@ -84,15 +84,15 @@ def failure(
         f"the mechanism cannot be assembled at t = {t:g} s: {position.text}{in_loop}{search_text}; "
         f"check the lengths {'of this loop ' if position.loop else ''}and the positions of fixed "
         "points, or give poses nearer to the closed mechanism",
-        float(np.abs(assembler.closeness(t, position.y, p).value).max(initial=0.0)),
+        float(np.abs(assembler.residual(t, position.y, p).value).max(initial=0.0)),
         position,
     )
 
 
 def _open(assembler: Assembler, t: float, y: np.ndarray, p: np.ndarray) -> float:
     """Largest residual in natural sizes."""
-    closeness = assembler.closeness(t, y, p)
-    relative = np.abs(closeness.value / closeness.scale)
+    residual = assembler.residual(t, y, p)
+    relative = np.abs(residual.value / residual.scale)
     return float(np.max(np.nan_to_num(relative, nan=np.inf), initial=0.0))
 
 
@@ -141,7 +141,7 @@ class _Failure:
     def closest(self, loose: list[int]) -> np.ndarray:
         """Position of minimum violation of some equations that satisfies all others."""
         assembler, scale = self.assembler, self.assembler.scales.displacements
-        sizes = assembler.closeness(self.t, self.y, self.p).scale
+        sizes = assembler.residual(self.t, self.y, self.p).scale
         x = ca.SX.sym("x", scale.size)
         there = assembler.manifold.retract(ca.SX(self.y), ca.SX(scale) * x)
         residual = assembler.position(self.t, there, self.p)[0] / sizes
@@ -160,8 +160,8 @@ class _Failure:
 
     def violations(self, y: np.ndarray) -> dict[str, float]:
         """Demand → largest violation, in natural units."""
-        closeness = self.assembler.closeness(self.t, y, self.p)
-        relative = np.nan_to_num(np.abs(closeness.value) / closeness.scale, nan=np.inf)
+        residual = self.assembler.residual(self.t, y, self.p)
+        relative = np.nan_to_num(np.abs(residual.value) / residual.scale, nan=np.inf)
         return {name: float(relative[d.rows].max()) for name, d in self.demands.items()}
 
     def position(self, y: np.ndarray, demand: _Demand, loop: tuple[str, ...]) -> OpenPosition:

@@ -127,7 +127,7 @@ def facing_function(d: Description, e: Equations) -> ca.Function:
 
 
 @dataclass(frozen=True, eq=False)
-class Searched:
+class SearchResult:
     """Result of a search.
 
     Attributes
@@ -158,12 +158,12 @@ class PositionSearch:
         self.weight = np.where(assembler.guesses.missing, MISSING_WEIGHT, 1.0)
         self._facing = facing_function(d, assembler.equations)
 
-    def near(self, y: np.ndarray) -> Searched:
+    def near(self, y: np.ndarray) -> SearchResult:
         """Positions that satisfy all joints, drivers and initial conditions."""
         roots = ManyRoots(self.assembler, self.t, self.p)
         return self._search(y, roots, roots.nearest)
 
-    def with_fixed(self, y: np.ndarray, pinned: Pinned) -> Searched:
+    def with_fixed(self, y: np.ndarray, pinned: Pinned) -> SearchResult:
         """Positions that satisfy the square system of the start, with its fixed coordinates."""
         roots = ManyRoots(self.assembler, self.t, self.p, pinned)
         return self._search(y, roots, roots.newton)
@@ -183,7 +183,7 @@ class PositionSearch:
         )
         return positions[0] if distances[1] <= FARTHER * distances[0] else None
 
-    def _search(self, y: np.ndarray, roots: ManyRoots, search) -> Searched:
+    def _search(self, y: np.ndarray, roots: ManyRoots, search) -> SearchResult:
         a, rng = self.assembler, np.random.default_rng(0)
         starts = RandomStarts(self.d, a.equations, a.guesses, y, self.p)
         size = max(a.longest.size, 1)
@@ -197,7 +197,7 @@ class PositionSearch:
         y_end, residual = (np.concatenate([getattr(e, x) for e in ends]) for x in ("y", "open"))
         positions = self._distinct(y, y_end[closed], roots)
         best = int(np.argmin(np.nan_to_num(residual, nan=np.inf)))
-        return Searched(len(y_end), positions, y_end[best], float(residual[best]))
+        return SearchResult(len(y_end), positions, y_end[best], float(residual[best]))
 
     def _closed(self, ends: Ends) -> np.ndarray:
         """(k,) which final positions are assembled, with joints in the correct orientation."""

@@ -170,14 +170,14 @@ class _Iteration(Generic[X]):
 
     def __init__(self, equations: Equations[X], x: X, settings: NewtonSettings):
         self.equations, self.settings = equations, settings
-        self.best = self.here = self._evaluate(x)
+        self.best = self.current = self._evaluate(x)
 
     def run(self) -> Solution[X]:
         """Iterate until a termination criterion is met."""
-        if not np.isfinite(self.here.size):
+        if not np.isfinite(self.current.size):
             return self._solution(Ending.NOT_FINITE, 0)
         for count in range(self.settings.max_iterations):
-            if self.here.size <= 1:
+            if self.current.size <= 1:
                 return self._solution(Ending.CONVERGED, count)
             try:
                 ending = self._advance()
@@ -185,12 +185,12 @@ class _Iteration(Generic[X]):
                 ending = Ending.SINGULAR
             if ending is not None:
                 return self._solution(ending, count)
-        ending_at_limit = Ending.CONVERGED if self.here.size <= 1 else Ending.ITERATIONS
+        ending_at_limit = Ending.CONVERGED if self.current.size <= 1 else Ending.ITERATIONS
         return self._solution(ending_at_limit, self.settings.max_iterations)
 
     def _advance(self) -> Ending | None:
         """Take a step; the reason to terminate, if there is one."""
-        here, equations, settings = self.here, self.equations, self.settings
+        here, equations, settings = self.current, self.equations, self.settings
         near = here.size <= settings.slack
         trials = 1 if near else settings.halvings + 1
         finite = False
@@ -210,7 +210,7 @@ class _Iteration(Generic[X]):
         return self._arrive(there, Ending.DIVERGED if diverged else None)
 
     def _arrive(self, there: _Point[X], ending: Ending | None) -> Ending | None:
-        self.here = there
+        self.current = there
         if there.size <= self.best.size:
             self.best = there
         return ending
@@ -221,7 +221,7 @@ class _Iteration(Generic[X]):
         return _Point(x, residual, zero, _largest(residual.value, zero))
 
     def _solution(self, ending: Ending, count: int) -> Solution[X]:
-        point = self.here if ending is Ending.CONVERGED else self.best
+        point = self.current if ending is Ending.CONVERGED else self.best
         accepted = point.size <= (1 if ending is Ending.CONVERGED else self.settings.slack)
         size = point.size * self.settings.tolerance
         return Solution(point.x, size, count, ending, bool(accepted))

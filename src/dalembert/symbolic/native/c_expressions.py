@@ -74,14 +74,14 @@ class Expressions(Instructions):
         if lanes:
             instruction, flag = "and" if node.op == "&&" else "or", self.real.flag
             return self.new(f"{instruction} {flag} {left}, {self.test(node.right)[0]}"), True
-        more, end, place = self.label("more"), self.label("end"), self.label("%x")
-        self.places.append(f"  {place} = alloca i1")
-        self.lines.append(f"  store i1 {left}, ptr {place}")
+        more, end, address = self.label("more"), self.label("end"), self.label("%x")
+        self.allocations.append(f"  {address} = alloca i1")
+        self.lines.append(f"  store i1 {left}, ptr {address}")
         self.branch(left, *((more, end) if node.op == "&&" else (end, more)))
         self.lines.append(f"{more}:")
-        self.lines.append(f"  store i1 {self.condition(node.right)}, ptr {place}")
+        self.lines.append(f"  store i1 {self.condition(node.right)}, ptr {address}")
         self.begin(end)
-        return self.new(f"load i1, ptr {place}"), False
+        return self.new(f"load i1, ptr {address}"), False
 
     def _constant(self, node: Any) -> Value:
         if node.type == "double" or "." in node.value or "e" in node.value.lower():
@@ -109,12 +109,14 @@ class Expressions(Instructions):
             name, kind = self.value(node.expr)
             return name, kind.target
         if isinstance(node, c_ast.StructRef):
-            place, kind = self.value(node.name) if node.type == "->" else self.address_of(node.name)
+            address, kind = (
+                self.value(node.name) if node.type == "->" else self.address_of(node.name)
+            )
             struct = kind.target if node.type == "->" else kind
             fields = self.module.structs[struct.name]
             number = [name for name, _ in fields].index(node.field.name)
             address = self.new(
-                f"getelementptr {struct.ir(self.real)}, ptr {place}, i32 0, i32 {number}"
+                f"getelementptr {struct.ir(self.real)}, ptr {address}, i32 0, i32 {number}"
             )
             return address, fields[number][1]
         raise NotTranslated(f"{type(node).__name__} is not a variable")
@@ -135,30 +137,30 @@ class Expressions(Instructions):
         if node.op == "*":
             return self._read(node)
         if node.op == "&":
-            place, kind = self.address_of(node.expr)
-            return place, pointer(kind)
+            address, kind = self.address_of(node.expr)
+            return address, pointer(kind)
         if node.op == "!":
             return self._flag_value(node)
         if node.op == "-":
             value = self.value(node.expr)
             return self._negate(value), value[1]
         if node.op in ("++", "--", "p++", "p--"):
-            place, kind = self.address_of(node.expr)
-            old = self.load(place, kind)
+            address, kind = self.address_of(node.expr)
+            old = self.load(address, kind)
             new = self._combine(node.op[-1], old, ("1", SMALL))
-            self.store(new, place, kind)
+            self.store(new, address, kind)
             return old if node.op[0] == "p" else new
         raise NotTranslated(f"unknown operator {node.op}")
 
     def _assignment(self, node: Any) -> Value:
         if node.op == "=":
             value = self.value(node.rvalue)
-            place, kind = self.address_of(node.lvalue)
-            return self.store(value, place, kind), kind
+            address, kind = self.address_of(node.lvalue)
+            return self.store(value, address, kind), kind
         right = self.value(node.rvalue)
-        place, kind = self.address_of(node.lvalue)
-        value = self._combine(node.op[:-1], self.load(place, kind), right)
-        return self.store(value, place, kind), kind
+        address, kind = self.address_of(node.lvalue)
+        value = self._combine(node.op[:-1], self.load(address, kind), right)
+        return self.store(value, address, kind), kind
 
     def _ternary(self, node: Any) -> Value:
         name, lanes = self.test(node.cond)
@@ -174,13 +176,13 @@ class Expressions(Instructions):
             value = self.value(branch)
             branches.append((self.lines, value))
         kind = max((value[1] for _, value in branches), key=_rank)
-        place = self.place(kind)
+        address = self.allocate(kind)
         for lines, value in branches:
             self.lines = lines
-            self.store(value, place, kind)
+            self.store(value, address, kind)
             before += [*self.lines, f"  br label %{end}"]
         self.lines = [*before, f"{end}:"]
-        return self.load(place, kind)
+        return self.load(address, kind)
 
     def _cast(self, node: Any) -> Value:
         kind = declared_type(node.to_type)

@@ -92,14 +92,20 @@ class _Function(Expressions):
         heads = []
         for number, kind in enumerate(self.kinds):
             name = self.node.decl.type.args.params[number].name
-            place = self.place(kind)
-            self.names[name] = (place, kind)
-            self.store((f"%g{number}", kind), place, kind)
+            address = self.allocate(kind)
+            self.names[name] = (address, kind)
+            self.store((f"%g{number}", kind), address, kind)
             heads.append(f"{kind.ir(self.real)} %g{number}")
         self.statement(self.node.body)
         head = f"define internal {self.result.ir(self.real)} @{self.node.decl.name}"
         last = "  ret void" if self.result is VOID else "  unreachable"
-        return [f"{head}({', '.join(heads)}) nounwind {{", *self.places, *self.lines, last, "}"]
+        return [
+            f"{head}({', '.join(heads)}) nounwind {{",
+            *self.allocations,
+            *self.lines,
+            last,
+            "}",
+        ]
 
     def statement(self, node: Any) -> None:
         """Write a statement."""
@@ -116,14 +122,14 @@ class _Function(Expressions):
 
     def _declaration(self, node: Any) -> None:
         kind = declared_type(node.type)
-        place = self.place(kind)
-        self.names[node.name] = (place, kind)
+        address = self.allocate(kind)
+        self.names[node.name] = (address, kind)
         if isinstance(node.init, c_ast.InitList):
             for number, expression in enumerate(node.init.exprs):
-                element = f"getelementptr {kind.ir(self.real)}, ptr {place}, i64 0, i64 {number}"
+                element = f"getelementptr {kind.ir(self.real)}, ptr {address}, i64 0, i64 {number}"
                 self.store(self.value(expression), self.new(element), kind.target)
         elif node.init is not None:
-            self.store(self.value(node.init), place, kind)
+            self.store(self.value(node.init), address, kind)
 
     def _declarations(self, node: Any) -> None:
         for declaration in node.decls:

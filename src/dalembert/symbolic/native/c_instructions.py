@@ -106,7 +106,7 @@ class Instructions:
     def __init__(self, module: Declarations):
         self.module, self.real = module, module.real
         self.lines: list[str] = []
-        self.places: list[str] = []
+        self.allocations: list[str] = []
         self.names: dict[str, Value] = {}
         self.count = 0
 
@@ -132,22 +132,22 @@ class Instructions:
     def branch(self, condition: str, yes: str, no: str) -> None:
         self.lines.append(f"  br i1 {condition}, label %{yes}, label %{no}")
 
-    def place(self, kind: CType) -> str:
+    def allocate(self, kind: CType) -> str:
         """Allocate a variable at the beginning of the function; its address."""
         self.count += 1
-        self.places.append(f"  %x{self.count} = alloca {kind.ir(self.real)}")
+        self.allocations.append(f"  %x{self.count} = alloca {kind.ir(self.real)}")
         return f"%x{self.count}"
 
-    def load(self, place: str, kind: CType) -> Value:
+    def load(self, address: str, kind: CType) -> Value:
         if kind.kind == "array":
-            return place, pointer(kind.target)
+            return address, pointer(kind.target)
         if kind.kind == "struct":
-            return place, kind
-        return self.new(f"load {kind.ir(self.real)}, ptr {place}{self._align(kind)}"), kind
+            return address, kind
+        return self.new(f"load {kind.ir(self.real)}, ptr {address}{self._align(kind)}"), kind
 
-    def store(self, value: Value, place: str, kind: CType) -> str:
+    def store(self, value: Value, address: str, kind: CType) -> str:
         name = self.convert(value, kind)
-        text = f"{kind.ir(self.real)} {name}, ptr {place}{self._align(kind)}"
+        text = f"{kind.ir(self.real)} {name}, ptr {address}{self._align(kind)}"
         self.lines.append(f"  store {text}")
         return name
 
