@@ -12,7 +12,7 @@ TRAPEZOIDAL = ButcherMatrix(((0.0, 0.0), (0.5, 0.5)), order=2)
 
 @dataclass(frozen=True, kw_only=True)
 class BackwardEuler(ImplicitRungeKutta):
-    """``x⁺ = x + h F(t + h, x⁺, z⁺)`` (5.6): order 1, damps whatever is fast.
+    """``x⁺ = x + h F(t + h, x⁺, z⁺)`` (5.6): order 1, L-stable: damps all fast modes.
 
     Examples
     --------
@@ -35,9 +35,9 @@ class BackwardEuler(ImplicitRungeKutta):
 
 @dataclass(frozen=True, kw_only=True)
 class Trapezoidal(ImplicitRungeKutta):
-    """``x⁺ = x + h/2 (F(t, x, z) + F(t + h, x⁺, z⁺))``: order 2, no damping at all.
+    """``x⁺ = x + h/2 (F(t, x, z) + F(t + h, x⁺, z⁺))``: order 2, A-stable, no damping.
 
-    The algebraic variables at the beginning of a step are those of the accelerations there.
+    The algebraic variables at the start of a step follow from the accelerations there.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Integrators that solve equations in every step."""
+"""Base class of implicit integrators."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class ImplicitIntegrator(Integrator, ABC):
     Parameters
     ----------
     tolerance : relative residual at which the iteration ends [-]
-    max_iterations : of Newton's method; a step that needs more has failed
+    max_iterations : upper limit of Newton iterations; a step that needs more fails
 
     Raises
     ------
     UnsupportedError
-        A tolerance that is not positive, or no iteration.
+        A tolerance that is not positive, or ``max_iterations`` below 1.
     """
 
     tolerance: float = 1e-12
@@ -49,4 +49,4 @@ class ImplicitIntegrator(Integrator, ABC):
 
     @abstractmethod
     def step(self, problem: Problem) -> Step:
-        """One step of given length."""
+        """Step of prescribed length."""

@@ -1,4 +1,4 @@
-"""Integrators by name: files, tables and comparisons are made from it."""
+"""Registry of integrators by name, used by files, tables and comparisons."""
 
 from __future__ import annotations
 

@@ -1,22 +1,22 @@
-"""The steps a march is going to take, some of which are halved where they fail."""
+"""Schedule of the steps ahead of a march, with halving of failed steps."""
 
 from __future__ import annotations
 
 import numpy as np
 
 HALVINGS = 6
-"""Times that a step is halved before the march ends."""
+"""Maximum number of times a step is halved before the march stops."""
 
 
-def told_halves(count: int) -> list[str]:
-    """What a run is warned of that has halved steps so often."""
+def halving_warnings(count: int) -> list[str]:
+    """Warnings of a run that has halved ``count`` steps."""
     steps = f"{count} step{'s' if count > 1 else ''}"
     text = f"Newton's method failed in {steps}, taken in halves instead; use a shorter step"
     return [text] if count else []
 
 
 class Schedule:
-    """Steps of length ``h`` from ``t``, in the order in which they are taken.
+    """Scheduled steps of length ``h`` from ``t``, in order.
 
     Parameters
     ----------
@@ -30,14 +30,15 @@ class Schedule:
         self.halved = 0
 
     def part(self, begin: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """``t``, ``h``, ``corrected`` of steps."""
-        some = slice(begin, begin + count)
-        return self.t[some], self.h[some], self.corrected[some]
+        """``t``, ``h``, ``corrected`` of ``count`` steps from ``begin``."""
+        part = slice(begin, begin + count)
+        return self.t[part], self.h[part], self.corrected[part]
 
     def halve(self, k: int) -> bool:
-        """Put two steps in the place of the k-th; False where that has been done too often.
+        """Replace step k by two halves; False if it is too short to be halved again.
 
-        The second one ends as the whole step would have, where all steps do both of them.
+        The second half ends with the correction of the original step. The first half does so
+        only if all steps are corrected.
         """
         half = self.h[k] / 2
         if half < self.shortest[k]:
@@ -53,31 +54,31 @@ class Schedule:
 
 
 class Grid:
-    """Times that steps lead to, whatever happens between them.
+    """Grid of times that the steps of a march must hit.
 
     Parameters
     ----------
-    given : the times, in order [s]
+    times : prescribed times, ascending [s]
     """
 
-    def __init__(self, given: np.ndarray):
-        self.given = self.times = given
-        self.shortest = shortest(np.diff(given))
+    def __init__(self, times: np.ndarray):
+        self.prescribed = self.times = times
+        self.shortest = shortest(np.diff(times))
 
     @property
     def halved(self) -> int:
-        """How many times have been put in."""
-        return self.times.size - self.given.size
+        """Number of times inserted by halving."""
+        return self.times.size - self.prescribed.size
 
     def halve(self, t: float, h: float) -> bool:
-        """Put in the middle of a step; False where that has been done too often."""
+        """Insert the midpoint of a step; False if the step is too short to be halved again."""
         middle = t + h / 2
-        if h / 2 < self.shortest[np.searchsorted(self.given, middle) - 1]:
+        if h / 2 < self.shortest[np.searchsorted(self.prescribed, middle) - 1]:
             return False
         self.times = np.insert(self.times, np.searchsorted(self.times, middle), middle)
         return True
 
 
 def shortest(h: np.ndarray) -> np.ndarray:
-    """The least lengths of the parts of steps."""
+    """Minimum lengths of the parts of halved steps."""
     return h / (1.5 * 2**HALVINGS)

@@ -1,4 +1,4 @@
-"""Tolerances of methods that control their errors."""
+"""Tolerances of integrators with error control."""
 
 from __future__ import annotations
 
@@ -7,37 +7,37 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Problem
 
-LEAST = 1e-10
-"""Smallest absolute tolerance by natural sizes, where none is given."""
+ATOL_FLOOR = 1e-10
+"""Lower limit of the default absolute tolerance, relative to natural sizes [-]."""
 
 
 def share(rtol: float) -> float:
-    """Absolute tolerance by natural sizes, where none is given: a hundredth of the relative one."""
-    return max(LEAST, 1e-2 * rtol)
+    """Default absolute tolerance relative to natural sizes: a hundredth of ``rtol``."""
+    return max(ATOL_FLOOR, 1e-2 * rtol)
 
 
 def absolute(atol: float | None, share: float, problem: Problem, count: int) -> np.ndarray:
-    """(count,) absolute tolerances of x: given, or a share of the natural sizes."""
+    """(count,) absolute tolerances of x: ``atol``, by default a share of the natural sizes."""
     return share * natural(problem, count) if atol is None else np.full(count, atol)
 
 
 def natural(problem: Problem, count: int) -> np.ndarray:
-    """(count,) natural sizes of the entries of x; units for what methods remember beside."""
-    found = np.ones(count)
+    """(count,) natural sizes of the entries of x; ones for the memory of a method."""
+    sizes = np.ones(count)
     if problem.sizes is not None:
-        found[: problem.sizes.size] = problem.sizes
-    return found
+        sizes[: problem.sizes.size] = problem.sizes
+    return sizes
 
 
 def check_tolerances(
     name: str, rtol: float, atol: float | None, max_step: float | None = None
 ) -> None:
-    """Tolerances and the longest step must be positive.
+    """Raise unless tolerances and the longest step are positive.
 
     Raises
     ------
     UnsupportedError
-        Names the method and what it was given.
+        Names the method and the invalid value.
     """
     if not (rtol > 0 and (atol is None or atol > 0)):
         raise UnsupportedError(f"{name}(rtol={rtol}, atol={atol}): tolerances must be positive")

@@ -16,7 +16,7 @@ import numpy as np
 from dalembert.analysis.batch.side_by_side import SideBySide
 from dalembert.analysis.batch.states import MarchedStates
 from dalembert.integrators.base import Attempt
-from dalembert.integrators.marching.method_choice import MOST, STIFF
+from dalembert.integrators.marching.method_choice import STIFF, STIFF_SHARE
 from dalembert.model.model import Model
 from dalembert.symbolic.evaluation.lane_march import LaneMarch
 from dalembert.symbolic.once import once
@@ -115,7 +115,7 @@ class AdaptiveSteps(SideBySide):
                 stiff[k] += np.sum(stiffness[taken] > STIFF)
                 _place(begins[k], times, old[taken, head:-5], t[taken], h[taken], new[taken, 0])
             steps = self._taken[designs]
-            late = (steps > SUSPECTED) & (stiff >= MOST * steps)
+            late = (steps > SUSPECTED) & (stiff >= STIFF_SHARE * steps)
             if not np.all(np.isfinite(state)) or np.any(late):
                 lost = late | ~np.all(np.isfinite(state), axis=1)
                 begins[lost], state[lost] = np.nan, state[np.argmin(lost)]  # lost from the start

@@ -40,7 +40,7 @@ from dalembert.integrators.marching.changing_march import ChangingMarch
 from dalembert.integrators.marching.march import SHORT_CHUNK
 from dalembert.integrators.marching.method_choice import MethodChoice
 from dalembert.integrators.marching.steps import Crossing, Steps, Switch, Watch, standstill
-from dalembert.integrators.schedule import told_halves
+from dalembert.integrators.schedule import halving_warnings
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord
@@ -141,7 +141,7 @@ class DynamicsRun:
         found = doubts(formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
         found += self.forewarned
         found += self.contacts.doubts if self.contacts else []
-        found += told_halves(self.halved(motion.record.steps))
+        found += halving_warnings(self.halved(motion.record.steps))
         if motion.status.success:
             found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
         found += elastic_doubts(self.model, motion.trajectory, self.p)
@@ -277,7 +277,7 @@ class DynamicsRun:
         if self.kernel.adaptive is None or not self.kernel.equations.switches.count:
             return found
         if found is not None:
-            times, states = times[: found.kept + 2], states[:, : found.kept + 2]
+            times, states = times[: found.accepted + 2], states[:, : found.accepted + 2]
         other = self.switches.cross(times, states, mode)
         if found is None or other is None:
             return found or other

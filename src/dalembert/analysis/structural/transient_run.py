@@ -27,7 +27,7 @@ from dalembert.budget import afford
 from dalembert.integrators.marching.checkpoints import Recorder
 from dalembert.integrators.marching.steps import Steps
 from dalembert.integrators.newmark.rule import Moving
-from dalembert.integrators.schedule import Schedule, told_halves
+from dalembert.integrators.schedule import Schedule, halving_warnings
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.evaluation.factors import factors_of
@@ -207,7 +207,7 @@ class TransientRun:
         motion = motion_at(march, a, placed, branches, status, statistics)
         timing.lap("outputs")
         motion.statistics |= timing.statistics
-        motion.warnings = told_halves(march.steps.rejected)
+        motion.warnings = halving_warnings(march.steps.rejected)
         if not a.nonlinear:
             motion.warnings += self._linear_doubts(motion, march)
         return motion

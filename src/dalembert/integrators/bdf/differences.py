@@ -1,4 +1,4 @@
-"""Backward differences of equal spacing, and the formulas that use them."""
+"""Backward differences of equal spacing and the BDF coefficients."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 KAPPA = np.array([0, -0.1850, -1 / 9, -0.0823, -0.0415, 0, 0])
-"""By order: of the numerical differentiation formulas (Klopfenstein 1971)."""
+"""κ_k by order: numerical differentiation formulas (Klopfenstein 1971)."""
 GAMMA = np.append(0, np.cumsum(1 / np.arange(1, 7)))
 ALPHA = (1 - KAPPA) * GAMMA
 ERROR = KAPPA * GAMMA + 1 / np.arange(1, 8)
@@ -16,12 +16,12 @@ ERROR = KAPPA * GAMMA + 1 / np.arange(1, 8)
 
 
 def by_order(k: ca.SX, values: Sequence[float]) -> ca.SX:
-    """``values[k]`` for an order that is known during the run only."""
+    """``values[k]`` for a symbolic order k."""
     return sum(((k == j) * float(v) for j, v in enumerate(values) if j), ca.SX(0))
 
 
 def rescaling(order: int, factor: ca.SX) -> ca.SX:
-    """(order, order) matrix that takes rows ``[D₁ … D_k]`` to the spacing ``factor``.
+    """(order, order) matrix that rescales rows ``[D₁ … D_k]`` to spacing ``factor``.
 
     It is ``R(θ) R(1)`` with ``R_ij = Π_{m≤i} (m − 1 − θ j)/m`` (Shampine and Reichelt 1997).
     """

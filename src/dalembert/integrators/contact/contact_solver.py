@@ -1,4 +1,4 @@
-"""Impulses of contacts with friction: Newton's method, and its proximal form where it fails."""
+"""Solver for frictional contact impulses: semismooth Newton with proximal point fallback."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from dalembert.integrators.contact.friction_problem import FrictionProblem
 from dalembert.integrators.contact.semismooth_newton import semismooth_newton
 from dalembert.options import options
 
-WEIGHT, STRONGER, WEAKER, MOST, LEAST = 0.01, 4.0, 0.3, 1.0, 1e-11
-"""Of the nearness to the impulses before: at first, after a failure, after a success, at most, at
-least."""
-SHARE, ENOUGH = 0.01, 0.3
-"""Residual of a proximal problem, as a share of that of the problem itself and of the tolerance."""
+WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 0.01, 4.0, 0.3, 1.0, 1e-11
+"""Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
+RESIDUAL_SHARE, TOLERANCE_SHARE = 0.01, 0.3
+"""Tolerance of a proximal problem relative to the residual and to the tolerance of the original
+problem; the larger one counts [-]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Impulses:
-    """What a solver found.
+    """Impulses of a contact problem and their residual.
 
     Attributes
     ----------
     impulses : (n, k)
-    residual : largest speed by which the conditions are missed [m/s]
-    converged : the residual is within the tolerance
-    rounds : of the proximal method; 0 where Newton's alone was enough
+    residual : largest violation of the conditions [m/s]
+    converged : whether the residual is within the tolerance
+    rounds : iterations of the proximal method; 0 if Newton's method converged alone
     """
 
     impulses: np.ndarray
@@ -38,17 +38,17 @@ class Impulses:
 
 @options
 class ContactSolver:
-    """Semismooth Newton (Alart & Curnier 1991) from the impulses of the step before.
+    """Semismooth Newton method (Alart & Curnier 1991), started from the previous impulses.
 
-    Where it gets stuck the proximal point method follows: again and again the same problem with
+    If it stagnates, the proximal point method follows: it solves a sequence of problems with
     ``H + α D`` and ``b − α D P``, ``D`` the diagonal of ``H``, whose solution is the next ``P``.
-    Its problems are definite, so that Newton's method solves them, and its limit solves the one
-    given (Acary, Brémond & Huber 2018).
+    These problems are definite, so that Newton's method converges, and their limit solves the
+    original problem (Acary, Brémond & Huber 2018).
 
     Parameters
     ----------
-    tolerance : largest residual, relative to the largest speed of a contact
-    max_iterations : rounds of the proximal method
+    tolerance : upper limit of the residual, relative to the largest speed of a contact [-]
+    max_iterations : upper limit of iterations of the proximal method
 
     Examples
     --------
@@ -60,7 +60,7 @@ class ContactSolver:
     >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor]))
     >>> solver = da.ContactSolver(tolerance=1e-12)
     >>> motion = da.solve_nonsmooth(system.build(), 0.5, step=0.01, solver=solver)
-    >>> round(float(motion.impulse("hits").sum()), 6)  # m g t: all that gravity gave
+    >>> round(float(motion.impulse("hits").sum()), 6)  # m g t, the impulse of gravity
     5.0
     """
 
@@ -76,47 +76,50 @@ class ContactSolver:
             raise UnsupportedError(text)
 
     def solve(self, problem: FrictionProblem, start: np.ndarray | None = None) -> Impulses:
-        """Impulses of a problem, from ``start`` if given."""
-        begun = np.zeros(problem.shape) if start is None else start
-        allowed = self.tolerance * problem.size(begun)
-        found = semismooth_newton(problem, begun, allowed)
-        left = problem.residual(found)
-        allowed = self.tolerance * problem.size(found)
-        if left <= allowed:
-            return Impulses(found, left, True)
-        stuck = semismooth_newton(problem, sticking(problem), allowed)
-        left = problem.residual(stuck)
-        if left <= self.tolerance * problem.size(stuck):
-            return Impulses(stuck, left, True)
-        return self._proximal(problem, begun, self.tolerance * problem.size(begun))
+        """Impulses of a problem, from an initial guess ``start``, zero by default."""
+        guess = np.zeros(problem.shape) if start is None else start
+        allowed = self.tolerance * problem.size(guess)
+        impulses = semismooth_newton(problem, guess, allowed)
+        residual = problem.residual(impulses)
+        allowed = self.tolerance * problem.size(impulses)
+        if residual <= allowed:
+            return Impulses(impulses, residual, True)
+        impulses = semismooth_newton(problem, sticking(problem), allowed)
+        residual = problem.residual(impulses)
+        if residual <= self.tolerance * problem.size(impulses):
+            return Impulses(impulses, residual, True)
+        return self._proximal(problem, guess, self.tolerance * problem.size(guess))
 
-    def _proximal(self, problem: FrictionProblem, found: np.ndarray, allowed: float) -> Impulses:
-        weight, left, rounds = WEIGHT, problem.residual(found), 0
-        best = found, left
-        while best[1] > allowed and rounds < self.max_iterations and np.isfinite(left):
-            near = nearer(problem, found, weight)
-            wanted = max(SHARE * left, ENOUGH * allowed)
-            tried = semismooth_newton(near, found, wanted)
-            solved = near.residual(tried) <= wanted
-            weight = max(weight * WEAKER, LEAST) if solved else min(weight * STRONGER, MOST)
+    def _proximal(self, problem: FrictionProblem, impulses: np.ndarray, allowed: float) -> Impulses:
+        weight, residual, rounds = WEIGHT, problem.residual(impulses), 0
+        best = impulses, residual
+        while best[1] > allowed and rounds < self.max_iterations and np.isfinite(residual):
+            proximal = proximal_problem(problem, impulses, weight)
+            tolerance = max(RESIDUAL_SHARE * residual, TOLERANCE_SHARE * allowed)
+            trial = semismooth_newton(proximal, impulses, tolerance)
+            solved = proximal.residual(trial) <= tolerance
+            changed = weight * (DECREASE if solved else INCREASE)
+            weight = min(max(changed, WEIGHT_MIN), WEIGHT_MAX)
             rounds += 1
-            if solved or weight == MOST:
-                found, left = tried, problem.residual(tried)
-                best = min(best, (found, left), key=lambda pair: pair[1])
+            if solved or weight == WEIGHT_MAX:
+                impulses, residual = trial, problem.residual(trial)
+                best = min(best, (impulses, residual), key=lambda pair: pair[1])
         return Impulses(*best, bool(best[1] <= allowed), rounds)
 
 
 def sticking(problem: FrictionProblem) -> np.ndarray:
-    """Impulses that stop all contacts: where friction jams sliding (Painlevé) no others may do."""
-    wanted = -problem.velocity.ravel()
-    if not (np.isfinite(problem.matrix).all() and np.isfinite(wanted).all()):
+    """Impulses that stop all contacts, the only solution when sliding jams (Painlevé)."""
+    change = -problem.velocity.ravel()
+    if not (np.isfinite(problem.matrix).all() and np.isfinite(change).all()):
         return np.zeros(problem.shape)
-    found = np.linalg.lstsq(problem.matrix, wanted, rcond=None)[0]
-    return found.reshape(problem.shape)
+    impulses = np.linalg.lstsq(problem.matrix, change, rcond=None)[0]
+    return impulses.reshape(problem.shape)
 
 
-def nearer(problem: FrictionProblem, impulses: np.ndarray, weight: float) -> FrictionProblem:
-    """The problem with a share of the way back to some impulses."""
+def proximal_problem(
+    problem: FrictionProblem, impulses: np.ndarray, weight: float
+) -> FrictionProblem:
+    """The problem with a proximal term at ``impulses``."""
     normal, along = problem.mobility
     diagonal = weight * np.column_stack([normal, *[along] * (problem.shape[1] - 1)])
     matrix = problem.matrix.copy()

@@ -1,4 +1,4 @@
-"""How far an estimated error exceeds what is allowed, along the constraints and off them."""
+"""Norm of the error estimate relative to the tolerance, along and off the constraints."""
 
 from __future__ import annotations
 
@@ -14,16 +14,17 @@ Graph = TypeVar("Graph", ca.SX, ca.MX)
 def relative_error(
     problem: Problem, t: Graph, x: Graph, p: Graph, error: Graph, allowed: Graph
 ) -> Graph:
-    """Entries of the error over what is allowed; a step is good where none exceeds one.
+    """Entries of the error relative to the tolerance; a step is accepted if none exceeds 1.
 
-    Where a correction moves states back onto the constraints (``problem.tangential``), what points
-    off them is no error of the motion. It is allowed the square root of the tolerance, so that the
-    correction finds its way; in a fully driven mechanism nothing else limits the step.
+    If a correction projects states onto the constraints (``problem.tangential``), the error
+    component off the constraints is no error of the motion. Its tolerance is the square root, so
+    that the correction converges; in a fully driven mechanism nothing else limits the step.
 
     Parameters
     ----------
-    t, x, p : where the step arrives
-    error, allowed : of all states; only the leading ``problem.controlled`` count
+    t, x, p : at the end of the step
+    error, allowed : estimated error and tolerance of all states; only the leading
+        ``problem.controlled`` entries are used
     """
     count = problem.controlled
     if problem.tangential is None:
@@ -35,10 +36,10 @@ def relative_error(
 
 
 def impulsive(problem: Problem, h: Graph, allowed: Graph) -> Graph:
-    """Allowed errors where constraint forces of a step move the speeds: ``h`` times as much counts.
+    """Allowed errors for index 3 without correction: errors of speeds count ``h`` times.
 
-    Off the constraints of index 3, errors of speeds do not shrink with the step; they matter as
-    those of positions that they make within it.
+    Off the constraints of index 3, errors of speeds do not decrease with the step; they are
+    measured by the position errors that they cause within the step.
     """
     first, last = problem.positions, problem.controlled
     speeds = ca.fmax(allowed[first:last], allowed[: last - first] / h)
@@ -46,7 +47,7 @@ def impulsive(problem: Problem, h: Graph, allowed: Graph) -> Graph:
 
 
 def largest(ratios: Graph) -> Graph:
-    """The largest entry; infinite where one is not a number, which a maximum would overlook."""
+    """The largest entry; infinite if any is NaN, which a maximum would ignore."""
     if not ratios.numel():
-        return ca.sumsqr(ratios)  # zero: there is nothing to be wrong
+        return ca.sumsqr(ratios)  # zero: no entries
     return ca.if_else(ca.sumsqr(ratios) < ca.inf, ca.mmax(ratios), ca.inf)

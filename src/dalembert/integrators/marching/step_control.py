@@ -1,4 +1,4 @@
-"""What follows an attempted step: keep or refuse it, and the length of the next."""
+"""Step size control: acceptance of an attempted step and length of the next."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TypeVar
 import casadi as ca
 
 STANDSTILL = 1e-10
-"""Errors, relative to the tolerance, below which the growth of the step asks no further."""
+"""Lower limit of the relative error in the step size controller [-]."""
 Graph = TypeVar("Graph", ca.SX, ca.MX)
 
 
@@ -20,23 +20,23 @@ def decide(
     error_order: int,
     stiffness: Graph | float = 0.0,
 ) -> tuple[Graph, Graph]:
-    """What follows an attempt with ``state = [t; proposed; last error; x]``, and its record.
+    """State and record after an attempt with ``state = [t; proposed; last error; x]``.
 
     The length follows a PI controller (Gustafsson 1991).
 
     Parameters
     ----------
     end : of the run
-    h, new : step length taken and state reached
-    ratio : estimated error relative to the tolerance; not finite where the step failed
-    error_order : ``q`` where the estimate falls as ``h^(q+1)``
+    h, new : length of the step and state after it
+    ratio : estimated error relative to the tolerance; not finite if the step failed
+    error_order : ``q`` if the estimate is of order ``h^(q+1)``
     stiffness : estimate of ``h ρ(∂F/∂x)``
     """
     t, proposed, last, x = state[0], state[1], state[2], state[3:]
-    sound = ca.logic_and(ratio <= 1e30, ca.sumsqr(new) < ca.inf)  # false for NaN as well
-    finite = ca.if_else(sound, ratio, 1e30)
+    valid = ca.logic_and(ratio <= 1e30, ca.sumsqr(new) < ca.inf)  # false for NaN as well
+    finite = ca.if_else(valid, ratio, 1e30)
     accepted = finite <= 1
-    # the clipped last step must not make the controller believe in short steps
+    # a step clipped to the end must not shorten the proposed length
     factor = _growth(finite, last, accepted, error_order + 1)
     h_new = ca.if_else(ca.logic_and(accepted, h < proposed), proposed, h * factor)
     following = ca.vertcat(
@@ -49,7 +49,7 @@ def decide(
 
 
 def arrival(t: Graph, h: Graph, end: Graph) -> Graph:
-    """``t + h``; the end itself where rounding would leave a step of no length to it."""
+    """``t + h``, or the end itself if only a step of rounding size would remain."""
     return ca.if_else(end - (t + h) <= 1e-12 * ca.fmax(ca.fabs(t), ca.fabs(end)), end, t + h)
 
 

@@ -1,4 +1,4 @@
-"""Newmark's method, and what it has in common with its relatives."""
+"""Newmark family: Newmark, generalised-α and HHT methods."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dalembert.options import options
 
 @options(kw_only=True)
 class NewmarkFamily(ImplicitIntegrator, ABC):
-    """Method given by its four coefficients, in the form of Arnold and Brüls (2007)."""
+    """Method defined by its four coefficients, in the form of Arnold and Brüls (2007)."""
 
     @property
     @abstractmethod
@@ -45,8 +45,8 @@ class Newmark(NewmarkFamily):
     Raises
     ------
     UnsupportedError
-        ``γ`` below 1/2 (unstable) or ``β`` that is not positive; on running: ``γ = 1/2`` with
-        ``Dae(index=3)`` and no projection, where disturbances of accelerations grow.
+        ``γ`` below 1/2 (unstable) or ``β`` that is not positive; at run time: ``γ = 1/2`` with
+        ``Dae(index=3)`` and no projection, where perturbations of accelerations grow.
 
     Examples
     --------
@@ -60,7 +60,7 @@ class Newmark(NewmarkFamily):
     >>> bar.initial(b, ux=1.0)
     >>> motion = da.solve_transient(bar.build(), 50.0, step=0.05, integrator=da.Newmark())
     >>> kinetic, strain = motion["kinetic_energy"], 50 * motion["b.ux"]**2
-    >>> bool(abs(kinetic + strain - 50).max() < 1e-9)  # keeps k x²/2 for ever
+    >>> bool(abs(kinetic + strain - 50).max() < 1e-9)  # conserves k x²/2
     True
     """
 
@@ -71,7 +71,7 @@ class Newmark(NewmarkFamily):
         super().__post_init__()
         if self.gamma < 0.5 or not self.beta > 0:
             raise UnsupportedError(
-                f"Newmark(gamma={self.gamma}, beta={self.beta}): needs gamma ≥ 1/2 (it is unstable "
+                f"Newmark(gamma={self.gamma}, beta={self.beta}): needs gamma ≥ 1/2 (unstable "
                 "below) and beta > 0"
             )
 

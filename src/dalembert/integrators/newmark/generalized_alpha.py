@@ -1,4 +1,4 @@
-"""Methods of order 2 that damp what is too fast for the step, and little else."""
+"""Second-order methods with controllable numerical dissipation at high frequencies."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class HHT(NewmarkFamily):
     >>> bar.support(a)
     >>> bar.initial(b, ux=1.0)
     >>> motion = da.solve_transient(bar.build(), 5.0, step=0.05, integrator=da.HHT(alpha=0.1))
-    >>> bool(abs(motion["b.ux"][-1]) < 1e-6)  # what is too fast for the step dies away
+    >>> bool(abs(motion["b.ux"][-1]) < 1e-6)  # high frequencies are damped out
     True
     """
 
@@ -89,8 +89,8 @@ class HHT(NewmarkFamily):
         super().__post_init__()
         if not 0 <= self.alpha <= 1 / 3:
             raise UnsupportedError(
-                f"HHT(alpha={self.alpha}): alpha is between 0 and 1/3 (where it is written as "
-                "negative, turn the sign)"
+                f"HHT(alpha={self.alpha}): alpha is between 0 and 1/3 (texts with negative alpha "
+                "use the opposite sign)"
             )
 
     @property

@@ -1,4 +1,4 @@
-"""Coefficients of the method of Dormand and Prince of order 8(5,3)."""
+"""Coefficients of the Dormand–Prince method of order 8(5,3)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Explicit Runge–Kutta integrators, as users choose them."""
+"""Explicit Runge–Kutta integrators."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from dalembert.options import options
 
 @dataclass(frozen=True)
 class ExplicitRungeKutta(Integrator, ABC):
-    """Explicit method given by its tableau: ``x⁺ = x + h Σ b_i k_i``.
+    """Explicit method defined by its tableau: ``x⁺ = x + h Σ b_i k_i``.
 
     Raises
     ------
     UnsupportedError
-        On use: a formulation that gives no accelerations.
+        On use: a formulation that provides no accelerations.
     """
 
     @property
@@ -194,8 +194,8 @@ class AdaptiveRungeKutta(ExplicitRungeKutta):
 
     def attempt(self, problem: Problem, step: Step) -> Attempt:
         assert isinstance(step, ExplicitStep)
-        least = absolute(self.atol, share(self.rtol), problem, step.size)
-        return embedded_attempt(problem, step, self.rtol, least)
+        atol = absolute(self.atol, share(self.rtol), problem, step.size)
+        return embedded_attempt(problem, step, self.rtol, atol)
 
 
 @dataclass(frozen=True)

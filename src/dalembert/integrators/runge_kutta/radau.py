@@ -1,4 +1,4 @@
-"""Radau IIA of order 5 with control of the step length."""
+"""Radau IIA of order 5 with step size control."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ RADAU_IIA = ButcherMatrix(
 )
 """Hairer and Wanner (1996), IV.5."""
 FILTER = (6 - 9 ** (1 / 3) + 81 ** (1 / 3)) / 30
-"""``γ₀``: the real eigenvalue of the matrix."""
+"""``γ₀``: real eigenvalue of the Butcher matrix."""
 ESTIMATE = FILTER / 3 * np.array([-13 - 7 * _R, -13 + 7 * _R, -1]) @ np.array(RADAU_IIA.a)
-"""Weights of the rates at the stages in the estimate of the error; ``γ₀`` is that of the first."""
+"""Weights of the stage rates in the error estimate; the rate at the old state has ``γ₀``."""
 ERROR_ORDER = 3
 
 
@@ -43,7 +43,7 @@ class Radau(ImplicitRungeKutta):
 
     Positions and speeds have order 5 with ``Dae(index=1)``, ``Dae(index=2)`` and its stabilised
     form; with index 3 positions have order 5 and speeds order 3, unless a ``Projection`` follows.
-    Without it errors of speeds count h times there: their part off the constraints stays.
+    Without it errors of speeds count h times there, as their part off the constraints remains.
     A step is accepted when ``max |e_i| / (atol + rtol |x_i|) ≤ 1`` over coordinates and speeds,
     with ``e = (I − hγ₀J)⁻¹ h (γ₀ F₀ + Σ w_i F_i)`` (Hairer and Wanner 1996, IV.8).
 
@@ -108,10 +108,10 @@ class Radau(ImplicitRungeKutta):
         end, longest, p = fixed[0], fixed[1], fixed[2:]
         h = ca.fmin(ca.fmin(proposed, longest), end - t)
         new, rates, _ = step.solve(t, h, x, p)
-        corrected = step.finished(t + h, new, p)
+        corrected = step.corrected(t + h, new, p)
         error = _estimate(step, t, h, x, p, rates)
-        least = ca.DM(absolute(self.atol, share(self.rtol), problem, step.size))
-        allowed = least + self.rtol * ca.fmax(ca.fabs(x), ca.fabs(corrected))
+        atol = ca.DM(absolute(self.atol, share(self.rtol), problem, step.size))
+        allowed = atol + self.rtol * ca.fmax(ca.fabs(x), ca.fabs(corrected))
         if problem.tangential is None and problem.system.index == 3:
             allowed = impulsive(problem, h, allowed)
         ratio = largest(relative_error(problem, t + h, new, p, error, allowed))
@@ -122,7 +122,7 @@ class Radau(ImplicitRungeKutta):
 
 
 def _estimate(step: CollocationStep, t, h, x, p, rates: ca.MX) -> ca.MX:
-    """Error of the new state, with what is stiff or leaves the constraints filtered out."""
+    """Error of the new state, filtered of stiff components and of those off the constraints."""
     u, begin = step.begin_rates(t, h, x, p)
     raw = h * (FILTER * begin + ca.mtimes(rates, ca.DM(ESTIMATE)))
     matrix, rhs, change = _linearised(step)
@@ -132,7 +132,7 @@ def _estimate(step: CollocationStep, t, h, x, p, rates: ca.MX) -> ca.MX:
 
 
 def _linearised(step: CollocationStep) -> tuple[ca.Function, ca.Function, ca.Function]:
-    """How a disturbance of the old state changes the result of one implicit stage of length γ₀h."""
+    """Linearisation of one implicit stage of length γ₀h by a disturbance of the old state."""
     e, s = step.equations, step.equations.system
     at = (s.t, ca.SX.sym("h"), s.x, ca.SX.sym("u", e.count), s.p)
     (state,), _, (rows,) = stages(e, ((FILTER,),), (0.0,), at, None)
@@ -143,8 +143,8 @@ def _linearised(step: CollocationStep) -> tuple[ca.Function, ca.Function, ca.Fun
     rows = rows / (e.row_sizes / s.sizes.time ** np.array([*s.depth, *(0 for _ in e.coupled)]))
     slopes = ca.mtimes(ca.jacobian(rows, u), ca.diag(ca.DM(sizes)))
     matrix = ca.Function("matrix", list(at), [slopes], {"cse": True})
-    moved = -ca.densify(ca.jtimes(rows, s.x, disturbance))
-    rhs = ca.Function("rhs", [*at, disturbance], [moved], {"cse": True})
+    change = -ca.densify(ca.jtimes(rows, s.x, disturbance))
+    rhs = ca.Function("rhs", [*at, disturbance], [change], {"cse": True})
     total = ca.jtimes(state, s.x, disturbance) + ca.jtimes(state, u, sizes * solution)
     inputs = [*at, disturbance, solution]
     return matrix, rhs, ca.Function("change", inputs, [ca.densify(total)], {"cse": True})

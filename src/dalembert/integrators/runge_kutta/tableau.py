@@ -1,4 +1,4 @@
-"""Butcher tableaux, checked when they are made."""
+"""Validated Butcher tableaux."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 
 ROUNDING = 1e-13
-"""Largest residual that rounding of published coefficients explains."""
+"""Tolerance for rounding of published coefficients [-]."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,11 @@ class ButcherTableau:
     ----------
     a : rows of the strictly lower triangle
     b, c : weights and nodes
-    order : of the solution that is carried on
+    order : of the advanced solution
     b_error : weights of the error estimate (solution minus embedded solution), if any
     b_error_low : weights of the second estimate, by an embedded solution of lower order, if any
-    error_order : ``q`` where the estimate formed of all error weights falls as ``h^(q+1)``, so that
-        step lengths follow ``err^(−1/(q+1))``
+    error_order : ``q`` if the estimate by all error weights is of order ``h^(q+1)``, so that step
+        lengths follow ``err^(−1/(q+1))``
 
     Raises
     ------

@@ -10,30 +10,30 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Integrator, Problem
-from dalembert.integrators.sundials.step import MOST_STEPS, Flow, SundialsStep
+from dalembert.integrators.sundials.step import MAX_STEPS, Flow, SundialsStep
 from dalembert.integrators.tolerances import check_tolerances, natural
 from dalembert.options import options
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 
 FINER, FINEST = 1e-2, 1e-13
-"""Tolerance of sensitivity equations, relative to that of the run: their errors add up apart."""
-SHARE = 1e-12
-"""Absolute tolerance by natural sizes, where none is given."""
-SHORT = 1e-6
-"""Share of the interval for which IDAS looks when it makes its start values consistent."""
+"""Tolerance of sensitivity equations relative to that of the run, and its lower limit [-]."""
+ATOL_SHARE = 1e-12
+"""Default absolute tolerance relative to natural sizes [-]."""
+FIRST_TIME = 1e-6
+"""Output time for the consistent initial values of IDAS, relative to the interval [-]."""
 
 
 @options
 class SundialsIntegrator(Integrator, ABC):
     """Variable steps and orders inside each interval of the run, the interval being its ``step``.
 
-    SUNDIALS goes on from interval to interval for some hundred of them; only then, and for times
-    between their ends, does it start anew, with order 1 and short steps. A stabilisation corrects
-    the states at the ends. Where SUNDIALS gives up, the run ends with what was reached.
+    SUNDIALS continues over several hundred intervals; after these, and for times between their
+    ends, it restarts with order 1 and short steps. A stabilisation corrects the states at the ends.
+    If SUNDIALS fails, the run ends with the states reached.
 
     Gradients come from the sensitivity equations, integrated to a hundredth of the tolerances:
-    direct and adjoint gradients are right to about the tolerances of the run, and agree with each
-    other better than that. For exact derivatives of the steps use ``Bdf``, ``Radau`` or ``RK4``.
+    direct and adjoint gradients are accurate to about the tolerances of the run, and agree with
+    each other more closely. For exact derivatives of the steps use ``Bdf``, ``Radau`` or ``RK4``.
 
     Parameters
     ----------
@@ -63,16 +63,16 @@ class SundialsIntegrator(Integrator, ABC):
 
     @property
     def _options(self) -> dict:
-        """What SUNDIALS is told."""
+        """Options of SUNDIALS."""
         return {
             "reltol": self.rtol,
-            "abstol": SHARE if self.atol is None else self.atol,
-            "max_num_steps": MOST_STEPS,
+            "abstol": ATOL_SHARE if self.atol is None else self.atol,
+            "max_num_steps": MAX_STEPS,
             "disable_internal_warnings": True,
         }
 
     def sizes(self, problem: Problem, count: int) -> ca.DM:
-        """What SUNDIALS, which has one absolute tolerance, sees the states in."""
+        """Scales of the states, since SUNDIALS has a single absolute tolerance."""
         return ca.DM(natural(problem, count) if self.atol is None else np.ones(count))
 
     def step(self, problem: Problem) -> SundialsStep:
@@ -83,7 +83,7 @@ class SundialsIntegrator(Integrator, ABC):
 
     @abstractmethod
     def flow(self, problem: Problem) -> Flow:
-        """What integrates the run."""
+        """Integrator of the run."""
 
     @abstractmethod
     def _rate(self, problem: Problem) -> ca.Function:
@@ -108,8 +108,8 @@ class SundialsIntegrator(Integrator, ABC):
 class Cvodes(SundialsIntegrator):
     """Backward differentiation of ``ẋ = F(t, x, p)`` by CVODES, orders 1 to 5.
 
-    The run's ``step`` is the distance of the states that are kept; CVODES chooses its own steps.
-    Gradients are right to about the tolerances, see ``Bdf`` for exact ones.
+    The ``step`` of the run is the spacing of stored states; CVODES chooses its own steps.
+    Gradients are accurate to about the tolerances; for exact gradients see ``Bdf``.
 
     Raises
     ------
@@ -132,7 +132,7 @@ class Cvodes(SundialsIntegrator):
     def check(self, problem: Problem) -> None:
         if problem.rate is None:
             raise UnsupportedError(
-                "Cvodes integrates accelerations, which this formulation does not give; use "
+                "Cvodes integrates accelerations, which this formulation does not provide; use "
                 "integrator=Radau() or Bdf(), or formulation=RangeSpace()"
             )
 
@@ -149,8 +149,8 @@ class Ida(SundialsIntegrator):
     """Backward differentiation of ``ẋ = F(t, x, z, p)``, ``0 = G(t, x, z, p)`` by IDAS.
 
     The system has index 1: accelerations and multipliers are algebraic and left out of the error
-    control. The run's ``step`` is the distance of the states that are kept; IDAS chooses its own
-    steps. Gradients are right to about the tolerances, see ``Bdf`` for exact ones.
+    control. The ``step`` of the run is the spacing of stored states; IDAS chooses its own steps.
+    Gradients are accurate to about the tolerances; for exact gradients see ``Bdf``.
 
     Raises
     ------
@@ -178,7 +178,7 @@ class Ida(SundialsIntegrator):
     def check(self, problem: Problem) -> None:
         if problem.system.index > 1:
             raise UnsupportedError(
-                f"Ida takes systems of index 1, this formulation makes one of index "
+                f"Ida takes systems of index 1, but this formulation has index "
                 f"{problem.system.index}; use integrator=Bdf() or Radau(), or "
                 "formulation=Dae(index=1)"
             )
@@ -206,15 +206,15 @@ class Ida(SundialsIntegrator):
             "ode": h * rate / sizes,
             "alg": algebraic,
         }
-        # the line search of IDACalcIC fails where start values are right and its scale is coarse
-        start = {"calc_ic": True, "first_time": SHORT}
+        # the line search of IDACalcIC fails for consistent start values if its scale is coarse
+        start = {"calc_ic": True, "first_time": FIRST_TIME}
         options = {**self._options, "suppress_algebraic": True, **start}
         begin = algebraic_start(system)
         return lambda count: _flow("idas", equations, sizes, count, options, begin)
 
 
 def algebraic_start(system: SemiExplicit) -> ca.Function:
-    """``(t, x, p) → z`` by natural sizes."""
+    """``(t, x, p) → z`` relative to natural sizes."""
     z = system.start.function(system.t, system.x, system.p) / system.sizes.algebraic
     return ca.Function("start", [system.t, system.x, system.p], [z])
 
@@ -227,17 +227,17 @@ def _flow(
     options: dict,
     start: ca.Function | None = None,
 ) -> ca.Function:
-    """Time counts intervals, so that their length is a number like others.
+    """Flow over ``count`` intervals; time counts intervals, so that their length is a parameter.
 
     Parameters
     ----------
-    sizes : of the states that the equations are written in
-    start : ``(t, x, p) → z``, where there are algebraic variables
+    sizes : scales of the states in the equations
+    start : ``(t, x, p) → z`` if there are algebraic variables
     """
     ends = list(range(1, count + 1))
-    made = ca.integrator(solver, solver, equations, 0, ends, options)
-    t, h, x = ca.MX.sym("t"), ca.MX.sym("h"), ca.MX.sym("x", made.numel_in("x0"))
-    p = ca.MX.sym("p", made.numel_in("p") - 2)
+    integrator = ca.integrator(solver, solver, equations, 0, ends, options)
+    t, h, x = ca.MX.sym("t"), ca.MX.sym("h"), ca.MX.sym("x", integrator.numel_in("x0"))
+    p = ca.MX.sym("p", integrator.numel_in("p") - 2)
     algebraic = {} if start is None else {"z0": start(t, x, p)}
-    found = made(x0=x / sizes, p=ca.vertcat(t, h, p), **algebraic)["xf"]
-    return ca.Function("flow", [t, h, x, p], [ca.repmat(sizes, 1, count) * found])
+    scaled = integrator(x0=x / sizes, p=ca.vertcat(t, h, p), **algebraic)["xf"]
+    return ca.Function("flow", [t, h, x, p], [ca.repmat(sizes, 1, count) * scaled])
