@@ -24,7 +24,7 @@ DIRECT = pytest.mark.parametrize("solver", ["SuperLU", PARDISO])
 @pytest.fixture
 def chosen(solver, monkeypatch):
     """Factors of every size by this solver."""
-    monkeypatch.setattr(factorise, "WORTH", 1)
+    monkeypatch.setattr(factorise, "PARDISO_ROWS", 1)
     monkeypatch.setattr(pardiso, "available", lambda: solver == "PARDISO")
     return solver
 
@@ -192,7 +192,7 @@ def test_conjugate_gradients_find_what_factors_find(made):
 def test_what_floats_is_told_by_every_solver(solver, held, monkeypatch):
     if solver == "iterative":
         pytest.importorskip("pyamg")
-    monkeypatch.setattr(factorise, "WORTH", 1)
+    monkeypatch.setattr(factorise, "PARDISO_ROWS", 1)
     monkeypatch.setattr(pardiso, "available", lambda: solver == "PARDISO")
     option = "iterative" if solver == "iterative" else "direct"
     with pytest.raises(da.SingularityError, match=r"mechanism: n.* can move without straining"):

@@ -1,6 +1,6 @@
-"""Gradients of histories: ``∂m(t_k)/∂p`` of measures at given times, all by one solution.
+"""Gradients of time histories: ``∂m(t_k)/∂p`` of measures at all outputs, by one solution.
 
-Identification compares whole histories with data; its Jacobian has a row for every sample.
+Identification compares time histories with data; its Jacobian has a row for every sample.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ def history_rates(motion: Result, measure: str | Expression) -> np.ndarray:
 
 
 def _history(motion: Result, measure: str | Expression) -> Sample:
-    """All outputs of a result, each with weight one."""
+    """Sample with all outputs of a result, each with weight 1."""
     expression = motion.expression(measure)
     count = motion.time.size
-    still = np.zeros(count)
-    return Sample(At(measure), motion, expression, 0.0, np.ones(count), still, still)
+    zeros = np.zeros(count)
+    return Sample(At(measure), motion, expression, 0.0, np.ones(count), zeros, zeros)

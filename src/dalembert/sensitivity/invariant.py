@@ -1,4 +1,4 @@
-"""Invariant subspaces that belong to eigenvalues which coincide."""
+"""Invariant subspaces of coincident eigenvalues."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ def invariant_subspaces(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Bases ``V`` and ``W`` of the right and left subspaces of some eigenvalues, ``Wᴴ V = I``.
 
-    By ordered Schur decompositions, which defective eigenvalues do not trouble.
+    Computed by ordered Schur decompositions, which are robust for defective eigenvalues.
 
     Raises
     ------
     SingularityError
-        They cannot be told from the others.
+        They cannot be separated from the other eigenvalues.
     """
     from scipy.linalg import schur
 
     centre = values[group].mean()
     inside = np.abs(values[group] - centre).max()
-    others = np.delete(values, group)
-    outside = np.abs(others - centre).min() if others.size else inside + 2.0
+    rest = np.delete(values, group)
+    outside = np.abs(rest - centre).min() if rest.size else inside + 2.0
     radius = (inside + outside) / 2
 
     def basis(of: np.ndarray, about: complex) -> np.ndarray:

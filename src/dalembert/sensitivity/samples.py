@@ -1,4 +1,4 @@
-"""Where responses look at a motion, and with what weight."""
+"""Sampled responses: sampling times, measure and weights."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ R = TypeVar("R", bound=Result)
 
 @dataclass(frozen=True)
 class Sample(Generic[R]):
-    """A response with the samples it is made of.
+    """A response and the samples it is computed from.
 
     Attributes
     ----------
@@ -26,7 +26,7 @@ class Sample(Generic[R]):
     value : ``R(m)``
     weights : (K,) ``∂R/∂m_k``
     time_weights : (K,) ``∂R/∂t_k``
-    shares : (K,) how far each sample moves in time when the last one moves by one
+    shares : (K,) derivative of each sampling time by the last one [-]
     moves_with : the event at whose instant the last sample is taken, or None
     """
 
@@ -41,7 +41,7 @@ class Sample(Generic[R]):
 
 
 def weights_change(sample: Sample, change: np.ndarray) -> np.ndarray:
-    """(K,) change of the weights when the samples change."""
+    """(K,) change of the weights for a change of the samples."""
     values = sample.motion.values(sample.measure)
     return sample.response.weights_change(sample.motion.time, values, change)
 

@@ -1,4 +1,4 @@
-"""Which factors a matrix gets: PARDISO where it is installed and worth its while, or SuperLU."""
+"""Sparse factorisation by PARDISO for large systems if installed, otherwise by SuperLU."""
 
 from __future__ import annotations
 
@@ -11,58 +11,58 @@ from dalembert.sparse.pardiso import PardisoFactors
 from dalembert.sparse.solver import Factors
 from dalembert.sparse.superlu import SYMMETRIC, WITHOUT_PIVOTS, SuperLUFactors
 
-WORTH = 20_000
-"""Rows from which on PARDISO is faster than SuperLU, its start included."""
+PARDISO_ROWS = 20_000
+"""Threshold of the number of rows for PARDISO to be faster than SuperLU, including start-up."""
 
 
 def symmetric_factors(matrix: Any) -> Factors:
-    """Factors by symmetric elimination, of a matrix that is positive definite as a rule.
+    """Factors by symmetric elimination without pivoting, for positive definite matrices.
 
     Raises
     ------
     numpy.linalg.LinAlgError
         A pivot vanishes.
     """
-    return _by_pardiso(matrix) or SuperLUFactors(matrix, **WITHOUT_PIVOTS)
+    return _pardiso_factors(matrix) or SuperLUFactors(matrix, **WITHOUT_PIVOTS)
 
 
 def indefinite_factors(matrix: Any) -> Factors:
-    """Factors with pivots, of a matrix whose pattern is symmetric.
+    """Factors with pivoting, for matrices of symmetric pattern.
 
     Raises
     ------
     numpy.linalg.LinAlgError
-        It is singular.
+        The matrix is singular.
     """
-    return _by_pardiso(matrix) or pivoted_factors(matrix)
+    return _pardiso_factors(matrix) or pivoted_factors(matrix)
 
 
 def pivoted_factors(matrix: Any) -> Factors:
-    """The same with pivots from everywhere in a column.
+    """SuperLU factors with full column pivoting, for matrices of symmetric pattern.
 
     Raises
     ------
     numpy.linalg.LinAlgError
-        It is singular.
+        The matrix is singular.
     """
     return SuperLUFactors(matrix, **SYMMETRIC)
 
 
 def general_factors(matrix: Any) -> Factors:
-    """Factors with pivots, of any square matrix.
+    """Factors with pivoting, for any square matrix.
 
     Raises
     ------
     numpy.linalg.LinAlgError
-        It is singular.
+        The matrix is singular.
     """
-    return _by_pardiso(matrix) or SuperLUFactors(matrix)
+    return _pardiso_factors(matrix) or SuperLUFactors(matrix)
 
 
-def _by_pardiso(matrix: Any) -> Factors | None:
-    if matrix.shape[0] < WORTH or not pardiso.available():
+def _pardiso_factors(matrix: Any) -> Factors | None:
+    if matrix.shape[0] < PARDISO_ROWS or not pardiso.available():
         return None
     try:
         return PardisoFactors(matrix)
-    except np.linalg.LinAlgError:  # SuperLU may still find pivots, or tells what is wrong
+    except np.linalg.LinAlgError:  # SuperLU may find pivots, or raises
         return None

@@ -1,4 +1,4 @@
-"""Factors by SuperLU, which comes with SciPy."""
+"""Factors by SuperLU of SciPy."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from dalembert.errors import BudgetError
 from dalembert.sparse.solver import Factors
 
 SYMMETRIC = {"permc_spec": "MMD_AT_PLUS_A"}
-"""Order for matrices whose pattern is symmetric."""
+"""Column ordering for matrices of symmetric pattern."""
 WITHOUT_PIVOTS = {**SYMMETRIC, "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-"""Diagonal pivots as they come, which keeps the factors sparse."""
+"""Diagonal pivots without exchanges, which preserves sparsity."""
 
 
 class SuperLUFactors(Factors):
@@ -22,7 +22,7 @@ class SuperLUFactors(Factors):
     Parameters
     ----------
     matrix : sparse, square
-    **how : options of ``scipy.sparse.linalg.splu``
+    **options : options of ``scipy.sparse.linalg.splu``
 
     Raises
     ------
@@ -32,15 +32,15 @@ class SuperLUFactors(Factors):
 
     name = "SuperLU"
 
-    def __init__(self, matrix: Any, **how: Any):
+    def __init__(self, matrix: Any, **options: Any):
         try:
-            self._factors = scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix), **how)
+            self._factors = scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix), **options)
         except RuntimeError as error:
             raise np.linalg.LinAlgError(str(error)) from None
         except MemoryError:
             raise BudgetError(
-                f"the factors of {matrix.shape[0]} equations need more memory than there is; make "
-                "it smaller, or take solver='iterative' where an analysis has that option"
+                f"the factors of {matrix.shape[0]} equations need more memory than available; "
+                "use a smaller model, or solver='iterative' for analyses with that option"
             ) from None
 
     def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:

@@ -1,4 +1,4 @@
-"""What gradients do not tell by themselves of runs with rigid contacts."""
+"""Notes on gradients of runs with rigid contacts."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
-from dalembert.sensitivity.nonsmooth.pattern_changes import pattern_changes
+from dalembert.sensitivity.nonsmooth.pattern_changes import nonsmooth_notes
 
 GRAZING = 1e-4
-"""Speed at which a gap closes, in natural units, by which its instant hardly has a derivative."""
+"""Threshold of the closing speed of a gap for a differentiable instant, in natural units [-]."""
 
 
-def through_contacts(motion: Result) -> list[str]:
-    """Sentences about impacts whose order or number changes with the parameters."""
+def contact_notes(motion: Result) -> list[str]:
+    """Notes on impacts whose order or number changes with the parameters."""
     if isinstance(motion, NonsmoothMotion):
-        return pattern_changes(motion)
+        return nonsmooth_notes(motion)
     kernel = getattr(getattr(motion, "record", None), "kernel", None)
     if not isinstance(motion, Recording) or not isinstance(kernel, DynamicsKernel):
         return []
@@ -33,19 +33,19 @@ def through_contacts(motion: Result) -> list[str]:
         for gap in sorted(change.closes):
             notes.append(
                 f"bounces of {names[gap]} accumulate at t = {time:.6g} s and end there: the "
-                "derivative is that of the bounces taken, whose number changes with parameters"
+                "derivative is that of the computed bounces, whose number changes with parameters"
             )
         if change.together and not change.closes:
             together = ", ".join(names[gap] for gap in change.together)
             notes.append(
-                f"{together} close at one time, t = {time:.6g} s: parameters that part them make "
-                "one impact follow the other, so the derivative is that of one impact at once"
+                f"{together} close at one time, t = {time:.6g} s: parameters that separate "
+                "them make successive impacts, so the derivative is that of a simultaneous impact"
             )
     return notes
 
 
 def _grazed(motion: Recording, changes: list[tuple[int, ContactChange]]) -> dict[int, float]:
-    """Gaps that close slowly, and when first; not by the last of bounces that accumulate."""
+    """Gap → first time of slow closing, except by the last of accumulating bounces."""
     steps, slow = motion.record.steps, dict[int, float]()
     for k, change in changes:
         gap, size = change.gap, change.step.state_size

@@ -1,4 +1,4 @@
-"""How large a change of a parameter is: what steps and influences are relative to."""
+"""Scales of parameters for relative steps and influences."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from dalembert.symbolic.formulas.parameter import Parameter
 def parameter_scale(parameter: Parameter, value: float) -> float:
     """Size of a change of 100 %: ``|p|``, for angles at least one radian.
 
-    Zero has no size of its own: there it is half the width of the bounds, the distance to the one
-    that is given, or one unit.
+    For a value of zero it is half the width of the bounds, the distance to a single bound, or one
+    unit.
 
     Parameters
     ----------
-    value : of the parameter in the run, in its unit
+    value : value of the parameter in the run, in its unit
     """
     if parameter.unit == "rad":
         return max(abs(value), 1.0)
@@ -31,6 +31,6 @@ def parameter_scale(parameter: Parameter, value: float) -> float:
 
 
 def parameter_scales(motion, columns) -> np.ndarray:
-    """Sizes of some parameters of a result, by number."""
-    listed = list(motion.model.parameters.values())
-    return np.array([parameter_scale(listed[i], float(motion.parameters[i])) for i in columns])
+    """Scales of the parameters with these numbers."""
+    parameters = list(motion.model.parameters.values())
+    return np.array([parameter_scale(parameters[i], float(motion.parameters[i])) for i in columns])

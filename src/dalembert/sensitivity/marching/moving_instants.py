@@ -1,7 +1,7 @@
-"""Instants of impacts and switches, which move with the parameters while ends of steps are held.
+"""Instants of impacts and switches, which move with the parameters while ends of steps are fixed.
 
 At such an instant ``t*`` a measure may jump from ``m⁻`` to ``m⁺``, and outputs at the ends of all
-steps include it. So responses change, beside what they see at fixed times, by
+steps include it. So responses change, in addition to their change at fixed times, by
 
     dR = Σ (m⁻ − m⁺) dt*          of an integral,
     dR = Σ (w_k ṁ_k + ∂R/∂t_k) dt*  of samples at the instant,
@@ -29,11 +29,11 @@ from dalembert.symbolic.once import once
 
 @dataclass(frozen=True)
 class MovingInstant:
-    """What a response changes by with one instant, as weights of the state before and of p.
+    """Contribution of one instant to a response, as weights of the state before it and of p.
 
     Attributes
     ----------
-    number : of the state
+    number : number of the state
     x, p : (n,) and (np,) weights
     """
 
@@ -43,15 +43,15 @@ class MovingInstant:
 
 
 def moving_instants(sample: Sample) -> list[MovingInstant]:
-    """Instants that weigh in a sampled response of a dynamic run."""
+    """Moving instants with nonzero weight in a sampled response of a dynamic run."""
     record, p = sample.motion.record, sample.motion.parameters
     kernel: DynamicsKernel = record.kernel
     steps: Steps = record.steps
-    found: list[MovingInstant] = []
-    weigh: Callable[[int, int], float] | None = None
+    instants: list[MovingInstant] = []
+    weight_of: Callable[[int, int], float] | None = None
     for first, last, guarded in _instants(kernel, steps):
-        weigh = _weighing(sample) if weigh is None else weigh
-        weight = weigh(first, last)
+        weight_of = _weight_function(sample) if weight_of is None else weight_of
+        weight = weight_of(first, last)
         if weight == 0.0:
             continue
         slopes = _slopes(kernel.variants[steps.mode[guarded]])
@@ -59,20 +59,21 @@ def moving_instants(sample: Sample) -> list[MovingInstant]:
         by_x, by_p = slopes(steps.t[guarded], steps.x[:size, guarded], p)
         x = np.zeros(steps.x.shape[0])
         x[:size] = weight * by_x.ravel()
-        found.append(MovingInstant(guarded, x, weight * by_p.ravel()))
-    return found
+        instants.append(MovingInstant(guarded, x, weight * by_p.ravel()))
+    return instants
 
 
 def _instants(kernel: DynamicsKernel, steps: Steps) -> list[tuple[int, int, int]]:
-    """First and last transition of every instant, and the one whose guard reaches zero."""
-    still = np.flatnonzero(steps.h == 0)
-    groups = np.split(still, np.flatnonzero(np.diff(still) > 1) + 1) if still.size else []
-    found = []
+    """First and last transition of every instant, and the transition whose guard vanishes."""
+    changes = np.flatnonzero(steps.h == 0)
+    cuts = np.flatnonzero(np.diff(changes) > 1) + 1
+    groups = np.split(changes, cuts) if changes.size else []
+    instants = []
     for group in groups:
         guarded = [k for k in group if _moves(kernel.variants[steps.mode[k]])]
         if guarded and group[0] > 0 and group[-1] + 1 < steps.count:
-            found.append((int(group[0]), int(group[-1]), int(guarded[0])))
-    return found
+            instants.append((int(group[0]), int(group[-1]), int(guarded[0])))
+    return instants
 
 
 def _moves(change: Variant) -> bool:
@@ -81,7 +82,7 @@ def _moves(change: Variant) -> bool:
     return isinstance(change, Transition) and change.moving
 
 
-def _weighing(sample: Sample) -> Callable[[int, int], float]:
+def _weight_function(sample: Sample) -> Callable[[int, int], float]:
     """``(first, last) → dR/dt*`` of the instant of these transitions."""
     motion, response = sample.motion, sample.response
     times, values = motion.time, motion.values(sample.measure)
@@ -98,10 +99,10 @@ def _weighing(sample: Sample) -> Callable[[int, int], float]:
     branches = motion.record.branches
     active = (sample.weights != 0) | (sample.time_weights != 0)
     if branches.modes is not None:
-        active &= branches.modes < 0  # others are functions of the instant themselves
+        active &= branches.modes < 0  # other outputs depend on the instant explicitly
     begins = np.flatnonzero((branches.length == 0) & active)
 
-    def moved(first: int, last: int) -> float:
+    def shift(first: int, last: int) -> float:
         here = begins[(branches.index[begins] >= first) & (branches.index[begins] <= last + 1)]
         return float(
             sum(
@@ -110,11 +111,11 @@ def _weighing(sample: Sample) -> Callable[[int, int], float]:
             )
         )
 
-    return moved
+    return shift
 
 
 def _rate(sample: Sample, k: int) -> float:
-    """``ṁ`` at the beginning of step ``k`` along its motion; of a transition, that before it."""
+    """``ṁ`` at the start of step ``k``; for a transition, along the motion before it."""
     record, p = sample.motion.record, sample.motion.parameters
     variant, t = record.kernel.variants[record.steps.mode[k]], record.steps.t[k]
     x = record.steps.x[: variant.step.state_size, k]

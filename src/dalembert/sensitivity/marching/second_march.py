@@ -1,7 +1,7 @@
 """Second derivatives through time: the adjoint march, differentiated along a direction.
 
-Forwards, the change ``ẋ`` of the states along the direction; then backwards, the weight of the
-state together with its change, ``(x̄, d x̄)``, collecting that of the parameters, ``d p̄``.
+The forward march computes the change ``ẋ`` of the states along the direction; the backward march
+propagates the weight of the state and its change, ``(x̄, d x̄)``, and accumulates ``d p̄``.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class SecondMarch(MarchedSample, BackwardWalk[np.ndarray]):
     Raises
     ------
     UnsupportedError
-        An integrator whose steps are not functions of the graph.
+        An integrator without exact derivatives of its steps.
     """
 
     def __init__(self, sample: Sample, direction: np.ndarray):
@@ -41,72 +41,73 @@ class SecondMarch(MarchedSample, BackwardWalk[np.ndarray]):
         self.direction = direction
         if self.kernel.integrator.gradient_error:
             raise UnsupportedError(
-                f"second derivatives of {self.kernel.integrator.name} are no better than rough: "
+                f"second derivatives of {self.kernel.integrator.name} are inaccurate: "
                 "its steps are not repeated exactly; use Bdf(), Radau() or RK4()"
             )
 
     def product(self) -> np.ndarray:
-        """(np,) by one march forwards and one backwards.
+        """(np,) product by one forward and one backward march.
 
         Raises
         ------
         UnsupportedError
-            The run went over switches, whose transitions are right to first order.
+            The run crosses switches, whose transitions have first-order derivatives only.
         """
         if crossings := self.kernel.crossings(self.steps):
-            what = "switches of forces" if self.kernel.contacts is None else "impacts and contacts"
+            kind = "switches of forces" if self.kernel.contacts is None else "impacts and contacts"
             raise UnsupportedError(
-                f"second derivatives through {what} are not available, and this run "
+                f"second derivatives through {kind} are not available, and this run "
                 f"went over {len(crossings)}, first at t = {self.steps.t[crossings[0][0]]:.6g} s; "
                 "smooth the forces, or take differences of gradients"
             )
-        found: list[np.ndarray] = []
-        ahead = TangentMarch(
-            self, self.direction[:, None], lambda _, changes: found.append(changes)
+        parts: list[np.ndarray] = []
+        forward = TangentMarch(
+            self, self.direction[:, None], lambda _, changes: parts.append(changes)
         )
-        ahead.forwards()
-        changes, every = np.concatenate(found), np.arange(self.modes.size)
-        self._moved, self._assembled = changes[:, 0].T, ahead.assembled
-        pairs, self._found = self._seen(ahead.at_outputs(self, every, 0, changes)[:, 0].T)
-        self._injected, more = self._inject(pairs, self._moved)
-        self._found += more
+        forward.forwards()
+        changes, outputs = np.concatenate(parts), np.arange(self.modes.size)
+        self._changes, self._assembled = changes[:, 0].T, forward.assembled
+        at_outputs = forward.at_outputs(self, outputs, 0, changes)[:, 0].T
+        pairs, self._product = self._output_weights(at_outputs)
+        self._injected, more = self._inject(pairs, self._changes)
+        self._product += more
         self.backwards()
-        return self._found
+        return self._product
 
     def depart(self) -> np.ndarray:
-        """``[x̄; d x̄; d p̄]``, which is carried, at the end."""
+        """``[x̄; d x̄; d p̄]`` at the end."""
         return np.concatenate([self._injected[:, -1], np.zeros(self.p.size)])
 
     def pull(self, begin: int, end: int, weights: np.ndarray) -> np.ndarray:
         single = _back(self.kernel, int(self.steps.mode[begin]))
         back = self.kernel.marched(single, (single.n_in() - 2, single.n_in() - 1))
-        given = self.given(begin, end, back=True)
-        along = (x[:, begin:end][:, ::-1] for x in (self._moved, self._injected))
-        (columns,) = back(end - begin, weights, *given, *along, self.p, self.direction)
+        steps = self.step_data(begin, end, back=True)
+        along = (x[:, begin:end][:, ::-1] for x in (self._changes, self._injected))
+        (columns,) = back(end - begin, weights, *steps, *along, self.p, self.direction)
         return columns[:, -1]
 
     def pull_start(self, weights: np.ndarray) -> None:
         n = 2 * self.size
-        self._found += weights[n:] + self._through_start(weights[:n])
+        self._product += weights[n:] + self._through_start(weights[:n])
 
-    def _seen(self, sampled: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """``[x̄; d x̄]`` (2n, K) that the response sees, and ``d p̄`` (np,)."""
+    def _output_weights(self, changes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """``[x̄; d x̄]`` (2n, K) of the outputs, and ``d p̄`` (np,)."""
         times, size = self.motion.time, self.first_step.state_size
-        still, along = np.zeros((1, times.size)), np.tile(self.direction[:, None], times.size)
+        dt, along = np.zeros((1, times.size)), np.tile(self.direction[:, None], times.size)
         at = (self.modes, times, self.states, self.p)
-        moves = (still, sampled[:size], along)
-        (rates,) = self.kernel.mapped(lambda v: self.measured(v).tangent, *at, *moves)
+        tangent = (dt, changes[:size], along)
+        (rates,) = self.kernel.mapped(lambda v: self.measured(v).tangent, *at, *tangent)
         weights = self.sample.weights[None, :]
-        turned = weights_change(self.sample, rates.ravel())[None, :]
+        dweights = weights_change(self.sample, rates.ravel())[None, :]
         x_bar = self.kernel.mapped(lambda v: self.measured(v).adjoint, *at, weights)[1]
         _, change, p_bar = self.kernel.mapped(
-            lambda v: self.measured(v).reverse.tangent, *at, weights, *moves, turned
+            lambda v: self.measured(v).reverse.tangent, *at, weights, *tangent, dweights
         )
         memory = np.zeros((self.size - size, times.size))
         return np.vstack([x_bar, memory, change, memory]), p_bar.sum(axis=1)
 
     def _inject(self, pairs: np.ndarray, changes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Weights of the sampled states moved to the step ends they branch from."""
+        """Weights of the outputs pulled back to the states they branch from."""
         k, n, steps = self.branches.index, self.size, self.steps
         if not steps.count:
             return pairs.sum(axis=1, keepdims=True), np.zeros(self.p.size)
@@ -114,10 +115,14 @@ class SecondMarch(MarchedSample, BackwardWalk[np.ndarray]):
         begins = self.branches.length == 0
         np.add.at(injected.T, k[begins], pairs[:, begins].T)
         np.add.at(injected.T, k[self.ends] + 1, pairs[:, self.ends].T)
-        for mode, part in self.parts_of_steps(np.arange(k.size)):
+        for mode, part in self.partial_steps(np.arange(k.size)):
             along = np.tile(self.direction[:, None], part.size)
             *back, more = self.kernel.over(second_step(self.step_of(mode)), part.size)(
-                *self.partial(part), pairs[:n, part], changes[:, k[part]], along, pairs[n:, part]
+                *self.partial_step_data(part),
+                pairs[:n, part],
+                changes[:, k[part]],
+                along,
+                pairs[n:, part],
             )
             np.add.at(injected.T, k[part], np.vstack(back).T)
             p_bar += more.sum(axis=1)
@@ -127,24 +132,24 @@ class SecondMarch(MarchedSample, BackwardWalk[np.ndarray]):
         """``d p̄`` through the assembled initial state."""
         t, p, d, n = float(self.steps.t[0]), self.p, self.direction, self.size
         (y, v), start, size = self.assembled(), self.kernel.start, self.first_step.state_size
-        weight, turned, found = pair[:size], pair[n : n + size], np.zeros(p.size)
+        weight, dweight, p_bar = pair[:size], pair[n : n + size], np.zeros(p.size)
         if self.first_step.begin is not None:
-            x0, dx = self.steps.x[:size, 0], self._moved[:size, 0]
+            x0, dx = self.steps.x[:size, 0], self._changes[:size, 0]
             back = second_begin(self.first_step)(t, x0, p, pair[size:n], dx, d, pair[n + size :])
-            more, change, found = (part.full().ravel() for part in back)
-            weight, turned = weight + more, turned + change
-        given = (t, y, v, p, weight)
-        _, y_bar, v_bar, _ = start.adjoint(*given)
-        rates = start.reverse.tangent(*given, 0, *self._assembled, d, turned)
+            more, change, p_bar = (part.full().ravel() for part in back)
+            weight, dweight = weight + more, dweight + change
+        point = (t, y, v, p, weight)
+        _, y_bar, v_bar, _ = start.adjoint(*point)
+        rates = start.reverse.tangent(*point, 0, *self._assembled, d, dweight)
         first = self.model.initial_state.reverse.tangent(
             t, y, p, y_bar, v_bar, 0, np.zeros(y.size), d, rates[1], rates[2]
         )
-        return found + rates[3].full().ravel() + first[2].full().ravel()
+        return p_bar + rates[3].full().ravel() + first[2].full().ravel()
 
 
 @once
 def _back(kernel: DynamicsKernel, mode: int) -> ca.Function:
-    """One step backwards: ``[x̄; d x̄; d p̄]`` that is carried, and what is seen on the way."""
+    """Backward step of ``[x̄; d x̄; d p̄]`` with injected weights."""
     step = kernel.variants[mode].step
     n, m = step.size, step.parameter_count
     call, symbolic = flagged(step, kernel.fixed.period, second_step)

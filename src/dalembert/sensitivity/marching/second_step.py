@@ -1,9 +1,8 @@
 """Adjoints of steps, differentiated along a direction.
 
 In an explicit Runge–Kutta step the stages ``X_i``, their changes ``Ẋ_i``, the weights ``X̄_i`` and
-the changes of these follow from each other by the derivatives of ``F`` and of the correction; see
-``ExplicitStep`` for the sums. Other steps are functions of the graph, and CasADi differentiates
-their adjoints.
+their changes are computed by the derivatives of ``F`` and of the correction; see ``ExplicitStep``
+for the sums. The adjoints of other steps are differentiated by CasADi.
 """
 
 from __future__ import annotations
@@ -39,9 +38,9 @@ def _along(adjoint: ca.Function) -> ca.Function:
     """``(…, x, p, w, ẋ, ṗ, ẇ) → (x̄, d x̄, d p̄)`` from ``(…, x, p, w) → (x̄, p̄)``."""
     inputs = [ca.MX.sym(f"i{k}", adjoint.size_in(k)) for k in range(adjoint.n_in())]
     rates = [ca.MX.sym(f"d{k}", x.shape) for k, x in enumerate(inputs[-3:])]
-    found, still = adjoint(*inputs), [0] * (len(inputs) - 3)
-    changes = adjoint.forward(1)(*inputs, *found, *still, *rates)
-    return ca.Function("second", [*inputs, *rates], [ca.densify(o) for o in (found[0], *changes)])
+    bars, zeros = adjoint(*inputs), [0] * (len(inputs) - 3)
+    changes = adjoint.forward(1)(*inputs, *bars, *zeros, *rates)
+    return ca.Function("second", [*inputs, *rates], [ca.densify(o) for o in (bars[0], *changes)])
 
 
 def _explicit(step: ExplicitStep) -> ca.Function:
@@ -55,15 +54,15 @@ def _explicit(step: ExplicitStep) -> ca.Function:
         new, dnew = step.advance(h, x, slopes), step.advance(h, dx, rates)
         end, p_bar = _back(step.finish, t + h, (new, dnew), (p, dp), end)
     x_bar = end
-    found: dict[int, Pair] = {}
+    bars: dict[int, Pair] = {}
     for i in reversed(range(len(states))):
         seed = _weighted(end, h * step.tableau.b[i])
-        for j, bar in found.items():
+        for j, bar in bars.items():
             if step.tableau.a[j - 1][i] != 0:
                 seed = _sum(seed, _weighted(bar, h * step.tableau.a[j - 1][i]))
         at = t + step.tableau.c[i] * h
-        found[i], more = _back(step.rhs, at, (states[i], changes[i]), (p, dp), seed)
-        x_bar, p_bar = _sum(x_bar, found[i]), p_bar + more
+        bars[i], more = _back(step.rhs, at, (states[i], changes[i]), (p, dp), seed)
+        x_bar, p_bar = _sum(x_bar, bars[i]), p_bar + more
     inputs = [t, h, x, p, weight, dx, dp, dweight]
     return ca.Function("second_step", inputs, [*map(ca.densify, x_bar), p_bar], {"cse": True})
 
@@ -83,7 +82,7 @@ def _changes(step: ExplicitStep, t, h, states, p, dx, dp) -> tuple[list[ca.SX], 
 
 
 def _back(function: ImplicitFunction, t, x: Pair, p: Pair, weight: Pair) -> tuple[Pair, ca.SX]:
-    """Weight of x with its change, and the change of that of p."""
+    """Weight of x and its change, and the change of the weight of p."""
     x_bar = function.adjoint(t, x[0], p[0], weight[0])[1]
     _, change, p_bar = function.reverse.tangent(t, x[0], p[0], weight[0], 0, x[1], p[1], weight[1])
     return (x_bar, change), p_bar
@@ -93,5 +92,5 @@ def _weighted(pair: Pair, factor) -> Pair:
     return factor * pair[0], factor * pair[1]
 
 
-def _sum(one: Pair, other: Pair) -> Pair:
-    return one[0] + other[0], one[1] + other[1]
+def _sum(a: Pair, b: Pair) -> Pair:
+    return a[0] + b[0], a[1] + b[1]

@@ -1,4 +1,4 @@
-"""Where a response looks at a run: at states, the ends of steps, and inside of steps."""
+"""Outputs of a run that a sampled response depends on."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from dalembert.integrators.marching.steps import Steps
 from dalembert.sensitivity.samples import Sample
 
 
-class Sightings:
-    """The outputs of a run that a sampled response sees.
+class SampledOutputs:
+    """Outputs of a run that a sampled response depends on.
 
     Attributes
     ----------
-    steps, branches : of the run, and where the outputs lie among them
+    steps, branches : steps of the run, and the positions of the outputs in them
     ends : (K,) whether an output is the end of its step
-    number : (K,) number of the state that an output is, or branches from
-    within : (K,) whether it branches from there, to the inside of a step
-    active : outputs with a weight, in the order of ``number``
+    number : (K,) number of the state that an output is or branches from
+    within : (K,) whether an output lies inside a step
+    active : outputs with nonzero weight, in the order of ``number``
     """
 
     def __init__(self, sample: Sample):
@@ -32,7 +32,7 @@ class Sightings:
         active = np.flatnonzero(sample.weights)
         self.active = active[np.argsort(self.number[active], kind="stable")]
 
-    def seen(self, first: int, last: int) -> np.ndarray:
-        """Active outputs at or after the states of these numbers, before the next state."""
+    def active_outputs(self, first: int, last: int) -> np.ndarray:
+        """Active outputs from state ``first`` up to but excluding state ``last + 1``."""
         begin, end = np.searchsorted(self.number[self.active], [first, last + 1])
         return self.active[begin:end]

@@ -1,4 +1,4 @@
-"""How matrices of a structure follow the parameters, through the displacements under load too."""
+"""Derivatives of the matrices of an eigenvalue problem, including preloaded states."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dalembert.structures.measuring.measures import Weights
 
 
 class PencilTangent:
-    """Derivatives of ``A`` and ``B``.
+    """Derivatives of ``A`` and ``B`` by the parameters.
 
     Parameters
     ----------
@@ -30,27 +30,27 @@ class PencilTangent:
             for key, state in loaded.items()
         }
 
-    def pulled(self, a: np.ndarray, b: np.ndarray, phi: np.ndarray) -> np.ndarray:
+    def pull(self, a: np.ndarray, b: np.ndarray, phi: np.ndarray) -> np.ndarray:
         """(np,) weights of the parameters in ``Σ_k aₖᵀ A φₖ + bₖᵀ B φₖ``, all arrays (n, m)."""
         gradient = np.zeros(self.parameter_count)
         displacements = {key: np.zeros(phi.shape[0]) for key in self.statics}
-        for terms, weights in ((self.pencil.left, a), (self.pencil.right, b)):
+        for terms, columns in ((self.pencil.left, a), (self.pencil.right, b)):
             for term in terms:
-                for weight, shape in zip(weights.T, phi.T, strict=True):
+                for weight, shape in zip(columns.T, phi.T, strict=True):
                     u_bar, p_bar = term.pull(weight, shape)
                     gradient += p_bar
                     if id(term.state) in displacements:
                         displacements[id(term.state)] += u_bar
         for key, u_bar in displacements.items():
-            seen = Weights(u_bar, np.zeros_like(u_bar), np.zeros(gradient.size))
-            gradient += self.statics[key].pulled(0, [seen])[:, 0]
+            weights = Weights(u_bar, np.zeros_like(u_bar), np.zeros(gradient.size))
+            gradient += self.statics[key].pull(0, [weights])[:, 0]
         return gradient
 
     def _along(self, column: int) -> PencilChange:
-        """Change with one parameter, by its number."""
+        """Change along one parameter, by its number."""
         dp = np.eye(1, self.parameter_count, column).ravel()
-        moved = {key: statics.pushed(0, dp)[0] for key, statics in self.statics.items()}
-        return PencilChange(self.pencil, dp, moved)
+        displacements = {key: statics.push(0, dp)[0] for key, statics in self.statics.items()}
+        return PencilChange(self.pencil, dp, displacements)
 
 
 @dataclass(frozen=True)
@@ -60,25 +60,25 @@ class PencilChange:
     Attributes
     ----------
     dp : (np,) the direction
-    moved : state → (n,) change of its displacements
+    displacements : state → (n,) change of its displacements
     """
 
     pencil: Pencil
     dp: np.ndarray
-    moved: dict[int, np.ndarray]
+    displacements: dict[int, np.ndarray]
 
     def of(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """``dA Φ`` and ``dB Φ`` for shapes (n, m)."""
         return self._sum(self.pencil.left, phi), self._sum(self.pencil.right, phi)
 
     def _sum(self, terms, phi: np.ndarray) -> np.ndarray:
-        found = np.zeros_like(phi)
+        columns = np.zeros_like(phi)
         for term in terms:
             du = self._displacement(term)
             for k, shape in enumerate(phi.T):
-                found[:, k] += term.push(shape, du, self.dp)
-        return found
+                columns[:, k] += term.push(shape, du, self.dp)
+        return columns
 
     def _displacement(self, term: Term) -> np.ndarray:
         state: Loaded = term.state
-        return self.moved.get(id(state), np.zeros(len(state.model.degrees)))
+        return self.displacements.get(id(state), np.zeros(len(state.model.degrees)))

@@ -1,4 +1,4 @@
-"""Where responses look at the motion of a structure: at ends of steps, and inside of them."""
+"""Outputs of a structural transient with weights in responses."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import NamedTuple
 import numpy as np
 
 from dalembert.results.structural.measured_states import Formula
-from dalembert.sensitivity.marching.sightings import Sightings
+from dalembert.sensitivity.marching.sightings import SampledOutputs
 from dalembert.sensitivity.samples import Sample
 
-Look = tuple[int, int]
-"""Number of a response, and of an output that it looks at."""
+Output = tuple[int, int]
+"""Number of a response and of one of its outputs."""
 
 
-class Seen(NamedTuple):
-    """What responses weigh at one instant; columns by response.
+class StateWeights(NamedTuple):
+    """Weights of the state at one instant; columns by response.
 
     Attributes
     ----------
@@ -31,50 +31,50 @@ class Seen(NamedTuple):
     p: np.ndarray
 
 
-class Looks:
-    """The outputs that weigh in sampled responses of one run.
+class WeighedOutputs:
+    """Outputs with nonzero weights in sampled responses of one run.
 
     Parameters
     ----------
-    samples : of the same run
+    samples : samples of the same run
 
     Attributes
     ----------
-    ends : number of steps taken → looks at their end
-    inside : number of steps taken → length of the shorter step → looks at its end
+    ends : number of steps → outputs at the end of the last one
+    inside : number of steps → length of the partial step after them → outputs at its end
     """
 
     def __init__(self, samples: Sequence[Sample]):
         self.samples = list(samples)
         self.record = self.samples[0].motion.record
         self._formulas = [Formula(s.motion, s.measure.sx) for s in self.samples]  # type: ignore[arg-type]
-        self.ends: dict[int, list[Look]] = {}
-        self.inside: dict[int, dict[float, list[Look]]] = {}
+        self.ends: dict[int, list[Output]] = {}
+        self.inside: dict[int, dict[float, list[Output]]] = {}
         for r, sample in enumerate(self.samples):
-            self._place(r, sample)
+            self._add_sample(r, sample)
 
-    def _place(self, r: int, sample: Sample) -> None:
-        sightings = Sightings(sample)
-        for k in (int(k) for k in sightings.active):
-            node = int(sightings.number[k])
-            if sightings.within[k]:
-                length = float(sightings.branches.length[k])
+    def _add_sample(self, r: int, sample: Sample) -> None:
+        outputs = SampledOutputs(sample)
+        for k in (int(k) for k in outputs.active):
+            node = int(outputs.number[k])
+            if outputs.within[k]:
+                length = float(outputs.branches.length[k])
                 self.inside.setdefault(node, {}).setdefault(length, []).append((r, k))
             else:
                 self.ends.setdefault(node, []).append((r, k))
 
-    def motion(self, look: Look):
-        """The motion that a look looks at."""
-        return self.samples[look[0]].motion
+    def motion(self, output: Output):
+        """The motion of an output."""
+        return self.samples[output[0]].motion
 
-    def seen(self, looks: Sequence[Look], size: int, parameters: int) -> Seen:
-        """What the responses weigh there."""
+    def weights(self, outputs: Sequence[Output], size: int, parameters: int) -> StateWeights:
+        """Sum of the weights of these outputs, which are at the same instant."""
         rows = len(self.samples)
         u, v, a, forces = (np.zeros((size, rows)) for _ in range(4))
         p = np.zeros((parameters, rows))
-        for r, k in looks:
-            found = self._formulas[r].weights(k, float(self.samples[r].weights[k]))
-            whole = (found.u, found.v, found.a, found.forces, found.p)  # type: ignore[attr-defined]
-            for column, weight in zip((u, v, a, forces, p), whole, strict=True):
+        for r, k in outputs:
+            w = self._formulas[r].weights(k, float(self.samples[r].weights[k]))
+            parts = (w.u, w.v, w.a, w.forces, w.p)  # type: ignore[attr-defined]
+            for column, weight in zip((u, v, a, forces, p), parts, strict=True):
                 column[:, r] += weight
-        return Seen(u, v, a, forces, p)
+        return StateWeights(u, v, a, forces, p)

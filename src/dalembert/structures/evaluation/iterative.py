@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from dalembert.sparse import multigrid, pardiso
-from dalembert.sparse.factorise import WORTH
+from dalembert.sparse.factorise import PARDISO_ROWS
 from dalembert.sparse.multigrid import Multigrid
 from dalembert.structures.evaluation.block import ElementBlock
 from dalembert.structures.evaluation.factors import SOFTEST, refuse_motion
@@ -75,7 +75,7 @@ def better_iterative(
 ) -> bool:
     """Whether factors would need more memory than is free, so far as that can be told before."""
     memory = free_memory() if memory is None else memory
-    if not multigrid.available() or memory is None or size < WORTH:
+    if not multigrid.available() or memory is None or size < PARDISO_ROWS:
         return False
     solid = any(block.kind.cls.contractible and block.kind.dimension == 3 for block in blocks)
     bytes_, growth = FACTORS["PARDISO" if pardiso.available() else "SuperLU"][solid]
