@@ -189,20 +189,16 @@ from dalembert.formulations.velocity_partitioning import (
     VelocityPartitioning as VelocityPartitioning,
 )
 from dalembert.integrators.automatic import AutomaticIntegrator as AutomaticIntegrator
-from dalembert.integrators.backward_euler import (
-    BackwardEuler as BackwardEuler,
-    Trapezoidal as Trapezoidal,
-)
 from dalembert.integrators.bdf.bdf import Bdf as Bdf
 from dalembert.integrators.contact.contact_solver import ContactSolver as ContactSolver
 from dalembert.integrators.contact.schemes import (
     AnticipatedImpacts as AnticipatedImpacts,
     MoreauJean as MoreauJean,
 )
-from dalembert.integrators.newmark.family import Newmark as Newmark
-from dalembert.integrators.newmark.generalized_alpha import (
+from dalembert.integrators.newmark.family import (
     HHT as HHT,
     GeneralizedAlpha as GeneralizedAlpha,
+    Newmark as Newmark,
 )
 from dalembert.integrators.runge_kutta.explicit import (
     RK4 as RK4,
@@ -212,8 +208,12 @@ from dalembert.integrators.runge_kutta.explicit import (
     Heun as Heun,
     RKGill as RKGill,
 )
-from dalembert.integrators.runge_kutta.radau import Radau as Radau
-from dalembert.integrators.sundials.sundials import Cvodes as Cvodes, Ida as Ida
+from dalembert.integrators.runge_kutta.implicit import (
+    BackwardEuler as BackwardEuler,
+    Radau as Radau,
+    Trapezoidal as Trapezoidal,
+)
+from dalembert.integrators.sundials import Cvodes as Cvodes, Ida as Ida
 from dalembert.io.model_file import load_model as load_model
 from dalembert.model.automatic_coordinates import AutomaticCoordinates as AutomaticCoordinates
 from dalembert.model.coordinates import AbsoluteCoordinates as AbsoluteCoordinates

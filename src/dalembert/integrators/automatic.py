@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dalembert.integrators.base import Integrator, Problem
+from dalembert.integrators.error_control import check_tolerances
 from dalembert.integrators.runge_kutta.explicit import DormandPrince
-from dalembert.integrators.runge_kutta.radau import Radau
-from dalembert.integrators.tolerances import check_tolerances
+from dalembert.integrators.runge_kutta.implicit import Radau
 from dalembert.options import options
 
 STEP_SHARE = 1e-3

@@ -6,6 +6,7 @@ Integrators see states and systems of equations, never a mechanism.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,9 +14,11 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.errors import UnsupportedError
 from dalembert.integrators.step import Step
-from dalembert.options import inherit_texts
+from dalembert.options import inherit_texts, options
 from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.equations.newton import NewtonSettings
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 
 
@@ -170,3 +173,44 @@ class Integrator:
     def attempt(self, problem: Problem, step: Step) -> Attempt | None:
         """Attempted step with error control; None for fixed-step methods."""
         return None
+
+
+@options(kw_only=True)
+class ImplicitIntegrator(Integrator, ABC):
+    """Integrator that solves equations in every step by Newton's method.
+
+    Equations count as solved when each residual is below ``tolerance`` times the terms of its
+    equation (for constraints: times their change within the step), or below rounding.
+
+    Parameters
+    ----------
+    tolerance : relative residual at which the iteration ends [-]
+    max_iterations : upper limit of Newton iterations; a step that needs more fails
+
+    Raises
+    ------
+    UnsupportedError
+        A tolerance that is not positive, or ``max_iterations`` below 1.
+    """
+
+    tolerance: float = 1e-12
+    max_iterations: int = 20
+
+    def __post_init__(self) -> None:
+        if not self.tolerance > 0 or self.max_iterations < 1:
+            raise UnsupportedError(
+                f"{self.name}(tolerance={self.tolerance}, max_iterations={self.max_iterations}): "
+                "the tolerance must be positive and at least one iteration allowed"
+            )
+
+    @property
+    def implicit(self) -> bool:
+        return True
+
+    @property
+    def newton(self) -> NewtonSettings:
+        return NewtonSettings(tolerance=self.tolerance, max_iterations=self.max_iterations)
+
+    @abstractmethod
+    def step(self, problem: Problem) -> Step:
+        """Step of prescribed length."""

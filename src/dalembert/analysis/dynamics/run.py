@@ -39,8 +39,14 @@ from dalembert.errors import AssemblyError, SingularityError
 from dalembert.integrators.marching.changing_march import ChangingMarch
 from dalembert.integrators.marching.march import SHORT_CHUNK
 from dalembert.integrators.marching.method_choice import MethodChoice
-from dalembert.integrators.marching.steps import Crossing, Steps, Switch, Watch, standstill
-from dalembert.integrators.schedule import halving_warnings
+from dalembert.integrators.marching.steps import (
+    Crossing,
+    Steps,
+    Switch,
+    Watch,
+    halving_warnings,
+    standstill,
+)
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord

@@ -25,9 +25,8 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.budget import afford
 from dalembert.integrators.marching.checkpoints import Recorder
-from dalembert.integrators.marching.steps import Steps
+from dalembert.integrators.marching.steps import Schedule, Steps, halving_warnings
 from dalembert.integrators.newmark.rule import Moving
-from dalembert.integrators.schedule import Schedule, halving_warnings
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.evaluation.factors import factors_of

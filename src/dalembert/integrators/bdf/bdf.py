@@ -8,9 +8,8 @@ from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.bdf.control import Accuracy
 from dalembert.integrators.bdf.step import BdfStep
-from dalembert.integrators.marching.step_control import arrival
+from dalembert.integrators.error_control import absolute, arrival, check_tolerances
 from dalembert.integrators.step import Step
-from dalembert.integrators.tolerances import absolute, check_tolerances
 from dalembert.options import options
 
 ATOL_SHARE = 1e-12

@@ -17,8 +17,15 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.integrators.base import Problem
-from dalembert.integrators.bdf.control import Accuracy, BdfControl, reduction
-from dalembert.integrators.bdf.differences import ALPHA, GAMMA, by_order, rescaling
+from dalembert.integrators.bdf.control import (
+    ALPHA,
+    GAMMA,
+    Accuracy,
+    BdfControl,
+    by_order,
+    reduction,
+    rescaling,
+)
 from dalembert.integrators.bdf.newton import CorrectorEquations
 from dalembert.integrators.step import DifferentiatedStep, graph_of
 

@@ -9,8 +9,7 @@ import numpy as np
 
 from dalembert.errors import UnsolvedPart
 from dalembert.integrators.marching.march import SHORT_CHUNK, FixedMarch, even_length
-from dalembert.integrators.marching.steps import Steps, Watch
-from dalembert.integrators.schedule import Grid
+from dalembert.integrators.marching.steps import Grid, Steps, Watch
 
 CLOSE = 1e-9
 """Shortest distance of an event from the next grid time, relative to the step [-]."""

@@ -16,8 +16,7 @@ from dalembert.integrators.marching.checkpoints import (
     joined_states,
     recorder_like,
 )
-from dalembert.integrators.marching.steps import Steps, Watch, even_length, run_length
-from dalembert.integrators.schedule import Schedule
+from dalembert.integrators.marching.steps import Schedule, Steps, Watch, even_length, run_length
 from dalembert.integrators.step import Marching, Step
 from dalembert.symbolic.evaluation.backends import Backend, VirtualMachine
 from dalembert.symbolic.evaluation.columns import Columns

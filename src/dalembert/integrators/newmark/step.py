@@ -10,8 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.base import Problem
-from dalembert.integrators.implicit import ImplicitIntegrator
+from dalembert.integrators.base import ImplicitIntegrator, Problem
 from dalembert.integrators.newmark.rule import NewmarkCoefficients, StepRule
 from dalembert.integrators.stage_equations import StageEquations
 from dalembert.integrators.step import GraphStep

@@ -8,8 +8,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.integrators.base import Attempt, Problem
-from dalembert.integrators.marching.error_norm import largest, relative_error
-from dalembert.integrators.marching.step_control import Graph, decide
+from dalembert.integrators.error_control import Graph, decide, largest, relative_error
 from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep
 
 

@@ -10,19 +10,19 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Attempt, Integrator, Problem
-from dalembert.integrators.runge_kutta.dormand_prince_853 import DORMAND_PRINCE_853
+from dalembert.integrators.error_control import absolute, check_tolerances, share
 from dalembert.integrators.runge_kutta.embedded import embedded_attempt
 from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep
 from dalembert.integrators.runge_kutta.tableau import (
     CLASSICAL,
     DORMAND_PRINCE,
+    DORMAND_PRINCE_853,
     EXPLICIT_EULER,
     GILL,
     HEUN,
     ButcherTableau,
 )
 from dalembert.integrators.step import Step
-from dalembert.integrators.tolerances import absolute, check_tolerances, share
 from dalembert.options import options
 
 

@@ -6,15 +6,12 @@ stiffly accurate methods, whose new state is the last stage and satisfies ``0 = 
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
-from dalembert.integrators.base import Problem
-from dalembert.integrators.implicit import ImplicitIntegrator
+from dalembert.integrators.base import ImplicitIntegrator, Problem
 from dalembert.integrators.stage_equations import StageEquations
 from dalembert.integrators.step import GraphStep
 from dalembert.symbolic.equations.newton_node import NewtonNode
@@ -143,24 +140,3 @@ class CollocationStep(GraphStep):
         guesses = ca.repmat(guess, len(self.nodes), 1)
         (new, rates), residual = self.newton.results(guesses, arguments)
         return new, rates, residual
-
-
-@dataclass(frozen=True, kw_only=True)
-class ImplicitRungeKutta(ImplicitIntegrator, ABC):
-    """Implicit method defined by its Butcher matrix: ``x⁺ = X_s`` of the stage equations."""
-
-    @property
-    @abstractmethod
-    def matrix(self) -> ButcherMatrix:
-        """Coefficients of the method."""
-
-    @property
-    def convergence_order(self) -> int:
-        return self.matrix.order
-
-    @property
-    def stability(self) -> Callable[[np.ndarray], np.ndarray]:
-        return self.matrix.stability
-
-    def step(self, problem: Problem) -> CollocationStep:
-        return CollocationStep(self.matrix, problem, self)

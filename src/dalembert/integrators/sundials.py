@@ -10,8 +10,8 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Integrator, Problem
-from dalembert.integrators.sundials.step import MAX_STEPS, Flow, SundialsStep
-from dalembert.integrators.tolerances import check_tolerances, natural
+from dalembert.integrators.error_control import check_tolerances, natural
+from dalembert.integrators.sundials_step import MAX_STEPS, Flow, SundialsStep
 from dalembert.options import options
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 

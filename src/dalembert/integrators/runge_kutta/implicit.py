@@ -1,24 +1,105 @@
-"""Radau IIA of order 5 with step size control."""
+"""Implicit Runge–Kutta integrators: backward Euler, trapezoidal rule, Radau IIA."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
 from math import sqrt
 
 import casadi as ca
 import numpy as np
 
-from dalembert.integrators.base import Attempt, Problem
-from dalembert.integrators.marching.error_norm import impulsive, largest, relative_error
-from dalembert.integrators.marching.step_control import decide
+from dalembert.integrators.base import Attempt, ImplicitIntegrator, Problem
+from dalembert.integrators.error_control import (
+    absolute,
+    check_tolerances,
+    decide,
+    impulsive,
+    largest,
+    relative_error,
+    share,
+)
 from dalembert.integrators.runge_kutta.implicit_step import (
     ButcherMatrix,
     CollocationStep,
-    ImplicitRungeKutta,
     stages,
 )
 from dalembert.integrators.step import Step
-from dalembert.integrators.tolerances import absolute, check_tolerances, share
 from dalembert.options import options
+
+BACKWARD_EULER = ButcherMatrix(((1.0,),), order=1)
+TRAPEZOIDAL = ButcherMatrix(((0.0, 0.0), (0.5, 0.5)), order=2)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImplicitRungeKutta(ImplicitIntegrator, ABC):
+    """Implicit method defined by its Butcher matrix: ``x⁺ = X_s`` of the stage equations."""
+
+    @property
+    @abstractmethod
+    def matrix(self) -> ButcherMatrix:
+        """Coefficients of the method."""
+
+    @property
+    def convergence_order(self) -> int:
+        return self.matrix.order
+
+    @property
+    def stability(self) -> Callable[[np.ndarray], np.ndarray]:
+        return self.matrix.stability
+
+    def step(self, problem: Problem) -> CollocationStep:
+        return CollocationStep(self.matrix, problem, self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BackwardEuler(ImplicitRungeKutta):
+    """``x⁺ = x + h F(t + h, x⁺, z⁺)`` (5.6): order 1, L-stable: damps all fast modes.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("drag")
+    >>> boat = system.add(planar.Particle("boat", mass=1.0, velocity=(1, 0)))
+    >>> water = system.add(planar.Force("water", boat.center, (-boat.vx, 0)))
+    >>> model = system.build()
+    >>> implicit = dict(formulation=da.Dae(index=1), integrator=da.BackwardEuler())
+    >>> motion = da.solve_dynamics(model, 0.5, step=0.5, **implicit)
+    >>> round(motion["boat.vx"][-1].item(), 9)  # 1/(1 + h), where exp(-h) is right
+    0.666666667
+    """
+
+    @property
+    def matrix(self) -> ButcherMatrix:
+        return BACKWARD_EULER
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trapezoidal(ImplicitRungeKutta):
+    """``x⁺ = x + h/2 (F(t, x, z) + F(t + h, x⁺, z⁺))``: order 2, A-stable, no damping.
+
+    The algebraic variables at the start of a step follow from the accelerations there.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("drag")
+    >>> boat = system.add(planar.Particle("boat", mass=1.0, velocity=(1, 0)))
+    >>> water = system.add(planar.Force("water", boat.center, (-boat.vx, 0)))
+    >>> model = system.build()
+    >>> implicit = dict(formulation=da.Dae(index=1), integrator=da.Trapezoidal())
+    >>> motion = da.solve_dynamics(model, 0.5, step=0.5, **implicit)
+    >>> round(motion["boat.vx"][-1].item(), 9)  # (1 - h/2)/(1 + h/2)
+    0.6
+    """
+
+    @property
+    def matrix(self) -> ButcherMatrix:
+        return TRAPEZOIDAL
+
 
 _R = sqrt(6)
 RADAU_IIA = ButcherMatrix(
