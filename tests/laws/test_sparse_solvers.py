@@ -9,8 +9,8 @@ import scipy.sparse as sparse
 import dalembert as da
 from dalembert import structures
 from dalembert.sparse import factorise, pardiso
+from dalembert.sparse.factorise import SuperLUFactors
 from dalembert.sparse.pardiso import PardisoFactors
-from dalembert.sparse.superlu import SuperLUFactors
 from dalembert.structures.evaluation.iterative import better_iterative
 
 PARDISO = pytest.param(

@@ -13,9 +13,7 @@ from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.responses.batch import batch_response, representative
 from dalembert.results.batch.batch import Batch
-from dalembert.sensitivity.marching.batch_adjoint import BatchAdjoint
-from dalembert.sensitivity.marching.batch_direct import BatchDirect
-from dalembert.sensitivity.marching.batch_gradients import BatchGradients
+from dalembert.sensitivity.marching.batch_gradients import BatchAdjoint, BatchDirect, BatchGradients
 from dalembert.sensitivity.methods import Adjoint, Direct
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Gradients of responses with respect to parameters."""
+"""Gradients of responses, and of time histories at all outputs, with respect to parameters."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, evaluate
 from dalembert.responses.several import as_responses, expanded
+from dalembert.responses.values import At
 from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Result
 from dalembert.sensitivity.batch import batch_gradients, labelled_gradients
@@ -17,7 +18,11 @@ from dalembert.sensitivity.checks.certificate import certify
 from dalembert.sensitivity.checks.diagnosis import Findings, diagnose
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference
 from dalembert.sensitivity.checks.kinks import refuse_kinks
+from dalembert.sensitivity.marching.stable_steps import with_stable_steps
 from dalembert.sensitivity.methods import METHODS, Adjoint, Automatic, Direct, Method, Strategy
+from dalembert.sensitivity.registry import engine_for
+from dalembert.sensitivity.samples import Sample
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
@@ -207,3 +212,35 @@ def refuse_unknown_values(motion: Result, responses: Sequence[Response]) -> None
                 "measure that this analysis computes at all instants (kinematics computes no "
                 "forces, inverse dynamics does), or another instant"
             )
+
+
+def history_gradients(
+    motion: Result, measures: Sequence[str | Expression], wrt: Sequence[str]
+) -> list[np.ndarray]:
+    """(K, parameters) derivatives of each scalar measure at the outputs of a result.
+
+    Raises
+    ------
+    AnalysisError
+        A run that failed, or an unknown parameter.
+    """
+    refuse_unfinished(motion)
+    columns, motion = chosen_columns(motion, wrt), with_stable_steps(motion)
+    samples = [_history(motion, measure) for measure in measures]
+    return engine_for(motion)(samples).of_samples(columns)
+
+
+def history_rates(motion: Result, measure: str | Expression) -> np.ndarray:
+    """(K,) ``ṁ`` at the outputs of a result."""
+    motion = with_stable_steps(motion)
+    sample = _history(motion, measure)
+    engine = engine_for(motion)([sample])
+    return np.array([engine.rate(sample, k) for k in range(motion.time.size)])
+
+
+def _history(motion: Result, measure: str | Expression) -> Sample:
+    """Sample with all outputs of a result, each with weight 1."""
+    expression = motion.expression(measure)
+    count = motion.time.size
+    zeros = np.zeros(count)
+    return Sample(At(measure), motion, expression, 0.0, np.ones(count), zeros, zeros)

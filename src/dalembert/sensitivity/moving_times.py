@@ -26,7 +26,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.sensitivity.engine import Engine
-from dalembert.sensitivity.marching.moving_steps import step_slopes
+from dalembert.sensitivity.marching.moving_instants import step_slopes
 from dalembert.sensitivity.marching.stable_steps import with_stable_steps
 from dalembert.sensitivity.registry import engine_for
 from dalembert.sensitivity.samples import Sample, take_sample

@@ -29,7 +29,7 @@ from dalembert.sensitivity.pointwise import PointwiseEngine
 from dalembert.sensitivity.samples import take_sample
 from dalembert.sensitivity.structural.eigenpairs import EigenpairEngine
 from dalembert.sensitivity.structural.load_path import LoadPathEngine
-from dalembert.sensitivity.structural.second_statics import TwiceStaticsEngine
+from dalembert.sensitivity.structural.statics import TwiceStaticsEngine
 from dalembert.sensitivity.structural.transient import TransientEngine
 
 ENGINES: dict[type, type[Engine]] = {

@@ -12,7 +12,7 @@ from dalembert.design.identification.misfit import Misfit
 from dalembert.design.inverse.history import History
 from dalembert.design.inverse.smoothing import Curve
 from dalembert.results.result import Analysis, Result
-from dalembert.sensitivity.histories import history_gradients
+from dalembert.sensitivity.gradient import history_gradients
 
 if TYPE_CHECKING:
     import xarray as xr

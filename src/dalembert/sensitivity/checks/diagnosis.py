@@ -15,11 +15,13 @@ from dalembert.responses.base import Response
 from dalembert.responses.integrals import Total
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
-from dalembert.sensitivity.checks.contacts import contact_notes
+from dalembert.sensitivity.checks.event_notes import (
+    contact_notes,
+    step_accuracy_notes,
+    switch_notes,
+)
 from dalembert.sensitivity.checks.kinks import ties
-from dalembert.sensitivity.checks.roughness import step_accuracy_notes
-from dalembert.sensitivity.checks.scales import parameter_scales
-from dalembert.sensitivity.checks.switches import switch_notes
+from dalembert.sensitivity.checks.stencils import parameter_scales
 from dalembert.sensitivity.marching.stable_steps import describe, growth_of
 from dalembert.symbolic.once import once
 

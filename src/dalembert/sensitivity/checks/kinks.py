@@ -13,7 +13,7 @@ from dalembert.responses.extremes import Maximum
 from dalembert.responses.integrals import Rms
 from dalembert.responses.smooth_extreme import SAME
 from dalembert.results.result import Result
-from dalembert.sensitivity.checks.scales import parameter_scales
+from dalembert.sensitivity.checks.stencils import parameter_scales
 from dalembert.sensitivity.registry import engine_of
 
 DIFFERENT = 1e-6

@@ -12,8 +12,12 @@ from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.replays import Replays
-from dalembert.sensitivity.checks.scales import parameter_scale
-from dalembert.sensitivity.checks.stencils import SCHEMES, checked_step, quotient_within_bounds
+from dalembert.sensitivity.checks.stencils import (
+    SCHEMES,
+    checked_step,
+    parameter_scale,
+    quotient_within_bounds,
+)
 from dalembert.sensitivity.gradient import sensitivity
 from dalembert.text.spelling import spelled
 

@@ -8,8 +8,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.sensitivity.checks.replays import Replays
-from dalembert.sensitivity.checks.scales import parameter_scales
-from dalembert.sensitivity.checks.stencils import beyond_bounds
+from dalembert.sensitivity.checks.stencils import beyond_bounds, parameter_scales
 
 LONGEST, HALVINGS = 2.0**-4, 18
 """Longest step relative to the scales of the parameters [-], and number of halvings."""

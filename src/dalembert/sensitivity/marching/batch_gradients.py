@@ -13,12 +13,16 @@ import numpy as np
 from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.batch.states import MarchedStates, measured
 from dalembert.integrators.marching.march import branches
+from dalembert.integrators.step import Step
 from dalembert.responses.base import Response
 from dalembert.results.batch.batch import Batch
+from dalembert.sensitivity.marching.adjoint_march import backward_step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.samples import Sample, take_sample
+from dalembert.symbolic.evaluation.columns import LONG, instructions
 from dalembert.symbolic.evaluation.lane_march import LaneMarch, in_groups
 from dalembert.symbolic.evaluation.shared_columns import in_blocks
+from dalembert.symbolic.once import once
 
 MEMORY = 2.0**26
 """Upper limit of the memory for states and their weights or changes [bytes]."""
@@ -142,3 +146,139 @@ class BatchGradients(ABC):
     def _evaluate(self, function: ca.Function, *arguments: np.ndarray) -> list[np.ndarray]:
         columns = self.kernel.backend.columns(function)
         return in_blocks(columns, self.states.workers, *arguments)
+
+
+class BatchDirect(BatchGradients):
+    """Direct gradients: one direction for each parameter."""
+
+    @property
+    def serves(self) -> bool:
+        return super().serves and self.variant.step.linear is not None
+
+    def _stored(self, states: int) -> int:
+        outputs = sum(MarchedSample(sample).number.size for sample in self.samples)
+        return super()._stored(states) + 2 * len(self.columns) * min(outputs, states)
+
+    def _over(self, path: MarchedStates, solved: np.ndarray) -> np.ndarray:
+        count, width, p = solved.size, len(self.columns), path.p[solved]
+        units = np.array([self.model.tangents(row, self.columns).T for row in p])
+        weights = [self._weights(path, solved, sample) for sample in self.samples]
+        numbers = np.unique(np.concatenate([at for _, at, _, _ in weights]))
+        tangents = self._forward(path, solved, units, numbers)
+        gradients = np.zeros((count, len(weights), width))
+        for r, (design, at, x_bar, p_bar) in enumerate(weights):
+            changes = tangents[design, np.searchsorted(numbers, at)][..., : x_bar.shape[1]]
+            np.add.at(gradients[:, r], design, np.einsum("kcn,kn->kc", changes, x_bar))
+            gradients[:, r] += np.einsum("kcn,kn->kc", units, p_bar)
+        return gradients
+
+    def _forward(
+        self, path: MarchedStates, solved: np.ndarray, units: np.ndarray, numbers: np.ndarray
+    ) -> np.ndarray:
+        """(solved, numbers, c, n) changes of the states with these numbers."""
+        step, (count, width, _) = self.variant.step, units.shape
+        p, h, n = path.p[solved], np.diff(path.time), path.x.shape[2]
+        (q,) = self._evaluate(step.prelude.values, p)
+        (rates,) = self._evaluate(step.prelude.tangent, np.repeat(p, width, axis=0), _rows(units))
+        first = self._initial_changes(solved, p, units)
+
+        def own(group: np.ndarray) -> list[np.ndarray]:
+            return [path.x[solved[group], :-1].transpose(0, 2, 1)]
+
+        tangents = self._march(
+            _forward_steps(step, width),
+            (path.time[:-1], h, np.ones(h.size)),
+            own,
+            first.reshape(count, -1),
+            np.hstack([q, rates.reshape(count, -1)]),
+            numbers[numbers > 0] - 1,
+        )
+        if numbers.size and numbers[0] == 0:
+            tangents = np.concatenate([first.reshape(count, 1, -1), tangents], axis=1)
+        return tangents.reshape(count, numbers.size, width, n)
+
+    def _initial_changes(self, solved: np.ndarray, p: np.ndarray, units: np.ndarray) -> np.ndarray:
+        """(solved, c, n) changes of the first states."""
+        width, model = units.shape[1], self.model
+        state: Any = model.initial_state  # type: ignore[attr-defined]
+        t, y = np.full((solved.size, 1), self.again.start), self.again.starts.y0[solved]
+        _, v = self._evaluate(state.function, t, y, p)
+        t, y, v, p = (np.repeat(part, width, axis=0) for part in (t, y, v, p))
+        along, dt = _rows(units), np.zeros_like(t)
+        dy, dv = self._evaluate(state.tangent, t, y, p, dt, np.zeros_like(y), along)
+        (dx,) = self._evaluate(self.kernel.start.tangent, t, y, v, p, dt, dy, dv, along)
+        return dx.reshape(solved.size, width, -1)
+
+
+def _rows(units: np.ndarray) -> np.ndarray:
+    return units.reshape(-1, units.shape[2])
+
+
+@once
+def _forward_steps(step: Step, width: int) -> ca.Function:
+    """``(dx, t, h, flag, x, [q; dq]) → dx`` of one step, with stacked directions."""
+    linear, prelude, n = step.linear, step.prelude, step.size
+    assert linear is not None
+    m, r = prelude.value_count, prelude.rate_count
+    dx, x, q = (ca.MX.sym(s, k) for s, k in zip("dxq", (n * width, n, m + r * width), strict=True))
+    t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
+    entries = linear.entries(t, h, x, q[:m])
+    changes = [
+        linear.along(dx[k * n : (k + 1) * n], entries, q[m + k * r : m + (k + 1) * r])
+        for k in range(width)
+    ]
+    function = ca.Function("forward_steps", [dx, t, h, flag, x, q], [ca.vertcat(*changes)])
+    if instructions(function) > LONG:
+        return function
+    scalar = function.expand()
+    return function if scalar.n_instructions() > LONG else scalar
+
+
+class BatchAdjoint(BatchGradients):
+    """Adjoint gradients: one backward march for each response."""
+
+    def _over(self, path: MarchedStates, solved: np.ndarray) -> np.ndarray:
+        gradients = [self._gradient(path, solved, sample) for sample in self.samples]
+        pairs = zip(path.p[solved], np.stack(gradients, axis=1), strict=True)
+        model: Any = self.model
+        rows = [model.gathered(p, full)[:, self.columns] for p, full in pairs]
+        return np.array(rows).reshape(solved.size, len(gradients), len(self.columns))
+
+    def _gradient(self, path: MarchedStates, solved: np.ndarray, sample: Sample[Any]) -> np.ndarray:
+        """(solved, n) gradient of one response."""
+        design, at, x_bar, p_bar = self._weights(path, solved, sample)
+        injected = np.zeros((solved.size, *path.x.shape[1:]))
+        if np.unique(design * injected.shape[1] + at).size == at.size:
+            injected[design, at, : x_bar.shape[1]] = x_bar
+        else:
+            np.add.at(injected[..., : x_bar.shape[1]], (design, at), x_bar)
+        x_bar, more = self._backward(path, solved, injected)
+        return p_bar + more + self._through_start(solved, path.p[solved], x_bar)
+
+    def _backward(
+        self, path: MarchedStates, solved: np.ndarray, injected: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Weights of the first states, and of the parameters through the steps."""
+        prelude, single = backward_step(self.kernel, self.states.mode, True)
+        h, n = np.diff(path.time)[::-1], path.x.shape[2]
+        (q,) = self._evaluate(prelude.values, path.p[solved])
+        carried = np.zeros((solved.size, n + prelude.rate_count))
+        carried[:, :n] = injected[:, -1]
+
+        def own(group: np.ndarray) -> list[np.ndarray]:
+            pairs = path.x[solved[group]], injected[group]
+            return [states[:, -2::-1].transpose(0, 2, 1) for states in pairs]
+
+        shared, last = (path.time[:-1][::-1], h, np.ones(h.size)), np.array([h.size - 1])
+        end = self._march(single, shared, own, carried, q, last)[:, 0]
+        (p_bar,) = self._evaluate(prelude.adjoint, path.p[solved], end[:, n:])
+        return end[:, :n], p_bar
+
+    def _through_start(self, solved: np.ndarray, p: np.ndarray, x_bar: np.ndarray) -> np.ndarray:
+        """Weights of the parameters through the assembled initial states."""
+        model: Any = self.model
+        t, y = np.full((solved.size, 1), self.again.start), self.again.starts.y0[solved]
+        _, v = self._evaluate(model.initial_state.function, t, y, p)
+        _, y_bar, v_bar, by_start = self._evaluate(self.kernel.start.adjoint, t, y, v, p, x_bar)
+        parts = self._evaluate(model.initial_state.adjoint, t, y, p, y_bar, v_bar)
+        return by_start + parts[2]

@@ -15,10 +15,14 @@ from dalembert.analysis.kinematics.branches import Branches
 from dalembert.integrators.marching.march import CHUNK
 from dalembert.integrators.marching.steps import even_length, run_length
 from dalembert.integrators.step import Step
-from dalembert.sensitivity.marching.moving_instants import MovingInstant, moving_instants
-from dalembert.sensitivity.marching.moving_steps import MovingSteps, by_times, step_slopes
-from dalembert.sensitivity.marching.sightings import SampledOutputs
-from dalembert.sensitivity.samples import Sample
+from dalembert.sensitivity.marching.moving_instants import (
+    MovingInstant,
+    MovingSteps,
+    by_times,
+    moving_instants,
+    step_slopes,
+)
+from dalembert.sensitivity.samples import Sample, SampledOutputs
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 

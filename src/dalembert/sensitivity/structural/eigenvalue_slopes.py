@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.results.structural.eigenmodes import EigenModes, ModeWeights
-from dalembert.sensitivity.structural.loaded_pencil import PencilTangent
+from dalembert.sensitivity.structural.eigenpairs import PencilTangent
 from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,11 +16,80 @@ from dalembert.analysis.structural.instant import Instant
 from dalembert.analysis.structural.transient_equation import Motions, moved
 from dalembert.analysis.structural.transient_step import TransientStep
 from dalembert.integrators.newmark.rule import Moving
+from dalembert.results.structural.measured_states import Formula
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.marching.walk import BackwardWalk, ForwardWalk
-from dalembert.sensitivity.samples import Sample
-from dalembert.sensitivity.structural.transient_outputs import Output, StateWeights, WeighedOutputs
+from dalembert.sensitivity.samples import Sample, SampledOutputs
 from dalembert.sensitivity.structural.transient_parameters import ParameterChanges, ParameterWeights
+
+Output = tuple[int, int]
+"""Number of a response and of one of its outputs."""
+
+
+class StateWeights(NamedTuple):
+    """Weights of the state at one instant; columns by response.
+
+    Attributes
+    ----------
+    u, v, a, forces : (n, rows)
+    p : (np, rows)
+    """
+
+    u: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    forces: np.ndarray
+    p: np.ndarray
+
+
+class WeighedOutputs:
+    """Outputs with nonzero weights in sampled responses of one run.
+
+    Parameters
+    ----------
+    samples : samples of the same run
+
+    Attributes
+    ----------
+    ends : number of steps → outputs at the end of the last one
+    inside : number of steps → length of the partial step after them → outputs at its end
+    """
+
+    def __init__(self, samples: Sequence[Sample]):
+        self.samples = list(samples)
+        self.record = self.samples[0].motion.record
+        self._formulas = [Formula(s.motion, s.measure.sx) for s in self.samples]  # type: ignore[arg-type]
+        self.ends: dict[int, list[Output]] = {}
+        self.inside: dict[int, dict[float, list[Output]]] = {}
+        for r, sample in enumerate(self.samples):
+            self._add_sample(r, sample)
+
+    def _add_sample(self, r: int, sample: Sample) -> None:
+        outputs = SampledOutputs(sample)
+        for k in (int(k) for k in outputs.active):
+            node = int(outputs.number[k])
+            if outputs.within[k]:
+                length = float(outputs.branches.length[k])
+                self.inside.setdefault(node, {}).setdefault(length, []).append((r, k))
+            else:
+                self.ends.setdefault(node, []).append((r, k))
+
+    def motion(self, output: Output):
+        """The motion of an output."""
+        return self.samples[output[0]].motion
+
+    def weights(self, outputs: Sequence[Output], size: int, parameters: int) -> StateWeights:
+        """Sum of the weights of these outputs, which are at the same instant."""
+        rows = len(self.samples)
+        u, v, a, forces = (np.zeros((size, rows)) for _ in range(4))
+        p = np.zeros((parameters, rows))
+        for r, k in outputs:
+            w = self._formulas[r].weights(k, float(self.samples[r].weights[k]))
+            parts = (w.u, w.v, w.a, w.forces, w.p)  # type: ignore[attr-defined]
+            for column, weight in zip((u, v, a, forces, p), parts, strict=True):
+                column[:, r] += weight
+        return StateWeights(u, v, a, forces, p)
+
 
 MAX_ENTRIES = 30_000_000
 """Upper limit of stored entries of element matrices, times responses, in one march."""
