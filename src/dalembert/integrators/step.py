@@ -137,7 +137,7 @@ class Step:
         raise NotImplementedError
 
     @property
-    def moving(self) -> Step:
+    def exact_in_h(self) -> Step:
         """Step whose ``function`` has the correct derivative by ``h`` at every ``h``."""
         return self
 
@@ -146,7 +146,7 @@ class Step:
         """``(t, x, p) → memory`` at the start, None for one-step methods."""
         return None
 
-    def explained(self, reason: str) -> str:
+    def explain(self, reason: str) -> str:
         """Explanation of a failed inner solver and a remedy; empty if ``reason`` is not known."""
         return ""
 
@@ -156,7 +156,7 @@ class Step:
         return float(self.function.n_instructions())
 
     @property
-    def even(self) -> bool:
+    def chunked(self) -> bool:
         """True if equal steps are taken in chunks, by the functions below."""
         return False
 
@@ -200,7 +200,7 @@ class DifferentiatedStep(Step):
         """Uncorrected step and the correction, which provides its own derivatives."""
         return self.function, None
 
-    def _traced(self) -> tuple[list[ca.MX], ca.MX, ca.MX, TriangularMap | None]:
+    def _trace(self) -> tuple[list[ca.MX], ca.MX, ca.MX, TriangularMap | None]:
         """Symbols ``t, h`` and ``[x; p]``, the uncorrected state, tangent of the correction."""
         function, correction = self.parts
         t, h = ca.MX.sym("t"), ca.MX.sym("h")
@@ -212,7 +212,7 @@ class DifferentiatedStep(Step):
         return [t, h], both, new, correction.at(t + h, new[: self.state_size], p)
 
     def prepared_tangents(self, count: int) -> ca.Function:
-        times, both, new, correction = self._traced()
+        times, both, new, correction = self._trace()
         dx = ca.MX.sym("dx", self.size, count)
         dp = ca.MX.sym("dp", self.parameter_count, count)
         cuts, along = [*range(0, count, WIDTH), count], ca.vertcat(dx, dp)
@@ -226,7 +226,7 @@ class DifferentiatedStep(Step):
 
     @cached_property
     def prepared_adjoint(self) -> ca.Function:
-        times, both, new, correction = self._traced()
+        times, both, new, correction = self._trace()
         weight, n = ca.MX.sym("w", self.size), self.state_size
         if correction is None:
             weights = ca.jtimes(new, both, weight, True)

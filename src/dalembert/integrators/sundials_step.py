@@ -40,10 +40,10 @@ class SundialsStep(GraphStep):
         super().__init__(single, size, correction=problem.correction, upkeep=problem.upkeep)
 
     @property
-    def even(self) -> bool:
+    def chunked(self) -> bool:
         return True
 
-    def explained(self, reason: str) -> str:
+    def explain(self, reason: str) -> str:
         if "IDA" in reason and ("CONV_FAIL" in reason or "LINESEARCH_FAIL" in reason):
             return (
                 "IDAS cannot solve for accelerations and multipliers to its tolerance: the "

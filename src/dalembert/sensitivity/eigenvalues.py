@@ -49,8 +49,8 @@ def invariant_subspaces(
     outside = np.abs(rest - centre).min() if rest.size else inside + 2.0
     radius = (inside + outside) / 2
 
-    def basis(of: np.ndarray, about: complex) -> np.ndarray:
-        _, vectors, count = schur(of, "complex", sort=lambda s: abs(s - about) <= radius)
+    def basis(of: np.ndarray, near: complex) -> np.ndarray:
+        _, vectors, count = schur(of, "complex", sort=lambda s: abs(s - near) <= radius)
         if count != len(group):
             raise SingularityError(f"eigenvalues near s = {centre:.6g} 1/s cannot be separated")
         return vectors[:, :count]

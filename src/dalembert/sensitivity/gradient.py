@@ -84,7 +84,7 @@ def sensitivity(
     terms, weights = expanded(several)
     refuse_kinks(motion, terms, columns)
     values = _values(motion, terms, columns, strategy)
-    table = _labelled(motion, several, columns, weights @ values, strategy)
+    table = _labelled_array(motion, several, columns, weights @ values, strategy)
     table.attrs["notes"] = diagnose(Findings(motion, terms, columns, values))
     if isinstance(strategy, FiniteDifference):
         table.attrs["notes"] += strategy.notes(motion, columns)
@@ -156,7 +156,9 @@ def _values(motion: Result, responses, columns: list[int], strategy) -> np.ndarr
     return values
 
 
-def _labelled(motion: Result, responses, columns, values: np.ndarray, strategy) -> xr.DataArray:
+def _labelled_array(
+    motion: Result, responses, columns, values: np.ndarray, strategy
+) -> xr.DataArray:
     import xarray as xr
 
     every_parameter = list(motion.model.parameters.values())

@@ -69,7 +69,7 @@ def hessian_product(
     import xarray as xr
 
     columns = chosen_columns(result, wrt)
-    along = _along(result, direction, columns)
+    full = _full_direction(result, direction, columns)
     refuse_unfinished(result)
     (response,) = as_responses([response])
     refuse_unknown_values(result, [response])
@@ -96,7 +96,7 @@ def hessian_product(
                 "parameters; second derivatives are available at fixed times only; use smooth="
             )
     parameters = list(result.model.parameters.values())
-    product = engine.hessian_product(along)[0, columns]
+    product = engine.hessian_product(full)[0, columns]
     if not np.all(np.isfinite(product)):
         raise AnalysisError(
             f"second derivatives of {response.label} are not finite: the measure has none at "
@@ -114,9 +114,9 @@ def hessian_product(
     )
 
 
-def _along(result: Result, direction, columns: list[int]) -> np.ndarray:
-    """(np,) components along all parameters."""
-    along = np.zeros(result.parameters.size)
+def _full_direction(result: Result, direction, columns: list[int]) -> np.ndarray:
+    """(np,) direction with components for all parameters."""
+    full = np.zeros(result.parameters.size)
     if isinstance(direction, Mapping):
         components = np.array(list(direction.values()), dtype=float)
         columns = chosen_columns(result, list(direction))
@@ -131,5 +131,5 @@ def _along(result: Result, direction, columns: list[int]) -> np.ndarray:
         raise AnalysisError(
             f"the direction has a component {components[~np.isfinite(components)][0]}"
         )
-    along[columns] = components
-    return along
+    full[columns] = components
+    return full

@@ -64,9 +64,9 @@ class Multigrid(SparseSolver):
         )
         return extended.tobsr((directions, directions))
 
-    def _precondition(self, rest: np.ndarray) -> np.ndarray:
+    def _precondition(self, residual: np.ndarray) -> np.ndarray:
         wide = np.zeros(self._size)
-        wide[self._places] = rest.ravel()
+        wide[self._places] = residual.ravel()
         return self._cycle.matvec(wide)[self._places]
 
     def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:

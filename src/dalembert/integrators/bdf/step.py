@@ -77,7 +77,7 @@ class BdfStep(DifferentiatedStep):
         return BdfStep(self.problem, self.accuracy, corrected=False)
 
     @property
-    def moving(self) -> BdfStep:
+    def exact_in_h(self) -> BdfStep:
         return BdfStep(self.problem, self.accuracy, self.corrects, reuse=False)
 
     @cached_property

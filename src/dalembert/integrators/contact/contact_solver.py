@@ -82,7 +82,7 @@ def _argument(problem: FrictionProblem, impulses: np.ndarray, speeds: np.ndarray
 
 def _merit(problem: FrictionProblem, impulses: np.ndarray) -> float:
     """Merit function: norm of the violation of the conditions [J^½]."""
-    violation = impulses - problem.projected(impulses, problem.speeds(impulses))
+    violation = impulses - problem.project(impulses, problem.speeds(impulses))
     return float(np.linalg.norm(violation * np.sqrt(problem.mobility[0])[:, None]))
 
 
@@ -90,7 +90,7 @@ def _step(problem: FrictionProblem, impulses: np.ndarray) -> np.ndarray | None:
     """Newton step on the current pieces; None if the matrix is singular."""
     speeds = problem.speeds(impulses)
     normal, along = problem.mobility
-    residual = problem.projected(impulses, speeds) - impulses
+    residual = problem.project(impulses, speeds) - impulses
     step = residual.copy()
     active = np.flatnonzero(impulses[:, 0] - speeds[:, 0] / normal > 0)
     if not active.size:
@@ -222,7 +222,7 @@ class ContactSolver:
         allowed = self.tolerance * problem.size(impulses)
         if residual <= allowed:
             return Impulses(impulses, residual, True)
-        impulses = semismooth_newton(problem, sticking(problem), allowed)
+        impulses = semismooth_newton(problem, sticking_impulses(problem), allowed)
         residual = problem.residual(impulses)
         if residual <= self.tolerance * problem.size(impulses):
             return Impulses(impulses, residual, True)
@@ -245,7 +245,7 @@ class ContactSolver:
         return Impulses(*best, bool(best[1] <= allowed), rounds)
 
 
-def sticking(problem: FrictionProblem) -> np.ndarray:
+def sticking_impulses(problem: FrictionProblem) -> np.ndarray:
     """Impulses that stop all contacts, the only solution when sliding jams (Painlevé)."""
     change = -problem.velocity.ravel()
     if not (np.isfinite(problem.matrix).all() and np.isfinite(change).all()):

@@ -42,19 +42,19 @@ class Contacts:
         """(n, k) ``u`` for speeds ``v`` of the model."""
         return (self.directions @ v).reshape(self.drift.shape) + self.drift
 
-    def some(self, which: np.ndarray) -> Contacts:
+    def some(self, selected: np.ndarray) -> Contacts:
         """The selected gaps."""
         k = self.drift.shape[1]
-        rows = (np.arange(self.count)[which][:, None] * k + np.arange(k)).ravel()
+        rows = (np.arange(self.count)[selected][:, None] * k + np.arange(k)).ravel()
         return Contacts(
-            self.distance[which],
+            self.distance[selected],
             self.directions[rows],
-            self.drift[which],
-            self.restitution[which],
-            self.tangential[which],
-            self.friction[which],
-            self.key[which],
-            self.owner[which],
+            self.drift[selected],
+            self.restitution[selected],
+            self.tangential[selected],
+            self.friction[selected],
+            self.key[selected],
+            self.owner[selected],
         )
 
     @classmethod
@@ -69,10 +69,10 @@ class Contacts:
             ),
             strict=True,
         )
-        distance, drift, *rest = (np.concatenate(column) for column in columns)
+        distance, drift, *coefficients = (np.concatenate(column) for column in columns)
         rows = [p.directions for p in parts]
         if any(scipy.sparse.issparse(part) for part in rows):
             stacked: Matrix = scipy.sparse.csr_array(scipy.sparse.vstack(rows))
         else:
             stacked = np.vstack(rows)
-        return cls(distance, stacked, drift, *rest)
+        return cls(distance, stacked, drift, *coefficients)

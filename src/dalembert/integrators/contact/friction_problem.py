@@ -54,23 +54,23 @@ class FrictionProblem:
         changes = np.linalg.norm(impulses, axis=1) * self.mobility[0]
         return max(self.scale, float(np.nan_to_num(changes).max(initial=0.0)))
 
-    def projected(self, impulses: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+    def project(self, impulses: np.ndarray, speeds: np.ndarray) -> np.ndarray:
         """``proj(P − ρ u)``: normal part onto ``≥ 0``, tangential part onto the disc ``μ P_N``."""
         normal, along = self.mobility
         pressure = np.maximum(0.0, impulses[:, 0] - speeds[:, 0] / normal)
         tangential = impulses[:, 1:] - speeds[:, 1:] / along[:, None]
-        return np.column_stack([pressure, limited(tangential, self.friction * pressure)])
+        return np.column_stack([pressure, clip_lengths(tangential, self.friction * pressure)])
 
     def residual(self, impulses: np.ndarray) -> float:
         """Largest violation of the conditions as a speed, ``|P − proj(P − ρ u)| / ρ``."""
-        violation = np.abs(impulses - self.projected(impulses, self.speeds(impulses)))
+        violation = np.abs(impulses - self.project(impulses, self.speeds(impulses)))
         normal, along = self.mobility
         sizes = np.column_stack([normal, np.repeat(along[:, None], self.shape[1] - 1, axis=1)])
         worst = (violation * sizes).max(initial=0.0)
         return float(worst) if np.isfinite(impulses).all() else np.inf
 
 
-def limited(vectors: np.ndarray, radii: np.ndarray) -> np.ndarray:
+def clip_lengths(vectors: np.ndarray, radii: np.ndarray) -> np.ndarray:
     """Vectors shortened to their radii."""
     lengths = np.linalg.norm(vectors, axis=1)
     outside = lengths > radii

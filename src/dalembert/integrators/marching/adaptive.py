@@ -55,17 +55,17 @@ class AdaptiveMarch:
     def columns(self, mode: int) -> Columns:
         """Evaluator of ``single`` for many attempts."""
         if mode not in self._columns:
-            called = self.attempt_of(mode).called and self._whole(mode, called=True)
+            called = self.attempt_of(mode).called and self._attempt_or_idle(mode, called=True)
             self._columns[mode] = self.backend.columns(self.single(mode), True, (1,), called)
         return self._columns[mode]
 
     def single(self, mode: int) -> ca.Function:
         """``(state, fixed) → (state, record)`` of one attempt."""
         if mode not in self._singles:
-            self._singles[mode] = self._whole(mode)
+            self._singles[mode] = self._attempt_or_idle(mode)
         return self._singles[mode]
 
-    def _whole(self, mode: int, called: bool = False) -> ca.Function:
+    def _attempt_or_idle(self, mode: int, called: bool = False) -> ca.Function:
         attempt = self.attempt_of(mode)
         function = attempt.called if called else attempt.function
         assert function is not None
@@ -92,7 +92,7 @@ class AdaptiveMarch:
         try:
             while state[0] < end and not message:
                 attempts = watch.choice.attempts(mode) if watch.choice else ATTEMPTS
-                out, record, failure = self._attempted(attempts, mode, state, fixed)
+                out, record, failure = self._attempt_chunk(attempts, mode, state, fixed)
                 count = out.shape[1]
                 last = recorder.last
                 out, record, following, message = self._valid(watch, out, record, last, head, mode)
@@ -111,7 +111,7 @@ class AdaptiveMarch:
                 if (may_cross or self.changes) and not message:
                     crossing = watch.cross(ends, np.column_stack([last, columns]), mode)
                 if crossing is not None:
-                    t, h, columns, modes = _replaced(crossing, t, h, columns, modes)
+                    t, h, columns, modes = _replace_last_step(crossing, t, h, columns, modes)
                     ends = np.append(t, t[-1] + h[-1])
                     state = np.r_[ends[-1], crossing.following, memory, columns[:, -1]]
                     message = crossing.reason
@@ -142,7 +142,7 @@ class AdaptiveMarch:
         steps.x = recorder.states(None if self.fixed is None else self.fixed.again(steps, p))
         return steps
 
-    def _attempted(self, attempts: int, mode: int, state: np.ndarray, fixed: np.ndarray):
+    def _attempt_chunk(self, attempts: int, mode: int, state: np.ndarray, fixed: np.ndarray):
         """A chunk of attempts, up to the failure of an inner solver, and its reason."""
         try:
             return *self.columns(mode)(attempts, state, fixed), ""
@@ -193,7 +193,7 @@ def _idle_at_the_end(
     return ca.Function("attempt", [state, fixed], list(outputs))
 
 
-def _replaced(crossing: Crossing, t, h, columns, modes):
+def _replace_last_step(crossing: Crossing, t, h, columns, modes):
     """Steps up to a crossing, and the steps that replace the one across it."""
     k = crossing.accepted
     return (

@@ -80,7 +80,7 @@ class ChangingMarch:
                     break
         except KeyboardInterrupt:
             message, interrupted = "interrupted", True
-        steps = _collected(parts, float(grid[0]), recorder.last)
+        steps = _collect(parts, float(grid[0]), recorder.last)
         steps.rejected = times_ahead.halved
         steps.message, steps.interrupted = message, interrupted
         steps.explained = explained and bool(message)
@@ -100,7 +100,7 @@ class ChangingMarch:
         return times[:-1], np.diff(times), flags
 
 
-def _collected(parts, start: float, last: np.ndarray) -> Steps:
+def _collect(parts, start: float, last: np.ndarray) -> Steps:
     empty = [np.zeros(0), np.zeros(0), np.zeros(0, bool), np.zeros(0, int)]
     t, h, corrected, mode = (np.concatenate(c) for c in zip(empty, *parts, strict=True))
     return Steps(t if t.size else np.array([start]), h, last, corrected, mode.astype(int))

@@ -49,9 +49,9 @@ class Checkpoints:
 
     def cut(self, count: int) -> Checkpoints:
         """Up to state ``count``."""
-        return self.ended(count, self[:, count])
+        return self.with_last(count, self[:, count])
 
-    def ended(self, count: int, x: np.ndarray) -> Checkpoints:
+    def with_last(self, count: int, x: np.ndarray) -> Checkpoints:
         """The states before ``count``, then this one."""
         before = self.number < count
         stored = np.column_stack([self.stored[:, before], x])
@@ -89,7 +89,7 @@ def cut_states(x: States, count: int) -> States:
 def ended_states(x: States, count: int, last: np.ndarray) -> States:
     """The states before number ``count``, then this one."""
     if isinstance(x, Checkpoints):
-        return x.ended(count, last.ravel())
+        return x.with_last(count, last.ravel())
     return np.column_stack([x[:, :count], last])
 
 
@@ -97,12 +97,12 @@ def joined_states(x: States, more: States, repeat: Repeat) -> States:
     """The states of two marches, of which the second begins where the first ends."""
     if isinstance(x, np.ndarray) and isinstance(more, np.ndarray):
         return np.hstack([x, more[:, 1:]])
-    (number, stored), (further, then) = _stored(x), _stored(more)
+    (number, stored), (further, then) = _stored_states(x), _stored_states(more)
     number = np.append(number, number[-1] + further[1:])
     return Checkpoints(number, np.hstack([stored, then[:, 1:]]), repeat)
 
 
-def _stored(x: States) -> tuple[np.ndarray, np.ndarray]:
+def _stored_states(x: States) -> tuple[np.ndarray, np.ndarray]:
     if isinstance(x, Checkpoints):
         return x.number, x.stored
     return np.arange(x.shape[1]), x
@@ -131,8 +131,8 @@ class Recorder:
         self.count, self.last = 0, x0.ravel()
         self.thin = self._too_many(steps)
         capacity = steps + 1 if steps and not self.thin else 0
-        self._whole = np.empty((self.last.size, capacity), order="F")
-        self._whole[:, :1] = x0.reshape(-1, 1)
+        self._array = np.empty((self.last.size, capacity), order="F")
+        self._array[:, :1] = x0.reshape(-1, 1)
         self._numbers = [np.zeros(1, dtype=int)]
         self._columns = [x0.reshape(-1, 1)]
         self._needed: list[np.ndarray] = []
@@ -145,24 +145,24 @@ class Recorder:
         if not columns.shape[1]:
             return
         number = self.count + 1 + np.arange(columns.shape[1])
-        if self._whole.size:
-            if self._whole.shape[1] <= number[-1]:  # steps were halved
-                extra = max(columns.shape[1], self._whole.shape[1] // 4)
+        if self._array.size:
+            if self._array.shape[1] <= number[-1]:  # steps were halved
+                extra = max(columns.shape[1], self._array.shape[1] // 4)
                 more = np.empty((self.last.size, extra))
-                self._whole = np.asfortranarray(np.hstack([self._whole, more]))
-            self._whole[:, number] = columns
+                self._array = np.asfortranarray(np.hstack([self._array, more]))
+            self._array[:, number] = columns
             self.count, self.last = int(number[-1]), columns[:, -1].copy()
             return
         self._needed.append(self._around_outputs(ends) + self.count)
         self.count, self.last = int(number[-1]), columns[:, -1].copy()
         if self.thin:
-            number, columns = self._thinned(number, columns, self._needed[-1])
+            number, columns = self._select(number, columns, self._needed[-1])
         self._numbers.append(number)
         self._columns.append(columns)
         if not self.thin and self._too_many(self.count):
             needed = np.concatenate(self._needed)
             pairs = [
-                self._thinned(n, c, needed)
+                self._select(n, c, needed)
                 for n, c in zip(self._numbers, self._columns, strict=True)
             ]
             self._numbers, self._columns = [n for n, _ in pairs], [c for _, c in pairs]
@@ -175,14 +175,14 @@ class Recorder:
         return np.unique(np.concatenate([before, before + 1]))
 
     @staticmethod
-    def _thinned(number: np.ndarray, columns: np.ndarray, needed: np.ndarray):
+    def _select(number: np.ndarray, columns: np.ndarray, needed: np.ndarray):
         stored = (number % EVERY == 0) | np.isin(number, needed)
         return number[stored], columns[:, stored].copy()
 
     def states(self, repeat: Repeat | None) -> States:
         """All states, as an array or as checkpoints."""
-        if self._whole.size:
-            return self._whole[:, : self.count + 1]
+        if self._array.size:
+            return self._array[:, : self.count + 1]
         number, stored = np.concatenate(self._numbers), np.hstack(self._columns)
         if not self.thin or repeat is None:
             return stored

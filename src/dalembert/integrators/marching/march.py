@@ -189,7 +189,7 @@ class FixedMarch:
                 step = tuple(column[k] for column in chunk)
                 x = self._states_after(1, mode, x.ravel(), step, p)
             except SolverFailure as error:
-                text = self.step_of(mode).explained(error.reason)
+                text = self.step_of(mode).explain(error.reason)
                 return out, text or f"a step failed: {error.reason}", bool(text)
             out[:, k] = x.ravel()
         return out, "", False
@@ -226,7 +226,7 @@ class FixedMarch:
     def at_once(self, mode: int) -> bool:
         """True if equal steps are taken as chunks."""
         step = self.step_of(mode)
-        return step.even and not branches(step, self.period)
+        return step.chunked and not branches(step, self.period)
 
     def single(self, mode: int) -> ca.Function:
         """``(x, t, h, flag, q) → x``; the flag says whether the step is corrected."""
@@ -237,7 +237,7 @@ class FixedMarch:
         if mode not in self._singles:
             step = self.step_of(mode)
             if branches(step, self.period):
-                self._singles[mode] = _branching(step, self.period)
+                self._singles[mode] = _single_with_flag(step, self.period)
             else:
                 m = step.marching
                 forms = (form and _single(form) for form in (m.called, m.lanes))
@@ -253,9 +253,9 @@ def _single(step: ca.Function) -> ca.Function:
     return ca.Function("single", [x, t, h, flag, q], [step(t, h, x, q)])
 
 
-def _branching(step: Step, period: int) -> Marching:
+def _single_with_flag(step: Step, period: int) -> Marching:
     """A step that is corrected if the flag is set."""
-    call, _ = flagged(step, period, lambda step: step.function)
+    call, _ = with_flag(step, period, lambda step: step.function)
     x, p = ca.MX.sym("x", step.size), ca.MX.sym("p", step.parameter_count)
     t, h, flag = ca.MX.sym("t"), ca.MX.sym("h"), ca.MX.sym("flag")
     single = ca.Function("single", [x, t, h, flag, p], [call(flag, t, h, x, p)])
@@ -267,7 +267,7 @@ def branches(step: Step, period: int) -> bool:
     return period != 1 and step.corrects
 
 
-def flagged(
+def with_flag(
     step: Step, period: int, function_of: Callable[[Step], ca.Function]
 ) -> tuple[Callable[..., Any], bool]:
     """``(flag, …)`` function of a step or of its derivative, and whether it is an SX function.

@@ -62,9 +62,9 @@ class MethodChoice:
         """
         if failure and not (self.trial and self.implicit(mode)):
             return mode, None, failure
-        return *self._following(record, mode), ""
+        return *self._next_mode(record, mode), ""
 
-    def _following(self, record: np.ndarray, mode: int) -> tuple[int, float | None]:
+    def _next_mode(self, record: np.ndarray, mode: int) -> tuple[int, float | None]:
         record = record[:, record[1] > 0]
         if not record.shape[1] and not self.trial:
             return mode, None

@@ -92,8 +92,8 @@ class StepRule:
     @classmethod
     def of(cls, c: NewmarkCoefficients, h: Any) -> StepRule:
         """The rule of a method for steps of length ``h``, a number or an expression."""
-        left = 1 - c.alpha_m
-        factors = (1 - c.alpha_f) / left, c.alpha_f / left, c.alpha_m / left
+        complement = 1 - c.alpha_m
+        factors = (1 - c.alpha_f) / complement, c.alpha_f / complement, c.alpha_m / complement
         return cls(h, *factors, (h * (0.5 - c.beta), h * (1 - c.gamma)), (h * c.beta, h * c.gamma))
 
     @property

@@ -52,7 +52,7 @@ class NewmarkStep(GraphStep):
         self.newton = NewtonNode(
             "newmark", self.u, self.arguments, rows, scale, settings.newton, sizes, outputs
         )
-        self._guess = constant("guess", [self.arguments], self._extrapolated())
+        self._guess = constant("guess", [self.arguments], self._extrapolate())
         size = n + self.memory.numel()
         symbols = [ca.MX.sym(*k) for k in (("t", 1), ("h", 1), ("x", size), ("p", s.p.numel()))]
         end, residual = self._solve(*symbols)
@@ -86,7 +86,7 @@ class NewmarkStep(GraphStep):
         old = rate(t, x, ca.vertcat(z, ca.SX.zeros(len(e.coupled))))[self.speeds]
         true = rate(t, x, self.u)[self.speeds]
         sizes = self.problem.system.sizes.rates[self.speeds]
-        s = self._resolved(stored, old, sizes, abs(c.shift))
+        s = self._if_resolved(stored, old, sizes, abs(c.shift))
         rule = StepRule.of(c, h)
         course = rule.corrected(rule.predicted(x[self.speeds], old, s), true)
         new, middle = ca.SX(x), ca.SX(x)
@@ -107,7 +107,7 @@ class NewmarkStep(GraphStep):
         memory = [end_z, rule.memory(course, true), end_powers, self.spare, 0, (end_z - z) / h]
         return new, ca.vertcat(*memory), rows
 
-    def _resolved(
+    def _if_resolved(
         self, change: ca.SX, value: ca.SX, sizes: np.ndarray, share: float = 1.0
     ) -> ca.SX:
         """A rate of change, set to zero at a start if the step does not resolve it."""
@@ -118,11 +118,11 @@ class NewmarkStep(GraphStep):
         sudden = amount > SUDDEN * share * (1 + ca.mmax(ca.fabs(value) / sizes))
         return ca.if_else(ca.logic_and(first > 0, sudden), 0, 1) * change
 
-    def _extrapolated(self) -> ca.SX:
+    def _extrapolate(self) -> ca.SX:
         """First guess of the unknowns."""
         e, z = self.equations, self._memory_parts()[0]
         drift = self.memory[self.memory.numel() - e.algebraic :, :]
-        drift = self._resolved(drift, z, e.unknown_sizes[: e.algebraic])
+        drift = self._if_resolved(drift, z, e.unknown_sizes[: e.algebraic])
         u = ca.vertcat(z + self.h * drift, ca.SX(len(e.coupled), 1))
         rate = e.rate(self.t, self.h, self.x, u, self.p)
         return ca.vertcat(u[: e.algebraic, :], rate[e.coupled])

@@ -27,7 +27,7 @@ Correction = tuple[ca.Function, Any]
 """Correction after the stages, ``(t, x, q) → x``, and its part of q."""
 
 
-def _corrected(t: Any, x: Any, correction: Correction) -> Any:
+def _apply_correction(t: Any, x: Any, correction: Correction) -> Any:
     """The state after a correction."""
     function, q = correction
     return function(t, x, q)
@@ -79,9 +79,9 @@ class ExplicitStep(Step):
 
     def stages(self, t, h, x, p, count: int | None = None) -> tuple[list[Any], list[Any]]:
         """Stage states ``X_i`` and slopes ``k_i``."""
-        return self._staged(self.rhs.function, t, h, x, p, count)
+        return self._stages_of(self.rhs.function, t, h, x, p, count)
 
-    def _staged(self, rhs: ca.Function, t, h, x, p, count: int | None = None):
+    def _stages_of(self, rhs: ca.Function, t, h, x, p, count: int | None = None):
         """Stage states and slopes for a right-hand side of p or of q."""
         states: list[Any] = []
         slopes: list[Any] = []
@@ -152,7 +152,7 @@ class ExplicitStep(Step):
         values: ca.Function,
         parts: Sequence[tuple[ca.Function, ca.Function]],
         kind: Any,
-        correct: Callable[..., Any] = _corrected,
+        correct: Callable[..., Any] = _apply_correction,
     ) -> ca.Function:
         """The step of ``q``; in an MX graph slopes and correction are function calls."""
         t, h, x, _ = self._symbols(kind)
@@ -162,7 +162,7 @@ class ExplicitStep(Step):
         (rhs, q_rhs), *corrections = [
             (part[1], q[a:b]) for part, (a, b) in zip(parts, pairwise(edges), strict=True)
         ]
-        _, slopes = self._staged(rhs, t, h, x, q_rhs, self.needed)
+        _, slopes = self._stages_of(rhs, t, h, x, q_rhs, self.needed)
         new = self.advance(h, x, slopes)
         if corrections:
             new = correct(t + h, new, *corrections)
@@ -247,7 +247,7 @@ class ExplicitStep(Step):
         q, weight = ca.MX.sym("q", self.prelude.value_count), ca.MX.sym("w", self.size)
         n, before = self.size, self.rhs.prepared[0]
         q_rhs, rhs = q[: before.value_count], self.rhs.prepared_function
-        states, slopes = self._staged(rhs, t, h, x, q_rhs, self.needed)
+        states, slopes = self._stages_of(rhs, t, h, x, q_rhs, self.needed)
         end, finish_bar = weight, ca.MX(0, 1)
         if self.finish is not None:
             new = self.advance(h, x, slopes)

@@ -206,13 +206,13 @@ def _estimate(step: CollocationStep, t, h, x, p, rates: ca.MX) -> ca.MX:
     """Error of the new state, filtered of stiff components and of those off the constraints."""
     u, begin = step.begin_rates(t, h, x, p)
     raw = h * (FILTER * begin + ca.mtimes(rates, ca.DM(ESTIMATE)))
-    matrix, rhs, change = _linearised(step)
+    matrix, rhs, change = _linearise(step)
     base = x - h * FILTER * begin
     solution = ca.solve(matrix(t, h, base, u, p), rhs(t, h, base, u, p, raw), "qr")
     return change(t, h, base, u, p, raw, solution)
 
 
-def _linearised(step: CollocationStep) -> tuple[ca.Function, ca.Function, ca.Function]:
+def _linearise(step: CollocationStep) -> tuple[ca.Function, ca.Function, ca.Function]:
     """Linearisation of one implicit stage of length γ₀h by a disturbance of the old state."""
     e, s = step.equations, step.equations.system
     at = (s.t, ca.SX.sym("h"), s.x, ca.SX.sym("u", e.count), s.p)

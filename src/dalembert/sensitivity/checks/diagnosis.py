@@ -68,7 +68,7 @@ def without_influence(f: Findings) -> list[str]:
         small = ~none & (row <= NEGLIGIBLE * row.max())
         for mask, kind in ((none, "no influence"), (small, "negligible influence")):
             if mask.any():
-                affected.setdefault((kind, _listed(names[mask])), []).append(response.label)
+                affected.setdefault((kind, _join(names[mask])), []).append(response.label)
     remark = {"no influence": "exactly zero", "negligible influence": "of the size of round-off"}
     return [
         f"{parameters}: {kind} on {', '.join(labels)} ({remark[kind]})"
@@ -76,9 +76,9 @@ def without_influence(f: Findings) -> list[str]:
     ]
 
 
-def _listed(names: np.ndarray, most: int = 12) -> str:
-    more = f" and {names.size - most} more" if names.size > most else ""
-    return ", ".join(map(str, names[:most])) + more
+def _join(names: np.ndarray, limit: int = 12) -> str:
+    more = f" and {names.size - limit} more" if names.size > limit else ""
+    return ", ".join(map(str, names[:limit])) + more
 
 
 def at_bounds(f: Findings) -> list[str]:

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.integrators.marching.march import branches, flagged
+from dalembert.integrators.marching.march import branches, with_flag
 from dalembert.integrators.step import Step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_adjoint
 from dalembert.sensitivity.marching.walk import BackwardWalk
@@ -135,11 +135,11 @@ def backward_step(kernel: DynamicsKernel, mode: int, compiled: bool) -> tuple[Pr
     prelude, n = step.prelude, step.size
     if branches(step, period):  # two variants, each with its own prelude
         prelude = Prelude.identity(step.parameter_count)
-        call, _ = flagged(step, period, lambda step: step.adjoint)
+        call, _ = with_flag(step, period, lambda step: step.adjoint)
     elif compiled:
-        call, _ = flagged(step, period, lambda step: step.compiled_adjoint)
+        call, _ = with_flag(step, period, lambda step: step.compiled_adjoint)
     else:
-        call, _ = flagged(step, period, lambda step: step.prepared_adjoint)
+        call, _ = with_flag(step, period, lambda step: step.prepared_adjoint)
     carried = ca.MX.sym("c", n + prelude.rate_count)
     q = ca.MX.sym("q", prelude.value_count)
     x, inject = ca.MX.sym("x", n), ca.MX.sym("i", n)

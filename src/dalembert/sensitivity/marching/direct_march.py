@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.step_outputs import alike
-from dalembert.integrators.marching.march import CHUNK, branches, flagged
+from dalembert.integrators.marching.march import CHUNK, branches, with_flag
 from dalembert.integrators.step import Step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
 from dalembert.sensitivity.marching.walk import ForwardWalk
@@ -169,7 +169,7 @@ def _forward_step(kernel: DynamicsKernel, mode: int, c: int) -> tuple[Prelude, c
     prelude, tangents = step.prelude, lambda step: step.prepared_tangents(c)
     if branches(step, period):  # two variants, each with its own prelude
         prelude, tangents = Prelude.identity(step.parameter_count), lambda step: step.tangents(c)
-    call, _ = flagged(step, period, tangents)
+    call, _ = with_flag(step, period, tangents)
     dx, dq = ca.MX.sym("dx", step.size, c), ca.MX.sym("dq", prelude.rate_count, c)
     x, q = ca.MX.sym("x", step.size), ca.MX.sym("q", prelude.value_count)
     t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))

@@ -127,7 +127,7 @@ def _by_times(kernel: DynamicsKernel, steps: Steps, p: np.ndarray) -> tuple[np.n
 @once
 def by_times(step: Step) -> ca.Function:
     """``(t, h, x, p) → ∂S/∂t, ∂S/∂h``."""
-    step = step.moving
+    step = step.exact_in_h
     t, h, x, p = (ca.MX.sym(name, step.function.numel_in(i)) for i, name in enumerate("thxp"))
     new = step.function(t, h, x, p)
     zeros = ca.MX(x.numel(), 2), ca.MX(p.numel(), 2)

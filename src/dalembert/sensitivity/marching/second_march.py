@@ -17,7 +17,7 @@ import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.marching.march import flagged
+from dalembert.integrators.marching.march import with_flag
 from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep
 from dalembert.integrators.step import Step
 from dalembert.sensitivity.marching.direct_march import TangentMarch
@@ -239,7 +239,7 @@ def _back(kernel: DynamicsKernel, mode: int) -> ca.Function:
     """Backward step of ``[x̄; d x̄; d p̄]`` with injected weights."""
     step = kernel.variants[mode].step
     n, m = step.size, step.parameter_count
-    call, symbolic = flagged(step, kernel.fixed.period, second_step)
+    call, symbolic = with_flag(step, kernel.fixed.period, second_step)
     kind: Any = ca.SX if symbolic else ca.MX
     sizes = {"c": 2 * n + m, "x": n, "dx": n, "i": 2 * n, "p": m, "dp": m}
     c, x, dx, inject, p, dp = (kind.sym(s, k) for s, k in sizes.items())

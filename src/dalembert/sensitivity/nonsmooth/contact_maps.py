@@ -87,12 +87,12 @@ class ContactMaps:
         return self._closings[key]
 
     @cached_property
-    def moving(self) -> ca.Function:
+    def kinematic_matrix(self) -> ca.Function:
         """``y → A`` with ``ẏ = A v``."""
         m = self.e.manifold
         zero = ca.SX.zeros(m.delta.numel())
         rate = ca.substitute(ca.jacobian(m.moved, m.delta), m.delta, zero)
-        return ca.Function("moving", [m.y], [ca.densify(rate)])
+        return ca.Function("kinematic_matrix", [m.y], [ca.densify(rate)])
 
     def step(self, pattern: Pattern) -> ImplicitMap:
         """Map from the start of a step to its end before corrections."""

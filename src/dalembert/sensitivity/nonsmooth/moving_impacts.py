@@ -97,7 +97,7 @@ def push_maps(maps: list[MapAt], dx: np.ndarray, dt: float, dp: np.ndarray) -> n
 def step_tangent(steps: ContactSteps, k: int) -> StepTangent:
     """Linearisation of step ``k`` of a run."""
     maps = steps.at(k)
-    closing = _closing(steps, k)
+    closing = _impacting_gaps(steps, k)
     return StepTangent(maps, _impacts(steps, k, maps, closing) if closing else [])
 
 
@@ -125,7 +125,7 @@ def closing_speeds(steps: ContactSteps, k: int) -> dict[int, tuple[float, float]
     return closing
 
 
-def _closing(steps: ContactSteps, k: int) -> list[int]:
+def _impacting_gaps(steps: ContactSteps, k: int) -> list[int]:
     """Gaps that close by an impact in step ``k``."""
     if steps.patterns[k].keys() == _persistent(steps, k).keys():
         return []
@@ -141,9 +141,9 @@ def _impacts(
     state = steps.split(k)
     closed = {key: pattern[key] for key in pattern if _remains_closed(steps, k, key)}
     after = (steps.free(k, closed, end, t + h, h).following - end)[steps.size :] / h
-    rate_after = np.concatenate([_moving(steps, end) @ end[steps.size :], after])
+    rate_after = np.concatenate([_kinematic_matrix(steps, end) @ end[steps.size :], after])
     rate_before = np.concatenate(
-        [_moving(steps, begin) @ begin[steps.size :], _acceleration_before(steps, k)]
+        [_kinematic_matrix(steps, begin) @ begin[steps.size :], _acceleration_before(steps, k)]
     )
     jump = push_maps(maps, rate_before[:, None], 1.0, np.zeros((steps.p.size, 1))).ravel()
     jump = jump - rate_after
@@ -168,9 +168,9 @@ def _remains_closed(steps: ContactSteps, k: int, key: int) -> bool:
     return abs(speeds[1]) <= RESTING * max(abs(speeds[0]), fastest)
 
 
-def _moving(steps: ContactSteps, x: np.ndarray) -> np.ndarray:
+def _kinematic_matrix(steps: ContactSteps, x: np.ndarray) -> np.ndarray:
     """(n_y, n_v) ``A`` with ``ẏ = A v``."""
-    return steps.maps.moving(x[: steps.size]).full()
+    return steps.maps.kinematic_matrix(x[: steps.size]).full()
 
 
 def simultaneous(steps: ContactSteps, k: int, keys: Sequence[int]) -> bool:
@@ -217,7 +217,7 @@ def moving_parts(steps: ContactSteps, k: int, keys: list[int]) -> dict[tuple[int
                 "steps"
             )
         parts[(key,)] = part
-    matrix = np.abs(_moving(steps, steps.x[:, k]))
+    matrix = np.abs(_kinematic_matrix(steps, steps.x[:, k]))
     return {
         group: np.concatenate([matrix @ part > 0, part]).astype(float)
         for group, part in parts.items()

@@ -124,15 +124,15 @@ class TransientPass:
         state = march.arrived(node) if arrived else march.node(node)
         return Instant(self.equation, moved(state), time, self.parameters)
 
-    def begun(self, node: int) -> Instant:
+    def state_before_step(self, node: int) -> Instant:
         """State at the start of the step from a node."""
         return self.at(node, False)
 
-    def ended(self, node: int) -> Instant:
+    def state_after_step(self, node: int) -> Instant:
         """State at the end of the step to a node, before replacement of rotation vectors."""
         return self.at(node, node in self.march.shortened)
 
-    def arriving(self, node: int) -> TransientStep:
+    def step_to(self, node: int) -> TransientStep:
         """The step that ends at a node."""
         return self.march.step(float(self.steps.h[node - 1]))
 
@@ -169,11 +169,11 @@ class TransientAdjoint(TransientPass, BackwardWalk[Moving]):
         march = self.march
         if end in march.shortened:
             weights = march.charts.pull(march.arrived(end), march.shortened[end], weights)
-        weights = self.arriving(end).pull(self.ended(end), weights)
+        weights = self.step_to(end).pull(self.state_after_step(end), weights)
         return self._add_outputs_from(begin, weights)
 
     def pull_start(self, weights: Moving) -> None:
-        self.start.pull(self.begun(0), weights)
+        self.start.pull(self.state_before_step(0), weights)
 
     def _zero(self) -> Moving:
         return Moving(*np.zeros((4, self.size, self.rows)))
@@ -184,7 +184,11 @@ class TransientAdjoint(TransientPass, BackwardWalk[Moving]):
             back = step.pull(end, self._add_outputs(end, outputs, self._zero()))
             weights = Moving(*(a + b for a, b in zip(weights, back, strict=True)))
         outputs = self.outputs.ends.get(node, [])
-        return self._add_outputs(self.begun(node), outputs, weights) if outputs else weights
+        return (
+            self._add_outputs(self.state_before_step(node), outputs, weights)
+            if outputs
+            else weights
+        )
 
     def _add_outputs(self, at: Instant, outputs: list[Output], weights: Moving) -> Moving:
         """Add the weights of outputs; weights of reactions become weights of the motion."""
@@ -219,12 +223,12 @@ class TransientDirect(TransientPass, ForwardWalk[Moving]):
         return self.derivatives
 
     def push_start(self) -> Moving:
-        return self.start.push(self.begun(0))
+        return self.start.push(self.state_before_step(0))
 
     def push(self, begin: int, end: int, change: Moving) -> Moving:
         self._evaluate_from(begin, change)
         march = self.march
-        change = self.arriving(end).push(self.ended(end), change)
+        change = self.step_to(end).push(self.state_after_step(end), change)
         if end in march.shortened:
             change = march.charts.push(march.arrived(end), march.shortened[end], change)
         return change
@@ -235,7 +239,7 @@ class TransientDirect(TransientPass, ForwardWalk[Moving]):
     def _evaluate_from(self, node: int, change: Moving) -> None:
         """Evaluate the responses at a node and inside the next step."""
         if outputs := self.outputs.ends.get(node, []):
-            self._evaluate(self.begun(node), outputs, change)
+            self._evaluate(self.state_before_step(node), outputs, change)
         for step, end, outputs in self.parts(node):
             self._evaluate(end, outputs, step.push(end, change))
 

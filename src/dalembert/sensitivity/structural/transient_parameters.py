@@ -144,8 +144,8 @@ class ParameterWeights:
         )
         self._small.products(self._springs, _pull_stiffness)
         if e.linear:
-            rest = np.zeros((e.assembly.size, 1))
-            self._small.forces(rest, self._at_rest[:, None, :])
+            zero = np.zeros((e.assembly.size, 1))
+            self._small.forces(zero, self._at_rest[:, None, :])
         pulls = self._exact, self._small, self._steady, self._turning, self._heated
         timed = self._loads, self._expansion, *self._supports
         total = self._own + sum(pull.total for pull in pulls) + sum(pull.total for pull in timed)
