@@ -1,4 +1,4 @@
-"""One step of an integrator: ``(t, h, x, p) → x⁺`` with its exact derivatives."""
+"""Steps of integrators: ``(t, h, x, p) → x⁺`` with exact derivatives."""
 
 from __future__ import annotations
 

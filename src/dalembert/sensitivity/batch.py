@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,43 +11,12 @@ from dalembert.analysis.batch.states import MarchedStates
 from dalembert.analysis.batch.workers import can_copy, checked_workers, in_copies
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.responses.batch import batch_response, representative
 from dalembert.results.batch.batch import Batch
 from dalembert.sensitivity.marching.batch_gradients import BatchAdjoint, BatchDirect, BatchGradients
 from dalembert.sensitivity.methods import Adjoint, Direct
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 SIDE_BY_SIDE: dict[type, type[BatchGradients]] = {Adjoint: BatchAdjoint, Direct: BatchDirect}
 """Strategy → class that computes the gradients of all designs of a march together."""
-
-
-def labelled_gradients(
-    batch: Batch, responses: Sequence[Response], columns: list[int], values: np.ndarray, method: str
-) -> xr.DataArray:
-    """(designs, responses, parameters) gradients, labelled with names, units and values."""
-    import xarray as xr
-
-    every_parameter = list(batch.model.parameters.values())
-    parameters = [every_parameter[i] for i in columns]
-    example = representative(batch)
-    values_of = [batch_response(batch, response, example) for response in responses]
-    coordinates: dict[str, Any] = batch.designs.coords | {
-        "response": [r.label for r in responses],
-        "parameter": [p.name for p in parameters],
-        "response_unit": ("response", [v.attrs["units"] for v in values_of]),
-        "response_value": (("design", "response"), np.column_stack([v.values for v in values_of])),
-        "parameter_unit": ("parameter", [p.unit for p in parameters]),
-        "parameter_value": (("design", "parameter"), batch.designs.values[:, columns]),
-        "lower": ("parameter", [p.bounds[0] for p in parameters]),
-        "upper": ("parameter", [p.bounds[1] for p in parameters]),
-    }
-    for name in [n for n in batch.designs.varied if n in ("response", "parameter")]:
-        del coordinates[name]
-    attrs = {"method": method, "model": batch.model.name}
-    dims = ("design", "response", "parameter")
-    return xr.DataArray(values, coordinates, dims, "gradient", attrs)
 
 
 def batch_gradients(

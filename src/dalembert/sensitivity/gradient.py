@@ -9,11 +9,12 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, evaluate
+from dalembert.responses.batch import batch_response, representative
 from dalembert.responses.several import as_responses, expanded
 from dalembert.responses.values import At
 from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Result
-from dalembert.sensitivity.batch import batch_gradients, labelled_gradients
+from dalembert.sensitivity.batch import batch_gradients
 from dalembert.sensitivity.checks.certificate import certify
 from dalembert.sensitivity.checks.diagnosis import Findings, diagnose
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference
@@ -102,7 +103,7 @@ def _of_batch(
     strategy = _strategy(method, len(responses), len(columns))
     terms, weights = expanded(responses)
     values = np.matmul(weights, batch_gradients(batch, terms, columns, strategy))
-    return labelled_gradients(batch, responses, columns, values, type(strategy).__name__)
+    return _labelled_array(batch, responses, columns, values, strategy)
 
 
 def gradient_values(
@@ -157,24 +158,39 @@ def _values(motion: Result, responses, columns: list[int], strategy) -> np.ndarr
 
 
 def _labelled_array(
-    motion: Result, responses, columns, values: np.ndarray, strategy
+    motion: Result | Batch, responses, columns, values: np.ndarray, strategy
 ) -> xr.DataArray:
+    """Gradient labelled with names, units and values; of a batch for every design."""
     import xarray as xr
 
-    every_parameter = list(motion.model.parameters.values())
+    model, outer = motion.model, dict[str, Any]()
+    every_parameter = list(model.parameters.values())
     parameters = [every_parameter[i] for i in columns]
-    coordinates: dict[str, Any] = {
+    if isinstance(motion, Batch):
+        example, outer = representative(motion), motion.designs.coords
+        arrays = [batch_response(motion, response, example) for response in responses]
+        units = [array.attrs["units"] for array in arrays]
+        response_values = np.column_stack([array.values for array in arrays])
+        parameter_values, dims = motion.designs.values[:, columns], ["design"]
+    else:
+        units = [_unit(motion, response) for response in responses]
+        response_values = np.array([evaluate(motion, response) for response in responses])
+        parameter_values, dims = motion.parameters[columns], []
+    coordinates = outer | {
         "response": [r.label for r in responses],
         "parameter": [p.name for p in parameters],
-        "response_unit": ("response", [_unit(motion, r) for r in responses]),
-        "response_value": ("response", [evaluate(motion, r) for r in responses]),
+        "response_unit": ("response", units),
+        "response_value": ([*dims, "response"], response_values),
         "parameter_unit": ("parameter", [p.unit for p in parameters]),
-        "parameter_value": ("parameter", motion.parameters[columns]),
+        "parameter_value": ([*dims, "parameter"], parameter_values),
         "lower": ("parameter", [p.bounds[0] for p in parameters]),
         "upper": ("parameter", [p.bounds[1] for p in parameters]),
     }
-    attrs = {"method": type(strategy).__name__, "model": motion.model.name}
-    return xr.DataArray(values, coordinates, ("response", "parameter"), "gradient", attrs)
+    for name in ("response", "parameter"):
+        if name in outer:  # a varied parameter of this name
+            del coordinates[name]
+    attrs = {"method": type(strategy).__name__, "model": model.name}
+    return xr.DataArray(values, coordinates, [*dims, "response", "parameter"], "gradient", attrs)
 
 
 def _strategy(

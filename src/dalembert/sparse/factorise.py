@@ -58,7 +58,7 @@ PARDISO_ROWS = 20_000
 
 
 def symmetric_factors(matrix: Any) -> Factors:
-    """Factors by symmetric elimination without pivoting, for positive definite matrices.
+    """Factors by symmetric elimination, usually of a positive definite matrix.
 
     Raises
     ------

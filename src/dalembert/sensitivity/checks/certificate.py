@@ -59,8 +59,8 @@ class Certificate:
     adjoint and its own ``uncertainty``, and a ``verdict``; all relative numbers are relative to
     the largest influence on the response, where an influence is a derivative times the size of its
     parameter (relative to the response, if no influence exceeds ``BARELY``). Over
-    ``response`` there is the Taylor test: ``taylor_slope`` (2 or more for a right gradient, 1 for
-    a wrong one) and ``taylor_verdict``; over ``response × taylor_step`` the
+    ``response`` there is the Taylor test: ``taylor_slope`` (2 or more for a correct gradient, 1
+    for an incorrect one) and ``taylor_verdict``; over ``response × taylor_step`` the
     ``taylor_remainder``.
 
     Verdicts: confirmed; no influence; unconfirmed, if differences are too inaccurate; contradicted;

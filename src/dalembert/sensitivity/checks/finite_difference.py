@@ -22,7 +22,7 @@ from dalembert.sensitivity.moving_times import of_moving_times
 
 @options
 class FiniteDifference:
-    """Difference quotients ``(R(p + h) − R(p))/h`` (8.24) and their relatives.
+    """Difference quotients ``(R(p + h) − R(p))/h`` (8.24) and related schemes.
 
     A step that would leave the bounds of a parameter or a limit of the model is replaced by a
     one-sided scheme of the same order to the other side, with a note of the gradient.

@@ -1,4 +1,4 @@
-"""Gradients of many designs with common fixed steps, in SIMD lanes example their runs."""
+"""Gradients of many designs with common fixed steps, in SIMD lanes like their runs."""
 
 from __future__ import annotations
 
