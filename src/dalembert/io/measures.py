@@ -1,4 +1,4 @@
-"""Measures that a file names, as what the asked analysis can tell."""
+"""Measures named in a file."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MODES: dict[str, Any] = {
 
 def measure_reader(document: Any) -> Callable[[Any, str], Expression]:
     """The function ``(model, text) → measure`` for the analysis of a document."""
-    asked = document.analysis.type if document.analysis is not None else None
-    if asked in MODES:
-        return MODES[asked].formula
+    kind = document.analysis.type if document.analysis is not None else None
+    if kind in MODES:
+        return MODES[kind].formula
     return lambda model, text: model.expression(text)

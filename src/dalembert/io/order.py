@@ -1,4 +1,4 @@
-"""The order in which entries that name one another can be made."""
+"""Order of entries that refer to one another."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from collections.abc import Iterable, Mapping
 from graphlib import CycleError, TopologicalSorter
 
 from dalembert.errors import ExpressionError
-from dalembert.io.messages import place
+from dalembert.io.messages import key_path
 
 _FIRST_NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
 
 
 def dependency_order(section: str, formulas: Mapping[str, Iterable[str]]) -> list[str]:
-    """Names of a section, each after those that its formulas mention.
+    """Names of a section, each after the names that its formulas use.
 
     Raises
     ------
     ExpressionError
-        Entries that need one another; names the chain.
+        Circular references; names the cycle.
     """
     needs = {
         name: [n for text in texts for n in _FIRST_NAME.findall(text) if n in formulas]
@@ -30,7 +30,7 @@ def dependency_order(section: str, formulas: Mapping[str, Iterable[str]]) -> lis
         chain = error.args[1][::-1]
         more = " → …" if len(chain) > 12 else ""
         raise ExpressionError(
-            f"needs itself, in the circle {' → '.join(chain[:12])}{more}; "
-            "give one of them without the others",
-            place(section, chain[0]),
+            f"depends on itself in the cycle {' → '.join(chain[:12])}{more}; "
+            "define one of them without the others",
+            key_path(section, chain[0]),
         ) from None

@@ -1,4 +1,4 @@
-"""Files of two columns: tables of laws and points of curves."""
+"""CSV files of two columns for tables of laws and points of curves."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def read_pairs(path: Path) -> list[tuple[float, float]]:
     Raises
     ------
     FileError
-        The file cannot be read, or a line is not two numbers (its number is told).
+        The file cannot be read, or a line is not two numbers (states its number).
     """
     rows: list[tuple[float, float]] = []
     try:
@@ -32,7 +32,7 @@ def read_pairs(path: Path) -> list[tuple[float, float]]:
     except csv.Error as error:
         raise FileError(f"{path}: not a CSV file ({error})") from None
     if not rows:
-        raise FileError(f"{path}: no rows of two numbers found")
+        raise FileError(f"{path}: has no rows of two numbers")
     return rows
 
 

@@ -1,4 +1,4 @@
-"""Parameters and tables of a file, declared on what is being built."""
+"""Declaration of the parameters and tables of a file."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ def declare_parameters(target: Any, document: ModelDocument, located: Located) -
     Raises
     ------
     ModelError
-        A name or bounds that cannot be, with the place.
+        Invalid name or bounds; states the location.
     """
     entries: dict[str, Any] = document.parameters
-    for name, given in entries.items():
-        table = given if isinstance(given, ParameterTable) else ParameterTable(value=given)
+    for name, entry in entries.items():
+        table = entry if isinstance(entry, ParameterTable) else ParameterTable(value=entry)
         with located("parameters", name):
             target.parameter(name, table.value, table.unit, table.bounds, table.description)
 
@@ -33,7 +33,7 @@ def declare_tables(
     Raises
     ------
     ModelError, FileError
-        Rows or a file that cannot be, with the place.
+        Invalid rows or file; states the location.
     """
     for name, table in document.tables.items():
         with located("tables", name):

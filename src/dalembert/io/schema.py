@@ -1,4 +1,4 @@
-"""The schema of model files: one document, TOML or JSON, that mirrors the Python names."""
+"""Schema of model files (TOML or JSON), which mirrors the Python names."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ from dalembert.io.orientations import FrameTable
 from dalembert.io.strategies import ANALYSES, RESPONSES
 from dalembert.io.structures.tables import ELEMENT, MESH, NodalLoadTable, SupportTable
 from dalembert.io.tables import any_of, point_type, table_of
-from dalembert.io.values import Entry, OwnBound, OwnNumber, Text, list_of, shown
+from dalembert.io.values import Entry, OwnBound, OwnNumber, Text, list_of, short_repr
 
 FORMAT = 1
 
 
 def _format(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"expected format = {FORMAT}, got {shown(value)}")
+        raise ValueError(f"expected format = {FORMAT}, got {short_repr(value)}")
     if value != FORMAT:
         cure = "update dalembert to read it" if value > FORMAT else f"write format = {FORMAT}"
-        raise ValueError(f"format {value} is not known here, this version reads {FORMAT}; {cure}")
+        raise ValueError(f"format {value} is unknown, this version reads {FORMAT}; {cure}")
     return value
 
 
@@ -87,13 +87,13 @@ CASE: dict[str, Any] = {
         Field(default=None, description="name of a case; of the run of this file by default"),
     )
 }
-"""Key of a response: of which run it is."""
+"""Key of a response: the case that it belongs to."""
 _ANALYSIS = any_of(ANALYSES)
 _RESPONSE = one_of({n: partial(table_of, n, cls, more=CASE) for n, cls in RESPONSES.items()})
 
 
 class CaseTable(Record):
-    """Another run that a design is judged by: of this model, or of the one in another file."""
+    """Another load case of a design: a run of this model, or of the model in another file."""
 
     model: Text = Field(
         default=None, description="model file beside this one, with its own `[analysis]`"
@@ -108,14 +108,14 @@ class CaseTable(Record):
 
 
 class ModelDocument(Record):
-    """What every model file has."""
+    """Keys of every model file."""
 
     sections: ClassVar[tuple[str, ...]]
-    """Tables whose entries share one set of names."""
+    """Tables whose entries share one namespace."""
     analyses: ClassVar[dict[str, type]]
-    """Name → analysis that the file may ask for."""
+    """Name → analysis available to the file."""
     usual_analysis: ClassVar[str | None] = None
-    """The one where it asks for none."""
+    """Default analysis."""
 
     schema_location: Text = Field(default=None, alias="$schema", description="for editors")
     format: Annotated[int, PlainValidator(_format), WithJsonSchema({"const": FORMAT})]
@@ -146,7 +146,7 @@ class Document(ModelDocument):
     )
     analyses = ANALYSES
     space: ClassVar[Space]
-    """Where its elements are, unless they say otherwise."""
+    """Default space of its elements."""
 
     kind: Literal["mechanism"] = Field(
         default="mechanism", description='"mechanism"; a structure has tables of its own'
@@ -193,9 +193,9 @@ class Document(ModelDocument):
 
 
 def element_of(space: Space, section: str) -> Any:
-    """An element of one section: of its own space by name, of another one as ``planar.Revolute``.
+    """Type of an element of one section; elements of another space are ``planar.Revolute``.
 
-    Bodies are rigid, and beams are beams, where they do not say what they are.
+    Bodies are rigid bodies, and beams are beams, unless they state a type.
     """
     usual = {"bodies": "Body", "beams": "Beam"}.get(section)
     tables = {
@@ -221,7 +221,7 @@ def element_of(space: Space, section: str) -> Any:
 
 @cache
 def document_of(dimension: int) -> type[Document]:
-    """The file of a mechanism whose elements are in one space, unless they say otherwise."""
+    """Document type of a mechanism whose elements are in one space by default."""
     space = SPACES[dimension]
     point = point_type(space.dimension)
     points: Any = (dict[str, point], Field(default_factory=dict))  # type: ignore[valid-type]

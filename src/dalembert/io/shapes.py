@@ -1,4 +1,4 @@
-"""Laws and curves: tables of their own inside an element, with rows that may lie in a file."""
+"""Laws and curves of elements, with rows inline or in a CSV file."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from dalembert.elements.curves import u
 from dalembert.elements.registry import CURVES, LAWS
 from dalembert.errors import ModelError
-from dalembert.io.fields import FROM_FILE, Laws, Quantity, written
+from dalembert.io.fields import FROM_FILE, Laws, Quantity, keyed_fields
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
 from dalembert.io.pairs import read_pairs
@@ -19,53 +19,55 @@ Place = tuple[str | int, ...]
 
 
 class Shapes:
-    """Makes laws and curves.
+    """Reader of laws and curves.
 
     Parameters
     ----------
-    located : adds file and place to errors
+    located : adds file and location to errors
     formulas : reads numbers and formulas
     """
 
     def __init__(self, located: Located, formulas: Formulas):
         self.located, self.formulas = located, formulas
         self.histories: dict[str, Any] = {}
-        """Name of an unknown history → the law that it is."""
+        """Name of an unknown history → its law."""
 
-    def law(self, given: Any, where: Place) -> Any:
-        """A law, or the number or formula in ``t`` that stands for one."""
-        if isinstance(given, str) and given in self.histories:
-            return self.histories[given]
-        if not isinstance(given, BaseModel):
-            return self.formulas.read(given, Scope.TIME)
-        return self._shape(LAWS, given, where, Scope.TIME, {})
+    def law(self, entry: Any, where: Place) -> Any:
+        """A law, or the number or formula in ``t`` that replaces it."""
+        if isinstance(entry, str) and entry in self.histories:
+            return self.histories[entry]
+        if not isinstance(entry, BaseModel):
+            return self.formulas.read(entry, Scope.TIME)
+        return self._shape(LAWS, entry, where, Scope.TIME, {})
 
-    def curve(self, given: Any, where: Place) -> Any:
+    def curve(self, table: Any, where: Place) -> Any:
         """A curve; formulas may use its parameter ``u``."""
-        return self._shape(CURVES, given, where, Scope.PARAMETERS, {"u": u})
+        return self._shape(CURVES, table, where, Scope.PARAMETERS, {"u": u})
 
     def _shape(
         self, registry: dict[str, Any], table: Any, where: Place, scope: Scope, local: dict
     ) -> Any:
         cls, rows = registry[table.type], FROM_FILE.get(table.type, ())
-        made = self._rows(table, rows, where) if rows else {}
-        for field in written(cls, frozenset()):
+        keywords = self._rows(table, rows, where) if rows else {}
+        for field in keyed_fields(cls, frozenset()):
             if field.name not in table.model_fields_set or field.name in rows:
                 continue
-            given = getattr(table, field.name)
+            entry = getattr(table, field.name)
             with self.located(*where, field.name):
                 if field.holds is Quantity:
-                    given = self.formulas.read(given, scope, local)
+                    entry = self.formulas.read(entry, scope, local)
                 elif field.holds is Laws:
-                    given = [self.law(x, (*where, field.name, k)) for k, x in enumerate(given)]
-                made[field.name] = given
+                    entry = [self.law(x, (*where, field.name, k)) for k, x in enumerate(entry)]
+                keywords[field.name] = entry
         with self.located(*where):
-            return made_of(cls, **made)
+            return construct(cls, **keywords)
 
     def _rows(self, table: Any, fields: tuple[str, ...], where: Place) -> dict[str, Any]:
-        """The columns, given in the table or in a file beside the model."""
-        given = [name for name in fields if getattr(table, name) is not None]
-        if (table.file is None) != (len(given) == len(fields)) or (table.file and given):
+        """The columns, given in the table or in a file in the folder of the model."""
+        columns_given = [name for name in fields if getattr(table, name) is not None]
+        if (table.file is None) != (len(columns_given) == len(fields)) or (
+            table.file and columns_given
+        ):
             raise self.located.error(f"give either {' and '.join(fields)}, or file", *where)
         if table.file is None:
             with self.located(*where):
@@ -79,9 +81,9 @@ class Shapes:
         return [self._row(x) for x in item] if isinstance(item, list) else self.formulas.read(item)
 
 
-def made_of(cls: type, *arguments: Any, **keys: Any) -> Any:
-    """An object of a registered class; what its data cannot mean becomes a model error."""
+def construct(cls: type, *arguments: Any, **keys: Any) -> Any:
+    """Construct an object of a registered class; invalid data raise ``ModelError``."""
     try:
         return cls(*arguments, **keys)
     except (TypeError, ValueError, ArithmeticError) as error:
-        raise ModelError(f"cannot be made: {error}") from None
+        raise ModelError(f"cannot be created: {error}") from None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from dalembert.design.reliability.nataf import Nataf
-from dalembert.io.analyses import given_options
+from dalembert.io.analyses import table_options
 from dalembert.io.decisions.tables import distribution
 from dalembert.io.model_file import ModelFile
 from dalembert.text.wording import unknown
@@ -39,7 +39,7 @@ def random_parameters(file: ModelFile, model: Any) -> dict[str, Any]:
 
 
 def _distribution(table: Any) -> Any:
-    options = given_options(table)
+    options = table_options(table)
     options.pop("parameter", None)
     if "of" in options:
         options["of"] = _distribution(table.of)

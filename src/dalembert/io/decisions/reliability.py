@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dalembert.io.analyses import given_options
+from dalembert.io.analyses import table_options
 from dalembert.io.decisions.designs import make_limits
 from dalembert.io.decisions.random import correlations, random_parameters
 from dalembert.io.decisions.responses import chosen_response, make_responses
@@ -94,6 +94,6 @@ def _allot(file: ModelFile, asked: Any, unit: str) -> dict[str, Any]:
         if not getattr(asked.allot, key) > 0:
             text = f"is {getattr(asked.allot, key):g}; it must be above zero"
             raise file.located.error(text, "tolerance", "allot", key)
-    options = given_options(asked.allot)
+    options = table_options(asked.allot)
     options["costs"] = dict(asked.allot.costs)
     return options

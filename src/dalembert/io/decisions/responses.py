@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 
 from dalembert.errors import ExpressionError, ModelError
-from dalembert.io.analyses import given_options
+from dalembert.io.analyses import table_options
 from dalembert.io.measures import measure_reader
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import RESPONSES
@@ -80,7 +80,7 @@ def make_response(
         if len(measure) != 1:
             raise ModelError(f"{table.measure!r} has {len(measure)} components; take .x or .y")
     with file.located("responses", name):
-        options = given_options(table) | {"measure": measure, "name": name}
+        options = table_options(table) | {"measure": measure, "name": name}
         options.pop("case", None)
         made: Response = RESPONSES[table.type](**options)
     if isinstance(made, AtEvent):

@@ -10,10 +10,10 @@ import numpy as np
 
 from dalembert.elements.fem.registry import ELEMENTS, cell_of
 from dalembert.errors import ModelError
-from dalembert.io.fields import Quantities, Quantity, connected, given_fields
+from dalembert.io.fields import Quantities, Quantity, connected_fields, read_fields
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
-from dalembert.io.shapes import made_of
+from dalembert.io.shapes import construct
 from dalembert.io.structures.tables import NodeChoice
 from dalembert.structures.meshes.generators import box_mesh, line_mesh, rectangle_mesh
 from dalembert.structures.nodes import Nodes
@@ -39,16 +39,16 @@ class MeshReader:
         cls, where = ELEMENTS[table.type], ("elements", name)
         with self.located(*where):
             ends = [node(end, *where, "connect", k) for k, end in enumerate(table.connect)]
-            ties = [tuple(ends)] if len(connected(cls)) < len(ends) else ends
-            keys = given_fields(cls, table, self.located, where, self.value)
-            add(made_of(cls, name, *ties, **keys))
+            ties = [tuple(ends)] if len(connected_fields(cls)) < len(ends) else ends
+            keys = read_fields(cls, table, self.located, where, self.value)
+            add(construct(cls, name, *ties, **keys))
 
     def mesh(self, name: str, table: Any, add: Callable[..., Any]) -> Any:
         """What ``add(name, source, {shape: class}, **quantities)`` makes of a mesh."""
         cls, where = ELEMENTS[table.type], ("meshes", name)
         shape = cell_of(cls)
         with self.located(*where):
-            keys = given_fields(cls, table, self.located, where, self.value)
+            keys = read_fields(cls, table, self.located, where, self.value)
             return add(name, self.mesh_source(table, shape, where), {shape: cls}, **keys)
 
     def value(self, field: Any, given: Any, where: tuple[str, ...]) -> Any:

@@ -11,7 +11,7 @@ from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
 from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.io.choices import Record, one_of
-from dalembert.io.fields import Quantity, written
+from dalembert.io.fields import Quantity, keyed_fields
 from dalembert.io.tables import about_field, summary_of, value_type
 from dalembert.io.values import (
     Entry,
@@ -21,7 +21,7 @@ from dalembert.io.values import (
     Text,
     list_of,
     number_or_formula,
-    shown,
+    short_repr,
 )
 
 TURNS = ROTATIONS[3]
@@ -47,7 +47,7 @@ def _each(value: Any) -> Any:
 def _names(value: Any) -> list[str]:
     given = value if isinstance(value, list) else [value]
     if not given or not all(isinstance(name, str) for name in given):
-        raise ValueError(f"expected the name of nodes, or a list of names, got {shown(value)}")
+        raise ValueError(f"expected the name of nodes, or a list of names, got {short_repr(value)}")
     return given
 
 
@@ -215,7 +215,7 @@ def _table(
     title: str, name: str, cls: Any, base: type, many: bool = False, **more: Any
 ) -> type[BaseModel]:
     keys: dict[str, Any] = {"type": (Literal[name], ...), **more}  # type: ignore[valid-type]
-    for field in written(cls):
+    for field in keyed_fields(cls):
         given = Each if many and field.holds is Quantity else value_type(field)
         default = ... if field.is_needed else None
         keys[field.name] = (given, Field(default, description=about_field(field)))
