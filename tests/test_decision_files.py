@@ -196,7 +196,7 @@ def test_histories(tmp_path, capsys):
     ("task", "old", "new", "words"),
     [
         ("pareto", '"mass"]', '"moss"]', "pareto.minimize[1]: unknown response 'moss'"),
-        ("pareto", '"stress", "mass"', '"stress"', "give two aims or more"),
+        ("pareto", '"stress", "mass"', '"stress"', "give two or more objectives"),
         ("pareto", "points = 4", "points = 1", "pareto.points: is 1; give two or more"),
         ("pareto", "points = 4", 'method = "nsga"', "did you mean 'nsga"),
         ("reliability", '"load"\ntype', '"lod"\ntype', "random[0].parameter: unknown parameter"),

@@ -39,7 +39,7 @@ def identify(
     def read(file: ModelFile, built: Any) -> Run:
         from dalembert.design.identification.identify import identify as found_from
         from dalembert.io.analyses import make_analysis
-        from dalembert.io.decisions.identification import check_files, make_identification
+        from dalembert.io.decisions.estimation import check_files, make_identification
 
         asked = make_identification(file, built, data)
         task = make_analysis(file, built) if file.document.analysis is not None else None

@@ -35,16 +35,15 @@ def invert(
         Folder for the histories (.inversion.nc, .inversion.json) and the page
         (.inversion.report.html); none are written by default.
     """
-    from dalembert.io.decisions.changes import changed
+    from dalembert.io.model_file import with_keys
 
     def read(file: ModelFile, built: Any) -> Run:
         from dalembert.design.inverse.invert import invert as histories_of
         from dalembert.io.analyses import make_analysis
-        from dalembert.io.decisions.identification import check_files
-        from dalembert.io.decisions.inversion import make_inversion
+        from dalembert.io.decisions.estimation import check_files, make_inversion
 
         changes = {"smoothing": smoothing}
-        asked = make_inversion(changed(file, "invert", changes), built, [data] if data else None)
+        asked = make_inversion(with_keys(file, "invert", changes), built, [data] if data else None)
         task = make_analysis(file, built)
         check_files([asked["data"]])
         return lambda show: histories_of(built, **asked, analysis=task, progress=iterations(show))

@@ -55,7 +55,7 @@ def optimize(
     history
         File in which all designs run are kept; the same call goes on from it after an interrupt.
     """
-    from dalembert.io.decisions.changes import changed
+    from dalembert.io.model_file import with_keys
 
     objective = {"minimize": minimize, "maximize": maximize}
     if minimize or maximize:  # the file's own is replaced, whichever it is
@@ -67,7 +67,7 @@ def optimize(
         from dalembert.io.analyses import make_analysis
         from dalembert.io.decisions.designs import make_design
 
-        design = make_design(changed(file, "optimize", changes), built)
+        design = make_design(with_keys(file, "optimize", changes), built)
         design["analysis"] = make_analysis(file, built)
         best_of = _search("beta" in design)
         return lambda show: best_of(built, **design, history=history, progress=iterations(show))

@@ -35,14 +35,14 @@ def pareto(
         Folder for the designs (.pareto.nc, .pareto.json) and the page on which to choose one
         (.pareto.report.html); none are written by default.
     """
-    from dalembert.io.decisions.changes import changed
+    from dalembert.io.model_file import with_keys
 
     def read(file: ModelFile, built: Any) -> Run:
         from dalembert.design.pareto.pareto import pareto as front_of
         from dalembert.io.analyses import make_analysis
         from dalembert.io.decisions.designs import make_front
 
-        front = make_front(changed(file, "pareto", {"points": points, "method": method}), built)
+        front = make_front(with_keys(file, "pareto", {"points": points, "method": method}), built)
         task = make_analysis(file, built)
         return lambda show: front_of(built, **front, analysis=task, progress=show)
 

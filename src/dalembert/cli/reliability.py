@@ -38,7 +38,7 @@ def reliability(
         Folder for the numbers (.reliability.nc, .reliability.json) and the page
         (.reliability.report.html); none are written by default.
     """
-    from dalembert.io.decisions.changes import changed
+    from dalembert.io.model_file import with_keys
 
     changes = {"samples": samples, "sampling": sampling, "starts": starts}
 
@@ -47,7 +47,7 @@ def reliability(
         from dalembert.io.analyses import make_analysis
         from dalembert.io.decisions.reliability import make_reliability
 
-        asked = make_reliability(changed(file, "reliability", changes), built)
+        asked = make_reliability(with_keys(file, "reliability", changes), built)
         task = make_analysis(file, built)
         return lambda show: reliability_of(built, **asked, analysis=task, progress=show)
 

@@ -34,12 +34,12 @@ def synthesize(
         Folder for the candidates (.synthesis.nc, .synthesis.json) and the page on which to choose
         one (.synthesis.report.html); none are written by default.
     """
-    from dalembert.io.decisions.changes import changed
+    from dalembert.io.model_file import with_keys
 
     def read(given: ModelFile, _: Any) -> Run:
         from dalembert.io.decisions.synthesis import make_synthesis
 
-        search = make_synthesis(changed(given, "synthesis", {"starts": starts}))
+        search = make_synthesis(with_keys(given, "synthesis", {"starts": starts}))
 
         def run(show: bool) -> Any:
             with given.located("synthesis"):

@@ -32,14 +32,14 @@ def tolerance(
         Folder for the numbers (.tolerance.nc, .tolerance.json) and the page
         (.tolerance.report.html); none are written by default.
     """
-    from dalembert.io.decisions.changes import changed
+    from dalembert.io.model_file import with_keys
 
     def read(file: ModelFile, built: Any) -> Run:
         from dalembert.design.tolerance.tolerance import tolerance as tolerance_of
         from dalembert.io.analyses import make_analysis
         from dalembert.io.decisions.reliability import make_tolerance
 
-        asked, allot = make_tolerance(changed(file, "tolerance", {"samples": samples}), built)
+        asked, allot = make_tolerance(with_keys(file, "tolerance", {"samples": samples}), built)
         task = make_analysis(file, built)
 
         def run(show: bool) -> Any:

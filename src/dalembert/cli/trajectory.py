@@ -32,13 +32,13 @@ def trajectory(
         Folder for the motion (.trajectory.nc), the controls (.trajectory.json) and the page
         (.trajectory.report.html); none are written by default.
     """
-    from dalembert.io.decisions.changes import changed
+    from dalembert.io.model_file import with_keys
 
     def read(file: ModelFile, built: Any) -> Run:
         from dalembert.design.trajectory.optimize_trajectory import optimize_trajectory
         from dalembert.io.decisions.trajectories import make_trajectory
 
-        asked = make_trajectory(changed(file, "trajectory", {"minimize": minimize}), built)
+        asked = make_trajectory(with_keys(file, "trajectory", {"minimize": minimize}), built)
         return lambda show: optimize_trajectory(built, **asked, progress=iterations(show))
 
     return Asked(model, output, options).decide(read, _show)

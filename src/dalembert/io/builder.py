@@ -25,7 +25,12 @@ from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.elements.user_constraint import UserConstraint
 from dalembert.errors import ModelError
-from dalembert.io.decisions.histories import declare_history
+from dalembert.io.declarations import (
+    declare_history,
+    declare_parameters,
+    declare_tables,
+    dependency_order,
+)
 from dalembert.io.fields import (
     FileField,
     Places,
@@ -33,23 +38,20 @@ from dalembert.io.fields import (
     Quantities,
     Quantity,
     connected_fields,
-    read_fields,
     keyed_fields,
+    read_fields,
 )
 from dalembert.io.formulas import Formulas, Scope
+from dalembert.io.laws_and_curves import LawReader, construct
 from dalembert.io.location import Located
 from dalembert.io.messages import explain
-from dalembert.io.order import dependency_order
 from dalembert.io.orientations import read_frame, read_orientation
-from dalembert.io.parameters import declare_parameters, declare_tables
 from dalembert.io.reading import read_document
 from dalembert.io.references import References
 from dalembert.io.schema import DerivedTable, Document
-from dalembert.io.shapes import Shapes, construct
-from dalembert.io.structures.builder import StructureBuilder
-from dalembert.io.structures.finite_elements import FiniteElements
-from dalembert.io.structures.mesh_reader import MeshReader
-from dalembert.io.structures.schema import StructureDocument
+from dalembert.io.structures.finite_elements import FiniteElements, MeshReader
+from dalembert.io.structures.structure_builder import StructureBuilder
+from dalembert.io.structures.structure_schema import StructureDocument
 from dalembert.model.system import System
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.conversion import as_expression
@@ -77,7 +79,7 @@ class Builder:
         self.formulas = Formulas(self.system)
         self.references = References(document, self.system, self.formulas)
         self.structures: dict[Path, StructuralModel] = {}
-        self.shapes = Shapes(self.located, self.formulas)
+        self.laws = LawReader(self.located, self.formulas)
 
     def build(self) -> System:
         """The system.
@@ -161,7 +163,7 @@ class Builder:
             with self.located("histories", name):
                 declared = declare_history(self.system, name, table)
             self.formulas.histories[name] = declared.value
-            self.shapes.histories[name] = declared.law
+            self.laws.histories[name] = declared.law
 
     def vector(self, entries: list, scope: Scope) -> list:
         return [self.formulas.read(entry, scope) for entry in entries]
@@ -205,8 +207,8 @@ class Builder:
             Frames: lambda: {n: read_frame(at, self.formulas) for n, at in entry.items()},
             Orientation: lambda: read_orientation(entry, self.formulas),
             Places: lambda: [self.references.end(Point, end) for end in entry],
-            Law: lambda: self.shapes.law(entry, where),
-            Curve: lambda: self.shapes.curve(entry, where),
+            Law: lambda: self.laws.law(entry, where),
+            Curve: lambda: self.laws.curve(entry, where),
             ForceLaw: lambda: self.force_law(entry, scope),
             Constraint: lambda: self.references.joint(entry),
             Shape: lambda: self.shape(entry, where),

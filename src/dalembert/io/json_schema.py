@@ -9,7 +9,7 @@ from pydantic.json_schema import models_json_schema
 
 from dalembert.elements.registry import SPACES
 from dalembert.io.schema import Document, document_of
-from dalembert.io.structures.schema import StructureDocument
+from dalembert.io.structures.structure_schema import StructureDocument
 
 
 def json_schema(kind: str | None = None) -> dict[str, Any]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from dalembert.elements.registry import SPACES
 from dalembert.errors import ModelError
@@ -16,8 +16,8 @@ from dalembert.io.location import Located
 from dalembert.io.messages import explain, key_path
 from dalembert.io.reading import read_document
 from dalembert.io.schema import Document, ParameterTable, document_of
-from dalembert.io.structures.builder import StructureBuilder
-from dalembert.io.structures.schema import StructureDocument
+from dalembert.io.structures.structure_builder import StructureBuilder
+from dalembert.io.structures.structure_schema import StructureDocument
 from dalembert.io.values import in_own_unit, short_repr
 from dalembert.model.model import Model
 from dalembert.model.system import ELEMENT_MEANINGS, System
@@ -165,6 +165,41 @@ def _document_type(data: dict[str, Any], path: Path) -> type[Document] | type[St
         message = f"unknown dimension {short_repr(dimension)}; known: {kinds}"
         raise ModelError(message, f"{path}: dimension")
     return document_of(dimension)
+
+
+def with_keys(file: ModelFile, section: str, changes: Mapping[str, Any]) -> ModelFile:
+    """The same file with some keys of a section replaced; a missing section is added.
+
+    Parameters
+    ----------
+    changes : key → value; None keeps the key, an empty text removes it
+
+    Raises
+    ------
+    ModelError
+        An invalid value.
+    """
+    values = {key: value for key, value in changes.items() if value is not None}
+    if not values:
+        return file
+    document: Any = file.document
+    table = getattr(document, section)
+    kind = type(document).model_fields[section].annotation
+    keys = {} if table is None else {k: getattr(table, k) for k in table.model_fields_set}
+    keys = {k: v for k, v in (keys | values).items() if v != ""}
+    try:
+        section_table = _table_type(kind).model_validate(keys)
+    except ValidationError as error:
+        explained = explain(error, keys, file.path)
+        raise file.located.error(explained.message, section) from None
+    document = document.model_copy(update={section: section_table})
+    document.__pydantic_fields_set__.add(section)
+    return replace(file, document=document)
+
+
+def _table_type(kind: Any) -> type[BaseModel]:
+    types = [k for k in get_args(kind) if isinstance(k, type)] or [kind]
+    return types[0]  # type: ignore[no-any-return]
 
 
 def load_model(path: str | Path) -> System | Structure:

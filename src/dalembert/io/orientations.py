@@ -53,19 +53,19 @@ Read = Callable[[Any], Any]
 ORIENTATIONS: dict[str, tuple[type[Record], Callable[[Any, Read], Orientation]]] = {
     "axis_angle": (
         AxisAngle,
-        lambda given, read: rotation.axis_angle([read(a) for a in given.axis], read(given.angle)),
+        lambda table, read: rotation.axis_angle([read(a) for a in table.axis], read(table.angle)),
     ),
     "euler": (
         EulerAngles,
-        lambda given, read: rotation.euler(given.sequence, *map(read, given.angles)),
+        lambda table, read: rotation.euler(table.sequence, *map(read, table.angles)),
     ),
     "bryant": (
         BryantAngles,
-        lambda given, read: rotation.bryant(read(given.x), read(given.y), read(given.z)),
+        lambda table, read: rotation.bryant(read(table.x), read(table.y), read(table.z)),
     ),
     "from_matrix": (
         FromMatrix,
-        lambda given, read: rotation.from_matrix([list(map(read, row)) for row in given.rows]),
+        lambda table, read: rotation.from_matrix([list(map(read, row)) for row in table.rows]),
     ),
 }
 """Type of an orientation → its table, and the function that constructs it."""

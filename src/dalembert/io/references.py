@@ -38,7 +38,8 @@ class References:
         """The body at a node of a beam or a mesh."""
         if owner not in self.system.elements:
             raise ModelError(
-                f"{owner} is not defined yet; a beam begins and ends at bodies, or at beams before it"
+                f"{owner} is not defined yet; a beam begins and ends at bodies, or at "
+                "beams before it"
             )
         element: Any = self.system.elements[owner]
         nodes = element.named_nodes
@@ -46,7 +47,8 @@ class References:
             qualified = [f"{owner}.{node}" for node in nodes]
             reference = f"{owner}.{name}" if name else owner
             raise ModelError(
-                f"unknown node {reference!r}{nearest(reference, qualified)}; nodes of {owner}: {listed(qualified)}"
+                f"unknown node {reference!r}{nearest(reference, qualified)}; "
+                f"nodes of {owner}: {listed(qualified)}"
             )
         return nodes[name]
 
@@ -83,7 +85,8 @@ class References:
             candidates = [f"{owner}.{p}" for p in (*(() if frame else ("center",)), *targets)]
             listing = f"{listed(candidates)}{'' if targets else f'; name others in its {noun}s'}"
             raise ModelError(
-                f"unknown {noun} {reference!r}{nearest(reference, candidates)}; {noun}s of {owner}: {listing}"
+                f"unknown {noun} {reference!r}{nearest(reference, candidates)}; "
+                f"{noun}s of {owner}: {listing}"
             )
         return targets[name]
 

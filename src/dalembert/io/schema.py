@@ -10,14 +10,14 @@ from pydantic import AfterValidator, Field, PlainValidator, WithJsonSchema, crea
 from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.curve_tables import CurveTable
-from dalembert.io.decisions.synthesis_tables import SynthesisTable
-from dalembert.io.decisions.tables import (
+from dalembert.io.decisions.design_tables import (
     RANDOM,
     CombinedTable,
     OptimizeTable,
     ParetoTable,
     ReliabilityTable,
     RobustTable,
+    SynthesisTable,
     ToleranceTable,
 )
 from dalembert.io.decisions.task_tables import (
@@ -28,11 +28,11 @@ from dalembert.io.decisions.task_tables import (
     ReportTable,
     SensitivityTable,
     SweepTable,
+    TrajectoryTable,
 )
-from dalembert.io.decisions.trajectory_tables import TrajectoryTable
 from dalembert.io.orientations import FrameTable
 from dalembert.io.strategies import ANALYSES, RESPONSES
-from dalembert.io.structures.tables import ELEMENT, MESH, NodalLoadTable, SupportTable
+from dalembert.io.structures.structure_tables import ELEMENT, MESH, NodalLoadTable, SupportTable
 from dalembert.io.tables import any_of, point_type, table_of
 from dalembert.io.values import Entry, OwnBound, OwnNumber, Text, list_of, short_repr
 
@@ -239,6 +239,6 @@ def document_of(dimension: int) -> type[Document]:
     own = Field(default=space.dimension, description=about)
     fields["dimension"] = (Literal[space.dimension], own)
     name = f"{space.name.title()}Document"
-    made = create_model(name, __base__=Document, __doc__=Document.__doc__, **fields)
-    made.space = space
-    return made
+    document = create_model(name, __base__=Document, __doc__=Document.__doc__, **fields)
+    document.space = space
+    return document

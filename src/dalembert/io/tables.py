@@ -43,7 +43,6 @@ from dalembert.io.fields import (
     connected_fields,
     keyed_fields,
 )
-from dalembert.io.interfaces import InterfacesType
 from dalembert.io.orientations import FrameTable, InlineFrame, OrientationType
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.values import (
@@ -51,6 +50,7 @@ from dalembert.io.values import (
     Entry,
     Flag,
     Integer,
+    InterfacesType,
     ListOfRows,
     Number,
     Text,

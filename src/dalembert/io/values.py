@@ -188,6 +188,40 @@ ListOfRows = Annotated[
     ),
 ]
 
+_NODE_NAMES = {"type": "array", "items": {"type": "string"}, "minItems": 1}
+
+
+def _interfaces(value: Any) -> Any:
+    chosen = list(value.values()) if isinstance(value, dict) else value
+    if not isinstance(chosen, list) or not chosen:
+        got = "none" if value == {} else short_repr(value)
+        raise ValueError(f"expected names of nodes, or a table of them, got {got}")
+    for nodes in chosen:
+        names = nodes if isinstance(nodes, list) and isinstance(value, dict) else [nodes]
+        if not names or not all(isinstance(name, str) for name in names):
+            raise ValueError(
+                f"expected the name of nodes, or a list of names, got {short_repr(nodes)}"
+            )
+    return value
+
+
+InterfacesType = Annotated[
+    Any,
+    PlainValidator(_interfaces),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                _NODE_NAMES,
+                {
+                    "type": "object",
+                    "additionalProperties": {"anyOf": [{"type": "string"}, _NODE_NAMES]},
+                    "minProperties": 1,
+                },
+            ]
+        }
+    ),
+]
+
 
 @dataclass(frozen=True)
 class JsonSchema:
@@ -202,7 +236,7 @@ class JsonSchema:
 def one_name(choices: str | Iterable[str]) -> Any:
     """Type of a text that is one of several names.
 
-    ``known`` lists the names, or is the dotted name of the list, which is imported on first use.
+    ``choices`` lists the names, or is the dotted name of the list, which is imported on first use.
     """
 
     def names() -> list[str]:

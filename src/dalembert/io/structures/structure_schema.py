@@ -1,4 +1,4 @@
-"""The schema of model files of structures, which mirrors the Python names too."""
+"""Schema of the model files of structures."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from dalembert.io.choices import one_of
 from dalembert.io.decisions.task_tables import StructureReportTable
 from dalembert.io.schema import CASE, CaseTable, ModelDocument, any_of
 from dalembert.io.strategies import RESPONSES, STRUCTURAL_ANALYSES
-from dalembert.io.structures.tables import (
+from dalembert.io.structures.structure_tables import (
     ELEMENT,
     MESH,
     Acceleration,
@@ -39,7 +39,7 @@ _RESPONSE = one_of(
 
 
 class StructuralCaseTable(CaseTable):
-    """Another run that a design is judged by: of this structure, or of a model in another file."""
+    """Another load case of a design: a run of this structure, or of a model in another file."""
 
     analysis: _ANALYSIS = Field(  # type: ignore[valid-type]
         default=None, description="another analysis of this structure, as `[analysis]`"

@@ -1,4 +1,4 @@
-"""From a checked document to a structure."""
+"""Construction of a structure from a validated document."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 
 from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
+from dalembert.io.declarations import declare_parameters, declare_tables
 from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.location import Located
-from dalembert.io.parameters import declare_parameters, declare_tables
-from dalembert.io.structures.mesh_reader import MeshReader, narrowed
-from dalembert.io.structures.schema import StructureDocument
-from dalembert.io.structures.tables import (
+from dalembert.io.structures.finite_elements import MeshReader, selected_nodes
+from dalembert.io.structures.structure_schema import StructureDocument
+from dalembert.io.structures.structure_tables import (
     DISPLACEMENTS,
     FORCES,
     LINE_FORCES,
@@ -28,12 +28,12 @@ from dalembert.text.wording import unknown, visible
 
 
 class StructureBuilder:
-    """Makes the structure that a document describes.
+    """Builder of the structure that a document describes.
 
     Parameters
     ----------
     document : StructureDocument
-    source : path of the file, for messages and for the files it names
+    source : path of the file, for messages and relative paths
     """
 
     def __init__(self, document: StructureDocument, source: Path):
@@ -49,13 +49,13 @@ class StructureBuilder:
         Raises
         ------
         ModelError, FileError, UnsupportedError
-            With file, place, value and cure.
+            Names file, location, value and a fix.
         """
         declare_parameters(self.structure, self.document, self.located)
         declare_tables(self.structure, self.document, self.located, self.formulas)
-        for name, place in self.document.nodes.items():
+        for name, coordinates in self.document.nodes.items():
             with self.located("nodes", name):
-                self.structure.node(name, *(self.formulas.read(x) for x in place))
+                self.structure.node(name, *(self.formulas.read(x) for x in coordinates))
         for name, table in self.document.elements.items():
             self.reader.element(name, table, self.node, self.structure.add)
         for name, table in self.document.meshes.items():
@@ -69,9 +69,9 @@ class StructureBuilder:
 
     # elements --------------------------------------------------------------------------------
     def node(self, name: str, *where: str | int) -> Node:
-        known = self.document.nodes
-        if name not in known:
-            raise self.located.error(unknown("node", name, known), *where)
+        nodes = self.document.nodes
+        if name not in nodes:
+            raise self.located.error(unknown("node", name, nodes), *where)
         return self.structure.nodes[name]  # type: ignore[return-value]
 
     # supports and loads ----------------------------------------------------------------------
@@ -87,11 +87,11 @@ class StructureBuilder:
                     act(nodes, **options)
 
     def spread_loads(self) -> None:
-        """Loads on the insides of elements and on lines."""
-        for k, given in enumerate(self.document.gravity):
+        """Apply gravity, line loads and temperatures."""
+        for k, table in enumerate(self.document.gravity):
             with self.located("gravity", k):
-                field = [self.formulas.read(x) for x in given.acceleration]
-                self.structure.gravity(*field, case=given.case)
+                field = [self.formulas.read(x) for x in table.acceleration]
+                self.structure.gravity(*field, case=table.case)
         loads: Any = {
             "line_loads": (self.structure.line_load, LINE_FORCES),
             "temperatures": (self.structure.heat, TEMPERATURES),
@@ -104,7 +104,7 @@ class StructureBuilder:
                     act(parts, case=table.case, **options)
 
     def on_facets(self) -> None:
-        """Tractions on edges and faces."""
+        """Apply tractions on edges and faces."""
         table: Any
         for k, table in enumerate(self.document.tractions):
             with self.located("tractions", k):
@@ -117,14 +117,14 @@ class StructureBuilder:
 
     def part(self, name: str, *where: str | int) -> Any:
         """The element or element set of this name."""
-        known = self.structure.elements
-        if name not in known:
-            raise self.located.error(unknown("element", name, known), *where)
-        return known[name]
+        elements = self.structure.elements
+        if name not in elements:
+            raise self.located.error(unknown("element", name, elements), *where)
+        return elements[name]
 
     def chosen(self, table: NodeChoice, section: str, k: int) -> list[Node | Nodes]:
-        """The nodes that a table of supports or loads means."""
-        return [narrowed(self.named(name, section, k), table) for name in table.nodes]
+        """The nodes that a table of supports or loads selects."""
+        return [selected_nodes(self.named(name, section, k), table) for name in table.nodes]
 
     def named(self, name: str, section: str, k: int) -> Node | Nodes:
         """The node, the nodes of a mesh, or those of a group of it."""
@@ -134,6 +134,8 @@ class StructureBuilder:
         if owner in self.structure.meshes:
             with self.located(section, k, "nodes"):
                 return self.structure.meshes[owner].nodes(group or None)
-        known = [*self.document.nodes, *self.structure.meshes]
-        known += [f"{mesh}.{g}" for mesh, m in self.structure.meshes.items() for g in m.selections]
-        raise self.located.error(unknown("nodes", name, known), section, k, "nodes")
+        candidates = [*self.document.nodes, *self.structure.meshes]
+        candidates += [
+            f"{mesh}.{g}" for mesh, m in self.structure.meshes.items() for g in m.selections
+        ]
+        raise self.located.error(unknown("nodes", name, candidates), section, k, "nodes")

@@ -24,19 +24,19 @@ from dalembert.io.values import (
     short_repr,
 )
 
-TURNS = ROTATIONS[3]
-_ONE = {"type": ["number", "string"]}
-_MANY = {"type": "array", "items": _ONE}
+ROTATION_NAMES = ROTATIONS[3]
+_VALUE = {"type": ["number", "string"]}
+_VALUES = {"type": "array", "items": _VALUE}
 
 
-def _place(value: Any) -> list[float | str]:
-    given = value if isinstance(value, list) else [value]
-    if not 1 <= len(given) <= 3:
-        raise ValueError(f"expected 1 to 3 coordinates, got {len(given)}")
-    return [number_or_formula(v) for v in given]
+def _coordinates(value: Any) -> list[float | str]:
+    coordinates = value if isinstance(value, list) else [value]
+    if not 1 <= len(coordinates) <= 3:
+        raise ValueError(f"expected 1 to 3 coordinates, got {len(coordinates)}")
+    return [number_or_formula(v) for v in coordinates]
 
 
-def _each(value: Any) -> Any:
+def _values_by_group(value: Any) -> Any:
     if isinstance(value, dict):
         return {str(group): number_or_formula(v) for group, v in value.items()}
     if isinstance(value, list):
@@ -45,26 +45,28 @@ def _each(value: Any) -> Any:
 
 
 def _names(value: Any) -> list[str]:
-    given = value if isinstance(value, list) else [value]
-    if not given or not all(isinstance(name, str) for name in given):
+    names = value if isinstance(value, list) else [value]
+    if not names or not all(isinstance(name, str) for name in names):
         raise ValueError(f"expected the name of nodes, or a list of names, got {short_repr(value)}")
-    return given
+    return names
 
 
 Place = Annotated[
     Any,
-    PlainValidator(_place),
+    PlainValidator(_coordinates),
     WithJsonSchema(
         {
-            "anyOf": [_ONE, _MANY | {"minItems": 1, "maxItems": 3}],
+            "anyOf": [_VALUE, _VALUES | {"minItems": 1, "maxItems": 3}],
             "description": "coordinates [m], numbers or formulas",
         }
     ),
 ]
-Each = Annotated[
+ValuesByGroup = Annotated[
     Any,
-    PlainValidator(_each),
-    WithJsonSchema({"anyOf": [_ONE, _MANY, {"type": "object", "additionalProperties": _ONE}]}),
+    PlainValidator(_values_by_group),
+    WithJsonSchema(
+        {"anyOf": [_VALUE, _VALUES, {"type": "object", "additionalProperties": _VALUE}]}
+    ),
 ]
 """One number for all, a list with one for each, or a table with one for each group."""
 NodeNames = Annotated[
@@ -79,13 +81,13 @@ Cells: Any = list[list[Integer]]
 
 
 class NodeChoice(Record):
-    """Nodes by name, narrowed down by their places."""
+    """Nodes by name, optionally selected by position."""
 
     nodes: NodeNames = Field(
         description="a node, a mesh, a group of a mesh as mesh.group, or a list of these"
     )
-    where: Named = Field(default=None, description="those at x, y, z [m]")
-    nearest: Coordinates = Field(default=None, description="the one nearest to a place [m]")
+    where: Named = Field(default=None, description="nodes at x, y, z [m]")
+    nearest: Coordinates = Field(default=None, description="node nearest to a position [m]")
 
 
 class ElementChoice(Record):
@@ -102,22 +104,22 @@ class Acceleration(Record):
 
 
 def _with_directions(
-    name: str, about: str, prefixes: dict[str, str], base: type[Record] = NodeChoice, **more: Any
+    name: str, doc: str, prefixes: dict[str, str], base: type[Record] = NodeChoice, **more: Any
 ) -> Any:
     keys: dict[str, Any] = dict(more)
     for key, text in prefixes.items():
         keys[key] = (Entry, Field(default=None, description=text))
-    return create_model(name, __base__=base, __doc__=about, **keys)
+    return create_model(name, __base__=base, __doc__=doc, **keys)
 
 
 DISPLACEMENTS = {d: f"displacement along {d[1]} [m]" for d in TRANSLATIONS} | {
-    d: f"rotation about {d[1]} [rad]" for d in TURNS
+    d: f"rotation about {d[1]} [rad]" for d in ROTATION_NAMES
 }
 FORCES = {d.replace("u", "f", 1): f"force along {d[1]} [N]" for d in TRANSLATIONS} | {
-    d.replace("r", "m", 1): f"moment about {d[1]} [N m]" for d in TURNS
+    d.replace("r", "m", 1): f"moment about {d[1]} [N m]" for d in ROTATION_NAMES
 }
 VELOCITIES = {d.replace("u", "v", 1): f"velocity along {d[1]} [m/s]" for d in TRANSLATIONS} | {
-    f"v{d}": f"angular velocity about {d[1]} [rad/s]" for d in TURNS
+    f"v{d}": f"angular velocity about {d[1]} [rad/s]" for d in ROTATION_NAMES
 }
 LINE_FORCES = {f"q{x}": f"force per length along {x} [N/m]" for x in "xyz"}
 TEMPERATURES = {"temperature": "change [K]"} | {
@@ -149,14 +151,14 @@ LineLoadTable = _with_directions(
 )
 TemperatureTable = _with_directions(
     "Temperature",
-    "Changes of temperature of elements, beside their own.",
+    "Changes of temperature of elements, in addition to their own.",
     TEMPERATURES,
     ElementChoice,
     case=CASE,
 )
 TractionTable = _with_directions(
     "Traction",
-    "A traction on the edges or faces of a mesh all of whose nodes are chosen.",
+    "A traction on the edges or faces of a mesh all of whose nodes are selected.",
     TRACTIONS,
     elements=(Text, Field(description="name of the mesh")),
     case=CASE,
@@ -183,16 +185,18 @@ class BoxTable(Record):
 class LineTable(Record):
     """A straight line, divided evenly."""
 
-    start: list[Number] = Field(description="place of the first node [m]")
-    end: list[Number] = Field(description="place of the last node [m]")
+    start: list[Number] = Field(description="position of the first node [m]")
+    end: list[Number] = Field(description="position of the last node [m]")
     count: Integer = Field(description="number of lines")
 
 
 class MeshSource(Record):
-    """Where the points and cells of a mesh come from; one of them."""
+    """Source of the points and cells of a mesh; exactly one is given."""
 
-    file: Text = Field(default=None, description="mesh beside the model, in a format of meshio")
-    points: Places = Field(default=None, description="places of the nodes [m], with cells")
+    file: Text = Field(
+        default=None, description="mesh file in the folder of the model, in a format of meshio"
+    )
+    points: Places = Field(default=None, description="positions of the nodes [m], with cells")
     cells: Cells = Field(default=None, description="numbers of the nodes of each element, from 0")
     rectangle: RectangleTable = None  # type: ignore[assignment]
     box: BoxTable = None  # type: ignore[assignment]
@@ -216,9 +220,9 @@ def _table(
 ) -> type[BaseModel]:
     keys: dict[str, Any] = {"type": (Literal[name], ...), **more}  # type: ignore[valid-type]
     for field in keyed_fields(cls):
-        given = Each if many and field.holds is Quantity else value_type(field)
+        kind = ValuesByGroup if many and field.holds is Quantity else value_type(field)
         default = ... if field.is_needed else None
-        keys[field.name] = (given, Field(default, description=about_field(field)))
+        keys[field.name] = (kind, Field(default, description=about_field(field)))
     return create_model(title, __base__=base, __doc__=summary_of(cls), **keys)
 
 

@@ -1,4 +1,4 @@
-"""Tables of model files for decisions: limits, optimisation, fronts, reliability, tolerances."""
+"""Tables of design tasks: limits, optimisation, fronts, reliability, tolerances, synthesis."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ Bounds = list_of(Number, 2, "lower, upper")
 VARIED = "names of parameters; all with bounds by default"
 LIMITS = "list of limits, tables as below"
 DISTRIBUTIONS = ("Normal", "Lognormal", "Uniform", "Weibull", "Gumbel", "Truncated")
-"""Classes of ``design.reliability.distributions``, which is imported when a file has one."""
+"""Classes of ``design.reliability.distributions``, imported on first use."""
 
 
 class LimitTable(Record):
-    """A response that a design keeps between limits."""
+    """Limits on a response of a design."""
 
     response: Text
     lower: Number = None
@@ -30,18 +30,18 @@ class LimitTable(Record):
 
 
 class CombinedTable(Record):
-    """A formula of responses that is itself an aim or a limit."""
+    """A formula of responses, used as objective or limit."""
 
     formula: Text = Field(description="of names of responses: `torque + 0.1*mass`")
     unit: Text = Field(default="", description="shown in results")
 
 
 class RobustTable(Record):
-    """A response with its scatter over what ``[[random]]`` says: an aim or a limit of its own."""
+    """Mean plus deviations of a response over the random parameters, as objective or limit."""
 
     response: Text
     deviations: Number = Field(
-        default=3.0, description="standard deviations added to the mean; below zero, taken away"
+        default=3.0, description="standard deviations added to the mean; negative to subtract them"
     )
 
 
@@ -69,10 +69,10 @@ class OptimizeTable(Record):
 
 
 class ParetoTable(Record):
-    """Between which aims ``dalembert pareto`` lets choose."""
+    """Objectives of the Pareto front of ``dalembert pareto``."""
 
-    minimize: Names = Field(default_factory=list, description="names of responses to make small")
-    maximize: Names = Field(default_factory=list, description="names of responses to make large")
+    minimize: Names = Field(default_factory=list, description="names of responses to minimise")
+    maximize: Names = Field(default_factory=list, description="names of responses to maximise")
     vary: Names = Field(default_factory=list, description=VARIED)
     integers: Names = Field(default_factory=list, description="as of `[optimize]`, by evolution")
     catalogues: list[dict[Text, list[Number]]] = Field(
@@ -125,7 +125,7 @@ class CorrelationTable(Record):
 
 
 class ReliabilityTable(Record):
-    """Which limits must hold, and how ``dalembert reliability`` searches for where they break."""
+    """Limit states of ``dalembert reliability``, and the search for their design points."""
 
     limits: list[LimitTable] = Field(description="what must hold, tables as below")
     correlation: list[CorrelationTable] = Field(
@@ -149,21 +149,21 @@ class ReliabilityTable(Record):
 
 
 class AllotTable(Record):
-    """The cheapest tolerances that keep a response within a limit."""
+    """Cost-optimal tolerances that keep a response within a limit."""
 
     limit: Number = Field(description="of the deviation of the response, on either side")
     costs: dict[str, Number] = Field(description="parameter → cost `c` of `c/t^exponent`")
     exponent: Number = 1.0
     bounds: Bounds = Field(  # type: ignore[valid-type]
-        default=None, description="least and largest tolerance"
+        default=None, description="minimum and maximum tolerance"
     )
     worst_case: Flag = False
 
 
 class ToleranceTable(Record):
-    """Which tolerances ``dalembert tolerance`` follows to which response."""
+    """Tolerances and the response analysed by ``dalembert tolerance``."""
 
-    response: Text = Field(description="name of a response that must come out right")
+    response: Text = Field(description="name of the response that is analysed")
     tolerances: dict[str, Number] = Field(description="parameter → half width ±t")
     sigmas: Number = Field(default=3.0, description="how many standard deviations they are")
     second_order: Flag = Field(default=True, description="the second derivatives too")
@@ -171,5 +171,70 @@ class ToleranceTable(Record):
     samples: Integer = Field(default=0, description="of Monte Carlo beside; none by default")
     rng: Integer = Field(default=0, description="seed of the samples")
     allot: AllotTable = Field(  # type: ignore[assignment]
-        default=None, description="which tolerances would be enough, a table as below"
+        default=None, description="allocation of tolerances, a table as below"
     )
+
+
+TARGETS = ("path", "motion", "function")
+"""Types of synthesis targets."""
+Position = list_of(Number, 2, "x, y")
+
+
+class SynthesisTable(Record):
+    """Target and mechanism of ``dalembert synthesize``."""
+
+    type: one_name(TARGETS) = Field(  # type: ignore[valid-type]
+        description='`"path"`, `"motion"` or `"function"`'
+    )
+    linkage: one_name("dalembert.io.decisions.synthesis:KINDS") = Field(  # type: ignore[valid-type]
+        default="FourBar",
+        description='`"FourBar"`, `"SliderCrank"`; a six-bar: `"watt I"`, `"watt II"`, '
+        '`"stephenson I"`, `"stephenson II"`, `"stephenson III"`; `"geared five-bar"`; '
+        '`"own"`, the mechanism of this file',
+    )
+    joints: dict[Text, Position] = Field(  # type: ignore[valid-type]
+        default_factory=dict,
+        description="of a six-bar or geared five-bar: joint → `[x, y]` in one position [m]",
+    )
+    marks: dict[Text, dict[Text, Position]] = Field(  # type: ignore[valid-type]
+        default_factory=dict, description="link of it → point → `[x, y]` in the same position"
+    )
+    reach: Number = Field(
+        default=None,
+        description="half width of the range of the coordinates of joints and marks [m]",
+    )
+    ratio: Number = Field(default=None, description="of the speeds of gears")
+    point: Text = Field(
+        default="",
+        description="of all but `FourBar` and `SliderCrank`: point that follows the target",
+    )
+    body: Text = Field(default="", description="body that is guided, of a motion")
+    output: Text = Field(default="", description="measure prescribed by a function")
+    vary: list[Text] = Field(
+        default_factory=list, description="parameters; all with bounds by default"
+    )
+    speed: Number = Field(default=1.0, description="of the motor [rad/s]")
+    points: list[Position] = Field(  # type: ignore[valid-type]
+        default_factory=list, description="positions of the coupler point [m]"
+    )
+    file: Text = Field(
+        default=None, description="table beside this file instead, columns named as these keys"
+    )
+    coupler_angles: list[Number] = Field(
+        default_factory=list, description="of a motion: rotations of the coupler [rad]"
+    )
+    outputs: list[Number] = Field(
+        default_factory=list, description="of a function: displacements of the output [rad], [m]"
+    )
+    crank_angles: list[Number] = Field(
+        default_factory=list, description="rotations of the crank [rad]; free if none are given"
+    )
+    closed: Flag = Field(default=False, description="the path returns to its first point")
+    bounds: dict[str, Bounds] = Field(  # type: ignore[valid-type]
+        default_factory=dict, description="dimension or parameter → `[lower, upper]`"
+    )
+    crank_turns: Flag = Field(default=True, description="the crank rotates fully")
+    transmission: Number = Field(default=0.0, description="minimum transmission angle [rad]")
+    order: Flag = Field(default=True, description="points are passed in their order")
+    starts: Integer = Field(default=24, description="number of candidates that are refined")
+    rng: Integer = Field(default=0, description="seed of the random numbers")

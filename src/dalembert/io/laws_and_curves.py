@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 from typing import Any
 
@@ -9,16 +10,16 @@ from pydantic import BaseModel
 
 from dalembert.elements.curves import u
 from dalembert.elements.registry import CURVES, LAWS
-from dalembert.errors import ModelError
+from dalembert.errors import FileError, ModelError
+from dalembert.files.readable import read_text
 from dalembert.io.fields import FROM_FILE, Laws, Quantity, keyed_fields
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
-from dalembert.io.pairs import read_pairs
 
-Place = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 
 
-class Shapes:
+class LawReader:
     """Reader of laws and curves.
 
     Parameters
@@ -32,23 +33,23 @@ class Shapes:
         self.histories: dict[str, Any] = {}
         """Name of an unknown history → its law."""
 
-    def law(self, entry: Any, where: Place) -> Any:
+    def law(self, entry: Any, where: KeyPath) -> Any:
         """A law, or the number or formula in ``t`` that replaces it."""
         if isinstance(entry, str) and entry in self.histories:
             return self.histories[entry]
         if not isinstance(entry, BaseModel):
             return self.formulas.read(entry, Scope.TIME)
-        return self._shape(LAWS, entry, where, Scope.TIME, {})
+        return self._read(LAWS, entry, where, Scope.TIME, {})
 
-    def curve(self, table: Any, where: Place) -> Any:
+    def curve(self, table: Any, where: KeyPath) -> Any:
         """A curve; formulas may use its parameter ``u``."""
-        return self._shape(CURVES, table, where, Scope.PARAMETERS, {"u": u})
+        return self._read(CURVES, table, where, Scope.PARAMETERS, {"u": u})
 
-    def _shape(
-        self, registry: dict[str, Any], table: Any, where: Place, scope: Scope, local: dict
+    def _read(
+        self, registry: dict[str, Any], table: Any, where: KeyPath, scope: Scope, local: dict
     ) -> Any:
         cls, rows = registry[table.type], FROM_FILE.get(table.type, ())
-        keywords = self._rows(table, rows, where) if rows else {}
+        keywords = self._columns(table, rows, where) if rows else {}
         for field in keyed_fields(cls, frozenset()):
             if field.name not in table.model_fields_set or field.name in rows:
                 continue
@@ -62,7 +63,7 @@ class Shapes:
         with self.located(*where):
             return construct(cls, **keywords)
 
-    def _rows(self, table: Any, fields: tuple[str, ...], where: Place) -> dict[str, Any]:
+    def _columns(self, table: Any, fields: tuple[str, ...], where: KeyPath) -> dict[str, Any]:
         """The columns, given in the table or in a file in the folder of the model."""
         columns_given = [name for name in fields if getattr(table, name) is not None]
         if (table.file is None) != (len(columns_given) == len(fields)) or (
@@ -87,3 +88,38 @@ def construct(cls: type, *arguments: Any, **keys: Any) -> Any:
         return cls(*arguments, **keys)
     except (TypeError, ValueError, ArithmeticError) as error:
         raise ModelError(f"cannot be created: {error}") from None
+
+
+def read_pairs(path: Path) -> list[tuple[float, float]]:
+    """The rows of a CSV file with two columns; a heading line and ``#`` comments are allowed.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or a line is not two numbers (states its number).
+    """
+    rows: list[tuple[float, float]] = []
+    try:
+        for number, row in enumerate(csv.reader(read_text(path).splitlines()), 1):
+            if not row or not "".join(row).strip() or row[0].lstrip().startswith("#"):
+                continue
+            pair = _numbers(row)
+            if pair is not None:
+                rows.append(pair)
+            elif rows or number > 1:
+                raise FileError(
+                    f"{path}: line {number}: expected two numbers, got {','.join(row)[:60]!r}"
+                )
+    except csv.Error as error:
+        raise FileError(f"{path}: not a CSV file ({error})") from None
+    if not rows:
+        raise FileError(f"{path}: has no rows of two numbers")
+    return rows
+
+
+def _numbers(row: list[str]) -> tuple[float, float] | None:
+    try:
+        first, second = (float(text) for text in row)
+    except ValueError:
+        return None
+    return first, second
