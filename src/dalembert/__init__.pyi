@@ -246,7 +246,7 @@ from dalembert.responses.integrals import (
 from dalembert.responses.values import At as At, Final as Final, at as at, final as final
 from dalembert.results.batch.batch import Batch as Batch
 from dalembert.results.comparison.result import Comparison as Comparison
-from dalembert.results.files.open_mechanism import assembly_report as assembly_report
+from dalembert.results.files.assembly_report import assembly_report as assembly_report
 from dalembert.results.files.store import load_results as load_results
 from dalembert.results.motion import Motion as Motion
 from dalembert.results.pictures.tornado import tornado as tornado

@@ -16,10 +16,10 @@ from dalembert import planar, spatial
 from dalembert.elements import look, registry
 from dalembert.elements.base import Look
 from dalembert.elements.point import Point
-from dalembert.results.pictures.planar_sketch import PlanarSketch
+from dalembert.results.pictures.planar_scene import PlanarSketch
 from dalembert.results.pictures.scene import motion_scene
 from dalembert.results.pictures.sketch import Sketch
-from dalembert.results.pictures.spatial_sketch import SpatialSketch
+from dalembert.results.pictures.spatial_scene import SpatialSketch
 
 ELEMENTS = {n: c for table in registry.PLANAR.sections.values() for n, c in table.items()}
 PRIMITIVES = {c for _, c in inspect.getmembers(look, inspect.isclass) if issubclass(c, Look)}

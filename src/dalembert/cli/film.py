@@ -41,7 +41,7 @@ def film(
 
     matplotlib.use("Agg")
     from dalembert.results.files.store import load_results, report_of
-    from dalembert.results.pictures.film import write_film
+    from dalembert.results.pictures.animation import write_film
 
     with wrong_input(), shown_warnings():
         page = report_of(load_results(results))

@@ -64,7 +64,7 @@ def failure_drawn(path: Path, pages: Path | None) -> Iterator[None]:
     except AssemblyError as error:
         if pages is None or error.position is None:
             raise
-        from dalembert.results.files.open_mechanism import assembly_report
+        from dalembert.results.files.assembly_report import assembly_report
 
         page = assembly_report(error, output_folder(pages) / f"{path.stem}.assembly.html")
         raise error.retold(f"{error}; drawn in {page}") from None

@@ -29,14 +29,14 @@ def report(
     output
         Name of the page; by default beside the results.
     """
-    from dalembert.report.compared import compared
+    from dalembert.report.overlay import overlay
     from dalembert.report.page import write_page
     from dalembert.results.files.store import load_results, report_of
 
     with wrong_input(), shown_warnings():
         payload = report_of(load_results(results))
         if other is not None:
-            payload = compared(payload, report_of(load_results(other)), str(other))
+            payload = overlay(payload, report_of(load_results(other)), str(other))
         page = output or results.with_suffix(".report.html")
         for read in (results, *([] if other is None else [other])):
             refuse_replacing(read, [page])

@@ -44,8 +44,7 @@ from dalembert.integrators.schedule import told_halves
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord
-from dalembert.results.status import Outcome, Status
-from dalembert.results.warnings import Warnings
+from dalembert.results.status import Outcome, Status, Warnings
 from dalembert.timing import Timing
 
 SHORTEST = 1e-12

@@ -29,8 +29,7 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.model.model import Model
-from dalembert.results.contact_record import ContactRecord
-from dalembert.results.nonsmooth_motion import NonsmoothMotion
+from dalembert.results.nonsmooth_motion import ContactRecord, NonsmoothMotion
 from dalembert.results.status import Outcome, Status, reached, stopped
 from dalembert.symbolic.equations.newton import Solution
 from dalembert.symbolic.once import once

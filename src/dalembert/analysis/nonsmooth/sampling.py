@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from dalembert.model.model import Model
-from dalembert.results.contact_record import ContactRecord
+from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.recording import Trajectory
 
 

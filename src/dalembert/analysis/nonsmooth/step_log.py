@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
-from dalembert.results.contact_record import ContactRecord
+from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.evaluation.kernel import Kernel
 

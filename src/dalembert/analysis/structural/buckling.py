@@ -19,7 +19,7 @@ from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
 from dalembert.results.result import Given
-from dalembert.results.structural.buckling_modes import BucklingModes
+from dalembert.results.structural.modes import BucklingModes
 from dalembert.structures.evaluation.eigenpairs import largest
 from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled

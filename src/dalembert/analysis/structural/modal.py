@@ -19,8 +19,8 @@ from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options
 from dalembert.results.result import Given
+from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
-from dalembert.results.structural.vibration_modes import VibrationModes
 from dalembert.sparse.factorise import indefinite_factors
 from dalembert.structures.evaluation.eigenpairs import nearest
 from dalembert.structures.model import StructuralModel

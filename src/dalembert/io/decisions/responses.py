@@ -15,8 +15,7 @@ from dalembert.io.strategies import RESPONSES
 from dalembert.responses.base import Response, combined_terms
 from dalembert.responses.events import AtEvent
 from dalembert.results.mechanism_modes import Modes
-from dalembert.results.structural.buckling_modes import BucklingModes
-from dalembert.results.structural.vibration_modes import VibrationModes
+from dalembert.results.structural.modes import BucklingModes, VibrationModes
 from dalembert.symbolic.formulas.expression import Expression, stack
 from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.text.wording import nearest, unknown

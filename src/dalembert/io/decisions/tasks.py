@@ -23,7 +23,7 @@ from dalembert.io.model_file import ModelFile
 from dalembert.io.schema import Document
 from dalembert.io.strategies import STRATEGIES
 from dalembert.responses.base import Response
-from dalembert.results.files.headings import checked_units
+from dalembert.results.files.tables import checked_units
 from dalembert.results.labelled import DATA_ONLY
 from dalembert.text.wording import unknown
 from dalembert.units.measured import check_measured

@@ -66,7 +66,7 @@ class StepStudy:
 
     def plot(self, ax: Any = None) -> Any:
         """Errors over steps with Matplotlib, both logarithmic; returns the axes."""
-        from dalembert.results.pictures.step_study_plot import plot_step_study
+        from dalembert.results.pictures.plot import plot_step_study
 
         return plot_step_study(self.data, ax)
 

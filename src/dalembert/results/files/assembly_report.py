@@ -1,4 +1,4 @@
-"""The page of a mechanism that cannot be assembled: where it was given, where it gets, the gap."""
+"""Report of a mechanism that cannot be assembled: initial guess, best position and gap."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.failure import OpenPosition
 from dalembert.report.page import write_page
 from dalembert.results.files.contents import Contents
-from dalembert.results.files.page_parts import diagnosis, parameter_rows
+from dalembert.results.files.tables import diagnosis, parameter_rows
 from dalembert.results.pictures.scene import is_spatial, motion_scene, standing
 from dalembert.symbolic.formulas.expression import Expression, stack, t
 from dalembert.text.spelling import spelled
@@ -53,71 +53,73 @@ def assembly_report(error: AssemblyError, path: str | Path) -> Path:
     >>> page
     'why.html'
     """
-    return write_page(open_payload(error), path)
+    return write_page(assembly_payload(error), path)
 
 
-def open_payload(error: AssemblyError) -> dict[str, Any]:
-    """What the page shows, as plain data."""
-    found: OpenPosition = error.position
-    drawn: Any = _Drawn(found)
-    scene = motion_scene(drawn, BEST, loads=False)
-    guess = motion_scene(drawn, GUESS, loads=False)["bodies"]
+def assembly_payload(error: AssemblyError) -> dict[str, Any]:
+    """Payload of the page as plain data."""
+    position: OpenPosition = error.position
+    recording: Any = _PositionRecording(position)
+    scene = motion_scene(recording, BEST, loads=False)
+    guess = motion_scene(recording, GUESS, loads=False)["bodies"]
     scene["ghosts"] = [standing(body, 0) for body in guess]
-    if found.ends is not None:
-        start, end = found.ends.tolist()
-        scene["gaps"] = [{"from": start, "to": end, "text": found.gap}]
-    parameters = found.parts.parameters
-    loop = "–".join(found.loop) or "none"
-    items = [("stays open", found.joint), ("gap", found.gap), ("loop", loop)]
+    if position.ends is not None:
+        start, end = position.ends.tolist()
+        scene["gaps"] = [{"from": start, "to": end, "text": position.gap}]
+    parameters = position.parts.parameters
+    loop = "–".join(position.loop) or "none"
+    items = [("open joint", position.joint), ("gap", position.gap), ("loop", loop)]
     return {
         "format": 1,
-        "kind": "spatial" if is_spatial(found.parts) else "mechanism",
-        "title": found.parts.name,
-        "subtitle": "cannot be assembled: the best position, and faint where it was given",
-        "time": [found.time],
+        "kind": "spatial" if is_spatial(position.parts) else "mechanism",
+        "title": position.parts.name,
+        "subtitle": "cannot be assembled: best position, with the initial guess in faint lines",
+        "time": [position.time],
         "scene": scene,
         "series": [],
         "events": [],
         "diagnosis": diagnosis("cannot be assembled", items, [("error", str(error))]),
         "statistics": [],
-        "parameters": parameter_rows(parameters, found.parameters),
+        "parameters": parameter_rows(parameters, position.parameters),
     }
 
 
-class _Drawn:
-    """Two instants, the guess and the best position, as the drawing of a motion sees them."""
+class _PositionRecording:
+    """Recording of two instants, the initial guess and the best position, for drawings."""
 
-    def __init__(self, found: OpenPosition):
-        self.found, d = found, found.parts
-        self.parameters = found.parameters
-        self._p = d.space.symbols
-        self._y = stack(group.pose for group in d.coordinates)
+    def __init__(self, position: OpenPosition):
+        self.position, parts = position, position.parts
+        self.parameters = position.parameters
+        self._p = parts.space.symbols
+        self._y = stack(group.pose for group in parts.coordinates)
         self.model = SimpleNamespace(
-            parts=d,
-            bodies=d.bodies,
-            constraints=d.constraints,
-            forces=d.forces,
+            parts=parts,
+            bodies=parts.bodies,
+            constraints=parts.constraints,
+            forces=parts.forces,
             equations=SimpleNamespace(p=self._p),
         )
-        width = 3 if is_spatial(d) else 2
+        width = 3 if is_spatial(parts) else 2
         sizes = {
             "position": (width, "axis"),
             "euler_parameters": (4, "component"),
             "angle": (1, ""),
         }
-        known: dict[str, Any] = {}
-        for name, (size, along) in sizes.items():
-            rows = [self.column(getattr(body, name, None), size) for body in d.bodies]
-            dims = ("time", "body", along) if along else ("time", "body")
-            known[name] = (dims, np.stack(rows, axis=1))
-        self.contents = Contents.given(known, {"body": [body.name for body in d.bodies]}, {})
+        variables: dict[str, Any] = {}
+        for name, (size, dimension) in sizes.items():
+            rows = [self.column(getattr(body, name, None), size) for body in parts.bodies]
+            dims = ("time", "body", dimension) if dimension else ("time", "body")
+            variables[name] = (dims, np.stack(rows, axis=1))
+        self.contents = Contents.given(
+            variables, {"body": [body.name for body in parts.bodies]}, {}
+        )
 
     def column(self, measure: Expression | None, size: int) -> np.ndarray:
-        """(2,) or (2, size), zero where a body of the plane has less, else not a number."""
+        """(2,) or (2, size) values; missing components are zero, missing measures NaN."""
         table = np.full((2, size), np.nan)
         if measure is not None:
-            found = self.values(measure).reshape(2, -1)
-            table[:] = np.pad(found, ((0, 0), (0, size - found.shape[1])))
+            values = self.values(measure).reshape(2, -1)
+            table[:] = np.pad(values, ((0, 0), (0, size - values.shape[1])))
         return table if size > 1 else table[:, 0]
 
     def columns(self, measures: list[Expression]) -> list[np.ndarray]:
@@ -126,9 +128,9 @@ class _Drawn:
 
     def values(self, measure: Expression) -> np.ndarray:
         """(2,) or (2, size) values of a measure of positions."""
-        sx = ca.densify(at_ground(self.found.parts.ground, measure.sx))
-        number = ca.Function("measure", [t.sx, self._y, self._p], [sx])
-        poses = (self.found.guess, self.found.y)
-        rows = [number(self.found.time, y, self.parameters).full().ravel() for y in poses]
+        sx = ca.densify(at_ground(self.position.parts.ground, measure.sx))
+        function = ca.Function("measure", [t.sx, self._y, self._p], [sx])
+        poses = (self.position.guess, self.position.y)
+        rows = [function(self.position.time, y, self.parameters).full().ravel() for y in poses]
         table = np.array(rows)
         return table[:, 0] if table.shape[1] == 1 else table

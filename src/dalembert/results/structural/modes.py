@@ -1,4 +1,4 @@
-"""Modes of vibration: frequencies, shapes, and what a motion of the supports moves."""
+"""Modes of vibration and of buckling."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Participation(Measure):
     ----------
     model : StructuralModel
     direction : ux, uy or uz
-    lumped : the mass matrix
+    lumped : whether the mass matrix is lumped
     """
 
     model: StructuralModel
@@ -38,9 +38,9 @@ class Participation(Measure):
     def motion(self) -> np.ndarray:
         """(n,) ``r``."""
         degrees = self.model.degrees
-        found = np.zeros(len(degrees))
-        found[degrees.table[:, degrees.directions.index(self.direction)]] = 1.0
-        return found
+        vector = np.zeros(len(degrees))
+        vector[degrees.table[:, degrees.directions.index(self.direction)]] = 1.0
+        return vector
 
     def value(self, s: State) -> float:
         return float(s.u @ self._moved(s))
@@ -58,10 +58,10 @@ class Participation(Measure):
 class VibrationModes(EigenModes):
     """Modes of ``K φ = ω² M φ`` by increasing ``ω²``, scaled to ``φᵀ M φ = 1 kg m²``.
 
-    Where the structure is unstable ``ω²`` is negative; then so are ``frequency`` and
-    ``angular_frequency``, of its size. ``participation.ux`` is ``Γ``, ``effective_mass.ux`` is
-    ``Γ²``, also with uy and uz: the part of the mass that a motion of all supports in this
-    direction sets in motion through the mode.
+    If the structure is unstable ``ω²`` is negative; ``frequency`` and ``angular_frequency`` then
+    have its sign. ``participation.ux`` is ``Γ``, ``effective_mass.ux`` is ``Γ²``, also with uy and
+    uz: the part of the mass that a motion of all supports in this direction excites through the
+    mode.
     """
 
     named: ClassVar[dict[str, Expression]] = {
@@ -77,7 +77,7 @@ class VibrationModes(EigenModes):
         return self.values("frequency")
 
     def measure(self, name: str) -> Measure:
-        return self._behind(self.model, name, self.analysis.lumped)  # type: ignore[attr-defined]
+        return self._measure_of(self.model, name, self.analysis.lumped)  # type: ignore[attr-defined]
 
     @classmethod
     def _find(cls, model: StructuralModel, name: str) -> Expression | None:
@@ -91,17 +91,35 @@ class VibrationModes(EigenModes):
         return super()._find(model, name)
 
     @classmethod
-    def _behind(cls, model: StructuralModel, name: str, lumped: bool = False) -> Measure:
+    def _measure_of(cls, model: StructuralModel, name: str, lumped: bool = False) -> Measure:
         direction = name.removeprefix(PARTICIPATION)
         if name != direction and direction in _directions(model):
             return Participation(model, direction, lumped)
-        return super()._behind(model, name, lumped)
+        return super()._measure_of(model, name, lumped)
 
     @property
-    def told(self) -> list[str]:
-        return [*self.named, *(EFFECTIVE + way for way in _directions(self.model))]
+    def reported_measures(self) -> list[str]:
+        return [*self.named, *(EFFECTIVE + direction for direction in _directions(self.model))]
 
 
 def _directions(model: StructuralModel) -> tuple[str, ...]:
-    """Displacements in which supports can move all nodes."""
+    """Translational directions of all nodes."""
     return tuple(d for d in model.degrees.directions if d.startswith("u"))
+
+
+class BucklingModes(EigenModes):
+    """Modes of ``(K + λ K_g) φ = 0`` by the magnitude of the load factor ``λ``.
+
+    They are computed from ``−K_g φ = μ K φ``, scaled to ``φᵀ K φ = 1 J``: ``eigenvalues`` are
+    ``μ = 1/λ``.
+    """
+
+    named: ClassVar[dict[str, Expression]] = {
+        "load_factor": Expression(1 / EIGENVALUE, "load_factor", ""),
+    }
+    main = "load_factor"
+
+    @property
+    def load_factors(self) -> np.ndarray:
+        """(k,) ``λ``."""
+        return self.values("load_factor")
