@@ -110,7 +110,7 @@ def test_time_is_zoomed_in_all_plots(show: Any) -> None:
 def test_a_plot_runs_over_another_series(show: Any) -> None:
     found = show(four_bar())
     before = found.picture(".plot .base")
-    found.page.click(".plot [aria-label='Choose what runs to the right']")
+    found.page.click(".plot [aria-label='Choose the x-axis']")
     found.page.fill("#search", "rocker.angle rad")
     found.page.locator(".choice:visible").first.click()
     found.page.keyboard.press("Escape")

@@ -75,8 +75,8 @@ def _create(file: ModelFile, model: Any, cls: type, table: Any, *where: str) -> 
     with file.located(*where):
         analysis = cls(**_options(file, model, cls, table, where))
     for option, check in analysis.checks(model).items():
-        place = (*where, option) if option else where
-        with file.located(*place), suppress(SingularityError):
+        location = (*where, option) if option else where
+        with file.located(*location), suppress(SingularityError):
             check()  # a singular position is no error: the run may begin at another one
     return analysis
 

@@ -127,8 +127,8 @@ class Builder:
     def _check_budget(self) -> None:
         """Refuse more names than can be processed in reasonable time."""
         document = self.document
-        places = [document.ground, *document.bodies.values()]
-        tables = [place if isinstance(place, dict) else vars(place) for place in places]
+        owners = [document.ground, *document.bodies.values()]
+        tables = [owner if isinstance(owner, dict) else vars(owner) for owner in owners]
         points = (table.get(key) for table in tables for key in ("points", "frames"))
         counts = {
             "parameters": len(document.parameters),

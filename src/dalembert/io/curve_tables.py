@@ -37,7 +37,9 @@ Column = Annotated[
 class CurveTable(Record):
     """Interpolating function through the rows of a table, inline or from a CSV file."""
 
-    file: Text = Field(default=None, description="CSV file beside the model, with a heading")
+    file: Text = Field(
+        default=None, description="CSV file in the folder of the model, with a heading"
+    )
     x: Column = Field(default=None, description="list of increasing values; or name of the column")
     y: Column = Field(default=None, description="as many values; or name of the column")
     units: list[Text] | None = Field(
@@ -83,12 +85,12 @@ def read_curve(table: CurveTable, source: Path, read: Any) -> dict[str, Any]:
 
 
 def _chosen(
-    columns: dict[str, tuple[str, list[float]]], name: str | None, place: int
+    columns: dict[str, tuple[str, list[float]]], name: str | None, index: int
 ) -> tuple[str, list[float]]:
     if name is None:
         if len(columns) < 2:
             raise ModelError("the file has one column only; x and y take two")
-        return list(columns.values())[place]
+        return list(columns.values())[index]
     if name not in columns:
         raise ModelError(unknown("column", name, columns))
     return columns[name]

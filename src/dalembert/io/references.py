@@ -68,7 +68,7 @@ class References:
             Unknown names, or a point where a body is needed.
         """
         if not isinstance(reference, str):
-            return self._placed(kind, reference)
+            return self._from_table(kind, reference)
         owner, _, name = reference.partition(".")
         if owner in self.document.beams or owner in self.document.meshes:
             return self.node(owner, name)
@@ -90,7 +90,7 @@ class References:
             )
         return targets[name]
 
-    def _placed(self, kind: type, table: Any) -> Any:
+    def _from_table(self, kind: type, table: Any) -> Any:
         """The point or frame that a table describes."""
         if kind is BodyElement:
             raise ModelError(f"expected the name of a body, e.g. {table.body!r}; got a point")

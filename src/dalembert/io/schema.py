@@ -96,7 +96,7 @@ class CaseTable(Record):
     """Another load case of a design: a run of this model, or of the model in another file."""
 
     model: Text = Field(
-        default=None, description="model file beside this one, with its own `[analysis]`"
+        default=None, description="model file in the same folder, with its own `[analysis]`"
     )
     analysis: _ANALYSIS = Field(  # type: ignore[valid-type]
         default=None, description="another analysis of this model, as `[analysis]`"
@@ -138,7 +138,7 @@ class ModelDocument(Record):
 
 
 class Document(ModelDocument):
-    """A model file of dalembert: a mechanism, and what is to be computed on it."""
+    """A model file of dalembert: a mechanism and its tasks."""
 
     sections = (
         *("parameters", "tables", "derived", "histories", "bodies", "beams", "elements", "meshes"),
@@ -152,7 +152,7 @@ class Document(ModelDocument):
         default="mechanism", description='"mechanism"; a structure has tables of its own'
     )
     dimension: int = Field(
-        default=2, description="how many coordinates its points have; 2 in the plane"
+        default=2, description="number of coordinates of points; 2 for planar mechanisms"
     )
     gravity: list[Any] | None = Field(
         default=None, description="acceleration of gravity [m/s^2]; none by default"

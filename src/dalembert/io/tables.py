@@ -256,7 +256,9 @@ def table_of(
     keys: dict[str, Any] = {"type": (kind, name if optional_type else ...)}
     connections = connected_fields(cls)
     if connections:
-        text = "what it ties, in order: " + ", ".join(f.name for f in connections)
+        text = "connected bodies, points or frames, in order: " + ", ".join(
+            f.name for f in connections
+        )
         keys["connect"] = (_connection(connections, dimension), Field(description=text))
     from_file = FROM_FILE.get(name, ())
     if from_file:

@@ -12,7 +12,7 @@ from dalembert.analysis.batch.solve import solve_batch
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, evaluate, scalar_measure
 from dalembert.results.batch.batch import Batch
-from dalembert.results.batch.samples import places
+from dalembert.results.batch.samples import match_instants
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -122,7 +122,7 @@ def _of_designs(
     if response.searches(like):
         return np.array([_of_one(batch, int(k), response) for k in good])
     sampled = response.sampled(like)
-    reducer, columns = response.over(like), places(batch.time, sampled.time)
+    reducer, columns = response.over(like), match_instants(batch.time, sampled.time)
     if np.any(columns < 0):
         return _elsewhere(batch, response, sampled.time, measure, reducer, good)
     table = batch.samples.table([measure])[:, 0]

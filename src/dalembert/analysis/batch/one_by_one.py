@@ -13,7 +13,7 @@ import numpy as np
 from dalembert.analysis.batch.workers import can_copy, in_copies
 from dalembert.errors import AnalysisError, AssemblyError, BudgetError, DalembertError
 from dalembert.results.batch.designs import Designs
-from dalembert.results.batch.samples import places
+from dalembert.results.batch.samples import match_instants
 from dalembert.results.result import Analysis, Result
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -98,7 +98,7 @@ class OneByOne:
         if not like.status.outcome is result.status.outcome is completed or like is result:
             return
         first, other = like.time, result.time
-        if first.shape != other.shape or np.any(places(first, other) < 0):
+        if first.shape != other.shape or np.any(match_instants(first, other) < 0):
             raise AnalysisError(
                 "the designs have outputs at different times, as steps with error control do; give "
                 "the batch outputs, e.g. outputs=101"

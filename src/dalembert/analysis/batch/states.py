@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.model.model import Model
-from dalembert.results.batch.samples import place
+from dalembert.results.batch.samples import write_samples
 from dalembert.results.result import Result
 from dalembert.symbolic.evaluation.backends import Backend
 from dalembert.symbolic.evaluation.shared_columns import BLOCK, gathered_blocks
@@ -53,7 +53,7 @@ class States:
             (values,) = self.evaluate(function, known, np.arange(self.time.size))
             found[known] = values.transpose(0, 2, 1)
         for k, result in self.apart.items():
-            place(found[k], self.time, result, measures)
+            write_samples(found[k], self.time, result, measures)
         return found
 
     def evaluate(

@@ -59,7 +59,8 @@ class OptimizeTable(Record):
     )
     subject_to: list[LimitTable] = Field(default_factory=list, description=LIMITS)
     beta: Number = Field(
-        default=None, description="index with which all limits hold, over what `[[random]]` says"
+        default=None,
+        description="required reliability index of all limits, over the `[[random]]` parameters",
     )
     rounds: Integer = Field(default=20, description="of optimisation and reliability, with `beta`")
     method: one_name("dalembert.design.methods.registry:OPTIMIZERS") = "slsqp"  # type: ignore[valid-type]
@@ -109,7 +110,7 @@ def _random(name: str) -> Any:
     """The table of a random parameter."""
     more: dict[str, Any] = {"parameter": _PARAMETER}
     if name == "Truncated":
-        more["of"] = (CUT, Field(description="what is cut: a distribution without `parameter`"))
+        more["of"] = (CUT, Field(description="truncated distribution, without `parameter`"))
     return table_of(name, distribution(name), title=f"Random{name}", more=more)
 
 
@@ -127,12 +128,12 @@ class CorrelationTable(Record):
 class ReliabilityTable(Record):
     """Limit states of ``dalembert reliability``, and the search for their design points."""
 
-    limits: list[LimitTable] = Field(description="what must hold, tables as below")
+    limits: list[LimitTable] = Field(description="limit states, tables as below")
     correlation: list[CorrelationTable] = Field(
         default_factory=list, description="list of `{ between = [a, b], value = 0.3 }`"
     )
     system: one_name("dalembert.design.reliability.reliability:SYSTEMS") = Field(  # type: ignore[valid-type]
-        default="series", description="one limit that breaks is failure, or all must: `parallel`"
+        default="series", description="failure of any limit; or of all limits: `parallel`"
     )
     method: one_name("dalembert.design.reliability.first_order:METHODS") = "sqp"  # type: ignore[valid-type]
     starts: Integer | None = Field(
@@ -140,7 +141,9 @@ class ReliabilityTable(Record):
     )
     tolerance: Number = 1e-8
     max_iterations: Integer = 100
-    samples: Integer = Field(default=0, description="of an estimate beside; none by default")
+    samples: Integer = Field(
+        default=0, description="of an additional estimate by sampling; none by default"
+    )
     sampling: one_name("dalembert.design.reliability.reliable:SAMPLINGS") = Field(  # type: ignore[valid-type]
         default="importance-sampling",
         description="how they are drawn; or `monte-carlo`, `subset-simulation`, `openturns-subset`",
@@ -168,7 +171,9 @@ class ToleranceTable(Record):
     sigmas: Number = Field(default=3.0, description="how many standard deviations they are")
     second_order: Flag = Field(default=True, description="the second derivatives too")
     worst_case: Flag = Field(default=True, description="the extremes within all tolerances")
-    samples: Integer = Field(default=0, description="of Monte Carlo beside; none by default")
+    samples: Integer = Field(
+        default=0, description="of an additional Monte Carlo estimate; none by default"
+    )
     rng: Integer = Field(default=0, description="seed of the samples")
     allot: AllotTable = Field(  # type: ignore[assignment]
         default=None, description="allocation of tolerances, a table as below"
@@ -218,7 +223,8 @@ class SynthesisTable(Record):
         default_factory=list, description="positions of the coupler point [m]"
     )
     file: Text = Field(
-        default=None, description="table beside this file instead, columns named as these keys"
+        default=None,
+        description="CSV table in the same folder instead, columns named as these keys",
     )
     coupler_angles: list[Number] = Field(
         default_factory=list, description="of a motion: rotations of the coupler [rad]"

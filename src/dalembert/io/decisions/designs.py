@@ -55,7 +55,7 @@ def _reliability_arguments(
         raise file.located.error(cure, "optimize", "subject_to")
     for k, limit in enumerate(limits):
         if not isinstance(limit.response, Response):
-            text = "a limit with a reliability is that of one response of this run"
+            text = "a limit with a reliability must refer to a response of this run"
             raise file.located.error(text, "optimize", "subject_to", k, "response")
     random = random_parameters(file, model)
     correlation = correlations(file, random) or None

@@ -104,7 +104,7 @@ class HistoryTable(Record):
 class InvertTable(Record):
     """Measurements for the histories that ``dalembert invert`` estimates."""
 
-    data: Text = Field(default=None, description="file of measurements beside this one")
+    data: Text = Field(default=None, description="file of measurements in the same folder")
     measures: dict[str, Text] = Field(
         default_factory=dict,
         description="column → measure or formula; columns named as measures by default",
@@ -204,7 +204,7 @@ class StructureReportTable(Record):
 
     units: Names = Field(
         default_factory=list,
-        description='of the page and of CSV files, as `["mm", "MPa"]`; each serves its dimension',
+        description='of the page and CSV files, as `["mm", "MPa"]`; each applies to its dimension',
     )
 
 
@@ -215,5 +215,5 @@ class ReportTable(Record):
     trace: Names = Field(default_factory=list, description="points whose paths are drawn")
     units: Names = Field(
         default_factory=list,
-        description='of plots and of CSV files, as `["mm", "deg"]`; each serves its dimension',
+        description='of plots and CSV files, as `["mm", "deg"]`; each applies to its dimension',
     )

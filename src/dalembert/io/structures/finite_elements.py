@@ -90,8 +90,8 @@ class MeshReader:
             raise self.located.error("is missing; points need cells", *where, "cells")
         if len({len(r) for r in table.points}) != 1 or len({len(c) for c in table.cells}) != 1:
             raise ModelError("rows have different lengths")
-        points = [[self.formulas.read(x) for x in place] for place in table.points]
-        flat = _array([x for place in points for x in place])
+        points = [[self.formulas.read(x) for x in coordinates] for coordinates in table.points]
+        flat = _array([x for coordinates in points for x in coordinates])
         return flat.reshape(len(points), -1), {shape: np.array(table.cells)}
 
     def directed(

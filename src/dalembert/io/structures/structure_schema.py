@@ -47,7 +47,7 @@ class StructuralCaseTable(CaseTable):
 
 
 class StructureDocument(ModelDocument):
-    """A model file of dalembert: a structure, and what is to be computed on it."""
+    """A model file of dalembert: a structure and its tasks."""
 
     sections = ("parameters", "tables", "nodes", "elements", "meshes")
     analyses = STRUCTURAL_ANALYSES

@@ -63,22 +63,22 @@ class Gathered:
         rows = sum(len(measure) for measure in measures)
         table = np.full((self.count, rows, self.time.size), np.nan)
         for k, result in self.results.items():
-            place(table[k], self.time, result, measures)
+            write_samples(table[k], self.time, result, measures)
         return table
 
 
-def place(
+def write_samples(
     table: np.ndarray, time: np.ndarray, result: Result, measures: Sequence[Expression]
 ) -> None:
     """Write the measures of one result into the columns (rows, K) of its instants."""
-    columns = places(time, result.time)
+    columns = match_instants(time, result.time)
     matched = columns >= 0
     values = [np.asarray(result.values(m), dtype=float) for m in measures]
     rows = np.vstack([v.reshape(result.time.size, -1).T for v in values])
     table[:, columns[matched]] = rows[:, matched]
 
 
-def places(time: np.ndarray, requested: np.ndarray) -> np.ndarray:
+def match_instants(time: np.ndarray, requested: np.ndarray) -> np.ndarray:
     """Index of each requested instant in ``time``, −1 if absent."""
     if not time.size or not requested.size:
         return np.full(requested.size, -1)

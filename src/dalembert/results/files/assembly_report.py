@@ -110,7 +110,7 @@ class _PositionRecording:
             rows = [self.column(getattr(body, name, None), size) for body in parts.bodies]
             dims = ("time", "body", dimension) if dimension else ("time", "body")
             variables[name] = (dims, np.stack(rows, axis=1))
-        self.contents = Contents.given(
+        self.contents = Contents.from_arrays(
             variables, {"body": [body.name for body in parts.bodies]}, {}
         )
 

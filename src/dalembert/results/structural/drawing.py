@@ -94,8 +94,8 @@ class StructuralDrawing:
         """
         moved = np.zeros_like(self.rest)
         moved[: self.node_count] = self._translations(u)
-        for block, along, place in self._curves:
-            moved[place] = self._curve(block, along, u, finite).reshape(-1, 3)
+        for block, along, rows in self._curves:
+            moved[rows] = self._curve(block, along, u, finite).reshape(-1, 3)
         return moved
 
     def outline(self) -> np.ndarray:
@@ -154,18 +154,18 @@ class StructuralDrawing:
         if flat:
             along = np.array([0, *along, 1])
         ends = self.rest[block.nodes]  # (2, ne, 3)
-        places = between(ends, along)
+        positions = between(ends, along)
         if spring:
-            places += self._turns(block, along)
+            positions += self._turns(block, along)
         if flat:
             height = 0.1 * np.ptp(self.rest[:, 0]) * lanes(np.sort(ends[:, :, 0], axis=0).T)
-            places[:, 1:-1, 1] += height[:, None]
+            positions[:, 1:-1, 1] += height[:, None]
         first = len(self.rest)
-        place = slice(first, first + places.shape[0] * places.shape[1])
-        self.rest = np.vstack([self.rest, places.reshape(-1, 3)])
-        numbers = np.arange(place.start, place.stop).reshape(places.shape[:2])
+        rows = slice(first, first + positions.shape[0] * positions.shape[1])
+        self.rest = np.vstack([self.rest, positions.reshape(-1, 3)])
+        numbers = np.arange(rows.start, rows.stop).reshape(positions.shape[:2])
         self.lines.append(Shapes(numbers, owners))
-        self._curves.append((block, along, place))
+        self._curves.append((block, along, rows))
 
     def _turns(self, block: ElementBlock, along: np.ndarray) -> np.ndarray:
         """(ne, s, 3) lateral offsets of the turns of springs."""

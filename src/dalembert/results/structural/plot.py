@@ -24,9 +24,9 @@ def automatic_scale(drawing: StructuralDrawing, moved: np.ndarray) -> float:
         return 1.0
     if LARGE * drawing.extent <= largest <= drawing.extent:
         return 1.0
-    wanted = SHARE * drawing.extent / largest
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(power * max(m for m in (1, 2, 5) if m * power <= wanted * (1 + 1e-9)))
+    target = SHARE * drawing.extent / largest
+    power = 10.0 ** np.floor(np.log10(target))
+    return float(power * max(m for m in (1, 2, 5) if m * power <= target * (1 + 1e-9)))
 
 
 def plot_structure(
