@@ -7,7 +7,7 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 
 from dalembert.results.numbered import Numbered
-from dalembert.results.result import Analysis, Given
+from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import eigenpairs_status
 from dalembert.timing import Timing
 
@@ -33,7 +33,7 @@ class SpectralAnalysis(Analysis[M, E]):
         """The same at other ones."""
         return self.spectrum(result.model, p)
 
-    def run(self, model: M, parameters: Given = None, progress: Any = False) -> E:
+    def run(self, model: M, parameters: ParameterValues = None, progress: Any = False) -> E:
         """The modes."""
         timing, p = Timing(), model.values(parameters)  # type: ignore[attr-defined]
         modes = self.modes(self.spectrum(model, p))

@@ -215,7 +215,7 @@ class Result(Protocol):
         return files
 
 
-Given = Mapping[str, float] | np.ndarray | None
+ParameterValues = Mapping[str, float] | np.ndarray | None
 """Parameter values: some by name, all in order, or None for those of the model."""
 M = TypeVar("M")
 R = TypeVar("R")
@@ -246,7 +246,7 @@ class Analysis(ABC, Generic[M, R]):
         return 0.0
 
     @abstractmethod
-    def run(self, model: M, parameters: Given = None) -> R:
+    def run(self, model: M, parameters: ParameterValues = None) -> R:
         """Run the analysis of a model, with some or all parameters replaced."""
 
     def for_designs(self) -> Self:

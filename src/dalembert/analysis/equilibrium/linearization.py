@@ -25,7 +25,7 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.mechanism_modes import Modes
 from dalembert.results.motion import Motion
-from dalembert.results.result import Given
+from dalembert.results.result import ParameterValues
 from dalembert.text.spelling import spelled
 
 ABSOLUTE = AbsoluteCoordinates()
@@ -101,7 +101,7 @@ class MotionLinearization(SpectralAnalysis[Model, Modes]):
     motion: Motion
     coordinates: Coordinates = ABSOLUTE
 
-    def run(self, model: Model, parameters: Given = None, progress: Any = False) -> Modes:
+    def run(self, model: Model, parameters: ParameterValues = None, progress: Any = False) -> Modes:
         """The modes at the end of the motion, at its own parameters where none are given."""
         if model is not self.motion.model:
             raise AnalysisError("the motion is of another model; linearize with the one it is of")

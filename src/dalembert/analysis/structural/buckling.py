@@ -18,7 +18,7 @@ from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
-from dalembert.results.result import Given
+from dalembert.results.result import ParameterValues
 from dalembert.results.structural.modes import BucklingModes
 from dalembert.structures.evaluation.eigenpairs import largest
 from dalembert.structures.model import StructuralModel
@@ -75,7 +75,7 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
         need_count(self)
 
     def run(
-        self, model: StructuralModel, parameters: Given = None, progress: Any = False
+        self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False
     ) -> BucklingModes:
         """The modes.
 

@@ -20,7 +20,7 @@ from dalembert.analysis.structural.path_walk import Walk
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.options import options
-from dalembert.results.result import Analysis, Given
+from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult
 from dalembert.structures.model import StructuralModel
@@ -78,7 +78,7 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
         require(self, ("first", "longest", "until", "tolerance"), ("max_points", "max_iterations"))
 
     def run(
-        self, model: StructuralModel, parameters: Given = None, progress: Any = False
+        self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False
     ) -> LoadPathResult:
         """Follow the path from rest; keeps the points it found.
 

@@ -18,7 +18,7 @@ from dalembert.analysis.structural.static_equations import factorised
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options
-from dalembert.results.result import Given
+from dalembert.results.result import ParameterValues
 from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.factorise import indefinite_factors
@@ -82,7 +82,7 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
             )
 
     def run(
-        self, model: StructuralModel, parameters: Given = None, progress: Any = False
+        self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False
     ) -> VibrationModes:
         """The modes.
 

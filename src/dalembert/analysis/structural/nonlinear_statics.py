@@ -13,7 +13,7 @@ from dalembert.analysis.structural.balance import Balanced, full_steps
 from dalembert.analysis.structural.numbers import require
 from dalembert.analysis.structural.static_equations import StaticEquations, StaticsRecord
 from dalembert.options import options
-from dalembert.results.result import Analysis, Given
+from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.solver import Factors
@@ -70,7 +70,7 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
         require(self, ("tolerance",), ("steps", "max_iterations"))
 
     def run(
-        self, model: StructuralModel, parameters: Given = None, progress: Any = False
+        self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False
     ) -> StructuralResult:
         """Displacements and reactions of every load case; keeps the last equilibrium it found.
 

@@ -14,7 +14,7 @@ from dalembert.analysis.structural.static_equations import (
 )
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
-from dalembert.results.result import Analysis, Given
+from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.multigrid import Multigrid
@@ -68,7 +68,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
             )
 
     def run(
-        self, model: StructuralModel, parameters: Given = None, progress: Any = False
+        self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False
     ) -> StructuralResult:
         """Displacements and reactions of every load case.
 

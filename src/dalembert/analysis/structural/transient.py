@@ -19,7 +19,7 @@ from dalembert.analysis.times import Time, analysis_of, retimed
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.newmark.family import Newmark, NewmarkFamily
 from dalembert.options import options
-from dalembert.results.result import Analysis, Given
+from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled
@@ -105,7 +105,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     def run(
         self,
         model: StructuralModel,
-        parameters: Given = None,
+        parameters: ParameterValues = None,
         progress: Reported = False,
     ) -> StructuralMotion:
         """Integrate; a run that fails keeps what it had and says why in its status.
