@@ -20,7 +20,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.responses.several import as_responses
 from dalembert.results.result import Analysis
-from dalembert.results.warnings import Warnings
+from dalembert.results.status import Warnings
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
 
