@@ -117,7 +117,7 @@ class Builder:
         for name in self.document.drivers:
             self.add("drivers", name)
         self.forces()
-        elastic.hold()
+        elastic.add_loads()
         for measure, value in self.document.initial.items():
             with self.located("initial", measure):
                 quantity = self.formulas.read(measure, Scope.MOTION)

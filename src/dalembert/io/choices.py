@@ -43,7 +43,7 @@ class Record(BaseModel):
 Table = type[BaseModel]
 
 
-class Later:
+class DeferredTable:
     """A table type that is created on first use, because a file uses few of the many types."""
 
     def __init__(self, make: Callable[[], Table]):
@@ -107,7 +107,9 @@ def one_of(
         return value
 
     members = [
-        Annotated[table if isinstance(table, type) else Annotated[Any, Later(table)], Tag(name)]
+        Annotated[
+            table if isinstance(table, type) else Annotated[Any, DeferredTable(table)], Tag(name)
+        ]
         for name, table in tables.items()
     ]
     if plain is not None:

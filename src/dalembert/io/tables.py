@@ -93,7 +93,7 @@ class RayleighTable(Record):
     stiffness: Entry = Field(default=0.0, description="β [s]")
 
 
-def named(classes: dict[str, type]) -> Any:
+def name_or_table(classes: dict[str, type]) -> Any:
     """Type of a strategy: its name, or a table with its type and options."""
 
     def check(value: Any) -> Any:
@@ -160,7 +160,7 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
 
     Parameters
     ----------
-    dimension : how many coordinates a point has
+    dimension : number of coordinates of a point
     """
     if field.name in TIMES and issubclass(field.owner, Analysis):
         return TIMED[field.holds]
@@ -229,7 +229,7 @@ def any_of(registry: dict[str, type]) -> Any:
 @cache
 def strategy_type(kind: type) -> Any:
     """Type of a strategy of a kind, by its name or with its options."""
-    return named(STRATEGIES_OF[kind])
+    return name_or_table(STRATEGIES_OF[kind])
 
 
 def table_of(

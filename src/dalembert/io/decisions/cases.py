@@ -99,7 +99,7 @@ class Quantities:
             raise self.file.located.error(
                 "a response has this name; choose another", "robust", name
             )
-        response = self.checked(table.response, "robust", name, "response")
+        response = self.require(table.response, "robust", name, "response")
         with self.file.located("robust", name):
             correlation = correlations(self.file, random)
             return Robust(response, random, table.deviations, correlation, name)
@@ -148,11 +148,11 @@ class Quantities:
                 self._files[path] = file, file.model()
         return self._files[path][0]
 
-    def finished(self, quantity: Any) -> Any:
+    def bind(self, quantity: Any) -> Any:
         """The quantity, bound to the run of the file if other cases depend on that."""
         return bound(quantity, self._cases[OWN_RUN]) if OWN_RUN in self._cases else quantity
 
-    def checked(self, name: str, *where: str | int) -> Any:
+    def require(self, name: str, *where: str | int) -> Any:
         """The quantity of this name.
 
         Raises

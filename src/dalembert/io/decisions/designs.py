@@ -11,7 +11,7 @@ from dalembert.design.limit import Limit
 from dalembert.design.variables import Catalogue, Integer
 from dalembert.io.decisions.cases import Quantities
 from dalembert.io.decisions.reliability import correlations, random_parameters
-from dalembert.io.decisions.responses import check_parameters, make_limits
+from dalembert.io.decisions.responses import make_limits, select_parameters
 from dalembert.io.model_file import ModelFile
 from dalembert.responses.base import Response
 from dalembert.units.measured import check_measured
@@ -36,9 +36,9 @@ def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
         raise file.located.error("give one objective: minimize or maximize", "optimize")
     sense = "minimize" if table.minimize else "maximize"
     quantities = Quantities(file, model)
-    design = {sense: quantities.checked(getattr(table, sense), "optimize", sense)}
+    design = {sense: quantities.require(getattr(table, sense), "optimize", sense)}
     design |= _limits_and_variables(file, model, quantities, "optimize")
-    design[sense] = quantities.finished(design[sense])
+    design[sense] = quantities.bind(design[sense])
     if table.beta is not None:
         design |= _reliability_arguments(file, model, table, design["subject_to"])
     return design | {key: getattr(table, key) for key in SEARCH}
@@ -80,7 +80,7 @@ def make_front(file: ModelFile, model: Any) -> dict[str, Any]:
     quantities = Quantities(file, model)
     design: dict[str, Any] = {
         sense: [
-            quantities.checked(name, "pareto", sense, k)
+            quantities.require(name, "pareto", sense, k)
             for k, name in enumerate(getattr(table, sense))
         ]
         for sense in ("minimize", "maximize")
@@ -91,7 +91,7 @@ def make_front(file: ModelFile, model: Any) -> dict[str, Any]:
         raise file.located.error(f"is {table.starts}; give one or more", "pareto", "starts")
     design |= _limits_and_variables(file, model, quantities, "pareto")
     for sense in ("minimize", "maximize"):
-        design[sense] = [quantities.finished(quantity) for quantity in design[sense]]
+        design[sense] = [quantities.bind(quantity) for quantity in design[sense]]
     keys = (*SEARCH, "points", "local", "starts", "generations", "rng")
     return design | {key: getattr(table, key) for key in keys}
 
@@ -110,21 +110,21 @@ def _limits_and_variables(
     available = {n for case in quantities.models for n in case.parameters}
     for k, name in enumerate(vary):
         if name not in available or name in vary[:k]:  # raises with the name and the choices
-            check_parameters(file, vary, section, "vary")
-    check_parameters(file, own_names, section, "vary")
-    limits = [replace(limit, response=quantities.finished(limit.response)) for limit in limits]
+            select_parameters(file, vary, section, "vary")
+    select_parameters(file, own_names, section, "vary")
+    limits = [replace(limit, response=quantities.bind(limit.response)) for limit in limits]
     return {"subject_to": limits, "vary": _variables(file, model, vary, section)}
 
 
 def _variables(file: ModelFile, model: Any, vary: list[str], section: str) -> list[Any]:
     """Design variables: names, integers and catalogues."""
     table: Any = getattr(file.document, section)
-    integers = check_parameters(file, table.integers, section, "integers")
+    integers = select_parameters(file, table.integers, section, "integers")
     whole = integers if table.integers else []
     variables: dict[str, Any] = {name: Integer(name) if name in whole else name for name in vary}
     variables |= {name: Integer(name) for name in whole}
     for k, columns in enumerate(table.catalogues):
-        names = check_parameters(file, list(columns), section, "catalogues", k)
+        names = select_parameters(file, list(columns), section, "catalogues", k)
         for name, values in columns.items():
             with file.located(section, "catalogues", k, name):
                 check_measured(values, model.parameters[name].unit, "")

@@ -11,7 +11,7 @@ from dalembert.design.inverse.history import History
 from dalembert.design.inverse.smoothing import CHOICES
 from dalembert.elements.laws.table import Table
 from dalembert.errors import AnalysisError
-from dalembert.io.decisions.responses import check_parameters, measure_reader
+from dalembert.io.decisions.responses import read_measures, require_parameter, select_parameters
 from dalembert.io.model_file import ModelFile
 from dalembert.io.values import constant
 from dalembert.text.wording import unknown
@@ -36,10 +36,7 @@ def make_identification(file: ModelFile, model: Any, data: list[Path] | None = N
         raise file.located.error(unknown("loss", table.loss, LOSSES), "identify", "loss")
     if table.starts < 1:
         raise file.located.error(f"is {table.starts}; give one or more", "identify", "starts")
-    read, measures = measure_reader(file.document), {}
-    for column, text in table.measures.items():
-        with file.located("identify", "measures", column):
-            measures[column] = read(model, text)
+    measures = read_measures(file, model, table.measures, "identify", "measures")
     bounded = [n for n, p in model.parameters.items() if p.bounds[0] > -float("inf")]
     own_names = [name for experiment in table.experiments for name in experiment.own]
     vary = table.vary or [n for n in bounded if n not in own_names]
@@ -51,7 +48,7 @@ def make_identification(file: ModelFile, model: Any, data: list[Path] | None = N
         if data
         else _experiments(file, model),
         "measures": measures or None,
-        "vary": check_parameters(file, vary, "identify", "vary") if vary else [],
+        "vary": select_parameters(file, vary, "identify", "vary") if vary else [],
         "noise": dict(table.noise),
         "delays": {column: tuple(pair) for column, pair in table.delays.items()},
     }
@@ -71,9 +68,7 @@ def _experiments(file: ModelFile, model: Any) -> list[Experiment]:
     for k, row in enumerate(table.experiments):
         for key in ("parameters", "own"):
             for name in getattr(row, key):
-                if name not in model.parameters:
-                    text = unknown("parameter", name, model.parameters)
-                    raise file.located.error(text, "identify", "experiments", k, key)
+                require_parameter(file, model, name, "identify", "experiments", k, key)
         with file.located("identify", "experiments", k):
             options = {"parameters": row.parameters, "own": row.own, "name": row.name}
             experiments.append(Experiment(data=str(folder / row.data), **options))
@@ -101,14 +96,9 @@ def make_inversion(file: ModelFile, model: Any, data: list[Path] | None = None) 
         raise file.located.error(cure, "histories")
     if table.data is None and not data:
         raise file.located.error("give data, a file of measurements", "invert", "data")
-    read, measures = measure_reader(file.document), {}
-    for column, text in table.measures.items():
-        with file.located("invert", "measures", column):
-            measures[column] = read(model, text)
+    measures = read_measures(file, model, table.measures, "invert", "measures")
     for k, name in enumerate(table.vary):
-        if name not in model.parameters:
-            text = unknown("parameter", name, model.parameters)
-            raise file.located.error(text, "invert", "vary", k)
+        require_parameter(file, model, name, "invert", "vary", k)
     if table.order not in (1, 2, 3):
         raise file.located.error(f"is {table.order}; give 1, 2 or 3", "invert", "order")
     arguments: dict[str, Any] = {

@@ -7,7 +7,12 @@ from typing import Any
 from dalembert.design.reliability.nataf import Nataf
 from dalembert.io.analyses import table_options
 from dalembert.io.decisions.design_tables import distribution
-from dalembert.io.decisions.responses import find_response, make_limits, make_responses
+from dalembert.io.decisions.responses import (
+    find_response,
+    make_limits,
+    make_responses,
+    require_parameter,
+)
 from dalembert.io.model_file import ModelFile
 from dalembert.responses.base import Response
 from dalembert.text.wording import unknown
@@ -20,7 +25,7 @@ class Responses:
     def __init__(self, file: ModelFile, model: Any):
         self.file, self.responses = file, make_responses(file, model)
 
-    def checked(self, name: str, *where: str | int) -> Response:
+    def require(self, name: str, *where: str | int) -> Response:
         """The response of this name."""
         return find_response(self.file, self.responses, name, *where)
 
@@ -62,14 +67,12 @@ def make_tolerance(file: ModelFile, model: Any) -> tuple[dict[str, Any], dict[st
     if table is None:
         cure = "is missing; add [tolerance] with a response and tolerances = { parameter = 1e-4 }"
         raise file.located.error(cure, "tolerance")
-    response = Responses(file, model).checked(table.response, "tolerance", "response")
+    response = Responses(file, model).require(table.response, "tolerance", "response")
     if not table.tolerances:
         cure = "is empty; give e.g. { l1 = 1e-4 }"
         raise file.located.error(cure, "tolerance", "tolerances")
     for name, width in table.tolerances.items():
-        if name not in model.parameters:
-            text = unknown("parameter", name, model.parameters)
-            raise file.located.error(text, "tolerance", "tolerances", name)
+        require_parameter(file, model, name, "tolerance", "tolerances", name)
         with file.located("tolerance", "tolerances", name):
             check_measured([width], model.parameters[name].unit, "")
         if not width > 0:
@@ -116,9 +119,7 @@ def random_parameters(file: ModelFile, model: Any) -> dict[str, Any]:
     distributions: dict[str, Any] = {}
     for k, table in enumerate(tables):
         name = table.parameter
-        if name not in model.parameters:
-            text = unknown("parameter", name, model.parameters)
-            raise file.located.error(text, "random", k, "parameter")
+        require_parameter(file, model, name, "random", k, "parameter")
         if name in distributions:
             text = f"{name!r} is random twice; give it one table"
             raise file.located.error(text, "random", k, "parameter")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import casadi as ca
@@ -34,6 +34,17 @@ def measure_reader(document: Any) -> Callable[[Any, str], Expression]:
     if kind in MODES:
         return MODES[kind].formula
     return lambda model, text: model.expression(text)
+
+
+def read_measures(
+    file: ModelFile, model: Any, texts: Mapping[str, str], *where: str
+) -> dict[str, Expression]:
+    """Name → measure of a table of texts; errors state the location."""
+    read, measures = measure_reader(file.document), {}
+    for name, text in texts.items():
+        with file.located(*where, name):
+            measures[name] = read(model, text)
+    return measures
 
 
 def make_responses(file: ModelFile, model: Any) -> dict[str, Response]:
@@ -140,7 +151,7 @@ def find_response(
     return responses[name]
 
 
-def check_parameters(file: ModelFile, names: list[str] | None, *where: str | int) -> list[str]:
+def select_parameters(file: ModelFile, names: list[str] | None, *where: str | int) -> list[str]:
     """Checked names of parameters; all parameters if no names are given."""
     available = list(file.document.parameters)
     if not available:
@@ -154,12 +165,24 @@ def check_parameters(file: ModelFile, names: list[str] | None, *where: str | int
     return list(names or available)
 
 
+def require_parameter(file: ModelFile, model: Any, name: str, *where: str | int) -> None:
+    """Check that a model has a parameter.
+
+    Raises
+    ------
+    ModelError
+        Unknown parameter; states the location.
+    """
+    if name not in model.parameters:
+        raise file.located.error(unknown("parameter", name, model.parameters), *where)
+
+
 def make_limits(file: ModelFile, source: Any, tables: list[Any], *where: str) -> list[Limit]:
-    """Limits on responses; ``source.checked(name, …)`` returns each response."""
+    """Limits on responses; ``source.require(name, …)`` returns each response."""
     limits = []
     for k, table in enumerate(tables):
         location: tuple[str | int, ...] = (*where, k)
-        response = source.checked(table.response, *location, "response")
+        response = source.require(table.response, *location, "response")
         with file.located(*location):
             limits.append(Limit(response, table.lower, table.upper))
     return limits

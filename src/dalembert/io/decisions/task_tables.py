@@ -9,7 +9,7 @@ from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
 from dalembert.io.choices import Record, table_or
 from dalembert.io.decisions.design_tables import LIMITS, LimitTable, Method, Names
 from dalembert.io.strategies import STRATEGIES_OF
-from dalembert.io.tables import named, strategy_type
+from dalembert.io.tables import name_or_table, strategy_type
 from dalembert.io.values import (
     Bound,
     Entry,
@@ -174,7 +174,7 @@ class TrajectoryTable(Record):
         default=1e-3,
         description="maximum distance of the plan and the run under its controls, natural scales",
     )
-    method: named(TRAJECTORY_METHODS) = "DirectCollocation"  # type: ignore[valid-type]
+    method: name_or_table(TRAJECTORY_METHODS) = "DirectCollocation"  # type: ignore[valid-type]
 
 
 _COORDINATES, _FORMULATION, _STABILIZATION, _INTEGRATOR = map(strategy_type, STRATEGIES_OF)

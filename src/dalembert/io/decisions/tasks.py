@@ -15,7 +15,7 @@ from dalembert.io.analyses import make_analysis, make_strategy
 from dalembert.io.decisions.designs import make_design, make_front
 from dalembert.io.decisions.estimation import make_identification, make_inversion
 from dalembert.io.decisions.reliability import make_reliability, make_tolerance
-from dalembert.io.decisions.responses import check_parameters, find_response, make_responses
+from dalembert.io.decisions.responses import find_response, make_responses, select_parameters
 from dalembert.io.decisions.synthesis import make_synthesis
 from dalembert.io.decisions.task_tables import ReportTable
 from dalembert.io.decisions.trajectories import make_trajectory
@@ -49,7 +49,7 @@ def make_gradient(file: ModelFile, model: Any) -> tuple[dict[str, Response], lis
         name: find_response(file, available, name, "sensitivity", "responses", k)
         for k, name in enumerate(names)
     }
-    return responses, check_parameters(file, table.wrt, "sensitivity", "wrt")
+    return responses, select_parameters(file, table.wrt, "sensitivity", "wrt")
 
 
 def make_sweep(file: ModelFile, model: Any) -> tuple[Design, list[Response]]:
@@ -69,7 +69,7 @@ def make_sweep(file: ModelFile, model: Any) -> tuple[Design, list[Response]]:
     names = table.responses or list(available) or [""]
     where = ("sweep", "responses")
     responses = [find_response(file, available, n, *where, k) for k, n in enumerate(names)]
-    check_parameters(file, list(table.vary), "sweep", "vary")
+    select_parameters(file, list(table.vary), "sweep", "vary")
     for name, values in table.vary.items():
         with file.located("sweep", "vary", name):
             check_measured(values, model.parameters[name].unit, "")

@@ -12,7 +12,7 @@ from dalembert.design.trajectory.quantities import known_response
 from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
 from dalembert.io.analyses import make_method
 from dalembert.io.decisions.cases import Quantities
-from dalembert.io.decisions.responses import check_parameters, make_limits
+from dalembert.io.decisions.responses import make_limits, select_parameters
 from dalembert.io.decisions.task_tables import GUESSES
 from dalembert.io.model_file import ModelFile
 from dalembert.responses.values import Final
@@ -33,8 +33,8 @@ def make_trajectory(file: ModelFile, model: Any) -> dict[str, Any]:
         raise file.located.error(cure, "trajectory")
     if not table.controls:
         raise file.located.error("is empty; name parameters of forces", "trajectory", "controls")
-    controls = check_parameters(file, table.controls, "trajectory", "controls")
-    vary = check_parameters(file, table.vary, "trajectory", "vary") if table.vary else []
+    controls = select_parameters(file, table.controls, "trajectory", "controls")
+    vary = select_parameters(file, table.vary, "trajectory", "vary") if table.vary else []
     for k, name in enumerate(vary):
         if name in controls:
             text = f"{name!r} is a control; it cannot vary as well"
@@ -65,7 +65,7 @@ def _objective_and_limits(file: ModelFile, model: Any, table: Any) -> dict[str, 
     if table.minimize == "time" and "time" not in quantities.names:
         objective: Any = Final("time", name="time")
     else:
-        objective = quantities.checked(table.minimize, "trajectory", "minimize")
+        objective = quantities.require(table.minimize, "trajectory", "minimize")
     limits = make_limits(file, quantities, table.subject_to, "trajectory", "subject_to")
     with file.located("trajectory", "minimize"):
         known_response(objective)

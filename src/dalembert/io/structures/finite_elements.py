@@ -127,7 +127,7 @@ class FiniteElements:
         for name, table in self.document.meshes.items():
             self.reader.mesh(name, table, self.system.add_mesh)
 
-    def hold(self) -> None:
+    def add_loads(self) -> None:
         """Add supports and loads."""
         actions = {
             "supports": (self.system.support, DISPLACEMENTS),
@@ -138,7 +138,7 @@ class FiniteElements:
             for k, table in enumerate(getattr(self.document, section)):
                 with self.located(section, k):
                     values = self.reader.directed(table, directions, section, k)
-                    act(self.chosen(table, section, k), **values)
+                    act(self.selected(table, section, k), **values)
 
     def node(self, name: str, *where: str | int) -> NodeBody:
         """The body of this name, which must be a node."""
@@ -151,7 +151,7 @@ class FiniteElements:
             raise self.located.error(unknown("node", name, [*bodies, *meshes]), *where)
         return bodies[name]
 
-    def chosen(self, table: NodeChoice, section: str, k: int) -> list[NodeBody]:
+    def selected(self, table: NodeChoice, section: str, k: int) -> list[NodeBody]:
         """The nodes that a table of supports or loads selects."""
         nodes: list[NodeBody] = []
         for name in table.nodes:

@@ -83,7 +83,7 @@ class StructureBuilder:
             with self.located(section, k):
                 options = self.reader.directed(table, directions, section, k)
                 options |= {key: getattr(table, key) for key in plain}
-                for nodes in self.chosen(table, section, k):
+                for nodes in self.selected(table, section, k):
                     act(nodes, **options)
 
     def spread_loads(self) -> None:
@@ -110,7 +110,7 @@ class StructureBuilder:
             with self.located("tractions", k):
                 options = self.reader.directed(table, TRACTIONS, "tractions", k)
                 part = self.part(table.elements, "tractions", k, "elements")
-                for nodes in self.chosen(table, "tractions", k):
+                for nodes in self.selected(table, "tractions", k):
                     if not isinstance(nodes, Nodes):
                         raise ModelError(f"{nodes.name} is one node; take nodes of the mesh")
                     self.structure.traction(part, nodes, case=table.case, **options)
@@ -122,11 +122,11 @@ class StructureBuilder:
             raise self.located.error(unknown("element", name, elements), *where)
         return elements[name]
 
-    def chosen(self, table: NodeChoice, section: str, k: int) -> list[Node | Nodes]:
+    def selected(self, table: NodeChoice, section: str, k: int) -> list[Node | Nodes]:
         """The nodes that a table of supports or loads selects."""
-        return [selected_nodes(self.named(name, section, k), table) for name in table.nodes]
+        return [selected_nodes(self.nodes_named(name, section, k), table) for name in table.nodes]
 
-    def named(self, name: str, section: str, k: int) -> Node | Nodes:
+    def nodes_named(self, name: str, section: str, k: int) -> Node | Nodes:
         """The node, the nodes of a mesh, or those of a group of it."""
         if name in self.document.nodes:
             return self.node(name)
