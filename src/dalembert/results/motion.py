@@ -120,9 +120,9 @@ class Motion(LabelledRecording):
         AnalysisError
             There is no flexible body of this name.
         """
-        from dalembert.results.structural.motion import recovered
+        from dalembert.results.structural.motion import recover_structure
 
-        return recovered(self, body)
+        return recover_structure(self, body)
 
     # files and pictures ------------------------------------------------------------
     def save(  # type: ignore[override]

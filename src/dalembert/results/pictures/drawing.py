@@ -74,7 +74,7 @@ class Drawing:
             bodies.append(header | {"shapes": sketch.shapes[section.shown]})
         for body in self.model.bodies:
             if isinstance(body, FloatingFrame):
-                for k, (pose, length) in enumerate(pieces(sketch.motion, self.keep, body)):
+                for k, (pose, length) in enumerate(segment_poses(sketch.motion, self.keep, body)):
                     ends = np.zeros((2, sketch.dimension))
                     ends[1, 0] = length
                     bar = {"kind": "bar", "from": ends[0].tolist(), "to": ends[1].tolist()}
@@ -128,7 +128,7 @@ def section_poses(motion: LabelledRecording, keep: np.ndarray, section: Any) -> 
     return position[keep], rotations[keep]
 
 
-def pieces(
+def segment_poses(
     motion: LabelledRecording, keep: np.ndarray, body: FloatingFrame
 ) -> list[tuple[Pose, float]]:
     """Poses of the segments, with x along the segment, and their lengths."""

@@ -31,7 +31,7 @@ def plot_measures(
     for measure in measures:
         series = motion[measure]
         units.append(series.attrs["units"])
-        time, values = broken_at_impacts(motion, measure, series.values)
+        time, values = split_at_impacts(motion, measure, series.values)
         for column in values.reshape(time.size, -1).T:
             ax.plot(time, column, label=series.name, lw=1.6)
     for event in motion.events:
@@ -48,7 +48,7 @@ def plot_measures(
     return ax
 
 
-def broken_at_impacts(
+def split_at_impacts(
     motion: LabelledRecording, measure: str | Expression, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Times and values with samples before and after every impact, separated by NaN."""

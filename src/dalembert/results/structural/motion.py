@@ -159,7 +159,7 @@ class RecoveredStates(StructuralMotion):
         raise UnsupportedError("sample the motion, motion.at(times).structure(body)")
 
 
-def recovered(motion: Recording, body: str) -> RecoveredStates:
+def recover_structure(motion: Recording, body: str) -> RecoveredStates:
     """The structure of a flexible body over a motion.
 
     Raises
