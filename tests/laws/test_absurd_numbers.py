@@ -16,16 +16,21 @@ from dalembert.budget import VARIABLE, afford
 from dalembert.errors import BudgetError
 
 SCRIPT = Path(__file__).parents[1] / "absurd_numbers.py"
-STRIDE = {"analyses": 3, "choices": 5, "tables": 10}
-"""Of the numbers each option takes one in so many; ``DALEMBERT_STRIDE=1`` takes all."""
+STRIDE = {"analyses": 6, "choices": 10, "tables": 40, "responses": 2, "meshes": 2}
+"""Of the numbers each option takes one in so many; ``pytest -m thorough`` takes all."""
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a limit of memory")
-@pytest.mark.parametrize("part", PARTS)
-def test_absurd_numbers(part, tmp_path):
-    stride = os.environ.get("DALEMBERT_STRIDE", str(STRIDE.get(part, 1)))
+@pytest.mark.parametrize(
+    ("part", "stride"),
+    [
+        *((part, STRIDE.get(part, 1)) for part in PARTS),
+        *(pytest.param(part, 1, marks=pytest.mark.thorough) for part in STRIDE),
+    ],
+)
+def test_absurd_numbers(part, stride, tmp_path):
     done = subprocess.run(
-        [sys.executable, str(SCRIPT), part, str(tmp_path), stride],
+        [sys.executable, str(SCRIPT), part, str(tmp_path), str(stride)],
         env=os.environ | {VARIABLE: "0.05"},
         capture_output=True,
         text=True,

@@ -18,6 +18,12 @@ OTHERS = [
     Units(mass=1e-9, time=1e9),
     Units(length=1e-9, mass=1e9, time=1e-9),
 ]
+PAIRS = [
+    pytest.param(name, units, marks=() if k % 4 == n else (pytest.mark.thorough,))
+    for k, name in enumerate([*CASES, *SPATIAL_CASES])
+    for n, units in enumerate(OTHERS)
+]
+"""Every model in one other system of units; ``pytest -m thorough`` takes all systems."""
 LENGTHS = [1e-11, 1e-9, 1e-3, 1.0, 1e3, 1e9]
 
 
@@ -40,8 +46,7 @@ def held(model: da.Model) -> list:
     return [recipe.positions.indices, recipe.speeds.indices, recipe.projected]
 
 
-@pytest.mark.parametrize("units", OTHERS, ids=str)
-@pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
+@pytest.mark.parametrize(("name", "units"), PAIRS)
 def test_start_and_diagnosis_change_with_the_units_only(name, units):
     one = any_model_of(name)
     other = in_other_units(one.parts, units).build()
