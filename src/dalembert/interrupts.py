@@ -1,4 +1,4 @@
-"""Ctrl-C: an exception during a search, a note while the result of the search is completed.
+"""Ctrl-C: an exception during a search, a deferred signal while its result is completed.
 
 Compiled code may swallow the ``KeyboardInterrupt`` that Python raises inside it, or raise another
 exception instead, and an interrupt after the last iteration would discard a finished result. Tasks
@@ -57,8 +57,8 @@ _active: list[CtrlC] = []
 
 
 def _received(number: int, frame: FrameType | None) -> None:
-    for one in _active:
-        one.count += 1
+    for signals in _active:
+        signals.count += 1
     if not _active or _active[-1].must_end:
         raise KeyboardInterrupt
 
@@ -69,18 +69,18 @@ def ctrl_c(is_command: bool = False) -> Iterator[CtrlC]:
 
     Signals are not counted outside of the main thread, nor where the program handles them itself.
     """
-    current, one = signal.getsignal(signal.SIGINT), CtrlC(is_command)
+    current, signals = signal.getsignal(signal.SIGINT), CtrlC(is_command)
     in_main = threading.current_thread() is threading.main_thread()
     if not in_main or current not in (signal.default_int_handler, _received):
-        yield one
+        yield signals
         return
-    _active.append(one)
+    _active.append(signals)
     signal.signal(signal.SIGINT, _received)
     try:
-        yield one
+        yield signals
     finally:
         if len(_active) > 1 and _active[-2].is_command:
-            _active[-2].deferring |= one.deferring
+            _active[-2].deferring |= signals.deferring
         _active.pop()
         signal.signal(signal.SIGINT, current)
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
-from dalembert.budget import STEP, afford, numeral
+from dalembert.budget import STEP, check_budget, numeral
 from dalembert.elements.driver import Driver
 from dalembert.errors import AnalysisError, BudgetError
 from dalembert.model.model import Model
@@ -73,7 +73,7 @@ def step_count(start: float, end: float, step: float) -> int:
         )
     ratio = (end - start) / step
     cure = "use a longer step or a shorter run"
-    afford(f"{ratio:.3g} steps of {step:g} s", memory=STEP * ratio, cure=cure)
+    check_budget(f"{ratio:.3g} steps of {step:g} s", memory=STEP * ratio, cure=cure)
     return max(1, math.ceil(ratio - 1e-9))
 
 
@@ -104,12 +104,12 @@ class Pace:
         before, then = self._marks[0]
         cure = "use looser tolerances or a shorter run"
         try:
-            afford(f"a run of {self.taken} steps", memory=self.each * self.taken, cure=cure)
+            check_budget(f"a run of {self.taken} steps", memory=self.each * self.taken, cure=cure)
             if self.taken >= FEW and now > then:
                 recent = self.taken - before
                 expected = self.taken + recent * (self.end - now) / (now - then)
                 pace = f"at the pace of the last {recent} steps the run of {expected:.3g}"
-                afford(pace, memory=self.each * expected, cure=cure, doubt=HASTE)
+                check_budget(pace, memory=self.each * expected, cure=cure, margin=HASTE)
         except BudgetError as error:
             self.excess = str(error)
         return bool(self.excess)
@@ -118,7 +118,7 @@ class Pace:
 def afford_states(count: int, numbers: int) -> None:
     """Refuse more outputs than can be kept, each with so many numbers."""
     cure = "ask for fewer, e.g. outputs=1001"
-    afford(f"{count} outputs of {numbers} numbers", memory=8.0 * count * numbers, cure=cure)
+    check_budget(f"{count} outputs of {numbers} numbers", memory=8.0 * count * numbers, cure=cure)
 
 
 def uniform_grid(start: float, end: float, step: float) -> np.ndarray:
@@ -161,7 +161,7 @@ def output_times(
         if outputs < 1:
             raise AnalysisError(f"outputs is {numeral(outputs)}; ask for at least one")
         what = f"outputs = {numeral(outputs)}"
-        afford(what, memory=OUTPUT * outputs, cure="ask for fewer outputs")
+        check_budget(what, memory=OUTPUT * outputs, cure="ask for fewer outputs")
         return np.linspace(start, end, int(outputs)) if outputs > 1 else np.array([end])
     try:
         times = np.asarray([] if isinstance(outputs, bool) else outputs, dtype=float).ravel()

@@ -67,7 +67,7 @@ def failure_drawn(path: Path, pages: Path | None) -> Iterator[None]:
         from dalembert.results.files.open_mechanism import assembly_report
 
         page = assembly_report(error, output_folder(pages) / f"{path.stem}.assembly.html")
-        raise error.retold(f"{error}; drawn in {page}") from None
+        raise error.with_message(f"{error}; drawn in {page}") from None
 
 
 def teller_of(model: Any) -> Teller:

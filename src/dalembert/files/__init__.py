@@ -1,1 +1,1 @@
-"""Files that may be read, and files that appear whole or not at all."""
+"""Reading and atomic writing of files."""

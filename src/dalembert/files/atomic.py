@@ -1,4 +1,4 @@
-"""Files appear whole or not at all."""
+"""Atomic writing of files."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from pathlib import Path
 from dalembert.errors import FileError
 
 LONGEST_STEM = 100
-"""Characters of a name that its temporary file repeats; systems allow 255 bytes in all."""
+"""Upper limit of the part of a name in its temporary name [bytes]; systems allow 255 in all."""
 ABANDONED = 24 * 3600.0
-"""Seconds after which a temporary file of another machine is left over."""
+"""Age at which a temporary file of another machine counts as abandoned [s]."""
 TEMPORARY = re.compile(r"\..*-dalembert-([0-9a-f]{8})-([0-9]+)-\w+(\..*)?", re.DOTALL)
 
 
 @contextmanager
 def atomic_path(target: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary path beside ``target`` that becomes it on success and vanishes on failure.
+    """A temporary path beside ``target``, renamed to it on success and deleted on failure.
 
     Temporary files of processes that were killed are deleted when a process first writes to a
     folder.
@@ -63,20 +63,20 @@ def atomic_path(target: str | os.PathLike[str]) -> Iterator[Path]:
 
 @functools.lru_cache(1024)
 def clear_left_over(folder: Path) -> None:
-    """Delete temporary files in a folder whose processes have ended; once in a process."""
+    """Delete temporary files whose processes have ended, once per process and folder."""
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
-            found = TEMPORARY.fullmatch(entry.name)
-            if found is None:
+            match = TEMPORARY.fullmatch(entry.name)
+            if match is None:
                 continue
             with suppress(OSError):  # another process may have deleted it
                 if not entry.is_file(follow_symlinks=False):
                     continue
-                if found[1] == _machine() and os.name == "posix":
-                    left_over = not _is_running(int(found[2]))
+                if match[1] == _machine() and os.name == "posix":
+                    abandoned = not _is_running(int(match[2]))
                 else:
-                    left_over = time.time() - entry.stat().st_mtime > ABANDONED
-                if left_over:
+                    abandoned = time.time() - entry.stat().st_mtime > ABANDONED
+                if abandoned:
                     os.unlink(entry.path)
 
 
@@ -85,13 +85,13 @@ def _is_running(process: int) -> bool:
         os.kill(process, 0)
     except (ProcessLookupError, OverflowError):
         return False
-    except OSError:  # of another user
+    except OSError:  # a process of another user
         return True
     return True
 
 
 def _stem(target: Path) -> str:
-    """The name in few bytes."""
+    """The stem of the name, shortened to the limit."""
     stem = target.stem
     while len(os.fsencode(stem)) > LONGEST_STEM:
         stem = stem[:-1]
@@ -100,7 +100,7 @@ def _stem(target: Path) -> str:
 
 @functools.cache
 def _machine() -> str:
-    """Eight characters that tell machines apart, which may write to one folder."""
+    """Eight characters that identify this machine among those that share a folder."""
     return f"{zlib.crc32(platform.node().encode('utf-8', 'replace')):08x}"
 
 

@@ -1,4 +1,4 @@
-"""Files that may be read: regular ones of reasonable size."""
+"""Reading of regular files of reasonable size."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import os
 import stat
 from pathlib import Path
 
-from dalembert.budget import afford
+from dalembert.budget import check_budget
 from dalembert.errors import FileError
 
 WEIGHT = 200
-"""Bytes of memory that a byte of a model, a table or a deck takes."""
+"""Memory per byte of a model, a table or a deck [bytes]."""
 KINDS = {
     stat.S_IFDIR: "a folder; give the name of a file in it",
     stat.S_IFIFO: "a named pipe and no regular file; copy what it holds into one",
@@ -21,12 +21,12 @@ KINDS = {
 
 
 def readable(path: str | Path, weight: float) -> int:
-    """Size of a regular file [bytes]; zero of those that the system makes up, as in ``/proc``.
+    """Size of a regular file [bytes]; zero for virtual files, as in ``/proc``.
 
     Parameters
     ----------
     path : of the file
-    weight : bytes of memory that each of its bytes takes
+    weight : memory per byte of the file [bytes]
 
     Raises
     ------
@@ -36,18 +36,18 @@ def readable(path: str | Path, weight: float) -> int:
         Too large.
     """
     try:
-        about = os.stat(path)
+        status = os.stat(path)
     except FileNotFoundError:
         raise FileError(f"{path}: no such file; check the name and the folder") from None
-    except (OSError, ValueError) as error:  # a loop of links, a name too long or with a null
+    except (OSError, ValueError) as error:  # circular links, invalid name
         reason = getattr(error, "strerror", None) or error
         raise FileError(f"{str(path)[:200]!r}: cannot be read ({reason})") from None
-    if not stat.S_ISREG(about.st_mode):
-        kind = KINDS.get(stat.S_IFMT(about.st_mode), "no regular file")
+    if not stat.S_ISREG(status.st_mode):
+        kind = KINDS.get(stat.S_IFMT(status.st_mode), "no regular file")
         raise FileError(f"{path}: is {kind}")
-    reading = f"{path}: to read its {about.st_size} bytes"
-    afford(reading, memory=weight * about.st_size, cure="check that it is the file you mean")
-    return about.st_size
+    reading = f"{path}: to read its {status.st_size} bytes"
+    check_budget(reading, memory=weight * status.st_size, cure="check that it is the file you mean")
+    return status.st_size
 
 
 def read_text(path: str | Path) -> str:
@@ -63,7 +63,7 @@ def read_text(path: str | Path) -> str:
     size = readable(path, WEIGHT)
     try:
         with Path(path).open("rb") as stream:
-            data = stream.read(size)  # no more, whatever comes in the meantime
+            data = stream.read(size)  # ignores what is appended meanwhile
         return data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         raise FileError(

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from dalembert.budget import afford
+from dalembert.budget import check_budget
 from dalembert.elements.base import Constraint, ForceElement, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
@@ -137,7 +137,7 @@ class Builder:
             "forces": len(d.forces),
         }
         for what, count in counts.items():
-            afford(f"{self.source}: {count} {what}", rounds=NAME * count, cure="give fewer")
+            check_budget(f"{self.source}: {count} {what}", rounds=NAME * count, cure="give fewer")
 
     # numbers -------------------------------------------------------------------
     def derived(self) -> None:

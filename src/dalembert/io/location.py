@@ -53,7 +53,7 @@ class Located:
         except (BudgetError, FileError, UnsupportedError) as error:
             raise type(error)(self._told(error, keys)) from None
         except AnalysisError as error:
-            raise error.retold(self._told(error, keys)) from None
+            raise error.with_message(self._told(error, keys)) from None
 
     def _told(self, error: Exception, keys: tuple[str | int, ...]) -> str:
         if str(error).startswith(f"{self.source}: "):

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dalembert.budget import afford, numeral
+from dalembert.budget import check_budget, numeral
 from dalembert.elements.fem.node import Node
 from dalembert.elements.fem.springs import AxialSpring
 from dalembert.errors import FileError, ModelError
@@ -149,7 +149,7 @@ def _check_count(deck: Deck, number: int, counts: list[int]) -> None:
             f"displacements can hold {connected} of them at most; correct the count of nodes",
         )
     what = f"{deck.path}:{number}: {numeral(nodes)} nodes and {springs} elements"
-    afford(what, rounds=NODE * max(nodes, springs), cure="give fewer")
+    check_budget(what, rounds=NODE * max(nodes, springs), cure="give fewer")
 
 
 def _parameters(deck: Deck, structure: Structure, counts: list[int]) -> dict:

@@ -23,7 +23,7 @@ from dalembert.analysis.kinematics.run import (
     TOLERANCE,
     KinematicsRun,
 )
-from dalembert.budget import afford
+from dalembert.budget import check_budget
 from dalembert.model.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs
@@ -52,7 +52,7 @@ class DrivenSteps:
         self.kept = e.coordinate_count + 2 * e.speed_count
         if analysis.efforts:
             self.kept += e.constraint_count
-        afford(
+        check_budget(
             f"{self.count} designs with {times} outputs of {self.kept} numbers",
             memory=24.0 * self.count * times * self.kept,
             cure="ask for fewer, e.g. outputs=101, or move the designs in several batches",

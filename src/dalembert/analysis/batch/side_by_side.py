@@ -20,7 +20,7 @@ from dalembert.analysis.batch.states import MarchedStates
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.variant import Variant
-from dalembert.budget import afford
+from dalembert.budget import check_budget
 from dalembert.errors import SingularityError
 from dalembert.model.model import Model
 from dalembert.results.batch.batch import Batch
@@ -194,7 +194,7 @@ class SideBySide(ABC):
 
     def _afford(self, size: int) -> None:
         """Refuse more outputs than can be kept."""
-        afford(
+        check_budget(
             f"{self.count} designs with {self.times.size} outputs of {size} numbers",
             memory=24.0 * self.count * self.times.size * size,
             cure="ask for fewer, e.g. outputs=101, or run the designs in several batches",

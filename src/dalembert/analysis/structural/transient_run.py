@@ -23,7 +23,7 @@ from dalembert.analysis.timeline import (
     step_count,
     uniform_grid,
 )
-from dalembert.budget import afford
+from dalembert.budget import check_budget
 from dalembert.integrators.marching.checkpoints import Recorder
 from dalembert.integrators.marching.steps import Steps
 from dalembert.integrators.newmark.rule import Moving
@@ -183,7 +183,7 @@ class TransientRun:
         step, n = checked_step(a.step, start, end), len(self.model.degrees)
         count = step_count(start, end, step)
         cure = "use a longer step or a shorter run"
-        afford(f"{count} steps of a structure", rounds=ROUNDS * count, cure=cure)
+        check_budget(f"{count} steps of a structure", rounds=ROUNDS * count, cure=cure)
         afford_states(count, 4 * n)
         times = uniform_grid(start, end, step)
         requested = output_times(a.outputs, start, end)

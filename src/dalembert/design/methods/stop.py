@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from dalembert.budget import afford, numeral
+from dalembert.budget import check_budget, numeral
 from dalembert.errors import UnsupportedError
 from dalembert.options import is_number, is_whole
 
@@ -46,4 +46,4 @@ def check_stop(max_iterations: int, tolerance: float) -> None:
         shown = f"{tolerance!r:.60}"
         raise UnsupportedError(f"tolerance = {shown}: give a number above 0, such as 1e-8")
     what = f"max_iterations = {numeral(max_iterations)}"
-    afford(what, rounds=max_iterations, cure="give fewer max_iterations")
+    check_budget(what, rounds=max_iterations, cure="give fewer max_iterations")

@@ -21,7 +21,7 @@ from typing import Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from dalembert.budget import afford, numeral
+from dalembert.budget import check_budget, numeral
 from dalembert.elements.base import (
     ForceElement,
     Look,
@@ -88,7 +88,7 @@ class Beam(Noded, ForceElement):
             told = f"elements is {self.elements!r}; give a whole number from 1 on"
             raise ModelError(told, self.name)
         what = f"elements = {numeral(self.elements)} of {self.name}"
-        afford(what, memory=NODE * self.elements * self.order, cure="give fewer elements")
+        check_budget(what, memory=NODE * self.elements * self.order, cure="give fewer elements")
         if self.order not in ORDERS:
             raise ModelError(f"order is {self.order!r}; give 1, 2, 3 or 4", self.name)
         idle = [name for name in OF_ITS_START if getattr(self, name, None) is not None]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from dalembert.budget import afford
+from dalembert.budget import check_budget
 from dalembert.model.model import Model
 from dalembert.results.batch.samples import Samples
 from dalembert.results.components import COMPONENTS
@@ -51,7 +51,7 @@ def batch_dataset(batch: Labelled) -> xr.Dataset:
     columns = [column for variable in layout for column in variable.columns]
     rows = sum(len(column) for column in columns)
     size = len(batch) * batch.samples.time.size
-    afford(
+    check_budget(
         f"{rows} variables of {len(batch)} designs at {batch.samples.time.size} times",
         memory=16.0 * rows * size,
         cure="take batch['measure'], or ask for fewer outputs",

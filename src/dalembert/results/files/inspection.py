@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from dalembert.budget import MEMORY, afford
+from dalembert.budget import MEMORY, check_budget
 from dalembert.errors import FileError
 
 SEAL = b"\ndalembert sha256\n"
@@ -87,12 +87,12 @@ def inspect(path: str | Path) -> None:
     with h5py.File(path, "r") as file:
         for name, item in _items(path, file):
             count += 1
-            afford(f"{path}: to read its arrays", rounds=ROUNDS * count, cure=REMEDY)
+            check_budget(f"{path}: to read its arrays", rounds=ROUNDS * count, cure=REMEDY)
             _check_attributes(path, name, item, size)
             if isinstance(item, h5py.Dataset):
                 _check_storage(path, name, item)
                 memory += item.nbytes + 0.0
-                afford(f"{path}: to unpack it", memory=memory, cure=REMEDY)
+                check_budget(f"{path}: to unpack it", memory=memory, cure=REMEDY)
                 memory += _text_bytes(path, name, item, size, memory)
 
 
@@ -161,7 +161,7 @@ def _text_bytes(path: str | Path, name: str, dataset: Any, size: int, before: fl
     total, block = 0.0, max(1, int(TEXTS_AT_ONCE / (size + 1)))
     for begin in range(0, dataset.shape[0], block):
         total += sum(len(text) for text in dataset[begin : begin + block])
-        afford(f"{path}: to unpack it", memory=before + total, cure=REMEDY)
+        check_budget(f"{path}: to unpack it", memory=before + total, cure=REMEDY)
     return total
 
 
@@ -170,7 +170,7 @@ def _check_attributes(path: str | Path, name: str, item: Any, size: int) -> None
     import h5py
 
     count = h5py.h5a.get_num_attrs(item.id)
-    afford(f"{path}: to read the attributes of {name[:80]!r}", rounds=10 * count, cure=REMEDY)
+    check_budget(f"{path}: to read the attributes of {name[:80]!r}", rounds=10 * count, cure=REMEDY)
     for k in range(count):
         attribute = h5py.h5a.open(item.id, index=k)
         entries = attribute.get_space().get_simple_extent_npoints()

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dalembert.budget import afford, numeral
+from dalembert.budget import check_budget, numeral
 from dalembert.elements.fem.cells import CELLS
 from dalembert.errors import ModelError
 from dalembert.options import is_number
@@ -167,5 +167,5 @@ def _counts(counts: Sequence[int], d: int) -> list[int]:
         raise ModelError(f"a mesh needs {d} positive whole number(s) of cells, got {counts!r}")
     cells = math.prod(int(k) for k in counts)
     cure = "divide it into fewer cells"
-    afford(f"a mesh of {numeral(cells)} cells", memory=CELL * cells, cure=cure)
+    check_budget(f"a mesh of {numeral(cells)} cells", memory=CELL * cells, cure=cure)
     return [int(k) for k in counts]
