@@ -81,7 +81,7 @@ def _known() -> dict[str, Path]:
 
 def _copied(known: dict[str, Path], name: str, folder: Path, force: bool) -> list[Path]:
     """The example and the files beside it that it names."""
-    from dalembert.files.atomic import atomic_path
+    from dalembert.files import atomic_path
     from dalembert.text.wording import unknown
 
     if name not in known and f"{name}.py" in known:

@@ -28,7 +28,7 @@ def schema(
     output
         Write it to this file instead.
     """
-    from dalembert.files.atomic import atomic_path
+    from dalembert.files import atomic_path
     from dalembert.io.json_schema import json_schema
 
     made = json_schema(kind)

@@ -86,7 +86,7 @@ def sensitivity(
 def _write(gradient: xr.DataArray, base: Path, kind: str, table: bool) -> list[Path]:
     import matplotlib as mpl
 
-    from dalembert.files.atomic import atomic_path
+    from dalembert.files import atomic_path
     from dalembert.results.pictures.influence import gradient_table
     from dalembert.results.pictures.tornado import save_tornado
 

@@ -93,7 +93,7 @@ class Decision(ABC):
         ``.nc`` has ``data`` and the page, ``load_results`` reads it back; ``.json`` has the
         ``summary``, ``.csv`` and ``.parquet`` the table.
         """
-        from dalembert.files.atomic import atomic_path
+        from dalembert.files import atomic_path
         from dalembert.report.page import as_json
         from dalembert.results.files.store import save_dataset
         from dalembert.text.wording import as_document

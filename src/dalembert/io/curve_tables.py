@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, WithJsonSchema
 
 from dalembert.errors import FileError, ModelError
-from dalembert.files.readable import read_text
+from dalembert.files import read_text
 from dalembert.io.choices import Record
 from dalembert.io.values import Text, number_or_formula, shown
 from dalembert.symbolic.formulas.interpolation import KINDS, OUTSIDE, TABLE_ENDS

@@ -6,7 +6,7 @@ import csv
 from pathlib import Path
 
 from dalembert.errors import FileError
-from dalembert.files.readable import read_text
+from dalembert.files import read_text
 
 
 def read_pairs(path: Path) -> list[tuple[float, float]]:

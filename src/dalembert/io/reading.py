@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.errors import FileError
-from dalembert.files.readable import read_text
+from dalembert.files import read_text
 from dalembert.io.messages import place
 from dalembert.text.wording import plain_text
 

@@ -19,7 +19,7 @@ from dalembert.budget import check_budget, numeral
 from dalembert.elements.fem.node import Node
 from dalembert.elements.fem.springs import AxialSpring
 from dalembert.errors import FileError, ModelError
-from dalembert.files.readable import read_text
+from dalembert.files import read_text
 from dalembert.structures.structure import Structure
 from dalembert.text.wording import visible
 

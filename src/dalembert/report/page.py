@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.errors import FileError
-from dalembert.files.atomic import atomic_path
+from dalembert.files import atomic_path
 from dalembert.report.packing import packed
 from dalembert.text.wording import visible
 

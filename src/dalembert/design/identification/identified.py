@@ -255,7 +255,7 @@ class Identification(Decision):
         """Data, numbers and page; a picture (.identified.png), covariance (.covariance.csv)."""
         import matplotlib as mpl
 
-        from dalembert.files.atomic import atomic_path
+        from dalembert.files import atomic_path
 
         mpl.use("Agg")
         more = [base.with_name(f"{base.name}.{e}") for e in ("identified.png", "covariance.csv")]

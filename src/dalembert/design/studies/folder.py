@@ -11,8 +11,7 @@ from typing import IO, Any
 from dalembert.design.studies.tables import table_format
 from dalembert.design.studies.task import Answer
 from dalembert.errors import FileError
-from dalembert.files.atomic import atomic_path
-from dalembert.files.readable import readable
+from dalembert.files import atomic_path, readable
 
 ABOUT, LOCK, TABLE = "study.json", ".lock", "table"
 DAMAGED = ".damaged"

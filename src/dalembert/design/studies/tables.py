@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.files.atomic import atomic_path
+from dalembert.files import atomic_path
 
 CSV_NOTE = "the table is CSV, because pyarrow is not installed: pip install 'dalembert[study]'"
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import ModelError, UnsupportedError
-from dalembert.files.readable import readable
+from dalembert.files import readable
 
 WEIGHT = 200
 """Bytes of memory that a byte of a file takes while it is read."""

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.files.atomic import atomic_path
+from dalembert.files import atomic_path
 from dalembert.results.comparison.data import COLUMNS, TEXTS, ComparisonData
 
 

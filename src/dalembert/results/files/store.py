@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from dalembert.errors import DalembertError, FileError
-from dalembert.files.atomic import atomic_path
-from dalembert.files.readable import readable
+from dalembert.files import atomic_path, readable
 from dalembert.results.files.contents import Contents
 from dalembert.results.files.inspection import check_seal, inspect, seal
 from dalembert.results.files.netcdf import write_netcdf

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, FileError
-from dalembert.files.atomic import atomic_path
+from dalembert.files import atomic_path
 from dalembert.report.packing import unpacked
 
 MOST = 400

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.files.atomic import atomic_path
+from dalembert.files import atomic_path
 from dalembert.results.comparison.lines import COLOURS
 from dalembert.results.pictures.influence import (
     absolute_influence,

@@ -13,7 +13,7 @@ import numpy as np
 
 from dalembert.elements.fem.cells import CELLS, cell_name
 from dalembert.errors import FileError, ModelError, UnsupportedError
-from dalembert.files.readable import readable
+from dalembert.files import readable
 from dalembert.text.wording import plain_text
 
 WEIGHT = 4

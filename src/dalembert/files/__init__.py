@@ -1,1 +1,0 @@
-"""Reading and atomic writing of files."""
