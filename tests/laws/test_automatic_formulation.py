@@ -10,7 +10,7 @@ import dalembert as da
 from dalembert.analysis.dynamics.merits import merits_of
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.automatic_formulation import CANDIDATES, LONG
-from dalembert.formulations.base import Merits
+from dalembert.formulations.base import Performance
 
 AUTOMATIC = da.AutomaticFormulation()
 VIEWS = [da.AbsoluteCoordinates(), da.JointCoordinates()]
@@ -83,9 +83,9 @@ def test_accuracy_comes_before_operations(merits, kind):
         name = type(formulation).__name__
         if name not in merits:
             raise UnsupportedError("not on this mechanism")
-        return Merits(*merits[name])
+        return Performance(*merits[name])
 
-    assert isinstance(AUTOMATIC.chosen(told, False), kind)
+    assert isinstance(AUTOMATIC.select(told, False), kind)
 
 
 def test_it_is_told_where_no_choice_is_made():

@@ -11,7 +11,7 @@ import dalembert as da
 from dalembert import planar
 from dalembert.analysis.dynamics.energy_balance import EnergyBalance
 from dalembert.analysis.model_residuals import ModelResiduals
-from dalembert.formulations.levels import Level
+from dalembert.formulations.base import Level
 from dalembert.results.status import Outcome
 
 

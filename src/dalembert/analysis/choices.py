@@ -28,7 +28,7 @@ def doubts(
     freedom : degrees of freedom that the drivers leave
     exchanged : largest energy put in or dissipated during the run [J]
     """
-    found = stabilization.doubts(freedom, exchanged)
+    found = stabilization.warnings(freedom, exchanged)
     for name, feedback in (
         (_told(stabilization), stabilization.feedback),
         (_told(formulation), formulation.feedback),

@@ -14,7 +14,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.formulations.levels import Level
+from dalembert.formulations.base import Level
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.evaluation.condensed import SELDOM, condensed

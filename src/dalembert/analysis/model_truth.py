@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from dalembert.analysis.model_residuals import Gap, ModelResiduals
-from dalembert.formulations.levels import Level
+from dalembert.formulations.base import Level
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status

@@ -22,7 +22,7 @@ from dalembert.analysis.model_residuals import (
 )
 from dalembert.analysis.model_truth import EXACT, MOTION
 from dalembert.analysis.singular_positions import LOST
-from dalembert.formulations.levels import Level
+from dalembert.formulations.base import Level
 from dalembert.model.model import Model
 from dalembert.symbolic.once import once
 

@@ -16,7 +16,7 @@ from dalembert.analysis.batch.starts import Starts, backend_of
 from dalembert.analysis.batch.states import States
 from dalembert.analysis.equilibrium.static_balance import rest_text, statics_kernel
 from dalembert.analysis.model_truth import EXACT, MOTION
-from dalembert.formulations.levels import Level
+from dalembert.formulations.base import Level
 from dalembert.model.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs

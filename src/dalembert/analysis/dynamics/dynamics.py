@@ -28,7 +28,7 @@ from dalembert.analysis.kinematics.branches import Branches, outputs_of, place_o
 from dalembert.analysis.over_time import OverTime
 from dalembert.analysis.timeline import checked_span
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.formulations.base import Formulation, Merits
+from dalembert.formulations.base import Formulation, Performance
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
 from dalembert.integrators.automatic import AutomaticIntegrator
@@ -296,10 +296,10 @@ def _kernel(
     if chosen is not coordinates:
         return _kernel(model, chosen, *strategies, backend)
 
-    def merits(one: Formulation) -> Merits:
+    def merits(one: Formulation) -> Performance:
         return merits_of(_kernel(model, coordinates, one, stabilization, integrator, backend))
 
-    definite = formulation.chosen(merits, integrator.implicit)
+    definite = formulation.select(merits, integrator.implicit)
     if definite is not formulation:
         return _kernel(model, coordinates, definite, stabilization, integrator, backend)
     return DynamicsKernel(model, chosen, *strategies, BACKENDS[backend]())

@@ -18,7 +18,7 @@ from dalembert.analysis.dynamics.transition import Transition, crossed, distance
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation
-from dalembert.formulations.redundancy import TRUSTED, best_rows, largest_share
+from dalembert.formulations.partition import LARGEST_COEFFICIENT, best_rows, largest_coefficient
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator
 from dalembert.integrators.marching.adaptive import AdaptiveMarch
@@ -175,8 +175,12 @@ class DynamicsKernel(StepOutputs):
         rows, whole = self.view.rows, self.view.whole
         if len(rows) == whole.constraint_count:
             return rows
-        share = ca.Function("W", [whole.t, whole.y, whole.p], [largest_share(whole, rows)])
-        return rows if float(share(t, y, p)) <= TRUSTED else best_rows(whole, rows, t, y, p)
+        share = ca.Function("W", [whole.t, whole.y, whole.p], [largest_coefficient(whole, rows)])
+        return (
+            rows
+            if float(share(t, y, p)) <= LARGEST_COEFFICIENT
+            else best_rows(whole, rows, t, y, p)
+        )
 
     @cached_property
     def distances(self) -> ca.Function:

@@ -9,11 +9,11 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.formulations.base import Merits, state_symbols
+from dalembert.formulations.base import Performance, state_symbols
 from dalembert.model.equations import Equations
 
 
-def merits_of(kernel: DynamicsKernel) -> Merits:
+def merits_of(kernel: DynamicsKernel) -> Performance:
     """Operations of a step, and the error of its accelerations at the start.
 
     Accelerations are compared with those by a pivoting factorisation of (5.7), with equations and
@@ -32,7 +32,7 @@ def merits_of(kernel: DynamicsKernel) -> Merits:
     else:
         error = np.max(np.abs(found - expected), initial=0.0)
         error /= max(1.0, np.max(np.abs(expected), initial=0.0))
-    return Merits(kernel.operations, float(error) if error == error else np.inf)
+    return Performance(kernel.operations, float(error) if error == error else np.inf)
 
 
 def _accelerations(e: Equations, t: float, x: np.ndarray, p: np.ndarray) -> np.ndarray | None:

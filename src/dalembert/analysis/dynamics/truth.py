@@ -10,7 +10,7 @@ from dalembert.analysis.dynamics.energy_balance import EnergyBalance
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.model_residuals import Gap, ModelResiduals
 from dalembert.analysis.model_truth import ModelTruth
-from dalembert.formulations.levels import NONE, Level
+from dalembert.formulations.base import NONE, Level
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome
@@ -95,7 +95,7 @@ def held_levels(kernel: DynamicsKernel) -> frozenset[Level]:
     """
     first, stabilization = kernel.variants[0], kernel.stabilization
     fed_back = {Level.ACCELERATION} if stabilization.feedback else NONE
-    held = (first.formulation.held - fed_back) | stabilization.held
+    held = (first.formulation.exact_levels - fed_back) | stabilization.exact_levels
     if not first.equations.dropped.numel():
         return held
     return frozenset(level for level in held if set(range(level)) <= held)

@@ -16,7 +16,7 @@ from dalembert.formulations.base import (
     state_symbols,
 )
 from dalembert.formulations.consistency import with_consistent_speeds
-from dalembert.formulations.redundancy import TRUSTED, largest_share
+from dalembert.formulations.partition import LARGEST_COEFFICIENT, largest_coefficient
 from dalembert.formulations.sliding import SlidingSolver
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator, Problem
@@ -169,6 +169,10 @@ class Variant:
         redundant = len(self.rows) < self.view.whole.constraint_count
         if found is None and not redundant:
             return None
-        share = largest_share(self.view.whole, self.rows) / TRUSTED if redundant else nothing
+        share = (
+            largest_coefficient(self.view.whole, self.rows) / LARGEST_COEFFICIENT
+            if redundant
+            else nothing
+        )
         value = nothing if found is None else found[0] / found[1]
         return ca.Function("conditioning", [e.t, e.y, e.p], [share, value])

@@ -29,7 +29,7 @@ from dalembert.analysis.served import need_model
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
-from dalembert.formulations.levels import Level
+from dalembert.formulations.base import Level
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch

@@ -12,7 +12,7 @@ from dalembert.analysis.dynamics.truth import DRIFT, TOLD
 from dalembert.analysis.model_residuals import Gap
 from dalembert.analysis.model_truth import EXACT, ModelTruth
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.formulations.levels import Level
+from dalembert.formulations.base import Level
 from dalembert.results.contact_record import ContactRecord
 from dalembert.results.status import Outcome
 
