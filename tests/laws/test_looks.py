@@ -51,7 +51,7 @@ def test_every_element_looks_like_something(name):
     for element in made:
         shown = element.look()
         assert all(isinstance(part, Look) for part in shown)
-        assert shown or made[0].unseen, "it draws nothing and does not say why"
+        assert shown or made[0].not_drawn, "it draws nothing and does not say why"
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -95,7 +95,7 @@ def test_every_element_of_space_looks_like_something(section, name, tmp_path):
         pytest.importorskip("trimesh")
     made = written(section, name, tmp_path)
     shown, joint = made.look(), vars(made).get("joint")
-    assert shown or made.unseen, "it draws nothing and does not say why"
+    assert shown or made.not_drawn, "it draws nothing and does not say why"
     drawn = [vars(kind)["draw"].dispatcher.dispatch for kind in (SpatialSketch, Sketch)]
     for part in shown:
         assert any(d(type(part)) is not d(Look) for d in drawn)

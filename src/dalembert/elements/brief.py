@@ -1,4 +1,4 @@
-"""Short representations of elements, points and results in one line."""
+"""One-line representations of elements, points and results."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Any
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 
 LONGEST = 120
-"""Characters of a representation."""
+"""Upper limit of the length of a representation."""
 FORMULA = 28
-"""Characters of a formula in it."""
+"""Upper limit of the length of a formula in it."""
 
 
 def brief(kind: str, name: str, parts: list[str]) -> str:
-    """``<Kind 'name': part, part>``, cut where it grows too long.
+    """``<Kind 'name': part, part>``, truncated to the limit.
 
     Examples
     --------
@@ -23,18 +23,18 @@ def brief(kind: str, name: str, parts: list[str]) -> str:
     "<Spring 'k': stiffness=10 N/m, free_length=0.5 m>"
     """
     text, room = f"<{kind} {name!r}", LONGEST - len(kind) - len(name) - 8
-    shown: list[str] = []
+    fitting: list[str] = []
     for part in parts:
-        if sum(map(len, shown)) + 2 * len(shown) + len(part) > room:
-            shown.append("…")
+        if sum(map(len, fitting)) + 2 * len(fitting) + len(part) > room:
+            fitting.append("…")
             break
-        shown.append(part)
-    return f"{text}: {', '.join(shown)}>" if shown else f"{text}>"
+        fitting.append(part)
+    return f"{text}: {', '.join(fitting)}>" if fitting else f"{text}>"
 
 
 def fields_of(element: Any) -> list[str]:
-    """``field=value`` of what an element was given beside its name, without defaults and states."""
-    found = []
+    """``field=value`` for the arguments of an element except its name, defaults and states."""
+    texts = []
     for field in dataclasses.fields(element):
         value = getattr(element, field.name, None)
         hidden = field.name == "name" or not field.init or value is None
@@ -42,18 +42,18 @@ def fields_of(element: Any) -> list[str]:
             continue
         text = short(value, f"{element.name}.")
         if text:
-            found.append(f"{field.name}={text}")
-    return found
+            texts.append(f"{field.name}={text}")
+    return texts
 
 
-def short(value: Any, own: str = "") -> str:
-    """A value in few characters; nothing for states, whose symbols begin with ``own``."""
+def short(value: Any, prefix: str = "") -> str:
+    """A value in few characters; empty for states, whose symbols start with ``prefix``."""
     if isinstance(value, Expression):
-        return _formula(value, own)
+        return _formula(value, prefix)
     if isinstance(value, (bool, int, float, str)):
         return repr(value)
     if isinstance(value, (tuple, list)) and value:
-        return f"({', '.join(short(one, own) for one in value)})" if len(value) < 4 else ""
+        return f"({', '.join(short(item, prefix) for item in value)})" if len(value) < 4 else ""
     if isinstance(value, dict):
         return f"({', '.join(map(str, value))})" if value else ""
     name = getattr(value, "name", None)
@@ -63,12 +63,12 @@ def short(value: Any, own: str = "") -> str:
 
 
 def spot(point: Any) -> str:
-    """Where a point without a name is."""
+    """Body and coordinates of a point without a name."""
     return f"{point.body.name}{_formula(point.local, '')}"
 
 
-def _formula(value: Expression, own: str) -> str:
-    if own and any(name.startswith(own) for name in free_symbols(value.sx)):
+def _formula(value: Expression, prefix: str) -> str:
+    if prefix and any(name.startswith(prefix) for name in free_symbols(value.sx)):
         return ""
     parts = [_number(value.sx[k]) for k in range(value.sx.numel())]
     text = parts[0] if len(parts) == 1 else f"({', '.join(parts)})"
@@ -86,7 +86,7 @@ def _is_default(value: Any, default: Any) -> bool:
     if isinstance(value, Expression):
         if not value.sx.is_constant():
             return False
-        given = [float(value.sx[k]) for k in range(value.sx.numel())]
-        wanted = list(default) if isinstance(default, (tuple, list)) else [default]
-        return given == wanted * (len(given) if len(wanted) == 1 else 1)
+        numbers = [float(value.sx[k]) for k in range(value.sx.numel())]
+        defaults = list(default) if isinstance(default, (tuple, list)) else [default]
+        return numbers == defaults * (len(numbers) if len(defaults) == 1 else 1)
     return bool(type(value) is type(default) and value == default)

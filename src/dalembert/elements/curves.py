@@ -1,4 +1,4 @@
-"""Curves fixed in a body, in the plane and in space: cam profiles and guides."""
+"""Planar and spatial curves fixed in a body: cam profiles and guides."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Curve(Spelled):
         raise NotImplementedError
 
     def offset_position(self, parameter: ca.SX, distance: ca.SX) -> ca.SX:
-        """In the plane, a point to the right of the curve (outside, if it runs anticlockwise)."""
+        """A point to the right of a planar curve (outside, if it runs anticlockwise)."""
         symbol = ca.SX.sym("w")
         point = self.position(symbol)
         tangent = ca.jacobian(point, symbol)
@@ -45,7 +45,7 @@ class Curve(Spelled):
 
 @dataclass(eq=False)
 class SplineCurve(Curve):
-    """C² cubic spline through points, by chord length (so ``|c'| ≈ 1``).
+    """C² cubic spline through points, parametrised by chord length (so ``|c'| ≈ 1``).
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class SplineCurve(Curve):
     >>> import dalembert as da
     >>> corners = [(0.1, 0.0), (0.0, 0.08), (-0.1, 0.0), (0.0, -0.08)]
     >>> cam = da.SplineCurve(corners)
-    >>> start, end = cam.interval()  # it goes through them and closes
+    >>> start, end = cam.interval()  # a closed curve
     >>> [[round(float(x), 6) + 0.0 for x in cam.position(u).elements()] for u in (start, end)]
     [[0.1, 0.0], [0.1, 0.0]]
     """
@@ -89,7 +89,7 @@ class SplineCurve(Curve):
             if np.any(chords <= 0):
                 k = int(np.argmax(chords <= 0))
                 raise ModelError(f"points {k + 1} and {k + 2} coincide", "SplineCurve")
-        else:  # knots must be constants; equal spacing leaves the shape free
+        else:  # knots must be constants: equal spacing, whatever the formulas
             chords = np.ones(len(columns) - 1)
         knots = np.concatenate([[0.0], np.cumsum(chords)])
         self._range = (0.0, float(knots[-1]))
@@ -107,7 +107,7 @@ class SplineCurve(Curve):
 
 @dataclass(eq=False)
 class FormulaCurve(Curve):
-    """Curve ``(x(u), y(u))``, or ``(x, y, z)`` in space, by formulas in ``u`` and parameters.
+    """Curve ``(x(u), y(u))``, or ``(x, y, z)`` in space, from formulas in ``u`` and parameters.
 
     Parameters
     ----------
@@ -144,8 +144,8 @@ class FormulaCurve(Curve):
             raise ModelError(f"lower {self.lower} must be below upper {self.upper}", "FormulaCurve")
 
     def position(self, parameter: ca.SX) -> ca.SX:
-        given = (self.x, self.y) if self.z is None else (self.x, self.y, self.z)
-        return ca.substitute(ca.vertcat(*(c.sx for c in given)), u.sx, parameter)
+        coordinates = (self.x, self.y) if self.z is None else (self.x, self.y, self.z)
+        return ca.substitute(ca.vertcat(*(c.sx for c in coordinates)), u.sx, parameter)
 
     def interval(self) -> tuple[float, float]:
         return float(self.lower), float(self.upper)

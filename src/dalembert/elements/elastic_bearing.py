@@ -1,4 +1,4 @@
-"""Elastic bearings: springs and dampers along several coordinates at once."""
+"""Elastic bearings: springs and dampers along several coordinates."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dalembert.elements.base import ForceElement, Powers, Rate, Scalar, Vector
 
 
 class ElasticBearing(ForceElement):
-    """``Q = −(k s + c ṡ)`` along every entry of a deformation ``s``: displacements, then turns.
+    """``Q = −(k s + c ṡ)`` along every entry of a deformation ``s``: displacements, then rotations.
 
-    To write a new one, give ``deformation``.
+    A new bearing implements ``deformation``.
     """
 
     stiffness: Vector
@@ -19,7 +19,7 @@ class ElasticBearing(ForceElement):
     rotational_damping: Scalar
 
     def deformation(self) -> ca.SX:
-        """Displacements [m], as many as ``stiffness`` has, and turns [rad]."""
+        """Displacements [m], one per entry of ``stiffness``, and rotations [rad]."""
         raise NotImplementedError
 
     def _stiffness(self) -> ca.SX:

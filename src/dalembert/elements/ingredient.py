@@ -1,4 +1,4 @@
-"""What elements are made of beside numbers: laws, shapes, with numbers of their own."""
+"""Parts of elements with quantities of their own: laws, shapes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dalembert.text.spelling import Spelled
 
 @dataclass(eq=False)
 class Ingredient(Spelled):
-    """Data of an element that has quantities like an element, and no name of its own."""
+    """A part of an element, without a name, that has quantities like an element."""
 
     def __post_init__(self) -> None:
         for field in self._quantity_fields():
@@ -28,11 +28,11 @@ class Ingredient(Spelled):
         return [f for f in dataclasses.fields(self) if f.metadata.get("kind") == "quantity"]
 
     def conditions(self) -> list[Condition]:
-        """What must not be negative at the values of the parameters, as ``Element.conditions``."""
+        """Conditions at the values of the parameters, as ``Element.conditions``."""
         return []
 
     def checked_quantities(self, owner: str) -> list[tuple[str, Expression, Mapping]]:
-        """(``owner.field``, formula, metadata) of the numbers given, to be checked at build."""
+        """(``owner.field``, formula, metadata) of the quantities, checked by the build."""
         return [
             (f"{owner}.{field.name}", getattr(self, field.name), field.metadata)
             for field in self._quantity_fields()

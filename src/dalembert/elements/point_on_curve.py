@@ -1,4 +1,4 @@
-"""A point that follows a curve of another body, in the plane and in space."""
+"""Point on a curve of another body, planar and spatial."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dalembert.symbolic.formulas.expression import Expression
 
 
 class CurveParameter(Coordinates):
-    """The place of the contact on a curve: one coordinate without mass."""
+    """Parameter of the contact point on a curve: one massless coordinate."""
 
     def __init__(self, name: str, curve: Curve, guess: Expression | None):
         self.name = f"{name}.contact"
@@ -30,9 +30,9 @@ class CurveParameter(Coordinates):
 
 
 class OnCurve(Pair, Constraint):
-    """A point of body j stays on a curve of body i, ``Φ = A_iᵀ (r_jP − r_i) − c(u) = 0``.
+    """Point of body j on a curve of body i, ``Φ = A_iᵀ (r_jP − r_i) − c(u) = 0``.
 
-    The curve parameter ``u`` is a coordinate of its own without mass, so that the contact transmits
+    The curve parameter ``u`` is an additional massless coordinate, so that the contact transmits
     no force along the curve.
     """
 
@@ -58,8 +58,8 @@ class OnCurve(Pair, Constraint):
         super().__post_init__()
 
     def _guess(self) -> Expression | None:
-        given = self.parameter
-        return given if given is None or isinstance(given, Expression) else Expression(given)
+        guess = self.parameter
+        return guess if guess is None or isinstance(guess, Expression) else Expression(guess)
 
     @property
     def contact(self) -> ca.SX:
@@ -67,14 +67,14 @@ class OnCurve(Pair, Constraint):
         return self._contact.pose[0]
 
     def followed(self) -> ca.SX:
-        """Where the point is held, in the axes of body i."""
+        """Prescribed position of the point, in the axes of body i."""
         return self.curve.position(self.contact)
 
     def residual(self) -> ca.SX:
         n = self.curve.dimension
         axes = ca.horzcat(*(self.body_i.turned(ca.SX.eye(n)[:, k]) for k in range(n)))
-        away = self.point_j.position.sx - self.body_i.locate(ca.SX.zeros(n))
-        return ca.mtimes(axes.T, away) - self.followed()
+        relative = self.point_j.position.sx - self.body_i.locate(ca.SX.zeros(n))
+        return ca.mtimes(axes.T, relative) - self.followed()
 
     def own_coordinates(self) -> list[Coordinates]:
         return [self._contact]
@@ -91,5 +91,5 @@ class OnCurve(Pair, Constraint):
         return [*self.ends(), self._contact]
 
     def place(self) -> ca.SX:
-        """The contact on the curve."""
+        """The contact point on the curve."""
         return self.body_i.locate(self.curve.position(self.contact))

@@ -1,4 +1,4 @@
-"""Springs, dampers and actuators along the line of two points, in the plane and in space."""
+"""Springs, dampers and actuators along the line of two points, planar and spatial."""
 
 from __future__ import annotations
 
@@ -17,43 +17,41 @@ from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
 
 SMALLEST_LENGTH = 1e-30
+"""Regularisation of a length at zero [m]."""
 ForceLaw = Callable[[Expression, Expression], Any]
+"""Force as a function of the extension and its rate."""
 
 
-def called_law(law: ForceLaw, entity: str, extension: Expression, rate: Expression) -> Any:
-    """What a law of the user returns.
+def call_law(law: ForceLaw, entity: str, extension: Expression, rate: Expression) -> Any:
+    """The return value of a law of the user.
 
     Raises
     ------
     ModelError
-        It is no function of two arguments, or fails.
+        The law is not a function of two arguments, or fails.
     """
     if not callable(law):
-        shown = f"{law!r:.60}"
-        raise ModelError(f"expected a function of extension and rate, got {shown}", entity)
+        raise ModelError(f"expected a function of extension and rate, got {law!r:.60}", entity)
     try:
         inspect.signature(law).bind(extension, rate)
     except TypeError as error:
-        told = f"must take two arguments, extension and rate: {error}"
-        raise ModelError(told, entity) from None
-    except ValueError:  # compiled functions may not tell their arguments
+        message = f"must take two arguments, extension and rate: {error}"
+        raise ModelError(message, entity) from None
+    except ValueError:  # compiled functions may have no signature
         pass
     try:
         return law(extension, rate)
     except DalembertError:
         raise
     except Exception as error:
-        told = f"the law fails for extension and rate: {type(error).__name__}: {error!s:.200}"
-        raise ModelError(told, entity) from error
-
-
-"""Force of an extension and its rate."""
+        message = f"the law fails for extension and rate: {type(error).__name__}: {error!s:.200}"
+        raise ModelError(message, entity) from error
 
 
 class SpringDamper(ForceElement):
-    """What translational and rotational springs share: a force along one coordinate ``s``.
+    """Spring and damper along one coordinate ``s``, translational or rotational.
 
-    ``F = k (s − s0) + c ṡ``, or any ``law(s − s0, ṡ)``; it acts against the coordinate, so that
+    ``F = k (s − s0) + c ṡ``, plus ``law(s − s0, ṡ)``; it acts against the coordinate, so that
     a positive force pulls (tension).
     """
 
@@ -80,14 +78,14 @@ class SpringDamper(ForceElement):
         if self.law is None:
             return linear
         extension = Expression(s - self.relaxed(), "extension", self.coordinate_unit)
-        value = called_law(self.law, f"{self.name}.law", extension, Expression(rate(s), "rate"))
+        value = call_law(self.law, f"{self.name}.law", extension, Expression(rate(s), "rate"))
         return linear + as_expression(value, f"{self.name}.law", self.force_unit).sx
 
     def drawn(self, spring: type[Look], damper: type[Look], *ends: Any) -> list[Look]:
-        """A damper if it damps, and a spring if it is one."""
+        """Primitives for a nonzero damping and a nonzero stiffness or law."""
         elastic = not self.stiffness.sx.is_zero() or self.law is not None
-        shown = [] if self.damping.sx.is_zero() else [damper]
-        return [kind(*ends) for kind in (*shown, *([spring] if elastic else []))]
+        dampers = [] if self.damping.sx.is_zero() else [damper]
+        return [kind(*ends) for kind in (*dampers, *([spring] if elastic else []))]
 
     def powers(self, rate: Rate) -> Powers:
         return [(rate(self.coordinate()), -self.force(rate))]
@@ -164,7 +162,7 @@ class Spring(SpringDamper, PointPair):
     law: ForceLaw | None = option("additional force, formula of extension and rate", default=None)
 
     def coordinate(self) -> ca.SX:
-        if self.free_length.sx.is_zero():  # its force has a limit at length zero
+        if self.free_length.sx.is_zero():  # the force has a limit at length zero
             return ca.sqrt(ca.sumsqr(self.between) + SMALLEST_LENGTH**2)
         return super().coordinate()
 

@@ -173,7 +173,7 @@ def doubts_of(d: Description, values: Sequence[float] | np.ndarray) -> tuple[str
     """What elements had better be otherwise at parameter values."""
     symbols, found = d.space.symbols, []
     for element in d.elements.values():
-        for condition, doubt, *told in element.doubts():
+        for condition, doubt, *told in element.warnings():
             values_of = ca.Function("doubt", [symbols], [condition, stack(told)])
             holds, numbers = (x.full().ravel() for x in values_of(values))
             if not np.all(holds >= 0):

@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.gravity import Gravity
+from dalembert.elements.loads import Gravity
 from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
 from dalembert.model.measures import element_measures, find_measure

@@ -35,7 +35,7 @@ class FloatingFrame(BodyElement):
     numbers: ShapeNumbers | None
     q: ca.SX
     sections: dict[str, Any]
-    unseen = "the pieces and sections of its structure are drawn as they deform"
+    not_drawn = "the pieces and sections of its structure are drawn as they deform"
 
     @property
     def amplitudes(self) -> ca.SX:

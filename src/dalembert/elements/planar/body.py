@@ -11,11 +11,10 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.bar import SlenderBar
 from dalembert.elements.base import Scalar, Vector, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.point import components
-from dalembert.elements.point_mass import PointMass, nothing
+from dalembert.elements.simple_bodies import PointMass, SlenderBar, unused
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
@@ -173,7 +172,7 @@ class Body(MovingFrame):
     velocity: Vector = quantity("m/s", "initial velocity", default=None, size=2)
     angular_velocity: Scalar = quantity("rad/s", "initial angular velocity", default=None)
     points: dict[str, Vector] = None  # type: ignore[assignment]
-    unseen = "a plate over its points is drawn, or its mass centre"
+    not_drawn = "a plate over its points is drawn, or its mass centre"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -273,6 +272,6 @@ class Particle(PointMass, Body):
     array([10.,  0.])
     """
 
-    inertia: Any = nothing()
-    angle: Any = nothing()
-    angular_velocity: Any = nothing()
+    inertia: Any = unused()
+    angle: Any = unused()
+    angular_velocity: Any = unused()

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.pair import ConstantDistance
 from dalembert.elements.planar.joint import TreeJoint
-from dalembert.elements.rigid_link import ConstantDistance
 
 
 @dataclass(eq=False)

@@ -5,8 +5,7 @@ from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact import Contact
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.frame import Frame
-from dalembert.elements.joint_actuator import JointActuator
-from dalembert.elements.joint_friction import JointFriction
+from dalembert.elements.joint_forces import JointActuator, JointFriction
 from dalembert.elements.spatial import contact as contact
 from dalembert.elements.spatial.beam import Beam
 from dalembert.elements.spatial.body import Body, Particle

@@ -16,8 +16,8 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, Scalar, Vector, option, quantity
 from dalembert.elements.frame import Frames
-from dalembert.elements.point_mass import PointMass, nothing
 from dalembert.elements.rotation import Orientation, as_orientation
+from dalembert.elements.simple_bodies import PointMass, unused
 from dalembert.elements.spatial.frame import SpatialFrame
 from dalembert.elements.spatial.inertia_tensor import as_moments, physical, tensor
 from dalembert.errors import ModelError
@@ -81,7 +81,7 @@ class Body(SpatialFrame):
     points: dict[str, Vector] = None  # type: ignore[assignment]
     frames: Frames = None  # type: ignore[assignment]
 
-    unseen = "a plate over its points is drawn, or the ellipsoid of its inertia"
+    not_drawn = "a plate over its points is drawn, or the ellipsoid of its inertia"
 
     def __post_init__(self) -> None:
         if self.inertia is not None:
@@ -139,8 +139,8 @@ class Particle(PointMass, Body):
     array([3.   , 4.   , 4.905])
     """
 
-    inertia: Any = nothing()
-    center_of_mass: Any = nothing()
-    rotation: Any = nothing()
-    angular_velocity: Any = nothing()
-    frames: Any = nothing()
+    inertia: Any = unused()
+    center_of_mass: Any = unused()
+    rotation: Any = unused()
+    angular_velocity: Any = unused()
+    frames: Any = unused()

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.along_joint import free_motion
 from dalembert.elements.base import Constraint, Look, Rate, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.joint_forces import free_motion
 from dalembert.elements.look import Belt, Disc, Mesh, Rail, Tie
 from dalembert.elements.pair import Pair, initial_value
 from dalembert.elements.spatial.joint import SpatialJoint, slide_of, turn_of

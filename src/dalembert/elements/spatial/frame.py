@@ -214,8 +214,8 @@ class SpatialFrame(BodyElement):
         turns = [orientation is not None] * 3 if self.rotates else []
         return [position is not None] * 3 + turns
 
-    def doubts(self) -> list[Condition]:
-        return [] if self.initial[1] is None else self.initial[1].doubts
+    def warnings(self) -> list[Condition]:
+        return [] if self.initial[1] is None else self.initial[1].warnings
 
     def conditions(self) -> list[Condition]:
         turned = [] if self.initial[1] is None else self.initial[1].conditions()

@@ -12,8 +12,8 @@ from typing import Any, ClassVar
 
 import casadi as ca
 
-from dalembert.elements.along_joint import free_motion
 from dalembert.elements.base import Constraint, Look
+from dalembert.elements.joint_forces import free_motion
 from dalembert.elements.look import Mark, Rail
 from dalembert.elements.pair import Pair
 from dalembert.elements.point import Point

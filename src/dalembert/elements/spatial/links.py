@@ -9,7 +9,7 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, Look, Rate, Scalar, quantity
 from dalembert.elements.look import Rod
-from dalembert.elements.rigid_link import ConstantDistance
+from dalembert.elements.pair import ConstantDistance
 from dalembert.elements.spatial.joint import FrameJoint, FramePointJoint
 
 PARALLEL = 1e-6

@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.elements.base import Vector, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.loads import Couple, PointForce, in_inertial_axes, known_once
+from dalembert.elements.loads import Couple, PointForce, distinct, in_inertial_axes
 from dalembert.elements.pair import need_body
 from dalembert.errors import ModelError
 
@@ -108,4 +108,4 @@ class Torque(Couple):
         return in_inertial_axes(self.vector.sx, self.follows)
 
     def parts(self) -> list[Coordinates]:
-        return known_once([self.body, self.reaction_on, self.follows])
+        return distinct([self.body, self.reaction_on, self.follows])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Condition, Look, Scalar, quantity
-from dalembert.elements.joint_space import JointSpace
+from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.look import Nut
 from dalembert.elements.pair import initial_value
 from dalembert.elements.spatial.cylindrical import Cylindrical

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.bar import SlenderBar
 from dalembert.elements.base import Look, Scalar, Vector, quantity
 from dalembert.elements.point import Point
+from dalembert.elements.simple_bodies import SlenderBar
 from dalembert.elements.spatial.shape import Shape, moments
 from dalembert.elements.spatial.solids import Cuboid, Drum, Orb, Pill
 from dalembert.errors import ModelError

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Look
-from dalembert.elements.joint_space import JointSpace
+from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.look import Socket
 from dalembert.elements.pair import PointJoint
 from dalembert.elements.point import Point

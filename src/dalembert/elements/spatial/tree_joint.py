@@ -6,8 +6,8 @@ from typing import Any
 
 import casadi as ca
 
+from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.frame import Frame
-from dalembert.elements.joint_space import JointSpace
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.body import Body
 from dalembert.symbolic import rotation

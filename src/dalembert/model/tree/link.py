@@ -9,8 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.body import BodyElement
-from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.joint_space import JointSpace
+from dalembert.elements.coordinates import Coordinates, JointSpace
 from dalembert.symbolic import rotation
 
 

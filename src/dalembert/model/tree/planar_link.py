@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.joint_space import JointSpace
+from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.planar.body import Body, Ground, rotation
 from dalembert.elements.planar.joint import TreeJoint
 from dalembert.model.tree.link import Link, Step

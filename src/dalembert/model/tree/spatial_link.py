@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.frame import Frame
-from dalembert.elements.joint_space import JointSpace
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.tree_joint import TreeJoint
