@@ -229,7 +229,7 @@ class Constraint(Element):
         self.multiplier = stack(ca.SX.sym(f"{self.name}.lambda{k}") for k in range(count))
 
     @property
-    def spots(self) -> tuple[Any, Any] | None:
+    def end_points(self) -> tuple[Any, Any] | None:
         """The points of its two bodies that it connects, or None."""
         return None
 

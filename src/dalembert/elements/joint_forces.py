@@ -53,21 +53,21 @@ class AlongJoint(ForceElement):
         super().__post_init__()
         free = self.joint.freedoms() if isinstance(self.joint, Constraint) else {}
         self.motion = free_motion(self.joint, free, self.motion, self.name)
-        self.sliding, self.sliding_unit = free[self.motion]
+        self.free_coordinate, self.free_unit = free[self.motion]
 
     def effort(self, speed: ca.SX) -> ca.SX:
         """Force or moment along the motion as a function of its speed."""
         raise NotImplementedError
 
     def powers(self, rate: Rate) -> Powers:
-        speed = rate(self.sliding)
+        speed = rate(self.free_coordinate)
         return [(speed, self.effort(speed))]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        speed, rotates = rate(self.sliding), self.sliding_unit == "rad"
+        speed, rotates = rate(self.free_coordinate), self.free_unit == "rad"
         return {
             "moment" if rotates else "force": (self.effort(speed), "N m" if rotates else "N"),
-            "rate": (speed, f"{self.sliding_unit}/s"),
+            "rate": (speed, f"{self.free_unit}/s"),
         }
 
     def parts(self) -> list[Coordinates]:
@@ -151,11 +151,11 @@ class JointActuator(AlongJoint):
         return self.value.sx
 
     def look(self) -> list[Look]:
-        if self.sliding_unit == "rad" and isinstance(self.joint, Pair):
+        if self.free_unit == "rad" and isinstance(self.joint, Pair):
             return [Motor(*self.joint.ends())]
-        spots = self.joint.spots
-        return [] if spots is None else [Cylinder(*spots)]
+        end_points = self.joint.end_points
+        return [] if end_points is None else [Cylinder(*end_points)]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        power = self.value.sx * rate(self.sliding)
+        power = self.value.sx * rate(self.free_coordinate)
         return {**super().measures(rate), "power": (power, "W")}

@@ -103,7 +103,7 @@ class BetweenPoints(Element):
         return list(self.ends())
 
     @property
-    def spots(self) -> tuple[Point, Point]:
+    def end_points(self) -> tuple[Point, Point]:
         return self.point_i, self.point_j
 
     @property

@@ -192,7 +192,7 @@ class _Groups:
 
 def _place(constraint: Constraint) -> ca.SX | None:
     """Where a joint of two bodies is; None where it has no single place."""
-    if len(constraint.parts()) != 2 or constraint.spots is None:
+    if len(constraint.parts()) != 2 or constraint.end_points is None:
         return None
-    point = constraint.spots[0].position.sx
+    point = constraint.end_points[0].position.sx
     return point if point.numel() == 3 else None

@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.nonsmooth.gap_source import GapSource, StatedGap
-from dalembert.elements.contact.balls import meeting_at_wall, meeting_of_balls
+from dalembert.elements.contact.balls import contact_at_wall, contact_of_balls
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.model import Model
@@ -176,9 +176,9 @@ def _meeting(dimension: int, wall: bool) -> ca.Function:
     twist = ca.SX.sym("twist", 2 * TWIST)
     here, there = first[:dimension], second[:dimension]
     if wall:
-        met = meeting_at_wall(here, first[3 : 3 + dimension], there, second[3])
+        met = contact_at_wall(here, first[3 : 3 + dimension], there, second[3])
     else:
-        met = meeting_of_balls(here, first[3], there, second[3])
+        met = contact_of_balls(here, first[3], there, second[3])
     speed = met.speeds(
         lambda place: twist[:3] + ca.cross(twist[3:6], place - first[:3]),
         lambda place: twist[6:9] + ca.cross(twist[9:], place - second[:3]),

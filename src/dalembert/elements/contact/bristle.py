@@ -1,4 +1,4 @@
-"""States of friction: how far the bristles of two surfaces are bent."""
+"""Bristle deflections, the states of friction."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from dalembert.elements.coordinates import Coordinates
 
 
 class Bristles(Coordinates):
-    """Coordinates without speeds, whose rate ``ż = f(y, v, z)`` follows from what they touch.
+    """Bristle deflections: coordinates without speeds and with the rate ``ż = f(y, v, z)``.
 
-    Nothing displaces them but time: where positions are solved for, they stay.
+    They change with time only; position analysis leaves them unchanged.
     """
 
     def __init__(self, name: str, count: int):

@@ -1,4 +1,4 @@
-"""A place where two shapes meet."""
+"""Contact points of two shapes."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from dalembert.elements.base import Constraint
 from dalembert.symbolic.rotation import across
 
 VelocityAt = Callable[[ca.SX], ca.SX]
-"""(3,) velocity of a body at an inertial place (3,)."""
+"""(3,) velocity of a body at an inertial position (3,)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Meeting:
-    """A place where two bodies may touch.
+class ContactPoint:
+    """A potential contact point of two bodies.
 
     Attributes
     ----------
-    distance : positive while apart [m]
+    distance : gap, positive while separated [m]
     normal : unit vector from the first body to the second, inertial components
-    place : halfway between the two surfaces
-    foot : equations that tell where it is, if it wanders over a curve
+    place : position halfway between the two surfaces
+    foot : equations that determine it on a curve, or None
     """
 
     distance: ca.SX
@@ -32,21 +32,21 @@ class Meeting:
     place: ca.SX
     foot: Constraint | None = None
 
-    def reversed(self) -> Meeting:
-        """The same with the bodies in the other order."""
+    def reversed(self) -> ContactPoint:
+        """The contact point with the bodies exchanged."""
         return replace(self, normal=-self.normal)
 
     @property
     def directions(self) -> ca.SX:
-        """(n, n) the normal, and the directions along the surface."""
+        """(n, n) the normal and the tangents as columns."""
         n = self.normal
         return ca.horzcat(n, ca.vertcat(n[1], -n[0]) if n.numel() == 2 else across(n))
 
     def speeds(self, at_i: VelocityAt, at_j: VelocityAt) -> ca.SX:
-        """(n,) velocity of the second body against the first, along the directions."""
+        """(n,) velocity of the second body relative to the first, along the directions."""
         n = self.normal.numel()
-        here = ca.vertcat(self.place, ca.SX.zeros(3 - n))
-        return ca.mtimes(self.directions.T, (at_j(here) - at_i(here))[:n])
+        place = ca.vertcat(self.place, ca.SX.zeros(3 - n))
+        return ca.mtimes(self.directions.T, (at_j(place) - at_i(place))[:n])
 
     def slip(self, body_i: Any, body_j: Any) -> ca.SX:
         """(1,) or (2,) velocity of the second body along the surface of the first."""

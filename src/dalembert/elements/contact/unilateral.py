@@ -1,4 +1,4 @@
-"""What may part but not pass through each other: distances that do not become negative."""
+"""Unilateral constraints: gaps that do not become negative."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from dalembert.elements.base import Condition, Element, Rate
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """A place where two things may touch, ``g(y, t) ≥ 0``.
+    """A gap of two bodies, ``g(y, t) ≥ 0``.
 
     A force ``N ≥ 0`` along the gap and one ``T`` along the surface have the power
     ``N ġ + Tᵀ slip`` on both bodies together.
 
     Attributes
     ----------
-    distance : ``g``, positive while apart, the depth of penetration negative [m]
-    slip : (k,) velocity along the surface, linear in twists [m/s]; k = 0 where nothing rubs, 1 in
-        the plane, 2 in space
+    distance : ``g``, positive while separated, minus the penetration in contact [m]
+    slip : (k,) velocity along the surface, linear in twists [m/s]; k = 0 without friction, 1 for
+        planar, 2 for spatial contact
     """
 
     distance: ca.SX
@@ -30,14 +30,14 @@ class Gap:
 
 @dataclass(frozen=True, eq=False)
 class Impact:
-    """How rigid things bounce and rub, ``ġ⁺ = −e ġ⁻``, ``|T| ≤ μ N`` (Newton, Coulomb).
+    """Impact law of rigid bodies, ``ġ⁺ = −e ġ⁻``, ``|T| ≤ μ N`` (Newton, Coulomb).
 
     Attributes
     ----------
     restitution : ``e`` along the gap, 0 to 1
-    tangential : of the slip, 0 to 1
+    tangential : restitution of the slip, 0 to 1
     friction : ``μ``
-    poisson : ``e`` is the share of the impulse of compression that follows in restitution
+    poisson : ``e`` is the ratio of the impulses of restitution and compression
     """
 
     restitution: ca.SX
@@ -48,19 +48,19 @@ class Impact:
 
 @dataclass(eq=False)
 class Unilateral(Element):
-    """Anything that keeps distances from becoming negative."""
+    """An element with gaps that must not become negative."""
 
     def gaps(self, rate: Rate) -> list[Gap]:
-        """Every place where it may touch."""
+        """All gaps."""
         raise NotImplementedError
 
     def impact(self) -> Impact | None:
-        """How it bounces; None of what is compliant, which states forces instead."""
+        """The impact law; None for compliant contact."""
         return None
 
     @cached_property
-    def pressing(self) -> list[tuple[ca.SX, ca.SX]]:
-        """Symbols of the forces ``N`` and ``T`` of what is rigid, gap by gap."""
+    def force_symbols(self) -> list[tuple[ca.SX, ca.SX]]:
+        """Symbols of the forces ``N`` and ``T`` of a rigid contact, one pair per gap."""
         if self.impact() is None:
             return []
         return [
@@ -72,24 +72,24 @@ class Unilateral(Element):
         ]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        """Gap, slip and forces of every place; numbered where there are several."""
-        found, gaps = {}, self.gaps(rate)
+        """Gap, slip and forces; numbered if there are several gaps."""
+        measures, gaps = {}, self.gaps(rate)
         for k, gap in enumerate(gaps):
-            end = str(k) if len(gaps) > 1 else ""
-            found[f"gap{end}"] = (gap.distance, "m")
+            suffix = str(k) if len(gaps) > 1 else ""
+            measures[f"gap{suffix}"] = (gap.distance, "m")
             if gap.slip.numel():
-                found[f"slip{end}"] = (gap.slip, "m/s")
-            for normal, tangential in self.pressing[k : k + 1]:
-                found[f"normal_force{end}"] = (normal, "N")
+                measures[f"slip{suffix}"] = (gap.slip, "m/s")
+            for normal, tangential in self.force_symbols[k : k + 1]:
+                measures[f"normal_force{suffix}"] = (normal, "N")
                 if gap.slip.numel():
-                    found[f"friction_force{end}"] = (tangential, "N")
-        return found
+                    measures[f"friction_force{suffix}"] = (tangential, "N")
+        return measures
 
 
-def at_most_one(share: ca.SX, name: str) -> Condition:
-    """That a coefficient of restitution gives no energy."""
+def at_most_one(coefficient: ca.SX, name: str) -> Condition:
+    """The condition that a coefficient of restitution adds no energy."""
     return (
-        1 - share,
+        1 - coefficient,
         f"{name} is above 1: {{:.6g}}; give 0 to 1, for a bounce gives no energy",
-        share,
+        coefficient,
     )

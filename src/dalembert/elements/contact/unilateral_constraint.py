@@ -1,4 +1,4 @@
-"""One-sided constraint written by the user."""
+"""User-defined unilateral constraint."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ from dalembert.symbolic.formulas.expression import stack
 
 @dataclass(eq=False)
 class UnilateralConstraint(Unilateral, ForceElement):
-    """Any formula of poses, ``t`` and parameters that must not become negative.
+    """A formula of poses, ``t`` and parameters that must not become negative.
 
-    Where it reaches zero while closing it bounces, ``ġ⁺ = −e ġ⁻`` (Newton), and rubs by
-    ``|T| ≤ μ N`` (Coulomb) along the slip; where it stays at zero it holds, ``N ≥ 0``, and sticks
-    or slides. Forces have the dual units of the formulas.
+    Closing gaps cause impacts, ``ġ⁺ = −e ġ⁻`` (Newton), with friction ``|T| ≤ μ N`` (Coulomb) along
+    the slip; closed gaps have a contact force ``N ≥ 0`` and stick or slide. Forces have the dual
+    units of the formulas.
 
     Parameters
     ----------
-    distance : formula of positions, positive while apart
-    slip : formula of speeds along the surface, linear in them; None where nothing rubs
+    distance : formula of positions, positive while separated
+    slip : formula of speeds along the surface, linear in them; None without friction
     restitution : ``e``
-    tangential_restitution : of the slip
+    tangential_restitution : restitution of the slip
     friction : ``μ``, which may depend on positions and ``t`` as well
-    poisson : ``e`` is the share of the impulse of compression that follows in restitution, instead
-        of the share of the speed that returns; nothing then returns of the slip
+    poisson : ``e`` is the ratio of the impulses of restitution and compression, instead of the
+        ratio of speeds; the slip then has no restitution
 
     Examples
     --------
@@ -49,7 +49,7 @@ class UnilateralConstraint(Unilateral, ForceElement):
     >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.2)))
     >>> floor = system.add(planar.UnilateralConstraint("floor", ball.y, restitution=0.5))
     >>> motion = da.solve_dynamics(system.build(), 0.25, step=0.01)
-    >>> round(motion["ball.vy"][-1].item(), 6)  # it left at 1 m/s after 0.2 s
+    >>> round(motion["ball.vy"][-1].item(), 6)  # rebounds at 1 m/s after 0.2 s
     0.5
     """
 
@@ -64,17 +64,17 @@ class UnilateralConstraint(Unilateral, ForceElement):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        rough = self.friction.sx
-        if self.slip is None and not (rough.is_constant() and float(rough) <= 0):
+        friction = self.friction.sx
+        if self.slip is None and not (friction.is_constant() and float(friction) <= 0):
             raise ModelError(
-                f"friction is {rough} and nothing slips; give slip= too, a velocity "
+                f"friction is {friction} and nothing slips; give slip= too, a velocity "
                 "along the surface",
                 self.name,
             )
-        returned = self.tangential_restitution.sx
-        if self.poisson and not (returned.is_constant() and float(returned) == 0):
+        tangential = self.tangential_restitution.sx
+        if self.poisson and not (tangential.is_constant() and float(tangential) == 0):
             raise ModelError(
-                f"tangential_restitution is {returned} and Poisson's law has none; leave it out, "
+                f"tangential_restitution is {tangential} and Poisson's law has none; leave it out, "
                 "or leave out poisson=True",
                 self.name,
             )
@@ -88,8 +88,8 @@ class UnilateralConstraint(Unilateral, ForceElement):
         return [Gap(self.distance.sx, slip)]
 
     def impact(self) -> Impact:
-        returned, along = self.restitution.sx, self.tangential_restitution.sx
-        return Impact(returned, along, self.friction.sx, self.poisson)
+        normal, tangential = self.restitution.sx, self.tangential_restitution.sx
+        return Impact(normal, tangential, self.friction.sx, self.poisson)
 
     def powers(self, rate: Rate) -> Powers:
         return []

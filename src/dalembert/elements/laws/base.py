@@ -1,4 +1,4 @@
-"""What a motion law is: a function of time with quantities like any element."""
+"""Motion laws: functions of time with quantities, their sums and products."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Law(Ingredient):
         raise NotImplementedError
 
     def splines(self) -> tuple:
-        """Splines through tables that it evaluates."""
+        """Splines of the tables that it evaluates."""
         return ()
 
     def __add__(self, other: Any) -> Law:
@@ -61,16 +61,16 @@ class Law(Ingredient):
     def __neg__(self) -> Law:
         return -1.0 * self
 
-    __array_ufunc__ = None  # NumPy numbers defer to these
+    __array_ufunc__ = None  # NumPy numbers defer to these operators
 
 
 GivenLaw = Annotated[Any, Law]
-"""A law, or a number or formula in ``t`` that stands for one."""
+"""A law, or a number or formula in ``t`` that is converted to one."""
 
 
 @dataclass(eq=False)
 class Formula(Law):
-    """``f(t)`` as written by the user, in ``t`` and parameters.
+    """``f(t)`` as a formula in ``t`` and parameters.
 
     Examples
     --------
@@ -79,7 +79,7 @@ class Formula(Law):
     >>> system = da.System("shaker")
     >>> table = system.add(planar.Body("table", mass=1.0, inertia=0.1))
     >>> rail = system.add(planar.Translational("rail", system.ground.center, table.center))
-    >>> beat = da.Formula(0.1 * da.sin(da.t) * da.exp(-da.t))  # a formula alone is as good
+    >>> beat = da.Formula(0.1 * da.sin(da.t) * da.exp(-da.t))  # or the formula alone
     >>> drive = system.add(planar.CoordinateDriver("drive", table.center, beat))
     >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
     >>> round(motion["table.vx"][0].item(), 6)
@@ -97,7 +97,7 @@ class Formula(Law):
 
 @dataclass(eq=False)
 class Combination(Law):
-    """Several laws made into one; how, by the subclass."""
+    """Several laws combined by an operator of the subclass."""
 
     laws: tuple[Law, ...]
     operate: ClassVar
@@ -136,7 +136,7 @@ class Sum(Combination):
     >>> stroke = da.CycloidalRise(height=0.05, duration=1.0) + da.Harmonic(0.001, 100.0)
     >>> type(stroke) is da.laws.Sum
     True
-    >>> round(float(stroke.value(ca.SX(0.5)) - 0.001 * ca.sin(50.0)), 9)  # half of the height
+    >>> round(float(stroke.value(ca.SX(0.5)) - 0.001 * ca.sin(50.0)), 9)  # half the height
     0.025
     """
 
@@ -164,7 +164,7 @@ class Product(Combination):
 
 
 def as_law(value, entity: str, unit: str | None = None) -> Law:
-    """A law as it is, or a number or formula in ``t`` made into one; ``unit`` of its values."""
+    """A law, or the law of a number or formula in ``t`` with a ``unit``."""
     if isinstance(value, Law):
         return value
     return Formula(as_expression(value, entity, unit))

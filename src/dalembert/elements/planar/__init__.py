@@ -1,4 +1,4 @@
-"""Planar elements: one file per concept, listed once in ``registry``."""
+"""Planar elements."""
 
 from dalembert.elements.contact.cable import Cable
 from dalembert.elements.contact.collisions import Collisions

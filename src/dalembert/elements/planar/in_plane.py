@@ -1,4 +1,4 @@
-"""Elements that hold on points and bodies of the plane only."""
+"""Checks of planar elements."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from dalembert.errors import ModelError
 
 
 class InPlane:
-    """An element of the plane, ahead of its other bases.
+    """Mixin of planar elements, placed before their other bases.
 
     Raises
     ------
     ModelError
-        It is given a body or a point in space.
+        A body or a point is spatial.
     """
 
     def __post_init__(self) -> None:
         me: Any = self
         for field in dataclasses.fields(me):
-            held = getattr(me, field.name)
-            if getattr(held, "dimension", 2) > 2:
-                body = getattr(held, "body", held)
+            value = getattr(me, field.name)
+            if getattr(value, "dimension", 2) > 2:
+                body = getattr(value, "body", value)
                 raise ModelError(
                     f"{field.name} ({body.name}) is in space, and {type(self).__name__} is an "
                     "element of the plane; take one of dalembert.spatial",
@@ -35,7 +35,7 @@ class InPlane:
 
 @dataclasses.dataclass(eq=False)
 class BetweenAngles(InPlane):
-    """An element that holds on the angles of two bodies, ahead of its other bases.
+    """Mixin of elements between the angles of two bodies, placed before their other bases.
 
     Parameters
     ----------

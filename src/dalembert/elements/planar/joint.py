@@ -1,4 +1,4 @@
-"""What planar joints share: the turn between the bodies they tie."""
+"""Base classes of planar joints."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from dalembert.errors import ModelError
 
 @dataclass(eq=False)
 class PinJoint(InPlane, PointJoint):
-    """Constraint between points of two bodies that may turn against each other."""
+    """Constraint between points of two bodies, which may rotate relative to each other."""
 
     @property
     def turning(self) -> dict[str, tuple[ca.SX, str]]:
-        """The relative rotation as a free motion, where both bodies have one."""
+        """The relative rotation as a free motion, if both bodies rotate."""
         rotates = all(body.rotates for body in self.ends())
         return {"angle": (self.turn, "rad")} if rotates else {}
 
@@ -43,7 +43,7 @@ class PinJoint(InPlane, PointJoint):
 
 @dataclass(eq=False)
 class TreeJoint(PinJoint):
-    """A joint that can carry a body: its constraint equations are known explicitly, too.
+    """A joint that can carry a body: its constraint equations are also known explicitly.
 
     With the joint coordinates q and the open-constraint coordinates z of its equations (7.7),
 
@@ -51,15 +51,15 @@ class TreeJoint(PinJoint):
     """
 
     def carries(self, child: BodyElement) -> bool:
-        """Whether it can place a body; those of the plane all."""
+        """Whether it can carry a body; planar joints carry all planar bodies."""
         return isinstance(child, Body)
 
     def joint_coordinates(self) -> dict[str, tuple[ca.SX, str]]:
-        """What it leaves free beside a turn: name → (expression of the poses, unit)."""
+        """Free coordinates except the rotation: name → (expression of the poses, unit)."""
         return {}
 
     def fixed_turn(self, z: ca.SX) -> ca.SX | None:
-        """``φ_j − φ_i`` where the joint prescribes it; None where the turn is free."""
+        """``φ_j − φ_i`` if the joint prescribes it; None if the rotation is free."""
         return None
 
     def opening(self, q: ca.SX, z: ca.SX, angle_i: ca.SX) -> ca.SX:
@@ -69,7 +69,7 @@ class TreeJoint(PinJoint):
 
 @dataclass(eq=False)
 class BodyJoint(BetweenAngles, Pair, Constraint):
-    """Constraint between the angles of two bodies (the moment acts anywhere)."""
+    """Constraint between the angles of two bodies; its reaction is a couple."""
 
     def place(self) -> ca.SX:
         return self.body_j.pose_position

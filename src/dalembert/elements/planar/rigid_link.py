@@ -1,4 +1,4 @@
-"""Massless rigid link with a pin at each end."""
+"""Planar massless rigid link with a pin at each end."""
 
 from __future__ import annotations
 

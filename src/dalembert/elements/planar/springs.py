@@ -1,4 +1,4 @@
-"""Rotational springs and bushings of the plane."""
+"""Planar rotational springs and bushings."""
 
 from __future__ import annotations
 
@@ -84,9 +84,9 @@ class Bushing(InPlane, ElasticBearing, BetweenPoints):
     rotational_damping: Scalar = quantity("N m s/rad", "rotational damping", default=0.0)
 
     def deformation(self) -> ca.SX:
-        turned = rotation(self.point_i.body.pose_angle)
-        turn = self.point_j.body.pose_angle - self.point_i.body.pose_angle
-        return ca.vertcat(ca.mtimes(turned.T, self.between), turn)
+        axes = rotation(self.point_i.body.pose_angle)
+        rotated = self.point_j.body.pose_angle - self.point_i.body.pose_angle
+        return ca.vertcat(ca.mtimes(axes.T, self.between), rotated)
 
     def look(self) -> list[Look]:
         return [Sleeve(self.point_i, self.point_j)]

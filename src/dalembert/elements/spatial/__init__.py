@@ -1,4 +1,4 @@
-"""Elements in space: one file per concept, listed once in ``registry``."""
+"""Spatial elements."""
 
 from dalembert.elements.contact.cable import Cable
 from dalembert.elements.contact.collisions import Collisions

@@ -1,4 +1,4 @@
-"""How something is turned in space, as coordinates: Euler parameters."""
+"""Orientation as coordinates: Euler parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Joints whose z axes stay parallel: they slide along axes of the first frame and turn about z."""
+"""Joints with parallel z axes, which slide along axes of the first frame and rotate about z."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from dalembert.symbolic import rotation
 
 @dataclass(eq=False)
 class AxialJoint(FrameJoint, TreeJoint):
-    """Frames with parallel z axes; ``slides`` and ``turns`` tell what is left free.
+    """Frames with parallel z axes; ``slides`` and ``turns`` list the free motions.
 
-    The origins coincide where nothing slides. Otherwise the equations of displacements are along
-    the other axes of the first frame. Those of the tilt follow, and that of a turn that is fixed.
+    The origins coincide if no displacement is free. Otherwise the equations of displacements are
+    along the other axes of the first frame. Those of the tilt follow, and that of a fixed rotation.
     """
 
     def facing(self) -> ca.SX:
@@ -24,11 +24,11 @@ class AxialJoint(FrameJoint, TreeJoint):
 
     @property
     def fixed_turn(self) -> ca.SX:
-        """Turn about z where it is not free."""
+        """Rotation about z if it is not free."""
         return ca.SX(0)
 
     def placed(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """(3,) displacement in the axes of the first frame, and turn about z."""
+        """(3,) displacement in the axes of the first frame, and rotation about z."""
         displacement = ca.SX(3, 1)
         for k, axis in enumerate(self.slides.values()):
             displacement[axis] = q[k]
@@ -45,15 +45,15 @@ class AxialJoint(FrameJoint, TreeJoint):
         return ca.vertcat(ca.mtimes(axes_i, displacement), ca.mtimes(axes_i[:, 2], turn))
 
     def opened(self, q: ca.SX, axes_i: ca.SX, axes_j: ca.SX) -> ca.SX:
-        held = [k for k in range(3) if k not in self.slides.values()]
-        directions = axes_i[:, held] if self.slides else ca.SX.eye(3)
+        fixed = [k for k in range(3) if k not in self.slides.values()]
+        directions = axes_i[:, fixed] if self.slides else ca.SX.eye(3)
         tilts = [ca.cross(axes_j[:, 2], axes_i[:, k]) for k in range(2)]
         return ca.diagcat(directions, ca.horzcat(*tilts, *self._spins(axes_i, axes_j)))
 
     def _spins(self, axes_i: ca.SX, axes_j: ca.SX) -> list[ca.SX]:
-        """What opens the sine of a turn that is fixed; it may be half a turn off."""
+        """Motion that opens the sine of a fixed rotation, which may be off by half a turn."""
         if self.turns():
             return []
         turn = self.first_turn + self.fixed_turn
-        there = axes_i[:, 0] * ca.cos(turn) + axes_i[:, 1] * ca.sin(turn)
-        return [axes_i[:, 2] * ca.dot(axes_j[:, 0], there)]
+        direction = axes_i[:, 0] * ca.cos(turn) + axes_i[:, 1] * ca.sin(turn)
+        return [axes_i[:, 2] * ca.dot(axes_j[:, 0], direction)]

@@ -14,7 +14,7 @@ from dalembert.elements.spatial.turn import Turn
 
 @dataclass(eq=False)
 class Cylindrical(AxialJoint):
-    """Sleeve on a shaft: the z axes are one line; it slides and turns.
+    """Sleeve on a shaft: the z axes coincide; it slides and rotates.
 
     ``Φ = [x_iᵀ d; y_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
 

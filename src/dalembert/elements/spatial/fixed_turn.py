@@ -1,4 +1,4 @@
-"""Joints that prescribe the relative orientation of their frames."""
+"""Joints with a fixed relative orientation."""
 
 from __future__ import annotations
 
@@ -14,15 +14,14 @@ from dalembert.errors import ModelError
 
 @dataclass(eq=False)
 class FixedTurn(AxialJoint):
-    """A joint that lets its frames not turn against each other.
+    """A joint without relative rotation of its frames.
 
-    The z axes are parallel. About them, the x axes enclose ``angle`` where both frames have x axes
-    of their own; where one has only a z axis, the turn at the initial poses stays (of a body
-    without ``rotation``, that at rest).
+    The z axes are parallel. If both frames specify x axes, these enclose ``angle``; otherwise the
+    angle at the initial poses is kept (that of the identity for a body without ``rotation``).
 
     Parameters
     ----------
-    angle : turn of the second x axis from the first about z; both must be given [rad]
+    angle : angle of the second x axis from the first about z; needs both x axes [rad]
     """
 
     angle: Scalar = quantity("rad", "turn of the second x axis from the first", default=None)
@@ -37,17 +36,17 @@ class FixedTurn(AxialJoint):
             )
 
     @property
-    def left(self) -> Turn:
-        """The turn less the one that it should be."""
+    def turn_deviation(self) -> Turn:
+        """Rotation relative to the prescribed one."""
         return self.turn if self.angle is None else self.turn.after(Turn.of(self.angle.sx))
 
     @property
     def orientation(self) -> ca.SX:
-        """``Φ`` (3,) of the axes."""
-        return ca.vertcat(self.tilt, self.left.sine)
+        """Equations ``Φ`` (3,) of the orientation."""
+        return ca.vertcat(self.tilt, self.turn_deviation.sine)
 
     def facing(self) -> ca.SX:
-        return ca.vertcat(self.parallel, self.left.cosine)
+        return ca.vertcat(self.parallel, self.turn_deviation.cosine)
 
     @property
     def fixed_turn(self) -> ca.SX:

@@ -1,7 +1,7 @@
-"""What joints between frames share: the frames they hold on and the primitive constraints.
+"""Base classes of spatial joints.
 
-Joints are made of a few equations between the frames i and j, with ``d = r_j − r_i``:
-two directions perpendicular (dot-1, ``aᵀ b = 0``, radians), a direction perpendicular to ``d``
+Joints combine primitive constraints between the frames i and j, with ``d = r_j − r_i``: two
+perpendicular directions (dot-1, ``aᵀ b = 0``, radians), a direction perpendicular to ``d``
 (dot-2, ``aᵀ d = 0``, metres), coincident origins (``d = 0``) and their constant distance.
 """
 
@@ -22,41 +22,41 @@ from dalembert.elements.spatial.turn import Turn
 
 
 def turn_of(joint: Any, motion: str | None, owner: str) -> Turn:
-    """A turn that a joint leaves free, its first if none is named."""
+    """A free rotation of a joint, the first one by default."""
     free = joint.turns() if isinstance(joint, SpatialJoint) else {}
     return free[free_motion(joint, free, motion, owner, "turn")]
 
 
 def slide_of(joint: Any, motion: str | None, owner: str) -> int:
-    """The axis of a displacement that a joint leaves free, of its first if none is named."""
+    """The axis of a free displacement of a joint, of the first one by default."""
     free = joint.slides if isinstance(joint, SpatialJoint) else {}
     return free[free_motion(joint, free, motion, owner, "displacement")]
 
 
 @dataclass(eq=False)
 class SpatialJoint(OnFrame, Pair, Constraint):
-    """Constraint on a frame of one body, with what it leaves free."""
+    """Constraint between a frame of one body and a point or frame of another."""
 
     slides: ClassVar[dict[str, int]] = {}
-    """Displacements it leaves free, by name: which axis of the first frame they are along."""
+    """Free displacements: name → index of the axis of the first frame."""
 
     def look(self) -> list[Look]:
         return [Mark(self.end, self.frame_i)]
 
     @property
-    def spots(self) -> tuple[Point, Point]:
+    def end_points(self) -> tuple[Point, Point]:
         return self.frame_i, self.end
 
     @property
     def rail(self) -> Rail:
-        """The first z axis, as far as the second origin goes along it."""
+        """The first z axis over the travel of the second origin."""
         return Rail(self.frame_i, self.frame_i.local_axes[:, 2], self.travel[2])
 
     def place(self) -> ca.SX:
         return self.end.position.sx
 
     def turns(self) -> dict[str, Turn]:
-        """The rotations it leaves free, by name."""
+        """Free rotations by name."""
         return {}
 
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:

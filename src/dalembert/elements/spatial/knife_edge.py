@@ -1,4 +1,4 @@
-"""A knife edge, or a wheel seen from far away."""
+"""Knife-edge constraint."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from dalembert.elements.spatial.frame_pair import need_frame
 
 @dataclass(eq=False)
 class KnifeEdge(Pair, Constraint):
-    """The origin of a frame may move along its x axis, not across: ``Ψ = bᵀ (v_P − v_plane) = 0``.
+    """The origin of a frame moves along its x axis only, ``Ψ = bᵀ (v_P − v_plane) = 0``.
 
-    The direction ``b = n × x / |n × x|`` lies in the plane, across the edge; whether the point is
-    in the plane is another joint's matter. The multiplier is the force across the edge.
+    The direction ``b = n × x / |n × x|`` lies in the plane, normal to the edge. Another joint must
+    keep the point in the plane. The multiplier is the force normal to the edge.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class KnifeEdge(Pair, Constraint):
     >>> blade = system.add(spatial.KnifeEdge("blade", sledge.frame(), system.ground.frame()))
     >>> push = system.add(spatial.Force("push", sledge.center, (0, 5, 0)))
     >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
-    >>> motion["sledge.velocity"][-1].values.round(6)  # the blade holds the push
+    >>> motion["sledge.velocity"][-1].values.round(6)  # the blade carries the push
     array([2., 0., 0.])
     """
 
@@ -66,6 +66,6 @@ class KnifeEdge(Pair, Constraint):
         return ca.SX(0, 1)
 
     def slipping(self) -> ca.SX:
-        here, across = self.place(), ca.cross(self.plane.axis, self.frame.axes[:, 0])
-        slip = self.frame.body.velocity_at(here) - self.plane.body.velocity_at(here)
-        return ca.dot(across, slip) / ca.sqrt(ca.sumsqr(across))
+        place, normal = self.place(), ca.cross(self.plane.axis, self.frame.axes[:, 0])
+        slip = self.frame.body.velocity_at(place) - self.plane.body.velocity_at(place)
+        return ca.dot(normal, slip) / ca.sqrt(ca.sumsqr(normal))

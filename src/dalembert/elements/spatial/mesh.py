@@ -1,4 +1,4 @@
-"""Bodies whose shape is a closed surface of triangles."""
+"""Bodies bounded by a triangulated surface."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from dalembert.elements.spatial.surface_mesh import read_surface
 
 @dataclass(eq=False)
 class Mesh(Shape):
-    """Solid in a file of a CAD program; its axes are those of the body frame.
+    """Solid from a CAD file, whose axes are those of the body frame.
 
-    Volume, mass centre and inertia are those of the polyhedron. trimesh reads the file
+    Volume, mass centre and inertia are those of the polyhedron. The file is read with trimesh
     (``pip install dalembert[mesh]``).
 
     Parameters

@@ -1,4 +1,4 @@
-"""Points that move on a line or a plane of another body."""
+"""Points on a line or a plane of another body."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dalembert.elements.spatial.joint import FramePointJoint
 
 @dataclass(eq=False)
 class PointOnLine(FramePointJoint):
-    """A point of body j on the z axis of a frame, ``Φ = [x_iᵀ d; y_iᵀ d] = 0``, ``d = r_jP − r_i``.
+    """Point of body j on the z axis of a frame, ``Φ = [x_iᵀ d; y_iᵀ d] = 0``, ``d = r_jP − r_i``.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class PointOnLine(FramePointJoint):
 
 @dataclass(eq=False)
 class PointOnPlane(FramePointJoint):
-    """A point of body j in the x-y plane of a frame, ``Φ = z_iᵀ d = 0``, ``d = r_jP − r_i``.
+    """Point of body j in the x-y plane of a frame, ``Φ = z_iᵀ d = 0``, ``d = r_jP − r_i``.
 
     Parameters
     ----------

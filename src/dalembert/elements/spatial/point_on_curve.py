@@ -1,4 +1,4 @@
-"""Point on a curve in space."""
+"""Spatial point on a curve."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from dalembert.elements.point_on_curve import OnCurve
 
 @dataclass(eq=False)
 class PointOnCurve(OnCurve):
-    """A point of body j stays on a curve of body i, ``Φ = A_iᵀ (r_jP − r_i) − c(u) = 0``.
+    """Point of body j on a curve of body i, ``Φ = A_iᵀ (r_jP − r_i) − c(u) = 0``.
 
-    The curve parameter ``u`` is a coordinate of its own without mass, so that the contact transmits
+    The curve parameter ``u`` is an additional massless coordinate, so that the contact transmits
     no force along the curve.
 
     Parameters
@@ -23,7 +23,7 @@ class PointOnCurve(OnCurve):
     body_i : body that carries the curve
     point_j : the following point
     curve : Curve of three components in the frame of body i
-    parameter : initial guess of ``u``; the nearest point if not given
+    parameter : initial guess of ``u``; the nearest point by default
 
     Examples
     --------

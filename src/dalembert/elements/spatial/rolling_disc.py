@@ -1,4 +1,4 @@
-"""A disc that rolls on a plane without slip."""
+"""Disc rolling on a plane."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from dalembert.elements.spatial.frame_pair import need_frame
 
 @dataclass(eq=False)
 class RollingDisc(Pair, Constraint):
-    """The rim of a thin disc touches a plane and does not slip on it.
+    """A thin disc rolls on a plane without slip.
 
     With the plane's normal ``n``, the disc's axle ``a`` and its centre C, the lowest point of the
     rim is ``P = C + r d``, ``d = −(n − (n·a) a) / |n − (n·a) a|``, and
 
         Φ = nᵀ (r_P − r_plane) = 0,      Ψ = [x y]ᵀ (v_P,disc − v_P,plane) = 0.
 
-    The first multiplier is the force of the contact across the plane, the others are friction.
+    The first multiplier is the normal force of the contact, the others are friction forces.
 
     Parameters
     ----------
-    body : the disc; its centre is the origin of the body frame unless ``center`` is given
+    body : the disc
     plane : frame whose x and y axes span the plane; of the ground or another body
     radius : [m]
     axis : (3,) axle in the body frame
-    center : (3,) in the body frame [m]
+    center : (3,) centre of the disc in the body frame [m]; the origin by default
 
     Examples
     --------
@@ -44,7 +44,7 @@ class RollingDisc(Pair, Constraint):
     ...     position=(0, 0, 0.2), velocity=(3, 0, 0), angular_velocity=(0, 15, 0)))
     >>> floor = system.add(spatial.RollingDisc("floor", coin, system.ground.frame(), radius=0.2))
     >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
-    >>> motion["coin.position"][-1].values.round(6)  # straight on, ω r t
+    >>> motion["coin.position"][-1].values.round(6)  # straight, ω r t
     array([3. , 0. , 0.2])
     """
 
@@ -71,7 +71,7 @@ class RollingDisc(Pair, Constraint):
         return [Disc(wheel, self.radius.sx), Contact(self.place())]
 
     def place(self) -> ca.SX:
-        """The point of contact."""
+        """The contact point."""
         normal = self.plane.axis
         axle = self.body.turned(unit(self.axis.sx, f"{self.name}.axis"))
         up = normal - ca.dot(normal, axle) * axle
@@ -81,8 +81,8 @@ class RollingDisc(Pair, Constraint):
         return ca.dot(self.plane.axis, self.place() - self.plane.position.sx)
 
     def slipping(self) -> ca.SX:
-        here = self.place()
-        slip = self.body.velocity_at(here) - self.plane.body.velocity_at(here)
+        place = self.place()
+        slip = self.body.velocity_at(place) - self.plane.body.velocity_at(place)
         return ca.mtimes(self.plane.axes[:, :2].T, slip)
 
     def units(self) -> list[str]:

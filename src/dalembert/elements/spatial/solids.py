@@ -1,4 +1,4 @@
-"""What solids look like: primitives on a body, with their sizes as formulas of parameters."""
+"""Graphical primitives of solids, with formulas of parameters as sizes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Cuboid(Look):
 
 @dataclass(frozen=True, eq=False)
 class Orb(Look):
-    """A ball of its true size about a point."""
+    """A ball of true size about a point."""
 
     center: Point
     radius: ca.SX
@@ -31,17 +31,17 @@ class Orb(Look):
 
 @dataclass(frozen=True, eq=False)
 class Round(Segment):
-    """Something round about the line between two points of one body."""
+    """A solid of revolution about the line between two points of one body."""
 
     radius: ca.SX
 
 
 class Drum(Round):
-    """With plane ends at the points."""
+    """A cylinder."""
 
 
 class Pill(Round):
-    """With half a ball beyond either point."""
+    """A cylinder with hemispherical ends beyond the points."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +50,8 @@ class Surface(Look):
 
     Parameters
     ----------
-    corners : (n, 3), to be multiplied by the scale [m]
-    triangles : (m, 3) numbers of corners, anticlockwise from outside
+    corners : (n, 3) in units of the scale
+    triangles : (m, 3) indices of corners, anticlockwise from outside
     """
 
     body: BodyElement

@@ -1,4 +1,4 @@
-"""Closed surfaces of triangles, read from files of CAD programs, and what they enclose."""
+"""Closed triangulated surfaces from CAD files, and their volume integrals."""
 
 from __future__ import annotations
 
@@ -12,37 +12,37 @@ from dalembert.errors import ModelError, UnsupportedError
 from dalembert.files import readable
 
 WEIGHT = 200
-"""Bytes of memory that a byte of a file takes while it is read."""
+"""Memory per byte of a file while it is read [bytes]."""
 FORMATS = "STL, OBJ, PLY or glTF"
 FLAT = 1e-12
-"""Volume relative to the cube of the extent that is none."""
+"""Threshold of the volume over the cubed extent below which it is zero [-]."""
 
 
 @dataclass(frozen=True)
 class SurfaceMesh:
-    """Triangles whose normals point outwards.
+    """A surface of triangles with outward normals.
 
     Attributes
     ----------
     corners : (n, 3) [m]
-    triangles : (m, 3) numbers of corners
+    triangles : (m, 3) indices of corners
     """
 
     corners: np.ndarray
     triangles: np.ndarray
 
     def tetrahedra(self) -> tuple[np.ndarray, np.ndarray]:
-        """(m, 3, 3) corners of every triangle, from the middle of all; volumes, signed, below."""
+        """(m, 3, 3) corners of triangles from the mean of all; (m,) signed volumes below them."""
         corners = (self.corners - self.corners.mean(axis=0))[self.triangles]
         return corners, np.linalg.det(corners) / 6
 
     @property
     def volume(self) -> float:
-        """Negative where the normals point inwards."""
+        """Enclosed volume, negative for inward normals [m³]."""
         return float(self.tetrahedra()[1].sum())
 
     def enclosed(self) -> tuple[float, np.ndarray, np.ndarray]:
-        """Volume, its centre, and ``∫ s sᵀ dV`` (3, 3) about the centre; exact for polyhedra."""
+        """Enclosed volume, its centroid, and ``∫ s sᵀ dV`` (3, 3) about it; exact for polyhedra."""
         corners, volumes = self.tetrahedra()
         sums, volume = corners.sum(axis=1), volumes.sum()
         center = volumes @ sums / (4 * volume)
@@ -58,9 +58,9 @@ def read_surface(path: Path, entity: str) -> SurfaceMesh:
     Raises
     ------
     FileError
-        There is none, or it is too large.
+        The file does not exist, or is too large.
     ModelError
-        Unreadable, open, or it encloses nothing.
+        The surface is unreadable, open, or encloses no volume.
     UnsupportedError
         trimesh is not installed.
     """
@@ -68,10 +68,10 @@ def read_surface(path: Path, entity: str) -> SurfaceMesh:
     if not len(triangles) or not np.isfinite(corners).all():
         raise ModelError(f"{path} has no triangles with finite corners; give {FORMATS}", entity)
     refuse_open(triangles, path, entity)
-    found = SurfaceMesh(corners, triangles)
-    if not abs(found.volume) > FLAT * np.ptp(corners, axis=0).max() ** 3:
+    surface = SurfaceMesh(corners, triangles)
+    if not abs(surface.volume) > FLAT * np.ptp(corners, axis=0).max() ** 3:
         raise ModelError(f"{path} encloses no volume; give {FORMATS} of a solid", entity)
-    return found if found.volume > 0 else SurfaceMesh(corners, triangles[:, ::-1])
+    return surface if surface.volume > 0 else SurfaceMesh(corners, triangles[:, ::-1])
 
 
 def _read(path: Path, entity: str) -> tuple[np.ndarray, np.ndarray]:
@@ -87,24 +87,24 @@ def _read(path: Path, entity: str) -> tuple[np.ndarray, np.ndarray]:
         mesh: Any = trimesh.load(path, force="mesh")
         mesh.merge_vertices(merge_tex=True, merge_norm=True)
         return np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces)
-    except Exception as error:  # readers of many formats, each with errors of its own
+    except Exception as error:  # readers of many formats with various errors
         reason = (str(error) or type(error).__name__).partition("\n")[0][:200]
         raise ModelError(f"{path} cannot be read as {FORMATS} ({reason})", entity) from None
 
 
 def refuse_open(triangles: np.ndarray, path: Path, entity: str) -> None:
-    """Every edge of a closed surface is passed as often there as back.
+    """Check that a surface is closed: every edge is traversed equally often in both directions.
 
     Raises
     ------
     ModelError
-        Some are not.
+        The surface is open.
     """
     edges = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2).astype(np.int64)
-    there, back = edges @ [edges.max() + 1, 1], edges @ [1, edges.max() + 1]
-    _, which = np.unique(np.concatenate([there, back]), return_inverse=True)
-    passed = np.bincount(which, np.repeat([1, -1], len(edges)))
-    wrong = np.count_nonzero(passed) // 2
+    forward, backward = edges @ [edges.max() + 1, 1], edges @ [1, edges.max() + 1]
+    _, edge_index = np.unique(np.concatenate([forward, backward]), return_inverse=True)
+    balance = np.bincount(edge_index, np.repeat([1, -1], len(edges)))
+    wrong = np.count_nonzero(balance) // 2
     if wrong:
         raise ModelError(
             f"{path} is no closed surface: {wrong} edges have a triangle on one side only, or two "

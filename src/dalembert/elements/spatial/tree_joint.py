@@ -1,4 +1,4 @@
-"""What a joint in space says of the motion it leaves free, so that it can carry a body."""
+"""Spatial joints that can carry a body: explicit form of their free motion."""
 
 from __future__ import annotations
 
@@ -15,16 +15,15 @@ from dalembert.symbolic.formulas.expression import stack
 
 
 class TreeJoint:
-    """A joint that can carry a body: its constraint equations are known explicitly, too.
+    """A joint that can carry a body: its constraint equations are also known explicitly.
 
-    With the joint coordinates q and their speeds u the second frame stands and moves to the first:
+    With the joint coordinates q and their speeds u the motion of the second frame is
 
         R_j = R_i R(turned),      r_j = r_i + offset,
         ω_j = ω_i + S_ω u,        ṙ_j = ṙ_i + ω_i × offset + S_v u.
 
-    Vectors are in inertial axes; a joint states them by those of both frames, which it is given as
-    ``axes_i`` and ``axes_j`` (3, 3). What opens its equations, z in ``Φ = z`` (7.7), it states as
-    motions too.
+    Vectors are in inertial axes; a joint states them in terms of the axes ``axes_i`` and ``axes_j``
+    (3, 3) of both frames. It also states the motions that open its equations, ``Φ = z`` (7.7).
     """
 
     name: str
@@ -37,11 +36,11 @@ class TreeJoint:
         raise NotImplementedError
 
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
-        """Relative motions that are left free: name → (coordinate, unit)."""
+        """Free relative motions: name → (coordinate, unit)."""
         raise NotImplementedError
 
     def sides(self) -> tuple[Point, Point]:
-        """What it holds on; a point has the axes of its body."""
+        """The frames or points that it connects; a point has the axes of its body."""
         return self.frame_i, self.frame_j
 
     def joint_space(self) -> JointSpace:
@@ -67,7 +66,7 @@ class TreeJoint:
         raise NotImplementedError
 
     def carries(self, child: Any) -> bool:
-        """Whether a body has just the freedoms that the joint takes and those it leaves."""
+        """Whether the freedoms of a body are those that the joint removes and leaves."""
         if not isinstance(child, Body):
             return False
         free = self.joint_space().twist.numel() if child.rotates else 0

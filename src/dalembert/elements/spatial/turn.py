@@ -1,4 +1,4 @@
-"""A rotation about an axis, by the cosine and the sine of its angle."""
+"""Rotation about an axis by the cosine and sine of its angle."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import casadi as ca
 
 @dataclass(frozen=True)
 class Turn:
-    """A rotation that may go round for ever: nothing here jumps but ``angle`` itself.
+    """A rotation over any number of revolutions; only ``angle`` is discontinuous.
 
     Attributes
     ----------
-    cosine, sine : of the angle, both times any positive length
+    cosine, sine : of the angle, times a common positive factor
     """
 
     cosine: ca.SX
@@ -21,7 +21,7 @@ class Turn:
 
     @classmethod
     def of(cls, angle: ca.SX) -> Turn:
-        """The turn by an angle."""
+        """The rotation by an angle."""
         return cls(ca.cos(angle), ca.sin(angle))
 
     @property
@@ -35,7 +35,7 @@ class Turn:
         return ca.atan2(self.sine, self.cosine)
 
     def after(self, other: Turn) -> Turn:
-        """What is left of it after another turn."""
+        """This rotation relative to another one."""
         return Turn(
             self.cosine * other.cosine + self.sine * other.sine,
             self.sine * other.cosine - self.cosine * other.sine,

@@ -1,4 +1,4 @@
-"""Pin joint with play."""
+"""Revolute joint with clearance."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dalembert.elements.planar.in_plane import InPlane
 
 @dataclass(eq=False)
 class ClearanceRevolute(InPlane, ClearanceJoint):
-    """A journal in a bearing with play, free while ``g = clearance − |r_j − r_i| > 0``.
+    """A journal in a bearing with clearance, free while ``g = clearance − |r_j − r_i| > 0``.
 
     Examples
     --------
@@ -24,7 +24,7 @@ class ClearanceRevolute(InPlane, ClearanceJoint):
     >>> bearing = system.add(planar.ClearanceRevolute("bearing", system.ground.center, shaft.center,
     ...     radius=0.02, clearance=0.001, law=planar.contact.KelvinVoigt(stiffness=1e7)))
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["shaft.y"].item() * 1e6, 3)  # clearance and m g/k [µm]
+    >>> round(rest["shaft.y"].item() * 1e6, 3)  # clearance plus m g/k [µm]
     -1004.0
     """
 

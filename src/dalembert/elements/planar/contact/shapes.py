@@ -1,4 +1,4 @@
-"""Round and straight shapes of the plane."""
+"""Planar circles, bores and half-planes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dalembert.elements.rotation import unit
 
 @dataclass(eq=False)
 class Circle(Round):
-    """Disc of the plane.
+    """Planar disc.
 
     Examples
     --------
@@ -28,7 +28,7 @@ class Circle(Round):
     >>> law = contact.Hertz(stiffness=1e7)
     >>> touch = system.add(planar.Contact("touch", *discs, law=law))
     >>> motion = da.solve_dynamics(system.build(), 0.2, integrator=da.DormandPrince(1e-9, 1e-9))
-    >>> round(motion["b.vx"][-1].item(), 5)  # all of the speed is handed over
+    >>> round(motion["b.vx"][-1].item(), 5)  # the whole speed is transferred
     1.0
     """
 
@@ -40,7 +40,7 @@ class Circle(Round):
 
 @dataclass(eq=False)
 class Bore(Hollow):
-    """Round hole of the plane, with what touches it inside.
+    """Planar round hole, touched from inside.
 
     Examples
     --------
@@ -65,12 +65,12 @@ class Bore(Hollow):
 
 @dataclass(eq=False)
 class HalfPlane(Flat):
-    """Matter on one side of a straight line of the plane.
+    """Material on one side of a straight line.
 
     Parameters
     ----------
     point : point of a body on the line
-    normal : (2,) out of the matter, in the axes of the body
+    normal : (2,) outward normal in the axes of the body
 
     Examples
     --------
@@ -88,7 +88,7 @@ class HalfPlane(Flat):
     """
 
     space = 2
-    normal: Vector = quantity("", "out of the matter, in body axes", default=(0.0, 1.0), size=2)
+    normal: Vector = quantity("", "outward normal in body axes", default=(0.0, 1.0), size=2)
 
     @property
     def outward(self) -> ca.SX:

@@ -1,4 +1,4 @@
-"""Ball joint with play."""
+"""Spherical joint with clearance."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dalembert.elements.spatial.contact.shapes import Socket, Sphere
 
 @dataclass(eq=False)
 class ClearanceSpherical(ClearanceJoint):
-    """A ball in a socket with play, free while ``g = clearance − |r_j − r_i| > 0``.
+    """A ball in a socket with clearance, free while ``g = clearance − |r_j − r_i| > 0``.
 
     Examples
     --------
@@ -24,7 +24,7 @@ class ClearanceSpherical(ClearanceJoint):
     >>> joint = system.add(spatial.ClearanceSpherical("joint", socket, ball.center,
     ...     radius=0.02, clearance=0.001, law=law))
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["ball.z"].item() * 1e6, 3)  # clearance and m g/k [µm]
+    >>> round(rest["ball.z"].item() * 1e6, 3)  # clearance plus m g/k [µm]
     -1004.0
     """
 

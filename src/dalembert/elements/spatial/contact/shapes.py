@@ -1,4 +1,4 @@
-"""Round and flat shapes in space."""
+"""Spatial balls, sockets and half-spaces."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dalembert.errors import ModelError
 
 @dataclass(eq=False)
 class Sphere(Round):
-    """Ball in space.
+    """Ball.
 
     Examples
     --------
@@ -30,7 +30,7 @@ class Sphere(Round):
     >>> balls = [contact.Sphere(ball.center, 0.03) for ball in (a, b)]
     >>> touch = system.add(spatial.Contact("touch", *balls, law=contact.Restitution(1.0)))
     >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.01)
-    >>> round(motion["b.vx"][-1].item(), 6)  # all of the speed is handed over
+    >>> round(motion["b.vx"][-1].item(), 6)  # the whole speed is transferred
     2.0
     """
 
@@ -43,7 +43,7 @@ class Sphere(Round):
 
 @dataclass(eq=False)
 class Socket(Hollow):
-    """Hollow ball, with what touches it inside.
+    """Spherical socket, touched from inside.
 
     Examples
     --------
@@ -56,7 +56,7 @@ class Socket(Hollow):
     >>> rim, law = contact.Sphere(ball.center, 0.1), contact.KelvinVoigt(stiffness=1e5)
     >>> touch = system.add(spatial.Contact("touch", bowl, rim, law=law))
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["ball.z"].item(), 6)  # deeper than the radii allow by m g/k
+    >>> round(rest["ball.z"].item(), 6)  # difference of the radii plus m g/k
     -0.4004
     """
 
@@ -68,11 +68,11 @@ class Socket(Hollow):
 
 @dataclass(eq=False)
 class HalfSpace(Flat):
-    """Matter below the x-y plane of a frame.
+    """Material below the x-y plane of a frame.
 
     Parameters
     ----------
-    point : frame of a body; its z axis points out of the matter
+    point : frame of a body; its z axis is the outward normal
 
     Examples
     --------
@@ -90,7 +90,7 @@ class HalfSpace(Flat):
     """
 
     space = 3
-    point: Frame = option("frame whose z axis points out of the matter")
+    point: Frame = option("frame whose z axis is the outward normal")
 
     def __post_init__(self) -> None:
         if isinstance(self.point, BodyElement):
