@@ -150,8 +150,7 @@ from dalembert.elements.curves import (
     u as u,
 )
 from dalembert.elements.laws.base import Formula as Formula
-from dalembert.elements.laws.harmonic import Harmonic as Harmonic
-from dalembert.elements.laws.polynomial import Polynomial as Polynomial
+from dalembert.elements.laws.elementary import Harmonic as Harmonic, Polynomial as Polynomial
 from dalembert.elements.laws.rise import (
     CycloidalRise as CycloidalRise,
     HarmonicRise as HarmonicRise,

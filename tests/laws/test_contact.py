@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.elements.contact.pairing import supported_pairs
+from dalembert.elements.contact.contact import supported_pairs
 from dalembert.elements.registry import SHAPES
 
 kit, solid = planar.contact, spatial.contact

@@ -7,8 +7,8 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.nonsmooth.gap_source import GapSource, StatedGap
-from dalembert.elements.contact.balls import contact_at_wall, contact_of_balls
 from dalembert.elements.contact.collisions import Collisions
+from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Look, Scalar, option, quantity
-from dalembert.elements.contact.meeting import ContactPoint
+from dalembert.elements.contact.contact_point import ContactPoint
 from dalembert.elements.ingredient import Ingredient
 from dalembert.elements.look import Ball as Dot, Rail
 from dalembert.elements.pair import need_point

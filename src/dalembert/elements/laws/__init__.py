@@ -1,8 +1,7 @@
 """Motion laws ``f(t)`` for drivers."""
 
 from dalembert.elements.laws.base import Formula, Law, Product, Sum
-from dalembert.elements.laws.harmonic import Harmonic
-from dalembert.elements.laws.polynomial import Polynomial
+from dalembert.elements.laws.elementary import Harmonic, Polynomial
 from dalembert.elements.laws.rise import (
     CycloidalRise,
     HarmonicRise,

@@ -15,7 +15,7 @@ from dalembert.elements.flexible import beam
 from dalembert.elements.flexible.nodes import CrossSection
 from dalembert.elements.pair import need_point
 from dalembert.elements.planar.body import rotation
-from dalembert.elements.planar.in_plane import InPlane
+from dalembert.elements.planar.joint import InPlane
 from dalembert.elements.planar.node import ElementNode
 from dalembert.elements.point import Point
 from dalembert.symbolic.formulas.expression import Expression

@@ -11,8 +11,7 @@ from dalembert.elements.driver import AlongDirection, Driver
 from dalembert.elements.laws.base import GivenLaw
 from dalembert.elements.look import Motor, Travel
 from dalembert.elements.planar.body import Ground
-from dalembert.elements.planar.in_plane import InPlane
-from dalembert.elements.planar.joint import BodyJoint
+from dalembert.elements.planar.joint import BodyJoint, InPlane
 from dalembert.elements.planar.translational import SlidingJoint
 from dalembert.elements.point import Point
 

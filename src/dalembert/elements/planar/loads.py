@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.elements.base import Scalar, Vector, option, quantity
 from dalembert.elements.loads import Couple, PointForce
 from dalembert.elements.planar.body import Body
-from dalembert.elements.planar.in_plane import InPlane
+from dalembert.elements.planar.joint import InPlane
 
 
 @dataclass(eq=False)

@@ -10,7 +10,7 @@ from dalembert.elements.base import Look, Scalar, option, quantity
 from dalembert.elements.curves import Curve
 from dalembert.elements.look import Disc
 from dalembert.elements.planar.body import Body
-from dalembert.elements.planar.in_plane import InPlane
+from dalembert.elements.planar.joint import InPlane
 from dalembert.elements.point import Point
 from dalembert.elements.point_on_curve import OnCurve
 

@@ -12,7 +12,7 @@ from dalembert.elements.elastic_bearing import ElasticBearing
 from dalembert.elements.look import Brake, Sleeve, Spiral
 from dalembert.elements.pair import BetweenPoints
 from dalembert.elements.planar.body import rotation
-from dalembert.elements.planar.in_plane import BetweenAngles, InPlane
+from dalembert.elements.planar.joint import BetweenAngles, InPlane
 from dalembert.elements.springs import AngularSpring
 
 

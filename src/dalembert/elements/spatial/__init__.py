@@ -10,7 +10,7 @@ from dalembert.elements.spatial import contact as contact
 from dalembert.elements.spatial.beam import Beam
 from dalembert.elements.spatial.body import Body, Particle
 from dalembert.elements.spatial.constant_velocity import ConstantVelocity
-from dalembert.elements.spatial.contact.clearance import ClearanceSpherical
+from dalembert.elements.spatial.contact.shapes import ClearanceSpherical
 from dalembert.elements.spatial.couplings import Coupling, GearPair, RackAndPinion
 from dalembert.elements.spatial.cylindrical import Cylindrical
 from dalembert.elements.spatial.drivers import (

@@ -8,8 +8,8 @@ import casadi as ca
 
 from dalembert.elements.base import Look
 from dalembert.elements.look import Socket
+from dalembert.elements.spatial.frame_pair import Turn
 from dalembert.elements.spatial.joint import FrameJoint
-from dalembert.elements.spatial.turn import Turn
 
 
 @dataclass(eq=False)

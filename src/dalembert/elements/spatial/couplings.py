@@ -17,8 +17,8 @@ from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.joint_forces import free_motion
 from dalembert.elements.look import Belt, Disc, Mesh, Rail, Tie
 from dalembert.elements.pair import Pair, initial_value
+from dalembert.elements.spatial.frame_pair import Turn
 from dalembert.elements.spatial.joint import SpatialJoint, slide_of, turn_of
-from dalembert.elements.spatial.turn import Turn
 from dalembert.errors import ModelError
 
 

@@ -13,8 +13,8 @@ from dalembert.elements.laws.base import GivenLaw
 from dalembert.elements.look import Motor, Travel
 from dalembert.elements.pair import Pair
 from dalembert.elements.point import Point
+from dalembert.elements.spatial.frame_pair import Turn
 from dalembert.elements.spatial.joint import SpatialJoint, slide_of, turn_of
-from dalembert.elements.spatial.turn import Turn
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import t
 

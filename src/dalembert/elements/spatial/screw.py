@@ -12,7 +12,7 @@ from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.look import Nut
 from dalembert.elements.pair import initial_value
 from dalembert.elements.spatial.cylindrical import Cylindrical
-from dalembert.elements.spatial.turn import Turn
+from dalembert.elements.spatial.frame_pair import Turn
 
 SMALLEST_PITCH = 1e-12
 """Lower limit of the pitch [m]."""

@@ -1,4 +1,4 @@
-"""Homogeneous bodies: mass and inertia from density and dimensions."""
+"""Homogeneous bodies: mass and inertia from density and dimensions, graphical primitives."""
 
 from __future__ import annotations
 
@@ -7,12 +7,63 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
-from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.base import Look, Scalar, quantity
+from dalembert.elements.body import BodyElement
+from dalembert.elements.look import Segment
+from dalembert.elements.point import Point
 from dalembert.elements.spatial.body import Body
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
+
+
+@dataclass(frozen=True, eq=False)
+class Cuboid(Look):
+    """A box about a point, along the axes of its body."""
+
+    center: Point
+    size: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class Orb(Look):
+    """A ball of true size about a point."""
+
+    center: Point
+    radius: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class Round(Segment):
+    """A solid of revolution about the line between two points of one body."""
+
+    radius: ca.SX
+
+
+class Drum(Round):
+    """A cylinder."""
+
+
+class Pill(Round):
+    """A cylinder with hemispherical ends beyond the points."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface(Look):
+    """A closed surface in the axes of a body.
+
+    Parameters
+    ----------
+    corners : (n, 3) in units of the scale
+    triangles : (m, 3) indices of corners, anticlockwise from outside
+    """
+
+    body: BodyElement
+    corners: np.ndarray
+    triangles: np.ndarray
+    scale: ca.SX
 
 
 @dataclass(eq=False)

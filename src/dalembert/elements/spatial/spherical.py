@@ -11,8 +11,8 @@ from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.look import Socket
 from dalembert.elements.pair import PointJoint
 from dalembert.elements.point import Point
-from dalembert.elements.spatial.attitude import Attitude
-from dalembert.elements.spatial.tree_joint import TreeJoint
+from dalembert.elements.spatial.frame import Attitude
+from dalembert.elements.spatial.joint import TreeJoint
 from dalembert.symbolic import rotation
 
 

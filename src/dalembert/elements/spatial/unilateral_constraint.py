@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from dalembert.elements.base import Vector, quantity
-from dalembert.elements.contact import unilateral_constraint
+from dalembert.elements.contact import unilateral
 from dalembert.symbolic.formulas.expression import as_sx
 
 
 @dataclass(eq=False)
-class UnilateralConstraint(unilateral_constraint.UnilateralConstraint):
+class UnilateralConstraint(unilateral.UnilateralConstraint):
     """A formula of poses, ``t`` and parameters that must not become negative.
 
     The slip is one formula of speeds, or two along perpendicular tangents of the surface; then

@@ -9,9 +9,8 @@ import casadi as ca
 from dalembert.elements.base import Condition, Look
 from dalembert.elements.look import Cross
 from dalembert.elements.pair import initial_value
-from dalembert.elements.spatial.joint import FrameJoint
-from dalembert.elements.spatial.tree_joint import TreeJoint
-from dalembert.elements.spatial.turn import Turn
+from dalembert.elements.spatial.frame_pair import Turn
+from dalembert.elements.spatial.joint import FrameJoint, TreeJoint
 from dalembert.symbolic import rotation
 
 CROSS = (0.0, 0.5**0.5, 0.0, 0.5**0.5)

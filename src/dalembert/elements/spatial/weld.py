@@ -8,7 +8,7 @@ import casadi as ca
 
 from dalembert.elements.base import Look
 from dalembert.elements.look import Clamp
-from dalembert.elements.spatial.fixed_turn import FixedTurn
+from dalembert.elements.spatial.axial_joint import FixedTurn
 
 
 @dataclass(eq=False)

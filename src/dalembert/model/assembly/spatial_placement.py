@@ -10,7 +10,7 @@ import casadi as ca
 from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
 from dalembert.elements.spatial import Spherical
-from dalembert.elements.spatial.fixed_turn import FixedTurn
+from dalembert.elements.spatial.axial_joint import FixedTurn
 from dalembert.elements.spatial.frame import SpatialFrame
 from dalembert.elements.spatial.joint import FrameJoint
 from dalembert.model.assembly.joint_walk import carried_along

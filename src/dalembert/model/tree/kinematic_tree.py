@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.elements.base import Constraint
 from dalembert.elements.body import BodyElement
 from dalembert.elements.planar.joint import TreeJoint as PlanarJoint
-from dalembert.elements.spatial.tree_joint import TreeJoint as SpatialJoint
+from dalembert.elements.spatial.joint import TreeJoint as SpatialJoint
 from dalembert.errors import ModelError
 from dalembert.model.description import Description
 from dalembert.model.tree.link import Link, free_link

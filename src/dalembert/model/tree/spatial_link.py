@@ -19,7 +19,7 @@ from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.body import Body
-from dalembert.elements.spatial.tree_joint import TreeJoint
+from dalembert.elements.spatial.joint import TreeJoint
 from dalembert.model.tree.link import AT_REST, Link, RigidMotion, Step
 from dalembert.symbolic import rotation
 

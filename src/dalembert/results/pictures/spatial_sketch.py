@@ -15,7 +15,7 @@ from dalembert.elements.base import Look
 from dalembert.elements.frame import Frame
 from dalembert.elements.look import Belt, Block, Disc, Limit, Mark, Mesh, Rotary, Travel
 from dalembert.elements.point import Point
-from dalembert.elements.spatial.solids import Cuboid, Drum, Orb, Pill, Round, Surface
+from dalembert.elements.spatial.shape import Cuboid, Drum, Orb, Pill, Round, Surface
 from dalembert.results.pictures.sketch import Place, Sketch, ends_of, held, named
 
 ROUND = {Drum: "cylinder", Pill: "capsule"}

@@ -1,4 +1,4 @@
-"""Spatial balls, sockets and half-spaces."""
+"""Spatial balls, sockets and half-spaces, and the spherical joint with clearance."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, Look, option
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.clearance import ClearanceJoint
 from dalembert.elements.contact.shapes import Ball, Flat, Hollow, Round
 from dalembert.elements.frame import Frame
+from dalembert.elements.look import Socket as BallJoint
 from dalembert.elements.spatial.contact.solids import Corners
-from dalembert.elements.spatial.solids import Orb
+from dalembert.elements.spatial.shape import Orb
 from dalembert.errors import ModelError
 
 
@@ -112,3 +114,27 @@ class HalfSpace(Flat):
 
     def conditions(self) -> list[Condition]:
         return [*super().conditions(), *self.point.conditions()]
+
+
+@dataclass(eq=False)
+class ClearanceSpherical(ClearanceJoint):
+    """A ball in a socket with clearance, free while ``g = clearance − |r_j − r_i| > 0``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("ball joint", gravity=(0, 0, -10))
+    >>> ball = system.add(spatial.Particle("ball", mass=4.0, position=(0, 0, -0.00101)))
+    >>> socket, law = system.ground.point(0, 0, 0), spatial.contact.KelvinVoigt(stiffness=1e7)
+    >>> joint = system.add(spatial.ClearanceSpherical("joint", socket, ball.center,
+    ...     radius=0.02, clearance=0.001, law=law))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["ball.z"].item() * 1e6, 3)  # clearance plus m g/k [µm]
+    -1004.0
+    """
+
+    hole, inside = Socket, Sphere
+
+    def look(self) -> list[Look]:
+        return [BallJoint(self.point_j, self.point_i)]

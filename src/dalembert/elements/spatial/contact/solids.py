@@ -13,7 +13,7 @@ from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Sp
 from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.mesh import Mesh
-from dalembert.elements.spatial.solids import Cuboid, Pill, Surface
+from dalembert.elements.spatial.shape import Cuboid, Pill, Surface
 from dalembert.errors import ModelError
 
 CORNERS = 200

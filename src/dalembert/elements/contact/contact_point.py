@@ -1,4 +1,4 @@
-"""Contact points of two shapes."""
+"""Contact points of two shapes, of balls, and of a ball and a wall."""
 
 from __future__ import annotations
 
@@ -51,3 +51,19 @@ class ContactPoint:
     def slip(self, body_i: Any, body_j: Any) -> ca.SX:
         """(1,) or (2,) velocity of the second body along the surface of the first."""
         return self.speeds(body_i.velocity_at, body_j.velocity_at)[1:]
+
+
+def contact_of_balls(
+    center_i: ca.SX, radius_i: ca.SX, center_j: ca.SX, radius_j: ca.SX
+) -> ContactPoint:
+    """``g = |r_j − r_i| − R_i − R_j``."""
+    between = center_j - center_i
+    length = ca.norm_2(between)
+    gap, normal = length - radius_i - radius_j, between / length
+    return ContactPoint(gap, normal, center_i + (radius_i + gap / 2) * normal)
+
+
+def contact_at_wall(point: ca.SX, normal: ca.SX, center: ca.SX, radius: ca.SX) -> ContactPoint:
+    """``g = n·(r − r_P) − R``."""
+    gap = ca.dot(normal, center - point) - radius
+    return ContactPoint(gap, normal, center - (radius + gap / 2) * normal)
