@@ -66,7 +66,7 @@ class OnCurve(Pair, Constraint):
         """The curve parameter."""
         return self._contact.pose[0]
 
-    def followed(self) -> ca.SX:
+    def target(self) -> ca.SX:
         """Prescribed position of the point, in the axes of body i."""
         return self.curve.position(self.contact)
 
@@ -74,7 +74,7 @@ class OnCurve(Pair, Constraint):
         n = self.curve.dimension
         axes = ca.horzcat(*(self.body_i.turned(ca.SX.eye(n)[:, k]) for k in range(n)))
         relative = self.point_j.position.sx - self.body_i.locate(ca.SX.zeros(n))
-        return ca.mtimes(axes.T, relative) - self.followed()
+        return ca.mtimes(axes.T, relative) - self.target()
 
     def own_coordinates(self) -> list[Coordinates]:
         return [self._contact]

@@ -1,7 +1,7 @@
-"""One finite element between bodies: what its energies give to the equations of a mechanism.
+"""Finite elements between bodies of a mechanism, and the bodies at their nodes.
 
-Strain and kinetic energies are those of structures, at displacements of any size; what a node is
-displaced by is where its body went.
+Strain and kinetic energies are those of structures, for displacements of any size; the displacement
+of a node is that of its body.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ class BetweenBodies:
     Attributes
     ----------
     name : of the element
-    functions : of its kind
+    functions : functions of its kind
     nodes : the bodies at its nodes
-    numbers : SX, its quantities one below the other
+    numbers : SX column of its quantities
     """
 
     name: str
@@ -38,13 +38,13 @@ class BetweenBodies:
 
     @property
     def u(self) -> ca.SX:
-        """Displacements of its nodes, as their coordinates are written now."""
+        """Displacements of its nodes in their current coordinates."""
         turns = self.functions.graphs.cls.turns
         return ca.vertcat(*(node.displaced(turns, self.name) for node in self.nodes))
 
     @cached_property
     def data(self) -> ca.SX:
-        """Coordinates of its nodes free of stress, then its numbers."""
+        """Stress-free positions of its nodes, then its quantities."""
         return ca.vertcat(*(node.natural for node in self.nodes), self.numbers)
 
     @property
@@ -57,7 +57,7 @@ class BetweenBodies:
         return [(self.speeds(rate), -self.functions.stored(self.u, self.data)[1])]
 
     def speeds(self, rate: Rate) -> ca.SX:
-        """Velocities of its nodes; where they turn, with their spins in fixed axes."""
+        """Velocities of its nodes, with angular velocities in fixed axes if they rotate."""
         if not self._with_spins:
             return rate(self.u)
         return ca.vertcat(*(part for n in self.nodes for part in (rate(n.place), n.turning)))
@@ -71,7 +71,7 @@ class BetweenBodies:
 
     @property
     def _with_spins(self) -> bool:
-        """Whether its speeds are no rates of its displacements."""
+        """Whether its speeds are angular velocities instead of rates of displacements."""
         return self.functions.by_spins and self.functions.graphs.dimension == 3
 
     def inertial_powers(self, rate: Rate) -> Powers:
@@ -81,14 +81,14 @@ class BetweenBodies:
         speed = self.speeds(rate)
         motion = [self.u, speed, self.accelerations(rate), self.data]
         if self.functions.by_spins:
-            effort, spin, couple = self.functions.taken.call(motion)
+            effort, spin, couple = self.functions.spin_inertia.call(motion)
             pairs = [(speed, effort), (spin, couple)]
         else:
             pairs = [(speed, self.functions.inertia(*motion))]
         return [pair for pair in pairs if not pair[1].is_zero()]
 
     def masses(self) -> list[tuple[ca.SX, ca.SX]]:
-        """(place, mass) of its nodes."""
+        """(position, mass) of its nodes."""
         if self.functions.massless:
             return []
         shares = self.functions.shares(self.data)
@@ -96,22 +96,22 @@ class BetweenBodies:
 
     def recovered(self) -> dict[str, tuple[ca.SX, str]]:
         """Its strains, stresses and forces."""
-        named = self.functions.graphs.measures
-        if not named:
+        measures = self.functions.graphs.measures
+        if not measures:
             return {}
         values = self.functions.recovered.call([self.u, self.data])
-        return {n: (v, unit) for (n, (_, unit)), v in zip(named.items(), values, strict=True)}
+        return {n: (v, unit) for (n, (_, unit)), v in zip(measures.items(), values, strict=True)}
 
     def conditions(self) -> list[Condition]:
-        """Its shape and material must be possible."""
-        found: list[Condition] = []
+        """Conditions of its shape and material."""
+        conditions: list[Condition] = []
         for check, wrong in self.functions.checks:
             value = check(self.data)
-            found.append((2 * (value > 0) - 1, wrong.replace("{:", "{0:"), value))
-        return found
+            conditions.append((2 * (value > 0) - 1, wrong.replace("{:", "{0:"), value))
+        return conditions
 
     def edges(self) -> list[tuple[Any, Any]]:
-        """Nodes that its outline joins, around each of its faces."""
+        """Pairs of nodes along the outlines of its faces."""
         rings = [[*face, face[0]] for face in self.functions.graphs.cls.outlines()]
         pairs = [pair for ring in rings for pair in pairwise(ring) if pair[0] != pair[1]]
         return [(self.nodes[i], self.nodes[j]) for i, j in pairs]

@@ -1,4 +1,4 @@
-"""One finite element as CasADi functions that are summed over its points of integration."""
+"""CasADi functions of one finite element in a mechanism, summed over its integration points."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from dalembert.elements.fem.turning_graphs import TurningGraphs
 
 
 class CellFunctions:
-    """What a mechanism asks of an element, for symbols that are expressions of its own.
+    """Functions of an element for the equations of a mechanism.
 
     Parameters
     ----------
-    graphs : of the kind of element
+    graphs : expression graphs of the kind of element
     """
 
     def __init__(self, graphs: ElementGraphs):
@@ -44,31 +44,33 @@ class CellFunctions:
 
     @property
     def by_spins(self) -> bool:
-        """Whether speeds are velocities and spins of nodes: where they turn."""
+        """Whether speeds are velocities and angular velocities, for nodes that rotate."""
         return isinstance(self.graphs, TurningGraphs)
 
     @cached_property
-    def taken(self) -> ca.Function:
-        """Of nodes that turn: see ``TurningGraphs.taken``."""
+    def spin_inertia(self) -> ca.Function:
+        """Inertia efforts of nodes that rotate, see ``TurningGraphs.spin_inertia``."""
         assert isinstance(self.graphs, TurningGraphs)
-        inputs, outputs = self.graphs.taken()
+        inputs, outputs = self.graphs.spin_inertia()
         points = self.graphs.cls.kinetic_samples
         summed = [self._summed(out, points) for out in (outputs[0], outputs[2])]
-        return ca.Function("taken", inputs, [summed[0], outputs[1], summed[1]], {"cse": True})
+        return ca.Function(
+            "spin_inertia", inputs, [summed[0], outputs[1], summed[1]], {"cse": True}
+        )
 
     @cached_property
     def shares(self) -> ca.Function:
-        """``data`` → mass of each node, by the momentum of all of them along x."""
+        """``data`` → mass of each node, from its momentum at unit velocity along x."""
         g = self.graphs
         per_node = g.v.numel() // g.node_count
         energy = self._summed(g.kinetic, g.cls.kinetic_samples)
-        along = ca.vertcat(*([1, *[0] * (per_node - 1)] * g.node_count))
-        momentum = ca.substitute(ca.gradient(energy, g.v), g.v, along)
+        velocity = ca.vertcat(*([1, *[0] * (per_node - 1)] * g.node_count))
+        momentum = ca.substitute(ca.gradient(energy, g.v), g.v, velocity)
         return ca.Function("shares", [g.data], [momentum[::per_node]])
 
     @cached_property
     def checks(self) -> list[tuple[ca.Function, str]]:
-        """``data`` → what must be positive, everywhere in the element; what is wrong if not."""
+        """(``data`` → value that must be positive, message) at every sample."""
         g = self.graphs
         return [
             (ca.Function("check", [g.data], [self._at(value, point)]), wrong)
@@ -78,7 +80,7 @@ class CellFunctions:
 
     @cached_property
     def recovered(self) -> ca.Function:
-        """``(u, data)`` → the measures of the element, where they are taken by default."""
+        """``(u, data)`` → the measures of the element at their default station."""
         g = self.graphs
         values = [self._at(value, g.cls.stations[""]) for value, _ in g.measures.values()]
         return ca.Function("recovered", [g.u, g.data], values)
@@ -87,7 +89,7 @@ class CellFunctions:
         return sum((self._at(value, point) for point in points), ca.SX(0))
 
     def _at(self, value: ca.SX, point: tuple[float, ...]) -> ca.SX:
-        """The value at a point of integration."""
+        """The value at an integration point."""
         at = self.graphs.at
         return ca.substitute(value, at, ca.SX(list(point))) if at.numel() else value
 
@@ -96,6 +98,6 @@ class CellFunctions:
 def functions_of(
     cls: Any, dimension: int, node_count: int, options: tuple[tuple[str, Any], ...]
 ) -> CellFunctions:
-    """Those of a kind of element, which are made once."""
+    """Functions of a kind of element, cached."""
     graphs = TurningGraphs if cls.turns else ElementGraphs
     return CellFunctions(graphs(cls, dimension, node_count, dict(options)))

@@ -1,4 +1,4 @@
-"""What elements between two nodes share."""
+"""Elements between two nodes: base class and axial spring (8.6)."""
 
 from __future__ import annotations
 
@@ -37,18 +37,20 @@ class Line(StructuralElement):
 
     @staticmethod
     def length(x: list[ca.SX]) -> ca.SX:
-        """Distance of two places."""
+        """Distance of the two nodes."""
         return ca.norm_2(x[1] - x[0])
 
     @classmethod
     def elongation(cls, u: list[ca.SX], x: list[ca.SX]) -> ca.SX:
-        """Change ``(l² − L²)/(l + L)`` of the distance, free of cancellation."""
+        """Change ``(l² − L²)/(l + L)`` of the distance, without cancellation."""
         d = x[0].numel()
-        apart = u[1][:d] - u[0][:d]
+        relative = u[1][:d] - u[0][:d]
         if d == 1:
-            return apart
+            return relative
         before = x[1] - x[0]
-        return ca.dot(apart, 2 * before + apart) / (ca.norm_2(before) + ca.norm_2(before + apart))
+        return ca.dot(relative, 2 * before + relative) / (
+            ca.norm_2(before) + ca.norm_2(before + relative)
+        )
 
     @classmethod
     def checks(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> list[tuple[ca.SX, str]]:

@@ -1,4 +1,4 @@
-"""What finite elements tie together."""
+"""Nodes of structures."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ DIMENSIONS = (1, 2, 3)
 
 
 class Nodal:
-    """A place of a structure, or a body that has gone from there.
+    """A node of finite elements: a point of a structure or a body of a mechanism.
 
     Attributes
     ----------
     dimension : number of its coordinates
-    natural : SX (d,), where elements are free of stress
+    natural : SX (d,), stress-free position
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Nodes of structures: places that elements tie together."""
+"""Nodes of structures."""
 
 from __future__ import annotations
 
@@ -35,11 +35,13 @@ class Node(Nodal, Element):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given = self.position if isinstance(self.position, (tuple, list)) else (self.position,)
-        size = len(given)
+        coordinates = (
+            self.position if isinstance(self.position, (tuple, list)) else (self.position,)
+        )
+        size = len(coordinates)
         if size not in DIMENSIONS:
             raise ModelError(f"needs 1, 2 or 3 coordinates, got {size}", self.name)
-        value = given if size > 1 else given[0]
+        value = coordinates if size > 1 else coordinates[0]
         self.position = as_expression(value, f"{self.name}.position", "m", size)
 
     @property

@@ -1,4 +1,4 @@
-"""Nodes that are bodies, on which joints and forces of a mechanism hold."""
+"""Nodes that are bodies of a mechanism."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ from dalembert.errors import ModelError
 
 
 class NodeBody(Nodal):
-    """A node of finite elements, ahead of the body that it is in the plane or in space.
+    """Mixin of bodies that are nodes of finite elements, placed before the body class.
 
-    Elements are free of stress where its ``position`` says, and turned as its ``angle`` or
-    ``rotation`` does.
+    Elements are free of stress at its ``position`` and its ``angle`` or ``rotation``.
     """
 
     turning: ca.SX
@@ -27,45 +26,45 @@ class NodeBody(Nodal):
 
     @property
     def natural(self) -> ca.SX:  # type: ignore[override]
-        """Where elements are free of stress.
+        """Stress-free position.
 
         Raises
         ------
         ModelError
-            Nobody said so.
+            The body has no ``position``.
         """
         body: Any = self
-        given = body.initial[0]
-        if given is None:
+        position = body.initial[0]
+        if position is None:
             raise ModelError("needs a position, where its elements are free of stress", self.name)
-        return given.sx
+        return position.sx
 
     @property
     def place(self) -> ca.SX:
-        """Where it is."""
+        """Current position."""
         body: Any = self
         return body.mass_center
 
     def displaced(self, turns: bool, entity: str) -> ca.SX:
-        """Its displacement, and its rotation for an element that turns it.
+        """Its displacement, followed by its rotation for elements with rotations.
 
         Raises
         ------
         ModelError
-            It is a point, which does not turn.
+            It is a particle, which has no rotation.
         """
         body: Any = self
-        moved = self.place - self.natural
+        displacement = self.place - self.natural
         if not turns:
-            return moved
+            return displacement
         if not body.rotates:
             kind = "planar.Node" if self.dimension == 2 else "spatial.Node"
             raise ModelError(f"turns its node {self.name}, a point; take {kind}", entity)
-        return ca.vertcat(moved, self.turned_by)
+        return ca.vertcat(displacement, self.turned_by)
 
     @property
     def turned_by(self) -> ca.SX:
-        """How it has turned: the angle in the plane, the entries of the matrix in space."""
+        """Its rotation: the angle in the plane, the entries of the matrix in space."""
         raise NotImplementedError
 
     def look(self) -> list[Look]:

@@ -15,7 +15,7 @@ from dalembert.elements.fem.lines import Line
 class AxialSpring(Line):
     """Linear spring along the line of its nodes, ``s = k (u_j − u_i)`` (8.6).
 
-    ``W = k e²/2`` with the elongation ``e``; in one dimension the nodes' places do not matter.
+    ``W = k e²/2`` with the elongation ``e``; in one dimension the node positions are irrelevant.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ class AxialSpring(Line):
     >>> hard = chain.add(structures.AxialSpring("hard", b, c, stiffness=400.0))
     >>> chain.support(a)
     >>> chain.load(c, fx=20.0)
-    >>> round(da.solve_statics(chain.build())["c.ux"], 9)  # F/k of both
+    >>> round(da.solve_statics(chain.build())["c.ux"], 9)  # sum of F/k
     0.25
     """
 

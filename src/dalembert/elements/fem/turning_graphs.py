@@ -1,13 +1,13 @@
-"""One finite element whose nodes turn, as part of a mechanism.
+"""Finite elements of mechanisms with nodes that rotate.
 
-A node is displaced by ``u`` and turned by an angle, in space by a matrix ``R``, so that no rotation
-is too large for it. Speeds are ``w = (u̇, ω)`` in fixed axes, in space no rates of coordinates: with
-momenta ``(P, H) = ∂T/∂w`` and the spin ``Ω`` of the axes that the inertia turns with,
+A node is displaced by ``u`` and rotated by an angle, in space by a matrix ``R``, without a limit of
+the rotation. Speeds are ``w = (u̇, ω)`` in fixed axes, in space not rates of coordinates: with
+momenta ``(P, H) = ∂T/∂w`` and the angular velocity ``Ω`` of the axes of the inertia,
 
     δT = P·δu̇ + H·δω + δΘ·Σ (P × u̇ + H × ω),      δω = δφ̇ + δφ × ω,
 
-takes the effort ``Ṗ`` on ``u̇``, ``Ḣ − ω × H`` on ``ω`` and ``Σ (u̇ × P + ω × H)`` on ``Ω``
-(Boltzmann and Hamel). Of a rigid body they are Newton's and Euler's equations.
+the efforts are ``Ṗ`` on ``u̇``, ``Ḣ − ω × H`` on ``ω`` and ``Σ (u̇ × P + ω × H)`` on ``Ω``
+(Boltzmann and Hamel). For a rigid body they are Newton's and Euler's equations.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from dalembert.elements.fem.graphs import ElementGraphs
 
 
 class TurningGraphs(ElementGraphs):
-    """Energies of one element between nodes with places and rotations.
+    """Energies of one element between nodes with positions and rotations.
 
-    Vectors of the plane are those of space across its z axis.
+    Planar vectors are spatial ones normal to the z axis.
     """
 
     rotation_numbers = {3: 9}
@@ -41,26 +41,27 @@ class TurningGraphs(ElementGraphs):
         return ca.vertcat(*parts)
 
     def slope(self, energy: ca.SX) -> ca.SX:
-        """By displacements, and by small turns in fixed axes."""
+        """Gradient by displacements and by small rotations in fixed axes."""
         return ca.jtimes(self.rates, self.v, ca.gradient(energy, self.u), True)
 
-    def taken(self) -> tuple[list[ca.SX], list[ca.SX]]:
-        """Displacements, speeds, accelerations and numbers; efforts on speeds, Ω, that on Ω.
+    def spin_inertia(self) -> tuple[list[ca.SX], list[ca.SX]]:
+        """Inputs (displacements, speeds, accelerations, data); efforts on speeds, Ω, effort on Ω.
 
         ``p = Q M Qᵀ w`` with the rotation ``Q`` of the axes, so that ``ṗ = Ω × p + Q M Qᵀ ẇ'`` with
-        the change ``ẇ' = ẇ − Ω × w`` that is seen in them. All is computed in these axes.
+        the relative derivative ``ẇ' = ẇ − Ω × w``. The computation is in these axes.
         """
         a, spin = ca.SX.sym("a", self.v.numel()), self._own_spin
         axes = self._inertia_axes
-        seen, speeds, accelerations = (
+        local_spin, speeds, accelerations = (
             ca.mtimes(axes.T, x) for x in (spin, self._vectors(self.v), self._vectors(a))
         )
         momenta = self._momenta(speeds)
-        efforts = self._momenta(accelerations - _across(seen, speeds)) + _across(seen, momenta)
+        relative = accelerations - _cross(local_spin, speeds)
+        efforts = self._momenta(relative) + _cross(local_spin, momenta)
         pairs = zip(ca.horzsplit(speeds), ca.horzsplit(momenta), strict=True)
-        turning = ca.horzcat(*(_across(w, p) for w, p in pairs))
-        efforts[:, 1::2] = efforts[:, 1::2] - turning[:, 1::2]  # of spins
-        effort, couple = (ca.mtimes(axes, x) for x in (efforts, ca.sum2(turning)))
+        products = ca.horzcat(*(_cross(w, p) for w, p in pairs))
+        efforts[:, 1::2] = efforts[:, 1::2] - products[:, 1::2]  # moments
+        effort, couple = (ca.mtimes(axes, x) for x in (efforts, ca.sum2(products)))
         return [self.u, self.v, a, self.data], [self._column(effort), spin, couple]
 
     @cached_property
@@ -71,18 +72,18 @@ class TurningGraphs(ElementGraphs):
         return self.own_axes if self.dimension == 3 else ca.diagcat(self.own_axes, 1)
 
     def _momenta(self, speeds: ca.SX) -> ca.SX:
-        """Of speeds, by columns in the axes of its inertia."""
-        energy = ca.SX(self.cls.kinetic_seen(self._v, self._x, self._q))
+        """Momenta of speeds, as columns in the axes of the inertia."""
+        energy = ca.SX(self.cls.kinetic_in_axes(self._v, self._x, self._q))
         return self._vectors(ca.mtimes(ca.hessian(energy, self.v)[0], self._column(speeds)))
 
     @cached_property
     def _own_spin(self) -> ca.SX:
-        """Angular velocity of the axes of its inertia."""
-        turning = ca.jtimes(ca.vec(ca.densify(self._inertia_axes)), self.u, self.rates)
-        return ca.inv_skew(ca.mtimes(ca.reshape(turning, 3, 3), self._inertia_axes.T))
+        """Angular velocity of the axes of the inertia."""
+        axes_rate = ca.jtimes(ca.vec(ca.densify(self._inertia_axes)), self.u, self.rates)
+        return ca.inv_skew(ca.mtimes(ca.reshape(axes_rate, 3, 3), self._inertia_axes.T))
 
     def _vectors(self, column: ca.SX) -> ca.SX:
-        """(3, 2 nodes) what is of displacements and of rotations, beside each other."""
+        """(3, 2 nodes) the translational and rotational vector of each node as columns."""
         if self.dimension == 3:
             return ca.reshape(column, 3, -1)
         parts = (
@@ -92,13 +93,13 @@ class TurningGraphs(ElementGraphs):
         return ca.horzcat(*parts)
 
     def _column(self, vectors: ca.SX) -> ca.SX:
-        """The same one below the other."""
+        """The vectors as one column, the inverse of ``_vectors``."""
         if self.dimension == 3:
             return ca.vec(vectors)
         nodes = ca.horzsplit(vectors, 2)
         return ca.vertcat(*(ca.vertcat(node[:2, 0], node[2, 1]) for node in nodes))
 
 
-def _across(spin: ca.SX, columns: ca.SX) -> ca.SX:
+def _cross(spin: ca.SX, columns: ca.SX) -> ca.SX:
     """``Ω ×`` each column."""
     return ca.mtimes(ca.skew(spin), columns)

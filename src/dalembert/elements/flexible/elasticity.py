@@ -1,4 +1,4 @@
-"""Elastic and damping forces within a flexible body."""
+"""Elastic and damping forces of a flexible body."""
 
 from __future__ import annotations
 
@@ -11,10 +11,7 @@ from dalembert.elements.coordinates import Coordinates
 
 
 class Elasticity(ForceElement):
-    """``Q = −K q − C q̇`` on the shapes of a body, with ``C = α M + β K + 2 ζ M (M⁻¹ K)^½``.
-
-    The body brings it along.
-    """
+    """``Q = −K q − C q̇`` on the shapes of a body, with ``C = α M + β K + 2 ζ M (M⁻¹ K)^½``."""
 
     internal = True
 
@@ -29,8 +26,8 @@ class Elasticity(ForceElement):
         """(m, m) ``C``."""
         body, graph = self.body, self.body.graph
         by_mass, by_stiffness = ca.vertsplit(body.rayleigh.sx)
-        found = by_mass * graph.mass + by_stiffness * graph.stiffness
-        return found + body.damping_ratio.sx * graph.critical
+        rayleigh = by_mass * graph.mass + by_stiffness * graph.stiffness
+        return rayleigh + body.damping_ratio.sx * graph.critical
 
     def _damped(self, rate: Rate) -> ca.SX:
         return -ca.mtimes(self._damping, rate(self.body.q))

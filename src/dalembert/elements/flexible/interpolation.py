@@ -1,4 +1,4 @@
-"""Polynomials on the unit interval: nodes, shape functions and where they are integrated."""
+"""Lagrange polynomials on the unit interval and Gauss points."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ class Lagrange:
 
     @cached_property
     def nodes(self) -> np.ndarray:
-        """(p + 1,) places of the nodes."""
+        """(p + 1,) coordinates of the nodes."""
         return np.linspace(0.0, 1.0, self.order + 1)
 
     @cached_property
     def shapes(self) -> list[Polynomial]:
-        """``N_k``, one at its own node and zero at the others."""
+        """``N_k``, one at its node and zero at the others."""
         return _through(self.nodes)
 
     def values(self, at: np.ndarray) -> np.ndarray:
@@ -48,20 +48,20 @@ class Lagrange:
 
 
 def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """(m,) points of Gauss and Legendre on the unit interval, and their weights."""
+    """(m,) Gauss–Legendre points on the unit interval, and their weights."""
     at, weights = leggauss(count)
     return (at + 1) / 2, weights / 2
 
 
 def through(points: np.ndarray, at: float) -> np.ndarray:
-    """(m,) weights of values at ``points`` in the polynomial through them, at another place."""
+    """(m,) weights of the values at ``points`` in their interpolating polynomial at ``at``."""
     return np.array([shape(at) for shape in _through(points)])
 
 
 def _through(points: np.ndarray) -> list[Polynomial]:
-    found = []
-    for k, own in enumerate(points):
+    polynomials = []
+    for k, node in enumerate(points):
         others = np.delete(points, k)
         shape = Polynomial.fromroots(others) if others.size else Polynomial([1.0])
-        found.append(shape / shape(own))
-    return found
+        polynomials.append(shape / shape(node))
+    return polynomials

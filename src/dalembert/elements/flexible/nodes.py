@@ -1,4 +1,4 @@
-"""Nodes of beams, and the cross-sections at them."""
+"""Nodes of beams, their cross-sections, and the interpolation between them."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from dalembert.errors import ModelError
 
 @dataclass(frozen=True, eq=False)
 class CrossSection:
-    """A cross-section: where it is and how it stands.
+    """Position and orientation of a cross-section.
 
     Attributes
     ----------
     place : (d,) its centre
     turn : its angle in the plane, its Euler parameters in space
-    spin : its angular velocity, in its own axes
-    body : what carries it; None of sections that are only thought of
+    spin : its angular velocity in section axes
+    body : the body that carries it; None for sections of the natural shape
     """
 
     place: ca.SX
@@ -34,30 +34,30 @@ class CrossSection:
 
 
 class OwnNode:
-    """A node that an element brings along, ahead of the body that it is in the plane or in space.
+    """Mixin of bodies that are nodes of an element, placed before the body class.
 
     Attributes
     ----------
-    estimate : its pose as far as guesses tell; None of a node whose own are all there is
+    estimate : returns its pose from the guesses of the start; None if it has guesses of its own
     """
 
     node = True
     estimate: Callable[[], ca.SX] | None = None
 
     def check_name(self) -> None:
-        """It is the element's name with its own, which nobody typed."""
+        """Skip the check: the name combines those of the element and the node."""
 
     def guesses(self) -> tuple[list, list]:
         pose, twist = super().guesses()  # type: ignore[misc]
         return (pose if self.estimate is None else ca.vertsplit(self.estimate())), twist
 
     def guessed(self) -> list[bool]:
-        me: Any = super()
-        return me.guessed() if self.estimate is None else [False] * len(me.guessed())
+        body: Any = super()
+        return body.guessed() if self.estimate is None else [False] * len(body.guessed())
 
 
 class Noded:
-    """An element through a row of nodes, the first and the last of which frames may carry."""
+    """An element along a row of nodes, whose first and last may be frames of bodies."""
 
     name: str
     frame_i: Any
@@ -70,39 +70,39 @@ class Noded:
 
     @property
     def count(self) -> int:
-        """Number of nodes, those at the ends among them."""
+        """Number of nodes including the ends."""
         return self.elements * self.order + 1
 
     @cached_property
     def places(self) -> np.ndarray:
-        """(count,) of the nodes, in shares of the length."""
+        """(count,) positions of the nodes as fractions of the length."""
         return np.linspace(0.0, 1.0, self.count)
 
-    def _made_nodes(self) -> dict[int, Any]:
-        """Own nodes by number."""
-        last, found = self.count - 1, {}
+    def _create_nodes(self) -> dict[int, Any]:
+        """The nodes that belong to the element, by number."""
+        last, nodes = self.count - 1, {}
         for k in range(self.count):
             if (self.frame_i if k == 0 else self.frame_j if k == last else None) is not None:
                 continue
-            own = {0: "start", last: "end"}.get(k, f"node{k}")
-            name = f"{self.name}.{own}"
+            label = {0: "start", last: "end"}.get(k, f"node{k}")
+            name = f"{self.name}.{label}"
             if k == 0:
-                found[k] = self.first_node(name)
+                nodes[k] = self.first_node(name)
                 continue
-            found[k] = self.node_kind(name)
-            found[k].estimate = cache(partial(self._estimate, k))
-        return found
+            nodes[k] = self.node_kind(name)
+            nodes[k].estimate = cache(partial(self._estimate, k))
+        return nodes
 
     def first_node(self, name: str) -> Any:
-        """A body without mass where the element was said to start."""
+        """A massless body at the specified start of the element."""
         raise NotImplementedError
 
     def carried(self, k: int) -> tuple[ca.SX, ca.SX]:
-        """Place and turn of a node on the natural shape, which its start carries."""
+        """Position and rotation of a node on the natural shape attached to the start."""
         raise NotImplementedError
 
     def _estimate(self, k: int) -> ca.SX:
-        """Pose of a node as far as guesses of its start tell."""
+        """Pose of a node from the guesses of the start."""
         return initial_value(ca.vertcat(*self.carried(k)), [self.start]).sx
 
     def _section(self, k: int) -> CrossSection:
@@ -128,12 +128,12 @@ class Noded:
 
     @property
     def named_nodes(self) -> dict[str, Any]:
-        """Its bodies by their names within it."""
-        own = {body.name.removeprefix(f"{self.name}."): body for body in self.nodes.values()}
-        return {"start": self.start, "end": self.end} | own
+        """Its bodies by their names within the element."""
+        nodes = {body.name.removeprefix(f"{self.name}."): body for body in self.nodes.values()}
+        return {"start": self.start, "end": self.end} | nodes
 
     def node(self, k: int) -> Any:
-        """The body of a node, counted from the start."""
+        """The body of a node, by its number from the start."""
         if not -self.count <= k < self.count:
             raise ModelError(f"has nodes 0 to {self.count - 1}, not {k}", self.name)
         return self.sections[k].body

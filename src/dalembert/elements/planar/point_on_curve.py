@@ -51,7 +51,7 @@ class PointOnCurve(InPlane, OnCurve):
         "1 | m | rad", "initial guess of the curve parameter", default=None
     )
 
-    def followed(self) -> ca.SX:
+    def target(self) -> ca.SX:
         return self.curve.offset_position(self.contact, self.radius.sx)
 
     def look(self) -> list[Look]:
