@@ -149,8 +149,11 @@ from dalembert.elements.curves import (
     SplineCurve as SplineCurve,
     u as u,
 )
-from dalembert.elements.laws.base import Formula as Formula
-from dalembert.elements.laws.elementary import Harmonic as Harmonic, Polynomial as Polynomial
+from dalembert.elements.laws.base import (
+    Formula as Formula,
+    Harmonic as Harmonic,
+    Polynomial as Polynomial,
+)
 from dalembert.elements.laws.rise import (
     CycloidalRise as CycloidalRise,
     HarmonicRise as HarmonicRise,

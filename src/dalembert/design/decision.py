@@ -140,7 +140,7 @@ class Decision(ABC):
 
     def warnings_html(self) -> str:
         """The warnings, one below the other."""
-        from dalembert.text.cards import messages
+        from dalembert.text.wording import messages
 
         return messages(("warning", text) for text in self.warnings)
 

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 
 from dalembert.elements import planar, spatial
 from dalembert.elements.curves import FormulaCurve, SplineCurve
-from dalembert.elements.laws.base import Formula, Product, Sum
-from dalembert.elements.laws.elementary import Harmonic, Polynomial
+from dalembert.elements.laws.base import Formula, Harmonic, Polynomial, Product, Sum
 from dalembert.elements.laws.rise import (
     CycloidalRise,
     HarmonicRise,

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.budget import check_budget, numeral
+from dalembert.elements.fem.lines import AxialSpring
 from dalembert.elements.fem.node import Node
-from dalembert.elements.fem.springs import AxialSpring
 from dalembert.errors import FileError, ModelError
 from dalembert.files import read_text
 from dalembert.structures.structure import Structure

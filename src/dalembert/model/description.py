@@ -20,8 +20,7 @@ from dalembert.symbolic.formulas.expression import Expression, stack, t
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.symbolic.formulas.parser import parse_formula
-from dalembert.text.cards import card, table
-from dalembert.text.wording import plain_text
+from dalembert.text.wording import card, plain_text, table
 
 
 class Description:

@@ -18,7 +18,7 @@ from dalembert.model.description import Description
 from dalembert.model.idle_freedom import idle_freedoms
 from dalembert.model.tree.topology import Topology, analyse_topology
 from dalembert.symbolic.formulas.expression import free_symbols
-from dalembert.text.cards import card, messages, table
+from dalembert.text.wording import card, messages, table
 
 NOT_SHARED = 1e-9
 """Share of an equation in another, both of length one, that is rounding."""

@@ -8,8 +8,8 @@ from typing import Any
 from dalembert.elements import planar, spatial
 from dalembert.elements.base import Constraint, ForceElement
 from dalembert.elements.body import BodyElement
-from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
-from dalembert.elements.fem.node_bodies import NodeBody
+from dalembert.elements.fem.between_bodies import NodeBody
+from dalembert.elements.fem.node import ROTATIONS, TRANSLATIONS
 from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression

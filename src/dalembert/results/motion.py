@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.cards import card, folded, messages, table
 from dalembert.text.spelling import spelled
+from dalembert.text.wording import card, folded, messages, table
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -16,7 +16,7 @@ from dalembert.errors import AnalysisError, ExpressionError, UnsupportedError
 from dalembert.results.files.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.cards import card, messages, table
+from dalembert.text.wording import card, messages, table
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,8 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.fem.nodal import ROTATIONS
-from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.node import ROTATIONS, Node
 from dalembert.errors import ModelError
 from dalembert.structures.evaluation.elements import Elements
 from dalembert.structures.loads.nodal_load import Load

@@ -24,10 +24,9 @@ from dalembert.elements.base import (
     option,
 )
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.fem.between_bodies import BetweenBodies
+from dalembert.elements.fem.between_bodies import BetweenBodies, NodeBody
 from dalembert.elements.fem.cell_functions import functions_of
 from dalembert.elements.fem.node import Node
-from dalembert.elements.fem.node_bodies import NodeBody
 from dalembert.elements.look import Strand
 from dalembert.elements.planar import node as planar
 from dalembert.elements.rotation import identity

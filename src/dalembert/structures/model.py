@@ -30,7 +30,7 @@ from dalembert.symbolic.formulas.expression import Expression, free_symbols, sta
 from dalembert.symbolic.formulas.names import Names
 from dalembert.symbolic.parametric_array import ArrayEntries
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.cards import card, table
+from dalembert.text.wording import card, table
 
 
 class StructuralModel(ParametricModel):

@@ -8,8 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from dalembert.elements.fem.base import StructuralElement
-from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
-from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.node import ROTATIONS, TRANSLATIONS, Node
 from dalembert.errors import ModelError
 from dalembert.structures.evaluation.elements import Elements
 from dalembert.structures.loads.spread_loads import check_temperature
@@ -20,8 +19,7 @@ from dalembert.symbolic.formulas.declared import Declared
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter
-from dalembert.text.cards import card, table
-from dalembert.text.wording import plain_text
+from dalembert.text.wording import card, plain_text, table
 
 MOST = 20
 """Elements that a notebook lists."""

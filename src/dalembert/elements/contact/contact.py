@@ -1,27 +1,28 @@
-"""Contact of two shapes."""
+"""Contact of two shapes, and joints with clearance."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Look, Rate, option
+from dalembert.elements.base import Constraint, Look, Rate, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.compliant import Compliant
 from dalembert.elements.contact.contact_point import ContactPoint
 from dalembert.elements.contact.friction import Bristles, Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
-from dalembert.elements.contact.shapes import Shape, Vertex
+from dalembert.elements.contact.shapes import Hollow, Round, Shape, Vertex
 from dalembert.elements.contact.unilateral import Gap, Impact
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.ingredient import Ingredient
-from dalembert.elements.pair import need_point, refuse_same_body
+from dalembert.elements.pair import BetweenPoints, need_point, refuse_same_body
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
+from dalembert.symbolic.formulas.expression import Expression
 
 
 def contact_points(shape_i: Shape, shape_j: Shape, owner: str) -> list[ContactPoint]:
@@ -214,3 +215,36 @@ class Contact(ShapeContact):
 
     def ingredients(self) -> dict[str, Ingredient]:
         return {"shape_i": self.shape_i, "shape_j": self.shape_j, **super().ingredients()}
+
+
+@dataclass(eq=False)
+class ClearanceJoint(ShapeContact, BetweenPoints):
+    """A journal in a bearing, or a ball in a socket, with clearance: contact instead of a joint.
+
+    The gap is ``g = clearance − |r_j − r_i|``; the bodies are free while it is positive.
+
+    Parameters
+    ----------
+    point_i : centre of the hole in the first body
+    point_j : centre of the journal or ball of the second body
+    radius : of the journal or ball [m]
+    clearance : radius of the hole minus that of the journal or ball [m]
+    """
+
+    radius: Scalar = quantity("m", "radius of journal or ball", above=0.0, keyword=True)
+    clearance: Scalar = quantity("m", "radius of the hole less that", minimum=0.0, keyword=True)
+    hole: ClassVar[type[Hollow]]
+    inside: ClassVar[type[Round]]
+
+    @cached_property
+    def _shapes(self) -> tuple[Shape, Shape]:
+        hole_radius = Expression(self.radius.sx + self.clearance.sx)
+        return self.hole(self.point_i, hole_radius), self.inside(self.point_j, self.radius)
+
+    @property
+    def shapes(self) -> tuple[Shape, Shape]:
+        return self._shapes
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        relative = {"eccentricity": (self.between, "m"), "distance": (self.distance, "m")}
+        return {**super().measures(rate), **relative}

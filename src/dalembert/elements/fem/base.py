@@ -20,11 +20,10 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, ForceElement, Look, Powers, Rate
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.fem.between_bodies import BetweenBodies
+from dalembert.elements.fem.between_bodies import BetweenBodies, NodeBody
 from dalembert.elements.fem.cell_functions import functions_of
 from dalembert.elements.fem.energies import Energies
-from dalembert.elements.fem.nodal import Nodal
-from dalembert.elements.fem.node_bodies import NodeBody
+from dalembert.elements.fem.node import Nodal
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 

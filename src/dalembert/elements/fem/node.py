@@ -7,9 +7,26 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Element, Vector
-from dalembert.elements.fem.nodal import DIMENSIONS, Nodal
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
+
+TRANSLATIONS = ("ux", "uy", "uz")
+ROTATIONS = {1: (), 2: ("rz",), 3: ("rx", "ry", "rz")}
+DIMENSIONS = (1, 2, 3)
+
+
+class Nodal:
+    """A node of finite elements: a point of a structure or a body of a mechanism.
+
+    Attributes
+    ----------
+    dimension : number of its coordinates
+    natural : SX (d,), stress-free position
+    """
+
+    name: str
+    dimension: int
+    natural: ca.SX
 
 
 @dataclass(eq=False)

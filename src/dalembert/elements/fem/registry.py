@@ -16,10 +16,10 @@ from dalembert.elements.fem.attached import (
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.energies import Energies
 from dalembert.elements.fem.frame import Frame, TimoshenkoFrame
+from dalembert.elements.fem.lines import AxialSpring
 from dalembert.elements.fem.plane import Quadrilateral, Quadrilateral8, Triangle, Triangle6
 from dalembert.elements.fem.solid import Hexahedron, Hexahedron20, Tetrahedron, Tetrahedron10
 from dalembert.elements.fem.space_frame import SpaceFrame, TimoshenkoSpaceFrame
-from dalembert.elements.fem.springs import AxialSpring
 from dalembert.elements.fem.truss import Truss
 
 ELEMENTS: dict[str, type[StructuralElement]] = {

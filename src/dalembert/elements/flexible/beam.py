@@ -32,8 +32,7 @@ from dalembert.elements.base import (
     quantity,
 )
 from dalembert.elements.coordinates import rate_of
-from dalembert.elements.flexible.interpolation import Lagrange, gauss, through
-from dalembert.elements.flexible.nodes import CrossSection, Noded
+from dalembert.elements.flexible.nodes import CrossSection, Lagrange, Noded, gauss, through
 from dalembert.elements.look import Strand
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression, stack, t

@@ -1,7 +1,6 @@
 """Motion laws ``f(t)`` for drivers."""
 
-from dalembert.elements.laws.base import Formula, Law, Product, Sum
-from dalembert.elements.laws.elementary import Harmonic, Polynomial
+from dalembert.elements.laws.base import Formula, Harmonic, Law, Polynomial, Product, Sum
 from dalembert.elements.laws.rise import (
     CycloidalRise,
     HarmonicRise,

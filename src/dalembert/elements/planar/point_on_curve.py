@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Look, Scalar, option, quantity
-from dalembert.elements.curves import Curve
+from dalembert.elements.curves import Curve, OnCurve
 from dalembert.elements.look import Disc
 from dalembert.elements.planar.body import Body
 from dalembert.elements.planar.joint import InPlane
 from dalembert.elements.point import Point
-from dalembert.elements.point_on_curve import OnCurve
 
 
 @dataclass(eq=False)

@@ -8,12 +8,11 @@ import casadi as ca
 
 from dalembert.elements.base import ForceElement, Look, Scalar, Vector, quantity
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.elastic_bearing import ElasticBearing
 from dalembert.elements.look import Brake, Sleeve, Spiral
 from dalembert.elements.pair import BetweenPoints
 from dalembert.elements.planar.body import rotation
 from dalembert.elements.planar.joint import BetweenAngles, InPlane
-from dalembert.elements.springs import AngularSpring
+from dalembert.elements.springs import AngularSpring, ElasticBearing
 
 
 @dataclass(eq=False)

@@ -19,7 +19,6 @@ from dalembert.elements.spatial.drivers import (
     TranslationalDriver,
 )
 from dalembert.elements.spatial.flexible_body import FlexibleBody
-from dalembert.elements.spatial.knife_edge import KnifeEdge
 from dalembert.elements.spatial.links import (
     RevoluteRevoluteLink,
     RevoluteSphericalLink,
@@ -28,12 +27,11 @@ from dalembert.elements.spatial.links import (
 from dalembert.elements.spatial.loads import Force, Torque
 from dalembert.elements.spatial.mesh import Mesh
 from dalembert.elements.spatial.node import Node, PointNode
+from dalembert.elements.spatial.nonholonomic import KnifeEdge, RollingDisc
 from dalembert.elements.spatial.planar_joint import Planar
-from dalembert.elements.spatial.point_joints import PointOnLine, PointOnPlane
-from dalembert.elements.spatial.point_on_curve import PointOnCurve
+from dalembert.elements.spatial.point_joints import PointOnCurve, PointOnLine, PointOnPlane
 from dalembert.elements.spatial.prismatic import Prismatic
 from dalembert.elements.spatial.revolute import Revolute
-from dalembert.elements.spatial.rolling_disc import RollingDisc
 from dalembert.elements.spatial.screw import Screw
 from dalembert.elements.spatial.shapes import Bar, Box, Capsule, Cylinder, Sphere
 from dalembert.elements.spatial.spherical import Spherical

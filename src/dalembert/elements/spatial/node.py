@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from dalembert.elements.fem.node_bodies import NodeBody
+from dalembert.elements.fem.between_bodies import NodeBody
 from dalembert.elements.flexible.nodes import OwnNode
 from dalembert.elements.spatial.body import Body, Particle
 

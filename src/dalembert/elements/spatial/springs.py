@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import ForceElement, Look, Rate, Vector, quantity
-from dalembert.elements.elastic_bearing import ElasticBearing
 from dalembert.elements.look import Brake, Sleeve, Spiral
 from dalembert.elements.spatial.frame_pair import BetweenFrames
-from dalembert.elements.springs import AngularSpring
+from dalembert.elements.springs import AngularSpring, ElasticBearing
 from dalembert.symbolic import rotation
 
 

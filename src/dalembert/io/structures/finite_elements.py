@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dalembert.elements.fem.node_bodies import NodeBody
+from dalembert.elements.fem.between_bodies import NodeBody
 from dalembert.io.schema import Document
 from dalembert.io.structures.mesh_reader import MeshReader, narrowed
 from dalembert.io.structures.tables import DISPLACEMENTS, FORCES, NodeChoice

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, Field, PlainValidator, WithJsonSchema, create_model
 
 from dalembert.elements.fem.base import StructuralElement
-from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
+from dalembert.elements.fem.node import ROTATIONS, TRANSLATIONS
 from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.io.choices import Record, one_of
 from dalembert.io.fields import Quantity, written

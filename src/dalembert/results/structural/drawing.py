@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dalembert.elements.fem.cells import CELLS
-from dalembert.elements.fem.nodal import ROTATIONS
+from dalembert.elements.fem.lines import AxialSpring
+from dalembert.elements.fem.node import ROTATIONS
 from dalembert.elements.fem.registry import cell_of
-from dalembert.elements.fem.springs import AxialSpring
 from dalembert.results.structural.shapes import (
     COIL,
     Shapes,

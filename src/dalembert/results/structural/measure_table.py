@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.elements.fem.nodal import ROTATIONS
+from dalembert.elements.fem.node import ROTATIONS
 from dalembert.errors import DalembertError
 from dalembert.results.files.headings import checked_units
 from dalembert.units.unit import shown_in

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
+from dalembert.elements.fem.node import ROTATIONS, TRANSLATIONS
 from dalembert.structures.nodes import Nodes
 from dalembert.structures.spans import Spans
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Look, Vector, quantity
-from dalembert.elements.contact.clearance import ClearanceJoint
+from dalembert.elements.contact.contact import ClearanceJoint
 from dalembert.elements.contact.shapes import Flat, Hollow, Round
 from dalembert.elements.look import Disc, Pin
 from dalembert.elements.planar.joint import InPlane

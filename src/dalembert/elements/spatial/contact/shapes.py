@@ -8,7 +8,7 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, Look, option
 from dalembert.elements.body import BodyElement
-from dalembert.elements.contact.clearance import ClearanceJoint
+from dalembert.elements.contact.contact import ClearanceJoint
 from dalembert.elements.contact.shapes import Ball, Flat, Hollow, Round
 from dalembert.elements.frame import Frame
 from dalembert.elements.look import Socket as BallJoint
