@@ -86,7 +86,7 @@ def ctrl_c(is_command: bool = False) -> Iterator[CtrlC]:
 
 
 def check_ctrl_c() -> None:
-    """Raise ``KeyboardInterrupt`` where the innermost task has received a signal to end by."""
+    """Raise ``KeyboardInterrupt`` if the innermost task has received a signal that ends it."""
     if _active and _active[-1].must_end:
         raise KeyboardInterrupt
 
@@ -99,7 +99,7 @@ def defer_ctrl_c() -> None:
 
 @contextmanager
 def raising_ctrl_c() -> Iterator[None]:
-    """Ctrl-C ends as ``KeyboardInterrupt``, whatever compiled code makes of it."""
+    """Convert Ctrl-C to ``KeyboardInterrupt``, whatever exception compiled code raises."""
     try:
         yield
         check_ctrl_c()
@@ -120,7 +120,7 @@ def searching() -> Iterator[None]:
 
 
 def interruptible(task: Callable[P, R]) -> Callable[P, R]:
-    """A task with a signal count of its own; its result reports an interrupt of any moment."""
+    """Decorator of tasks: counts signals during a task; its result reports any interrupt."""
 
     @wraps(task)
     def counted(*args: P.args, **kwargs: P.kwargs) -> R:

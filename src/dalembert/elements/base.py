@@ -126,7 +126,7 @@ class Element(Spelled):
             raise ModelError(f"the first argument is the name, a text; got {self.name!r}")
         if not self.name.isidentifier():
             raise ModelError(
-                "a name is made of letters, digits and '_', and starts with a letter; "
+                "a name consists of letters, digits and '_', and starts with a letter; "
                 f"got {self.name!r}"
             )
         check_length(self.name, type(self).__name__)

@@ -71,7 +71,7 @@ class Driver(Constraint):
         conditions = list(self.law.conditions())
         if self.positive:
             start = ca.substitute(self.law.value(t.sx), t.sx, 0)
-            conditions.append((start - LEAST, "its law asks for no distance at the start"))
+            conditions.append((start - LEAST, "its law is not positive at the start"))
         return conditions
 
     def warnings(self) -> list[Condition]:

@@ -105,7 +105,7 @@ class JointFriction(AlongJoint):
     coulomb: Scalar = quantity("N | N m", "sliding friction", default=0.0, minimum=0.0)
     viscous: Scalar = quantity("N s/m | N m s/rad", "viscous friction", default=0.0, minimum=0.0)
     transition: Scalar = quantity("m/s | rad/s", "smoothing speed", default=1e-3, above=0.0)
-    motion: str = option("which free motion, where there are several", default=None)
+    motion: str = option("name of the free motion, if the joint has several", default=None)
 
     not_drawn = "it acts in a joint, which is drawn"
 
@@ -144,7 +144,7 @@ class JointActuator(AlongJoint):
 
     joint: Constraint
     value: Scalar = quantity("N | N m", "force or moment, positive drives the motion up")
-    motion: str = option("which free motion, where there are several", default=None)
+    motion: str = option("name of the free motion, if the joint has several", default=None)
     not_drawn = "the motion it drives has no two points"
 
     def effort(self, speed: ca.SX) -> ca.SX:

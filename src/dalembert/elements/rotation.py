@@ -129,7 +129,7 @@ def euler(sequence: str, *angles) -> Orientation:
     """
     letters = list(sequence.lower()) if isinstance(sequence, str) else []
     if not letters or any(letter not in AXES for letter in letters):
-        raise ModelError(f"a sequence of axes is made of x, y and z; got {sequence!r}", "rotation")
+        raise ModelError(f"a sequence of axes consists of x, y and z; got {sequence!r}", "rotation")
     if len(letters) != len(angles):
         raise ModelError(f"{sequence!r} takes {len(letters)} angles, got {len(angles)}", "rotation")
     orientation = identity()

@@ -250,7 +250,7 @@ class Grammar:
             dotted |= isinstance(node, ast.Attribute)
             node = node.func if isinstance(node, ast.Call) else node.value
         if dotted and not isinstance(node, ast.Name):
-            raise self.fail("a dotted name must be made of names only")
+            raise self.fail("a dotted name must consist of names only")
         return dotted
 
     def spelled(self, node: ast.AST) -> str:

@@ -159,7 +159,7 @@ def _named(name: str) -> Unit:
     except Exception:  # pint raises many types
         raise ExpressionError(f"unknown unit {name!r}{_nearest(name)}") from None
     if not math.isclose(two.magnitude, 2 * one.magnitude):
-        raise ExpressionError(f"{name} has a zero of its own; temperatures are changes, write 'K'")
+        raise ExpressionError(f"{name} has an offset; temperatures are differences, write 'K'")
     dimension = {BASES.get(str(base), str(base)): n for base, n in one.unit_items()}
     return Unit(name, float(one.magnitude), dimension, si_unit(dimension))
 

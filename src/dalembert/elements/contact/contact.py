@@ -41,7 +41,7 @@ def contact_points(shape_i: Shape, shape_j: Shape, owner: str) -> list[ContactPo
     if not points:
         i, j = (type(shape).__name__ for shape in (shape_i, shape_j))
         pairs = ", ".join(supported_pairs(shape_i.dimension))
-        raise ModelError(f"no contact of {i} and {j} is known; there are {pairs}", owner)
+        raise ModelError(f"no contact of {i} and {j} is available; there are {pairs}", owner)
     return points
 
 
@@ -232,7 +232,7 @@ class ClearanceJoint(ShapeContact, BetweenPoints):
     """
 
     radius: Scalar = quantity("m", "radius of journal or ball", above=0.0, keyword=True)
-    clearance: Scalar = quantity("m", "radius of the hole less that", minimum=0.0, keyword=True)
+    clearance: Scalar = quantity("m", "radius of the hole minus that", minimum=0.0, keyword=True)
     hole: ClassVar[type[Hollow]]
     inside: ClassVar[type[Round]]
 

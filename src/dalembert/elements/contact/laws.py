@@ -118,7 +118,7 @@ class RestitutionLaw(PowerLaw):
         """Check that the parameters determine the damping."""
         if self.restitution is None or self.impact_speed is None:
             raise ModelError(
-                "give restitution= and impact_speed=, the speed of approach it is meant for",
+                "give restitution= and impact_speed=, the speed of approach for which it holds",
                 type(self).__name__,
             )
 

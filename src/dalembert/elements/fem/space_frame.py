@@ -146,21 +146,21 @@ class SpaceFrame(Line):
 
     @classmethod
     def rotary_inertia(cls, q: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
-        """``ρ I`` about y and z where the turning of the cross-section counts [kg m]."""
+        """``ρ I`` about y and z of elements with rotary inertia [kg m]."""
         return ca.SX(0), ca.SX(0)
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         length, (first, second) = cls.length(x), cls.end_rotations(u, x, q)
         about_y, about_z = cls.bending(x, q)
-        stretch = q["modulus"] * q["area"] * cls.lengthening(u, x, q, first, second) ** 2
+        axial = q["modulus"] * q["area"] * cls.lengthening(u, x, q, first, second) ** 2
         twist = q["shear_modulus"] * q["torsion_constant"] * (second[0] - first[0]) ** 2
-        bend = about_y.energy(first[1], second[1]) + about_z.energy(first[2], second[2])
-        return (stretch + twist) / (2 * length) + bend
+        bending = about_y.energy(first[1], second[1]) + about_z.energy(first[2], second[2])
+        return (axial + twist) / (2 * length) + bending
 
     @classmethod
     def lengthening(cls, u, x, q: dict[str, ca.SX], first: ca.SX, second: ca.SX) -> ca.SX:
-        """Elongation of the axis, bent as the rotations of its ends say."""
+        """Elongation of the axis bent by the rotations of its ends."""
         about_y, about_z = cls.bending(x, q)
         bow = about_y.bow(first[1], second[1]) + about_z.bow(first[2], second[2])
         return cls.elongation(u, x) + bow

@@ -67,8 +67,8 @@ class Beam(Noded, ForceElement):
         Both ends on one body, an unknown order.
     """
 
-    frame_i: Any = option("where it starts", default=None)
-    frame_j: Any = option("where it ends", default=None)
+    frame_i: Any = option("frame or point at the start, clamped", default=None)
+    frame_j: Any = option("frame or point at the end, clamped", default=None)
     length: Scalar = quantity("m", "length of the centre line", above=0.0, keyword=True)
     curvature: Scalar = quantity("1/m", "natural curvature", default=0.0, keyword=True)
     axial_rigidity: Scalar = quantity("N", "E A", above=0.0, keyword=True)
@@ -92,8 +92,8 @@ class Beam(Noded, ForceElement):
         idle = [name for name in OF_ITS_START if getattr(self, name, None) is not None]
         if self.frame_i is not None and idle:
             raise ModelError(
-                f"{idle[0]} is given, and its start is clamped at frame_i, which tells where it "
-                "is; leave one of them out",
+                f"{idle[0]} is given, but its start is clamped at frame_i, which determines it; "
+                "leave one of them out",
                 self.name,
             )
         self.nodes = self._create_nodes()

@@ -52,8 +52,8 @@ class Beam(InPlane, beam.Beam):
     -1.001
     """
 
-    frame_i: Point | None = option("point where it starts, clamped", default=None)
-    frame_j: Point | None = option("point where it ends, clamped", default=None)
+    frame_i: Point | None = option("point at the start, clamped", default=None)
+    frame_j: Point | None = option("point at the end, clamped", default=None)
     bending_rigidity: Scalar = quantity("N m^2", "E I", above=0.0, keyword=True)
     rotary_inertia: Scalar = quantity("kg m", "ρ I", default=None, minimum=0.0, keyword=True)
     angle_i: Scalar = quantity("rad", "direction in the first body", default=0.0, keyword=True)

@@ -61,8 +61,8 @@ class Beam(beam.Beam):
     0.1
     """
 
-    frame_i: Frame | None = option("frame where it starts, clamped", default=None)
-    frame_j: Frame | None = option("frame where it ends, clamped", default=None)
+    frame_i: Frame | None = option("frame at the start, clamped", default=None)
+    frame_j: Frame | None = option("frame at the end, clamped", default=None)
     shear_rigidity_z: Scalar = quantity("N", "G A_z", default=None, above=0.0, keyword=True)
     torsional_rigidity: Scalar = quantity("N m^2", "G J", above=0.0, keyword=True)
     bending_rigidity_y: Scalar = quantity("N m^2", "E I_y", above=0.0, keyword=True)

@@ -73,7 +73,7 @@ class RotationalDriver(JointDriver):
 
     joint: SpatialJoint
     law: GivenLaw = option("motion law")
-    motion: str = option("which free motion, where there are several", default=None)
+    motion: str = option("name of the free motion, if the joint has several", default=None)
     prescribes = "rad"
 
     def coordinate(self) -> ca.SX:
@@ -116,7 +116,7 @@ class TranslationalDriver(JointDriver):
 
     joint: SpatialJoint
     law: GivenLaw = option("motion law")
-    motion: str = option("which free motion, where there are several", default=None)
+    motion: str = option("name of the free motion, if the joint has several", default=None)
 
     @property
     def axis(self) -> int:

@@ -35,7 +35,7 @@ def as_moments(value: Any, entity: str) -> Expression:
             return _of_matrix([list(row) for row in rows], entity)
         if len(rows) not in (3, 6):
             raise ModelError(
-                "give (Ixx, Iyy, Izz), these with Ixy, Iyz, Ixz behind, or a 3×3 matrix; "
+                "give (Ixx, Iyy, Izz), these followed by Ixy, Iyz, Ixz, or a 3×3 matrix; "
                 f"got {value!r}",
                 entity,
             )

@@ -111,7 +111,7 @@ def refuse_open(triangles: np.ndarray, path: Path, entity: str) -> None:
     if wrong:
         raise ModelError(
             f"{path} is no closed surface: {wrong} edges have a triangle on one side only, or two "
-            "whose normals disagree; close it where it was made, or give mass, inertia and "
+            "whose normals disagree; close it in its CAD program, or give mass, inertia and "
             "center_of_mass to a spatial.Body",
             entity,
         )
