@@ -1,10 +1,10 @@
-"""Measure dalembert beside its peers, and print one table.
+"""Measure dalembert beside its peers and print tables.
 
     pip install "dalembert[bench]"
     python -m benchmarks                        everything, an hour or so
     python -m benchmarks arm loop               these cases
     python -m benchmarks --quick                small sizes, a minute
-    python -m benchmarks --update-readme        the table goes into README.md
+    python -m benchmarks --update-docs          tables and chart of the documentation
 
 Peers that are not installed are left out. Motions are compared at equal measured error of one point
 of the mechanism, against a reference that is not that of the contestant where there is one.
@@ -22,6 +22,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from benchmarks.cases.all import CASES
 from benchmarks.cases.base import Effort
 from benchmarks.machine import facts
+from benchmarks.picture import speed_chart
 from benchmarks.sample import Row
 from benchmarks.solvers.ours import fastest
 from benchmarks.table import markdown, update
@@ -40,7 +41,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--sizes", type=int, default=1000, help="largest number of four-bars …")
     parser.add_argument("--backend", nargs="+", default=None, choices=sorted(BACKENDS))
     parser.add_argument("--output", type=Path, default=ROOT / "benchmark-results")
-    parser.add_argument("--update-readme", action="store_true", help="put the table into README.md")
+    parser.add_argument("--update-docs", action="store_true", help="renew docs/benchmarks.md")
     given = parser.parse_args(arguments)
     known = {case.name: case for case in CASES}
     if unknown := [name for name in given.cases if name not in known]:
@@ -65,8 +66,9 @@ def main(arguments: list[str] | None = None) -> int:
     text = markdown(rows, facts(effort.rounds))
     (given.output / "table.md").write_text(text + "\n", encoding="utf-8")
     print(f"\n{text}")
-    if given.update_readme:
-        update(ROOT / "README.md", text)
+    if given.update_docs:
+        update(ROOT / "docs" / "benchmarks.md", text)
+        speed_chart(rows, ROOT / "docs" / "gallery" / "speed.svg")
     return 0
 
 

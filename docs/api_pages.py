@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 import inspect
 import re
@@ -32,6 +33,25 @@ def write(folder: Path) -> None:
     listed = "\n".join(f"{title} <{name}>" for name, title in PAGES.items())
     tree = f"```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```"
     put(folder / "all.md", f"# Names one by one\n\n{tree}\n")
+
+
+@functools.cache
+def entries() -> dict[str, tuple[str, str]]:
+    """Name as written in prose, ``da.X``, ``X`` or ``planar.X`` → its page and heading."""
+    named: dict[str, tuple[str, str]] = {}
+    for page_name in PAGES:
+        short = "da" if page_name == "dalembert" else page_name.removeprefix("dalembert.")
+        for name in names_of(module_of(page_name)):
+            named[f"{short}.{name}"] = (page_name, f"{short}.{name}")
+            if short == "da":
+                named[name] = (page_name, f"{short}.{name}")
+    return named
+
+
+def entry_of(literal: str) -> tuple[str, str] | None:
+    """Page and heading of a name or a call in prose; None for other text."""
+    match = re.fullmatch(r"((?:\w+\.)*\w+)(\(.*\))?", literal)
+    return entries().get(match[1]) if match else None
 
 
 def put(path: Path, text: str) -> None:

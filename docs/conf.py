@@ -27,6 +27,8 @@ exclude_patterns = ["_build"]
 suppress_warnings = ["myst.xref_missing"]  # links to files of the repository
 html_theme = "furo"
 html_title = f"dalembert {release}"
+html_static_path = ["static"]
+html_css_files = ["pages.css"]
 html_theme_options = {
     "light_css_variables": {"color-brand-primary": "#0b63a5", "color-brand-content": "#0b63a5"},
     "dark_css_variables": {"color-brand-primary": "#5cb1f0", "color-brand-content": "#5cb1f0"},
@@ -44,6 +46,26 @@ def number_equations(app, doctree):
             block.children = [nodes.Text(f"\\begin{{equation}}\n{text}\n\\end{{equation}}")]
 
 
+def link_names(app, doctree, docname):
+    """Public names in prose, such as ``solve_dynamics``, link to their entries."""
+    from docutils import nodes
+
+    for literal in list(doctree.findall(nodes.literal)):
+        parents, parent = [], literal.parent
+        while parent is not None:
+            parents.append(parent)
+            parent = parent.parent
+        entry = api_pages.entry_of(literal.astext())
+        if entry is None or any(isinstance(p, (nodes.reference, nodes.title)) for p in parents):
+            continue
+        page, anchor = entry
+        uri = app.builder.get_relative_uri(docname, f"api/{page}") + f"#{nodes.make_id(anchor)}"
+        reference = nodes.reference("", "", internal=True, refuri=uri)
+        literal.parent.replace(literal, reference)
+        reference += literal
+
+
 def setup(app):
     app.connect("builder-inited", lambda app: api_pages.write(Path(app.srcdir) / "api"))
     app.connect("doctree-read", number_equations)
+    app.connect("doctree-resolved", link_names)

@@ -74,18 +74,19 @@ def judged_mechanism(seed: int, kind: str, m: Mechanism, tries: int = 20) -> Jud
         model = m.system.build()
     except da.DalembertError as error:
         return Judged(seed, kind, {}, type(error).__name__, str(error))
-    for _ in range(tries):
-        choices = random_choices(rng)
+    refusal = ""
+    for choices in [*(random_choices(rng) for _ in range(tries)), {}]:  # at last the defaults
         try:
             motion = da.solve_dynamics(model, STEP * STEPS, step=STEP, outputs=3, **choices)
-        except da.UnsupportedError:
+        except da.UnsupportedError as error:
+            refusal = str(error)
             continue
         except da.DalembertError as error:
             return Judged(seed, kind, choices, type(error).__name__, str(error))
         if not motion.status.success:
             return Judged(seed, kind, choices, motion.status.outcome.name, motion.status.message)
         return Judged(seed, kind, choices, "completed", "", tuple(faults(m, motion)))
-    return Judged(seed, kind, {}, "UnsupportedError")
+    return Judged(seed, kind, {}, "UnsupportedError", refusal)
 
 
 def faults(m: Mechanism, motion) -> list[str]:

@@ -7,6 +7,7 @@ import pytest
 from benchmarks import __main__ as command
 from benchmarks.cases.base import Effort
 from benchmarks.mechanisms import slider_crank
+from benchmarks.picture import speed_chart
 from benchmarks.sample import Row, Sample
 from benchmarks.solvers import ours
 from benchmarks.table import BEGIN, END, markdown, update
@@ -40,15 +41,31 @@ def test_the_table_tells_losses_and_stands_between_its_markers(tmp_path):
     row.samples["dalembert"] = Sample(4e-6, 4e-6, 4e-6, "s", "20 steps")
     table = markdown([row], ["a machine"])
     assert "| race | one step | 4 µs (20 steps) | 1 µs ± 10 % | 0.25 |" in table
-    readme = tmp_path / "README.md"
-    readme.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
-    update(readme, table)
-    text = readme.read_text(encoding="utf-8")
+    page = tmp_path / "benchmarks.md"
+    page.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
+    update(page, table)
+    text = page.read_text(encoding="utf-8")
     assert table in text and "old" not in text
     assert text.startswith("before") and text.endswith("after\n")
-    readme.write_text("nothing", encoding="utf-8")
+    page.write_text("nothing", encoding="utf-8")
     with pytest.raises(SystemExit, match="has no lines"):
-        update(readme, table)
+        update(page, table)
+
+
+def test_cases_with_the_same_solvers_share_a_table(tmp_path):
+    def row(case, **seconds):
+        return Row(case, "one step", {n: Sample(s, s, s, "s") for n, s in seconds.items()})
+
+    rows = [
+        row("a", dalembert=1.0, Peer=1500.0),
+        row("b", dalembert=2.0, Peer=1.0),
+        row("c", dalembert=1.0),
+    ]
+    table = markdown(rows, [])
+    assert table.count("| case | quantity | dalembert |") == 2
+    assert "| 1,500 |" in table and "| 0.5 |" in table and table.endswith("| c | one step | 1 s |")
+    speed_chart([row("four-bar", dalembert=1.0, Peer=14.0)], tmp_path / "speed.svg")
+    assert "14 (Peer)" in (tmp_path / "speed.svg").read_text(encoding="utf-8")
 
 
 def test_every_case_is_named_once():

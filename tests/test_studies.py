@@ -41,6 +41,16 @@ def study(design: da.Design, **how) -> da.Study:
     return da.sweep(pendulum, design, analysis=SHORT, responses=RESPONSES, **how)
 
 
+def test_a_study_carries_the_warnings_of_its_extreme_designs():
+    design = da.Design.table({"length": [1.0, 0.005, 1.2], "mass": [1.0, 1.0, 1.0]})
+    fast = da.sweep(pendulum, design, analysis=da.Dynamics(0.5, step=0.02), responses=RESPONSES)
+    assert fast.success.all()
+    assert any(text.startswith("design 1: steps of 0.02 s are long") for text in fast.warnings)
+    assert fast.summary()["warnings"] == list(fast.warnings)
+    controlled = da.sweep(pendulum, design, analysis=da.Dynamics(0.5), responses=RESPONSES)
+    assert not list(controlled.warnings)
+
+
 def test_designs():
     grid = da.Design.grid({"a": [1, 2, 3], "b": [10, 20]})
     assert grid.values.tolist() == [[1, 10], [1, 20], [2, 10], [2, 20], [3, 10], [3, 20]]

@@ -1,8 +1,9 @@
-"""The gallery: examples in categories."""
+"""Gallery: a grid of cards for each topic, then the description of each example."""
 
 from __future__ import annotations
 
 import ast
+import re
 from pathlib import Path
 
 from reference.markdown import markdown
@@ -45,10 +46,19 @@ CATEGORIES: dict[str, tuple[str, str]] = {
         "spring_pendulum three_body_system",
     ),
 }
-"""Of the gallery: title → a moving picture, and its examples."""
+"""Topic → a moving picture, and the names of its examples."""
+TITLES = {
+    "mbb_beam": "MBB beam",
+    "n_four_bar": "N four-bars",
+    "rssr_four_bar": "RSSR four-bar",
+}
+"""Titles that are not the capitalised names of the files."""
+COLUMNS = 3
+"""Cards in a row."""
 
 
 def gallery() -> str:
+    """All topics, in Markdown."""
     folder = ROOT / "examples"
     stems = sorted(
         {p.stem for p in folder.glob("*.toml")}
@@ -56,26 +66,59 @@ def gallery() -> str:
     )
     parts = []
     for title, (moving, members) in CATEGORIES.items():
-        parts.append(f"## {title}")
-        if moving:
-            parts.append(f"![{moving.replace('_', ' ')}, moving](gallery/{moving}.gif)")
-        parts += [_example(folder, stem) for stem in stems if stem in members.split()]
-    known = {stem for _, members in CATEGORIES.values() for stem in members.split()}
-    if missing := [stem for stem in stems if stem not in known]:
+        listed = [stem for stem in stems if stem in members.split()]
+        parts += [f"## {title}", _cards(folder, listed, moving)]
+        parts += [_example(folder, stem) for stem in listed]
+    listed = {stem for _, members in CATEGORIES.values() for stem in members.split()}
+    if missing := [stem for stem in stems if stem not in listed]:
         raise ValueError(f"the gallery has no category for {', '.join(missing)}")
     return "\n\n".join(parts)
 
 
-def _example(folder: Path, stem: str) -> str:
+def _cards(folder: Path, stems: list[str], moving: str) -> str:
+    """A table of pictures with titles and summaries; the moving picture comes first."""
+    order = sorted(stems, key=lambda stem: (stem != moving, not _picture(stem, moving)))
+    cards = [_card(folder, stem, moving) for stem in order]
+    cards += [" "] * (-len(cards) % COLUMNS)
+    rows = [cards[k : k + COLUMNS] for k in range(0, len(cards), COLUMNS)]
+    head = [" |" * COLUMNS, "---|" * COLUMNS]
+    return "\n".join(f"|{row}" for row in [*head, *("|".join(row) + "|" for row in rows)])
+
+
+def _card(folder: Path, stem: str, moving: str) -> str:
+    title, paragraph = _title(stem), " ".join(_text(folder, stem).split("\n\n")[0].split())
+    summary = re.split(r"(?<=\.) ", paragraph)[0]
+    link = f"(#{title.lower().replace(' ', '-')})"
+    picture = _picture(stem, moving)
+    image = f"[![{title}]({picture})]{link}<br>" if picture else ""
+    return f" {image}[**{title}**]{link}<br>{markdown(summary).replace('|', chr(92) + '|')} "
+
+
+def _title(stem: str) -> str:
+    return TITLES.get(stem, stem.replace("_", " ").capitalize())
+
+
+def _picture(stem: str, moving: str = "") -> str:
+    """Path of the picture of an example; empty where it has none."""
+    name = f"gallery/{stem}.{'gif' if stem == moving else 'png'}"
+    return name if (DOCS / name).exists() else ""
+
+
+def _text(folder: Path, stem: str) -> str:
+    """Docstring of the script, else the comment at the head of the model file."""
     script, model = folder / f"{stem}.py", folder / f"{stem}.toml"
     if script.exists():
-        text = ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or ""
-    else:
-        lines = model.read_text(encoding="utf-8").splitlines()
-        comments = lines[: next(k for k, line in enumerate(lines) if not line.startswith("#"))]
-        text = "\n".join(line.lstrip("# ") for line in comments)
-    links = [f"[{p.name}](../examples/{p.name})" for p in (model, script) if p.exists()]
-    parts = [f"### {stem.replace('_', ' ')}", markdown(text), ", ".join(links)]
-    if (DOCS / "gallery" / f"{stem}.png").exists():
-        parts.append(f"![{stem.replace('_', ' ')}](gallery/{stem}.png)")
+        return ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or ""
+    lines = model.read_text(encoding="utf-8").splitlines()
+    comments = lines[: next(k for k, line in enumerate(lines) if not line.startswith("#"))]
+    return "\n".join(line.lstrip("# ") for line in comments)
+
+
+def _example(folder: Path, stem: str) -> str:
+    paths = (folder / f"{stem}.toml", folder / f"{stem}.py")
+    links = [f"[{path.name}](../examples/{path.name})" for path in paths if path.exists()]
+    title = _title(stem)
+    parts = [f"### {title}", markdown(_text(folder, stem)), ", ".join(links)]
+    if picture := _picture(stem):
+        parts.append(f"![{title}]({picture})")
     return "\n\n".join(parts)

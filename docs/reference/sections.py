@@ -80,7 +80,7 @@ FIXED = {
         task_tables.CompareTable,
         {
             "formulations": "names, or tables with `type` and keys; by default "
-            "[a few](formulations.md#see-it-on-your-mechanism)",
+            "[a few](formulations.md#comparison-on-your-mechanism)",
             "integrators": "the same",
             "stabilizations": "the same; `Projection` by default",
             "coordinates": "the same; `AbsoluteCoordinates` where formulations are named",

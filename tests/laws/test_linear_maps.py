@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
 from dalembert.symbolic.evaluation.prelude import before
 
 T, X, P = ca.SX.sym("t"), ca.SX.sym("x", 3), ca.SX.sym("p", 2)
@@ -67,3 +67,12 @@ def test_functions_after_the_prelude(function):
         function.function.call([t, x, p]), rest.call([t, x, values(p)]), strict=True
     ):
         assert found.full() == pytest.approx(exact.full(), abs=0)
+
+
+def test_an_unknown_that_is_identically_zero_can_be_eliminated():
+    z = ca.SX.sym("z")
+    stage = Stage(z, P[0] * z, ca.SX(1, 1), lambda r: r / P[0], lambda w: w / P[0])
+    function = ImplicitFunction("f", [T, X, P], [stage], [z + X[0], z * X[1]])
+    assert function.function(*POINT)[0] == pytest.approx(0.4) and function.function(*POINT)[1] == 0
+    weights = function.adjoint(*POINT, [1.0], [0.0])
+    assert weights[1].full().ravel() == pytest.approx([1, 0, 0])

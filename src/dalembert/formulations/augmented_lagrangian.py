@@ -52,7 +52,7 @@ class AugmentedLagrangian(Formulation):
     """
 
     factor: float = 1e7
-    iterations: int = 3
+    iterations: int = 5
 
     def __post_init__(self) -> None:
         if not 0 < self.factor < float("inf") or self.iterations < 1:

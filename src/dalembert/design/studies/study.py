@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,6 +34,8 @@ class Study(Decision):
     reused : how many answers were in the folder already
     units : of parameters and responses, by name
     stored : file of the whole table in the folder
+    warnings : warnings of the designs with the smallest and largest responses, which run again on
+        their own when the warnings are first read
 
     Examples
     --------
@@ -62,6 +64,7 @@ class Study(Decision):
     reused: int = 0
     units: Mapping[str, str] = field(default_factory=dict)
     stored: Path | None = None
+    warnings: Sequence[str] = ()
 
     @property
     def message(self) -> str:  # type: ignore[override]

@@ -20,6 +20,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.responses.several import as_responses
 from dalembert.results.result import Analysis
+from dalembert.results.warnings import Warnings
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
 
@@ -27,6 +28,8 @@ ModelSource = ParametricModel | Callable[[], ParametricModel]
 LARGEST_CHUNK = 256
 LEAST_BATCH = 128
 """Designs that are run side by side at once, where there are so many."""
+CHECKED = 4
+"""Upper limit of designs that run again on their own for their warnings."""
 
 
 @spelled
@@ -136,7 +139,25 @@ def _study(
     values = np.array([a.values for a in listed])
     reasons = tuple(a.reason for a in listed)
     where = None if folder is None else Path(folder)
-    return Study(task.model.name, design, labels, values, reasons, where, reused, task.units)
+    warnings = Warnings(deferred=lambda: task.warnings(design, _extreme_designs(values)))
+    return Study(
+        task.model.name,
+        design,
+        labels,
+        values,
+        reasons,
+        where,
+        reused,
+        task.units,
+        warnings=warnings,
+    )
+
+
+def _extreme_designs(values: np.ndarray) -> list[int]:
+    """Designs with the smallest and largest values of the responses, at most ``CHECKED``."""
+    columns = [column for column in values.T if np.isfinite(column).any()]
+    extremes = [pick(column) for column in columns for pick in (np.nanargmin, np.nanargmax)]
+    return [int(k) for k in dict.fromkeys(extremes)][:CHECKED]
 
 
 def _chunks(design: Design, done: dict[int, Answer], size: int) -> list[Chunk]:

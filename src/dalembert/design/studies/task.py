@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from typing import Any
@@ -121,6 +122,16 @@ class StudyTask:
         if found is None:
             return self.failed(number, problem.failures[-1])
         return Answer(number, tuple(float(v) for v in found.values))
+
+    def warnings(self, design: Design, numbers: Iterable[int]) -> list[str]:
+        """Warnings of some designs, each run on its own."""
+        texts: list[str] = []
+        for number in numbers:
+            parameters = dict(zip(design.names, design.values[number], strict=True))
+            with suppress(DalembertError):  # the batch ran it in another way
+                result = self.analysis.run(self.model, parameters)
+                texts += [f"design {number}: {text}" for text in result.warnings]
+        return texts
 
     def check(self, design: Design) -> None:
         """Refuse names that the model does not have.

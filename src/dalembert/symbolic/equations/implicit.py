@@ -220,7 +220,7 @@ class ImplicitFunction:
     ) -> ca.Function:
         for stage in reversed(self.stages):
             value = stage.trial.value if tried and stage.trial is not None else stage.value
-            outputs = ca.substitute(outputs, [stage.unknown], [value])
+            outputs = ca.substitute(outputs, [stage.unknown], [ca.densify(value)])
         return condensed(name, inputs, [ca.densify(o) for o in outputs])
 
 
