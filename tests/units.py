@@ -139,7 +139,7 @@ class _Translation:
         value, unit = getattr(element, field.name), field.metadata.get("unit", "")
         if isinstance(value, Expression):
             linear, _, angular = unit.partition(" | ")
-            unit = angular if getattr(element, "sliding_unit", "m") == "rad" else linear
+            unit = angular if getattr(element, "free_unit", "m") == "rad" else linear
             unit = element.unit if isinstance(element, planar.UserConstraint) else unit
             if isinstance(element, planar.Stop) and field.name == "stiffness":
                 power = float(element.exponent.sx) if element.exponent.sx.is_constant() else 1.5

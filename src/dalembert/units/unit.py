@@ -154,14 +154,14 @@ def _named(name: str) -> Unit:
         return Unit(name, 1.0, COHERENT[name], name)
     registry = _registry()
     try:
-        one = registry.Quantity(1.0, registry.parse_units(name)).to_base_units()
-        two = registry.Quantity(2.0, registry.parse_units(name)).to_base_units()
+        single = registry.Quantity(1.0, registry.parse_units(name)).to_base_units()
+        double = registry.Quantity(2.0, registry.parse_units(name)).to_base_units()
     except Exception:  # pint raises many types
         raise ExpressionError(f"unknown unit {name!r}{_nearest(name)}") from None
-    if not math.isclose(two.magnitude, 2 * one.magnitude):
+    if not math.isclose(double.magnitude, 2 * single.magnitude):
         raise ExpressionError(f"{name} has an offset; temperatures are differences, write 'K'")
-    dimension = {BASES.get(str(base), str(base)): n for base, n in one.unit_items()}
-    return Unit(name, float(one.magnitude), dimension, si_unit(dimension))
+    dimension = {BASES.get(str(base), str(base)): n for base, n in single.unit_items()}
+    return Unit(name, float(single.magnitude), dimension, si_unit(dimension))
 
 
 @functools.cache

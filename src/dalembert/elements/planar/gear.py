@@ -179,7 +179,7 @@ class Coupling(BodyJoint):
     array([2., 2.])
     """
 
-    ratio: Scalar = quantity("", "rotation of the second body per rotation of the first", default=1.0)
+    ratio: Scalar = quantity("", "rotation of body j per rotation of body i", default=1.0)
     carrier: Body = option("body that carries both axes", default=None)
 
     def __post_init__(self) -> None:
