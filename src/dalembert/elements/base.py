@@ -237,7 +237,7 @@ class Constraint(Element):
         """Equations ``Φ`` in the pose symbols of the parts and time."""
         raise NotImplementedError
 
-    def facing(self) -> ca.SX:
+    def assembly_conditions(self) -> ca.SX:
         """Expressions that are positive in the intended assembly; none by default.
 
         The equations alone may also permit a hinge whose axis is reversed.
@@ -252,7 +252,7 @@ class Constraint(Element):
         """Unit of each equation: ``m`` or ``rad``; of speeds, per second."""
         return ["m"] * self.multiplier.numel()
 
-    def compared(self) -> tuple[ca.SX, ca.SX] | None:
+    def measured_and_target(self) -> tuple[ca.SX, ca.SX] | None:
         """The length or angle in its equation and the prescribed value; None if there is none."""
         return None
 
@@ -278,7 +278,7 @@ class ForceElement(Element):
         """Pairs of a velocity, ``rate(s)`` of a coordinate or ``ω``, and the effort on it."""
         raise NotImplementedError
 
-    def touching(self, rate: Rate, energy: float) -> Powers:
+    def contact_powers(self, rate: Rate, energy: float) -> Powers:
         """``powers``; for one-sided forces linearised in contact at a stored energy [J]."""
         return self.powers(rate)
 

@@ -55,7 +55,7 @@ class BodyElement(Element, Coordinates):
     rotates = True
     node = False
     """Whether it is a node of an element, which draws it."""
-    tangible = True
+    has_material_frame = True
     """Whether its frame is fixed in its material, so that joints can be attached to it."""
     dimension = 2
     """Number of coordinates of its points."""
@@ -70,7 +70,7 @@ class BodyElement(Element, Coordinates):
     _measures: dict[str, tuple[ca.SX, str]]
 
     @property
-    def shown(self) -> str:
+    def display_name(self) -> str:
         """Its name in pictures."""
         return self.name
 

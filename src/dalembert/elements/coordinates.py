@@ -98,7 +98,7 @@ class Coordinates:
         """Initial values of pose and twist, None for unspecified entries."""
         return [None] * self.pose.numel(), [None] * self.twist.numel()
 
-    def guessed(self) -> list[bool]:
+    def specified(self) -> list[bool]:
         """For each entry of the twist, whether the position along it was specified."""
         return [value is not None for value in self.guesses()[0]]
 

@@ -52,10 +52,10 @@ class Driver(Constraint):
 
     def deviation(self) -> ca.SX:
         """Difference of the coordinate and the law."""
-        coordinate, value = self.compared()
+        coordinate, value = self.measured_and_target()
         return coordinate - value
 
-    def compared(self) -> tuple[ca.SX, ca.SX]:
+    def measured_and_target(self) -> tuple[ca.SX, ca.SX]:
         return self.coordinate(), self.law.value(t.sx)
 
     def measures(self, rate) -> dict[str, tuple[ca.SX, str]]:

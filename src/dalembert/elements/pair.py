@@ -25,7 +25,7 @@ def need_point(value: Any, owner: str, field: str, dimension: int = 2) -> Point:
     dimension : number of coordinates of the other point, if any
     """
     if isinstance(value, BodyElement):
-        refuse_intangible(value, owner, field)
+        refuse_floating_frame(value, owner, field)
         return Point(value, (0.0,) * max(value.dimension, dimension))
     if not isinstance(value, Point):
         raise ModelError(
@@ -38,13 +38,13 @@ def need_body(value: Any, owner: str, field: str) -> Any:
     """Check that an argument is a body."""
     if not isinstance(value, BodyElement):
         raise ModelError(f"{field} must be a body; got {value!r}", owner)
-    refuse_intangible(value, owner, field)
+    refuse_floating_frame(value, owner, field)
     return value
 
 
-def refuse_intangible(body: BodyElement, owner: str, field: str) -> None:
+def refuse_floating_frame(body: BodyElement, owner: str, field: str) -> None:
     """Refuse the floating frame of a flexible body that follows its mean axes."""
-    if not body.tangible and body.owner is body:
+    if not body.has_material_frame and body.owner is body:
         raise ModelError(
             f"{field} is the frame of {body.name}, which follows its mean axes and is nowhere "
             f"fixed in it; take one of its sections, {body.name}.section(…), or give the body "
@@ -191,11 +191,11 @@ class ConstantDistance(PointJoint):
     length: Scalar = quantity("m", "distance of the two points", above=0.0, keyword=True)
 
     def residual(self) -> ca.SX:
-        distance, length = self.compared()
+        distance, length = self.measured_and_target()
         return distance - length
 
     def look(self) -> list[Look]:
         return [Rod(self.point_i, self.point_j)]
 
-    def compared(self) -> tuple[ca.SX, ca.SX]:
+    def measured_and_target(self) -> tuple[ca.SX, ca.SX]:
         return self.distance, self.length.sx

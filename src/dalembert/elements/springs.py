@@ -74,23 +74,23 @@ class SpringDamper(ForceElement):
     damping: Scalar
     law: ForceLaw | None
 
-    def relaxed(self) -> ca.SX:
+    def free_value(self) -> ca.SX:
         raise NotImplementedError
 
     def elastic(self) -> ca.SX:
         """Force of the spring alone."""
-        return self.stiffness.sx * (self.coordinate() - self.relaxed())
+        return self.stiffness.sx * (self.coordinate() - self.free_value())
 
     def force(self, rate: Rate) -> ca.SX:
         s = self.coordinate()
         linear = self.elastic() + self.damping.sx * rate(s)
         if self.law is None:
             return linear
-        extension = Expression(s - self.relaxed(), "extension", self.coordinate_unit)
+        extension = Expression(s - self.free_value(), "extension", self.coordinate_unit)
         value = call_law(self.law, f"{self.name}.law", extension, Expression(rate(s), "rate"))
         return linear + as_expression(value, f"{self.name}.law", self.force_unit).sx
 
-    def drawn(self, spring: type[Look], damper: type[Look], *ends: Any) -> list[Look]:
+    def primitives(self, spring: type[Look], damper: type[Look], *ends: Any) -> list[Look]:
         """Primitives for a nonzero damping and a nonzero stiffness or law."""
         elastic = not self.stiffness.sx.is_zero() or self.law is not None
         dampers = [] if self.damping.sx.is_zero() else [damper]
@@ -100,7 +100,7 @@ class SpringDamper(ForceElement):
         return [(rate(self.coordinate()), -self.force(rate))]
 
     def potential(self) -> ca.SX:
-        return self.stiffness.sx * (self.coordinate() - self.relaxed()) ** 2 / 2
+        return self.stiffness.sx * (self.coordinate() - self.free_value()) ** 2 / 2
 
     def dissipation(self, rate: Rate) -> Powers:
         speed = rate(self.coordinate())
@@ -128,7 +128,7 @@ class AngularSpring(SpringDamper):
     force_name = "moment"
     force_unit = "N m"
 
-    def relaxed(self) -> ca.SX:
+    def free_value(self) -> ca.SX:
         return self.free_angle.sx
 
 
@@ -175,11 +175,11 @@ class Spring(SpringDamper, PointPair):
             return ca.sqrt(ca.sumsqr(self.between) + SMALLEST_LENGTH**2)
         return super().coordinate()
 
-    def relaxed(self) -> ca.SX:
+    def free_value(self) -> ca.SX:
         return self.free_length.sx
 
     def look(self) -> list[Look]:
-        return self.drawn(Coil, Dashpot, self.point_i, self.point_j)
+        return self.primitives(Coil, Dashpot, self.point_i, self.point_j)
 
 
 @dataclass(eq=False)

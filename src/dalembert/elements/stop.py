@@ -76,7 +76,7 @@ class Stop(ForceElement):
     def powers(self, rate: Rate) -> Powers:
         return [(rate(self.coordinate.sx), self.force(rate))]
 
-    def touching(self, rate: Rate, energy: float) -> Powers:
+    def contact_powers(self, rate: Rate, energy: float) -> Powers:
         s, k, e = self.coordinate.sx, self.stiffness.sx, self.exponent.sx
         depth = ((e + 1) * energy / k) ** (1 / (e + 1))
         elastic, viscous = e * k * depth ** (e - 1), self.damping.sx * k * depth**e

@@ -109,7 +109,7 @@ def _elastic(model: Model) -> tuple[list[str], ca.Function | None]:
         def rate(s: ca.SX, owners=owners) -> ca.SX:
             return rate_of(s, owners, e.t)
 
-        for u, q in _components(element.touching(rate, model.scales.energy)):
+        for u, q in _components(element.contact_powers(rate, model.scales.energy)):
             u, q = (model.at_ground(x) for x in (u, q))
             if not free_symbols(q) & places:  # as a weight: no derivative has to tell
                 continue

@@ -88,7 +88,7 @@ class Compliant(Unilateral, ForceElement):
         normal: Powers = [(f.speed, f.normal) for f in forces]
         return [*normal, *((f.gap.slip, f.friction) for f in forces)]
 
-    def touching(self, rate: Rate, energy: float) -> Powers:
+    def contact_powers(self, rate: Rate, energy: float) -> Powers:
         law = self.normal_law()
         if law is None:
             return []

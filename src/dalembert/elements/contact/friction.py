@@ -39,7 +39,7 @@ class Bristles(Coordinates):
     def guesses(self) -> tuple[list, list]:
         return [ca.SX(0)] * self.pose.numel(), []
 
-    def guessed(self) -> list[bool]:
+    def specified(self) -> list[bool]:
         return []
 
 

@@ -121,7 +121,7 @@ class Flexible(FloatingFrame):
                 f"{self.dimension}",
                 self.name,
             )
-        self.tangible = self.reference != MEAN
+        self.has_material_frame = self.reference != MEAN
         self.mass = Expression(self.graph.inertia[0, 0], f"{self.name}.mass", "kg")
 
     def _parameters(self) -> tuple[dict[str, float], dict[str, ca.SX]]:

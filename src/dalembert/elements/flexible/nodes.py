@@ -110,9 +110,9 @@ class OwnNode:
         pose, twist = super().guesses()  # type: ignore[misc]
         return (pose if self.estimate is None else ca.vertsplit(self.estimate())), twist
 
-    def guessed(self) -> list[bool]:
+    def specified(self) -> list[bool]:
         body: Any = super()
-        return body.guessed() if self.estimate is None else [False] * len(body.guessed())
+        return body.specified() if self.estimate is None else [False] * len(body.specified())
 
 
 class Noded:
@@ -156,13 +156,13 @@ class Noded:
         """A massless body at the specified start of the element."""
         raise NotImplementedError
 
-    def carried(self, k: int) -> tuple[ca.SX, ca.SX]:
+    def natural_pose(self, k: int) -> tuple[ca.SX, ca.SX]:
         """Position and rotation of a node on the natural shape attached to the start."""
         raise NotImplementedError
 
     def _estimate(self, k: int) -> ca.SX:
         """Pose of a node from the guesses of the start."""
-        return initial_value(ca.vertcat(*self.carried(k)), [self.start]).sx
+        return initial_value(ca.vertcat(*self.natural_pose(k)), [self.start]).sx
 
     def _section(self, k: int) -> CrossSection:
         if k in self.nodes:

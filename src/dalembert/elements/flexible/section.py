@@ -43,7 +43,7 @@ class Section(BodyElement):
         return self.owner.graph.sections[self.label]
 
     @property
-    def shown(self) -> str:
+    def display_name(self) -> str:
         return f"{self.name}.{self.label}"
 
     @property
@@ -76,8 +76,8 @@ class Section(BodyElement):
     def guesses(self) -> tuple[list, list]:
         return self.owner.guesses()
 
-    def guessed(self) -> list[bool]:
-        return self.owner.guessed()
+    def specified(self) -> list[bool]:
+        return self.owner.specified()
 
 
 def _of_owner(name: str) -> property:

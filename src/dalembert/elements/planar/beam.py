@@ -83,7 +83,7 @@ class Beam(InPlane, beam.Beam):
         return rotation(self.sections[0].turn)
 
     @once
-    def carried(self, k: int) -> tuple[ca.SX, ca.SX]:
+    def natural_pose(self, k: int) -> tuple[ca.SX, ca.SX]:
         base = self.sections[0]
         place, angle = self.natural(self.length.sx * self.places[k])
         return base.place + ca.mtimes(self.start_axes, place), base.turn + angle
@@ -117,8 +117,8 @@ class Beam(InPlane, beam.Beam):
 
     def shape_error(self, k: int) -> ca.SX:
         last, share = self.sections[-1], self.places[k]
-        place, angle = self.carried(k)
+        place, angle = self.natural_pose(k)
         if 0 < k < self.count - 1:
-            end, turn = self.carried(self.count - 1)
+            end, turn = self.natural_pose(self.count - 1)
             place, angle = place + share * (last.place - end), angle + share * (last.turn - turn)
         return ca.vertcat(self.sections[k].place - place, self.sections[k].turn - angle)

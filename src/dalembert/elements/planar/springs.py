@@ -51,7 +51,7 @@ class RotationalSpring(AngularSpring, BodyPair):
     """
 
     def look(self) -> list[Look]:
-        return self.drawn(Spiral, Brake, self.body_i, self.body_j)
+        return self.primitives(Spiral, Brake, self.body_i, self.body_j)
 
 
 @dataclass(eq=False)

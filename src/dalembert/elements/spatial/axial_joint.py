@@ -21,7 +21,7 @@ class AxialJoint(FrameJoint, TreeJoint):
     along the other axes of the first frame. Those of the tilt follow, and that of a fixed rotation.
     """
 
-    def facing(self) -> ca.SX:
+    def assembly_conditions(self) -> ca.SX:
         return self.parallel
 
     @property
@@ -94,7 +94,7 @@ class FixedTurn(AxialJoint):
         """Equations ``Φ`` (3,) of the orientation."""
         return ca.vertcat(self.tilt, self.turn_deviation.sine)
 
-    def facing(self) -> ca.SX:
+    def assembly_conditions(self) -> ca.SX:
         return ca.vertcat(self.parallel, self.turn_deviation.cosine)
 
     @property

@@ -114,7 +114,7 @@ class Beam(beam.Beam):
         return rotation.matrix(self.sections[0].turn)
 
     @once
-    def carried(self, k: int) -> tuple[ca.SX, ca.SX]:
+    def natural_pose(self, k: int) -> tuple[ca.SX, ca.SX]:
         base = self.sections[0]
         undeformed = self.natural_section(self.length.sx * self.places[k])
         place = base.place + ca.mtimes(self.start_axes, undeformed.place)
@@ -168,9 +168,9 @@ class Beam(beam.Beam):
 
     def shape_error(self, k: int) -> ca.SX:
         last, share = self.sections[-1], self.places[k]
-        place, turn = self.carried(k)
+        place, turn = self.natural_pose(k)
         if 0 < k < self.count - 1:
-            end, end_turn = self.carried(self.count - 1)
+            end, end_turn = self.natural_pose(self.count - 1)
             between = rotation.product(rotation.conjugate(end_turn), last.turn)
             place = place + share * (last.place - end)
             small = rotation.vector(between) * share / 2

@@ -112,5 +112,5 @@ class FlexibleBody(Flexible, SpatialFrame):
         angular = ca.cross(self.spin, momentum[3:6])
         return ca.vertcat(ca.SX(3, 1), angular, ca.SX(self.shapes.count, 1))
 
-    def guessed(self) -> list[bool]:
-        return [*super().guessed(), *(True for _ in range(self.shapes.count))]
+    def specified(self) -> list[bool]:
+        return [*super().specified(), *(True for _ in range(self.shapes.count))]

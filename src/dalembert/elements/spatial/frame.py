@@ -239,7 +239,7 @@ class SpatialFrame(BodyElement):
             twist += [None] * 3 if spin is None else ca.vertsplit(ca.mtimes(self.axes.T, spin.sx))
         return pose, twist
 
-    def guessed(self) -> list[bool]:
+    def specified(self) -> list[bool]:
         position, orientation, *_ = self.initial
         rotation = [orientation is not None] * 3 if self.rotates else []
         return [position is not None] * 3 + rotation

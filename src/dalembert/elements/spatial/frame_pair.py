@@ -15,7 +15,7 @@ from dalembert.elements.frame import Frame
 from dalembert.elements.pair import (
     initial_value,
     need_point,
-    refuse_intangible,
+    refuse_floating_frame,
     refuse_same_body,
 )
 from dalembert.elements.point import Point
@@ -60,7 +60,7 @@ class Turn:
 def need_frame(value: Any, owner: str, field: str) -> Frame:
     """Check that an argument is a frame of a body; a body stands for its body frame."""
     if isinstance(value, BodyElement):
-        refuse_intangible(value, owner, field)
+        refuse_floating_frame(value, owner, field)
         value = Frame(value)
     if not isinstance(value, Frame):
         raise ModelError(

@@ -50,7 +50,7 @@ class TreeJoint:
         """Free relative motions: name → (coordinate, unit)."""
         raise NotImplementedError
 
-    def sides(self) -> tuple[Point, Point]:
+    def end_frames(self) -> tuple[Point, Point]:
         """The frames or points that it connects; a point has the axes of its body."""
         return self.frame_i, self.frame_j
 

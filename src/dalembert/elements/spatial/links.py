@@ -128,8 +128,8 @@ class RevoluteRevoluteLink(LinkMoments, FrameJoint):
         angle = ca.atan2(sine, ca.dot(i, j)) - self.twist.sx
         return ca.vertcat(position, ca.dot(j, self.between), angle)
 
-    def facing(self) -> ca.SX:
-        return self.parallel if self.twist is None else super().facing()
+    def assembly_conditions(self) -> ca.SX:
+        return self.parallel if self.twist is None else super().assembly_conditions()
 
     def units(self) -> list[str]:
         return ["m", "m", *(["rad", "rad"] if self.twist is None else ["m", "rad"])]

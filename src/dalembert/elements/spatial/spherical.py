@@ -43,7 +43,7 @@ class Spherical(PointJoint, TreeJoint):
         return self.between
 
     # joint coordinates ------------------------------------------------------------------------
-    def sides(self) -> tuple[Point, Point]:
+    def end_frames(self) -> tuple[Point, Point]:
         return self.point_i, self.point_j
 
     def joint_space(self) -> JointSpace:

@@ -52,7 +52,7 @@ class TorsionSpring(AngularSpring, FramePair):
         return self.turn.angle
 
     def look(self) -> list[Look]:
-        return self.drawn(Spiral, Brake, *self.ends())
+        return self.primitives(Spiral, Brake, *self.ends())
 
 
 @dataclass(eq=False)

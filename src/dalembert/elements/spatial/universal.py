@@ -77,8 +77,8 @@ class Universal(FrameJoint, TreeJoint):
         squared_sine = ca.sumsqr(ca.cross(self.frame_i.axis, self.frame_j.axis))
         start = initial_value(squared_sine, self.ends()).sx - PARALLEL**2
         message = "the arms of its cross are parallel; give frames whose z axes are perpendicular"
-        all_guessed = all(all(body.guessed()) for body in self.ends() if body.name != "ground")
-        return [*super().conditions(), *([(start, message)] if all_guessed else [])]
+        all_specified = all(all(body.specified()) for body in self.ends() if body.name != "ground")
+        return [*super().conditions(), *([(start, message)] if all_specified else [])]
 
     # joint coordinates ------------------------------------------------------------------------
     def turned(self, q: ca.SX) -> ca.SX:

@@ -57,7 +57,8 @@ class Assemblies:
         self.singular: list[bool] = []
         self.not_isolated = 0
         e, parts = closure.all_equations, closure.description.constraints
-        facing = at_ground(closure.description.ground, stack(c.facing() for c in parts))
+        conditions = stack(c.assembly_conditions() for c in parts)
+        facing = at_ground(closure.description.ground, conditions)
         self._facing = ca.Function("facing", [e.t, e.y, e.p], [ca.densify(facing)])
 
     def search(

@@ -48,7 +48,7 @@ class Guesses:
             pose, twist = group.guesses()
             made.pose += pose
             made.twist += twist
-            made.given += group.guessed()
+            made.given += group.specified()
             made.angles += [group.flat and unit == "rad" for unit in group.speed_units]
             made.names += [f"{group.name}.{n}" for n in group.coordinate_names]
             made.units += list(group.coordinate_units)

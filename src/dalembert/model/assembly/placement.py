@@ -37,9 +37,9 @@ def curve_searches(
 def loosely_facing(d: Description) -> list[ca.SX]:
     """Directions of joints that the given poses do not settle."""
     return [
-        constraint.facing()
+        constraint.assembly_conditions()
         for constraint in d.constraints
-        if not all(all(p.guessed()) for p in constraint.parts() if p.name != "ground")
+        if not all(all(p.specified()) for p in constraint.parts() if p.name != "ground")
     ]
 
 

@@ -62,7 +62,7 @@ class PositionSearch:
         self.weight = np.where(assembler.guesses.missing, MISSING_WEIGHT, 1.0)
         e, facing = (
             assembler.equations,
-            at_ground(d.ground, stack(c.facing() for c in d.constraints)),
+            at_ground(d.ground, stack(c.assembly_conditions() for c in d.constraints)),
         )
         self._facing = ca.Function("facing", [e.t, e.y, e.p], [ca.densify(facing)])
 

@@ -65,7 +65,7 @@ class SpatialLink(Link):
             return super().standing
         first, second = (
             rotation.product(body.orientation, _euler(point))
-            for body, point in zip(self.joint.ends(), self.joint.sides(), strict=True)
+            for body, point in zip(self.joint.ends(), self.joint.end_frames(), strict=True)
         )
         by_q = rotation.product(first, self.joint.turned(self.space.reading))
         return rotation.product(rotation.conjugate(by_q), second)
@@ -109,7 +109,7 @@ class SpatialLink(Link):
     @property
     def _sides(self) -> tuple[Point, ...]:
         """What the joint holds on: on the carrier, on the child."""
-        return self.joint.sides()[:: 1 if self._forward else -1]
+        return self.joint.end_frames()[:: 1 if self._forward else -1]
 
     def _turned(self, q: ca.SX) -> ca.SX:
         """(4,) Euler parameters of the child in its carrier, by one product with constants."""

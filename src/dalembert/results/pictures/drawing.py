@@ -66,8 +66,8 @@ class Drawing:
         sketch, found = self.sketch, []
         for section in sketch.sections:
             pose = section_poses(sketch.motion, self.keep, section)
-            described = {"name": section.shown, "of": section.name, **self.pose(*pose)}
-            found.append(described | {"shapes": sketch.shapes[section.shown]})
+            described = {"name": section.display_name, "of": section.name, **self.pose(*pose)}
+            found.append(described | {"shapes": sketch.shapes[section.display_name]})
         for body in self.model.bodies:
             if isinstance(body, FloatingFrame):
                 for k, (pose, length) in enumerate(pieces(sketch.motion, self.keep, body)):
@@ -94,13 +94,13 @@ class Drawing:
         """Places on each body, named ones first."""
         for body in self.model.bodies:
             for point in body.points.values():
-                self.points[point.body.shown].append(tuple(self.sketch.local(point)))
+                self.points[point.body.display_name].append(tuple(self.sketch.local(point)))
         for element in self.sketch.elements:
             for point in vars(element).values():
                 if isinstance(point, Point):
                     spot = tuple(self.sketch.local(point))
-                    if spot not in self.points[point.body.shown]:
-                        self.points[point.body.shown].append(spot)
+                    if spot not in self.points[point.body.display_name]:
+                        self.points[point.body.display_name].append(spot)
 
     def extent(self) -> float:
         """Size of the mechanism, for symbols without a size of their own."""

@@ -26,7 +26,7 @@ class PlanarSketch(Sketch):
     @draw.register
     def _(self, look: Disc, element: Any) -> None:
         shape = {"center": self.local(look.point), "radius": self.size_of(look.radius)}
-        self.shapes[look.point.body.shown].append({"kind": "disc", **shape})
+        self.shapes[look.point.body.display_name].append({"kind": "disc", **shape})
 
     @draw.register
     def _(self, look: Block, element: Any) -> None:
@@ -34,7 +34,7 @@ class PlanarSketch(Sketch):
         wide = 0.12 * self.size
         shape: dict[str, Any] = {"kind": "block", "center": self.local(look.point)}
         shape |= {"width": wide, "height": 0.6 * wide, "angle": float(np.arctan2(y, x))}
-        self.shapes[look.point.body.shown].append(shape)
+        self.shapes[look.point.body.display_name].append(shape)
 
     @draw.register
     def _(self, look: Mark, element: Any) -> None:

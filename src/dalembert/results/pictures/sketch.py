@@ -65,7 +65,7 @@ class Sketch:
         self.pivots = Pivots(self.elements)
         flexible = (b for b in self.model.bodies if isinstance(b, FloatingFrame))
         self.sections = [section for body in flexible for section in body.sections.values()]
-        names = ["ground", *(b.shown for b in (*self.model.bodies, *self.sections))]
+        names = ["ground", *(b.display_name for b in (*self.model.bodies, *self.sections))]
         self.shapes: dict[str, list[dict]] = {name: [] for name in names}
         self.joints: list[dict] = []
         self.links: list[dict] = []
@@ -92,7 +92,7 @@ class Sketch:
 
     def place(self, point: Point) -> Place:
         """A point, as pages read it."""
-        return {"body": point.body.shown, "point": self.local(point)}
+        return {"body": point.body.display_name, "point": self.local(point)}
 
     def components(self, name: str, vector: ca.SX) -> tuple[str, ...]:
         """Names of a vector's columns; in the plane a moment has only one."""
@@ -117,12 +117,12 @@ class Sketch:
     @draw.register
     def _(self, look: Segment, element: Any) -> None:
         ends = {"from": self.local(look.point_i), "to": self.local(look.point_j)}
-        self.shapes[look.point_i.body.shown].insert(0, {"kind": "bar", **ends})
+        self.shapes[look.point_i.body.display_name].insert(0, {"kind": "bar", **ends})
 
     @draw.register
     def _(self, look: Ball, element: Any) -> None:
         shape = {"kind": "particle", "center": self.local(look.point)}
-        self.shapes[look.point.body.shown].append(shape)
+        self.shapes[look.point.body.display_name].append(shape)
 
     @draw.register
     def _(self, look: Rail, element: Any) -> None:
@@ -133,7 +133,7 @@ class Sketch:
         axis, origin = axis / np.linalg.norm(axis), np.array(self.local(look.point))
         ends = [(origin + s * axis).tolist() for s in (low - margin, high + margin)]
         shape = {"kind": "line", "from": ends[0], "to": ends[1]}
-        self.shapes[look.point.body.shown].append(shape)
+        self.shapes[look.point.body.display_name].append(shape)
 
     @draw.register
     def _(self, look: Path, element: Any) -> None:
@@ -144,7 +144,7 @@ class Sketch:
         parameters = np.tile(self.motion.parameters[:, None], CURVE_SAMPLES)
         points = place.map(CURVE_SAMPLES)(samples, parameters).full().T.tolist()
         shape = {"kind": "curve", "points": points, "closed": bool(look.closed)}
-        self.shapes[look.body.shown].append(shape)
+        self.shapes[look.body.display_name].append(shape)
 
     @draw.register
     def _(self, look: Link, element: Any) -> None:

@@ -41,38 +41,38 @@ class SpatialSketch(Sketch):
     @draw.register
     def _(self, look: Cuboid, element: Any) -> None:
         shape = {"center": self.local(look.center), "size": self.number(look.size).tolist()}
-        self.shapes[look.center.body.shown].append({"kind": "box", **shape})
+        self.shapes[look.center.body.display_name].append({"kind": "box", **shape})
 
     @draw.register
     def _(self, look: Orb, element: Any) -> None:
         shape = {"center": self.local(look.center), "radius": self.size_of(look.radius)}
-        self.shapes[look.center.body.shown].append({"kind": "sphere", **shape})
+        self.shapes[look.center.body.display_name].append({"kind": "sphere", **shape})
 
     @draw.register(Drum)
     @draw.register(Pill)
     def _(self, look: Round, element: Any) -> None:
         shape: dict[str, Any] = {"from": self.local(look.point_i), "to": self.local(look.point_j)}
         shape |= {"kind": ROUND[type(look)], "radius": self.size_of(look.radius)}
-        self.shapes[look.point_i.body.shown].append(shape)
+        self.shapes[look.point_i.body.display_name].append(shape)
 
     @draw.register
     def _(self, look: Surface, element: Any) -> None:
         corners = self.size_of(look.scale) * look.corners
         shape = {"vertices": corners.ravel().tolist(), "faces": look.triangles.ravel().tolist()}
-        self.shapes[look.body.shown].append({"kind": "mesh", **shape})
+        self.shapes[look.body.display_name].append({"kind": "mesh", **shape})
 
     @draw.register
     def _(self, look: Disc, element: Any) -> None:
         seat = self.seat(look.point)
         shape = {"center": seat["point"], "axis": seat["axis"] or [0.0, 0.0, 1.0]}
         shape["radius"] = self.size_of(look.radius)
-        self.shapes[look.point.body.shown].append({"kind": "disc", **shape})
+        self.shapes[look.point.body.display_name].append({"kind": "disc", **shape})
 
     @draw.register
     def _(self, look: Block, element: Any) -> None:
         axis = self.number(self.widened(look.direction)).tolist()
         shape = {"kind": "block", "center": self.local(look.point), "axis": axis}
-        self.shapes[look.point.body.shown].append(shape)
+        self.shapes[look.point.body.display_name].append(shape)
 
     @draw.register
     def _(self, look: Mark, element: Any) -> None:
