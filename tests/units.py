@@ -17,9 +17,9 @@ import dalembert as da
 from dalembert import planar, spatial, t, u
 from dalembert.elements.base import Constraint, Element
 from dalembert.elements.body import BodyElement
+from dalembert.elements.component import Component
 from dalembert.elements.curves import Curve, FormulaCurve
 from dalembert.elements.frame import Frame
-from dalembert.elements.ingredient import Ingredient
 from dalembert.elements.laws.base import Law
 from dalembert.elements.springs import SpringDamper
 from dalembert.symbolic.formulas.expression import Expression
@@ -158,7 +158,7 @@ class _Translation:
             return self.made.elements[value.name]
         if isinstance(value, Law):
             return self.formula(Expression(value.value(t.sx)), element.units()[0])
-        if isinstance(value, Ingredient):
+        if isinstance(value, Component):
             return type(value)(**{f.name: self.value(value, f) for f in dataclasses.fields(value)})
         if isinstance(value, Curve):
             x, y, *z = map(Expression, ca.vertsplit(self.units.length * value.position(u.sx)))

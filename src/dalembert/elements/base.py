@@ -23,9 +23,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.brief import brief, fields_of
 from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.representation import brief, fields_of
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, stack

@@ -7,8 +7,8 @@ from typing import Any, Protocol
 import casadi as ca
 
 from dalembert.elements.base import Vector
-from dalembert.elements.brief import brief, short, spot
 from dalembert.elements.coordinates import rate_of, second_rate_of
+from dalembert.elements.representation import brief, short, spot
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, t

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Condition, ForceElement, Powers, Rate
+from dalembert.elements.component import Component
 from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.unilateral import Gap, Unilateral
-from dalembert.elements.ingredient import Ingredient
 from dalembert.symbolic.formulas.expression import Expression
 
 Measured = dict[str, tuple[ca.SX, str]]
@@ -53,19 +53,19 @@ class Compliant(Unilateral, ForceElement):
         """States of friction, one group per gap."""
         return itertools.repeat(ca.SX(0, 1))
 
-    def ingredients(self) -> dict[str, Ingredient]:
+    def components_by_field(self) -> dict[str, Component]:
         """Laws and shapes by field."""
         return {}
 
     def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
-        parts = self.ingredients().items()
+        parts = self.components_by_field().items()
         quantities = [
             q for field, part in parts for q in part.checked_quantities(f"{self.name}.{field}")
         ]
         return [*super().checked_quantities(), *quantities]
 
     def conditions(self) -> list[Condition]:
-        conditions = [c for part in self.ingredients().values() for c in part.conditions()]
+        conditions = [c for part in self.components_by_field().values() for c in part.conditions()]
         return [*super().conditions(), *conditions]
 
     def contact_forces(self, rate: Rate) -> list[ContactForces]:

@@ -11,6 +11,7 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint, Look, Rate, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
+from dalembert.elements.component import Component
 from dalembert.elements.contact.compliant import Compliant
 from dalembert.elements.contact.contact_point import ContactPoint
 from dalembert.elements.contact.friction import Bristles, Friction
@@ -18,7 +19,6 @@ from dalembert.elements.contact.laws import NormalLaw, Restitution
 from dalembert.elements.contact.shapes import Hollow, Round, Shape, Vertex
 from dalembert.elements.contact.unilateral import Gap, Impact
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.ingredient import Ingredient
 from dalembert.elements.pair import BetweenPoints, need_point, refuse_same_body
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
@@ -136,7 +136,7 @@ class ShapeContact(Compliant):
     def own_constraints(self) -> list[Constraint]:
         return [point.foot for point in self.contact_points if point.foot is not None]
 
-    def ingredients(self) -> dict[str, Ingredient]:
+    def components_by_field(self) -> dict[str, Component]:
         laws = {"law": self.law, "friction": self.friction}
         return {field: law for field, law in laws.items() if law is not None}
 
@@ -213,8 +213,8 @@ class Contact(ShapeContact):
     def shapes(self) -> tuple[Shape, Shape]:
         return self.shape_i, self.shape_j
 
-    def ingredients(self) -> dict[str, Ingredient]:
-        return {"shape_i": self.shape_i, "shape_j": self.shape_j, **super().ingredients()}
+    def components_by_field(self) -> dict[str, Component]:
+        return {"shape_i": self.shape_i, "shape_j": self.shape_j, **super().components_by_field()}
 
 
 @dataclass(eq=False)

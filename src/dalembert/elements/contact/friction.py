@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Condition, Scalar, quantity
+from dalembert.elements.component import Component
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.ingredient import Ingredient
 
 
 class Bristles(Coordinates):
@@ -48,7 +48,7 @@ AT_REST = 1e-6
 
 
 @dataclass(eq=False)
-class Friction(Ingredient):
+class Friction(Component):
     """Force along the surface against the slip ``u``, ``T = −μ(|u|) N u/|u|``."""
 
     def sliding_coefficient(self) -> ca.SX:

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.component import Component
 from dalembert.elements.contact.unilateral import at_most_one
-from dalembert.elements.ingredient import Ingredient
 from dalembert.errors import ModelError
 
 
 @dataclass(eq=False)
-class NormalLaw(Ingredient):
+class NormalLaw(Component):
     """Normal force law; its methods are evaluated at positive penetrations only."""
 
     def elastic(self, depth: ca.SX) -> ca.SX:
@@ -265,7 +265,7 @@ class KelvinVoigt(NormalLaw):
 
 
 @dataclass(eq=False)
-class Restitution(Ingredient):
+class Restitution(Component):
     """Rigid contact with instantaneous impacts, ``ġ⁺ = −e ġ⁻`` (Newton), without a force law.
 
     Parameters

@@ -15,8 +15,8 @@ from typing import Any, ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Look, Scalar, option, quantity
+from dalembert.elements.component import Component
 from dalembert.elements.contact.contact_point import ContactPoint
-from dalembert.elements.ingredient import Ingredient
 from dalembert.elements.look import Ball as Dot, Rail
 from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
@@ -35,7 +35,7 @@ class Spot:
 
 
 @dataclass(eq=False)
-class Shape(Ingredient):
+class Shape(Component):
     """A shape fixed in a body."""
 
     feels: ClassVar[tuple[type[Shape], ...]] = ()

@@ -11,14 +11,14 @@ from typing import Annotated, Any, ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Condition, Scalar, option, quantity
-from dalembert.elements.ingredient import Ingredient
+from dalembert.elements.component import Component
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, t
 
 
 @dataclass(eq=False)
-class Law(Ingredient):
+class Law(Component):
     """Prescribed value ``f(t)``; differentiable twice for velocities and accelerations.
 
     Examples

@@ -18,14 +18,14 @@ def brief(kind: str, name: str, parts: list[str]) -> str:
 
     Examples
     --------
-    >>> from dalembert.elements.brief import brief
+    >>> from dalembert.elements.representation import brief
     >>> brief("Spring", "k", ["stiffness=10 N/m", "free_length=0.5 m"])
     "<Spring 'k': stiffness=10 N/m, free_length=0.5 m>"
     """
-    text, room = f"<{kind} {name!r}", LONGEST - len(kind) - len(name) - 8
+    text, available = f"<{kind} {name!r}", LONGEST - len(kind) - len(name) - 8
     fitting: list[str] = []
     for part in parts:
-        if sum(map(len, fitting)) + 2 * len(fitting) + len(part) > room:
+        if sum(map(len, fitting)) + 2 * len(fitting) + len(part) > available:
             fitting.append("…")
             break
         fitting.append(part)

@@ -1,4 +1,4 @@
-"""Parts of elements with quantities of their own: laws, shapes."""
+"""Components of elements with quantities: laws, shapes."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from dalembert.text.spelling import Spelled
 
 
 @dataclass(eq=False)
-class Ingredient(Spelled):
-    """A part of an element, without a name, that has quantities like an element."""
+class Component(Spelled):
+    """A component of an element without a name, with quantities like an element."""
 
     def __post_init__(self) -> None:
         for field in self._quantity_fields():
