@@ -106,7 +106,7 @@ class _Translation:
         body = self.bodies[point.body.name]
         if isinstance(point, Frame):
             made = body.frame(local)
-            made.local_axes, made.complete = point.local_axes, point.complete
+            made.local_axes, made.has_x_axis = point.local_axes, point.has_x_axis
             return made
         return body.center if not body.rotates else body.point(*local)
 

@@ -65,7 +65,7 @@ class Frame(Point):
         if sum(specified) > 1:
             raise ModelError("give axis=, axes= or rotation=, not several", entity)
         self._rotation_conditions: list[tuple[ca.SX, str, ca.SX]] = []
-        self.complete = x is not None or axis is None
+        self.has_x_axis = x is not None or axis is None
         """Whether its x axis was specified, not chosen."""
         if axes is not None:
             self.local_axes = orthonormal(_matrix(axes, entity), entity)

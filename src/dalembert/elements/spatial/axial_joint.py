@@ -37,7 +37,7 @@ class AxialJoint(FrameJoint, TreeJoint):
         return displacement, q[len(self.slides)] if self.turns() else self.fixed_turn
 
     def turned(self, q: ca.SX) -> ca.SX:
-        return rotation.about_z(self.first_turn + self.placed(q)[1])
+        return rotation.about_z(self.reference_angle + self.placed(q)[1])
 
     def offset(self, q: ca.SX, axes_i: ca.SX) -> ca.SX:
         return ca.mtimes(axes_i, self.placed(q)[0])
@@ -56,7 +56,7 @@ class AxialJoint(FrameJoint, TreeJoint):
         """Motion that opens the sine of a fixed rotation, which may be off by half a turn."""
         if self.turns():
             return []
-        turn = self.first_turn + self.fixed_turn
+        turn = self.reference_angle + self.fixed_turn
         direction = axes_i[:, 0] * ca.cos(turn) + axes_i[:, 1] * ca.sin(turn)
         return [axes_i[:, 2] * ca.dot(axes_j[:, 0], direction)]
 
@@ -77,7 +77,7 @@ class FixedTurn(AxialJoint):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.angle is not None and not self.complete:
+        if self.angle is not None and not self.has_x_axes:
             raise ModelError(
                 "angle= is counted from x axes, and a frame here has only a z axis; give both "
                 "frames x=, axes= or rotation=",
@@ -87,7 +87,7 @@ class FixedTurn(AxialJoint):
     @property
     def turn_deviation(self) -> Turn:
         """Rotation relative to the prescribed one."""
-        return self.turn if self.angle is None else self.turn.after(Turn.of(self.angle.sx))
+        return self.turn if self.angle is None else self.turn.relative_to(Turn.of(self.angle.sx))
 
     @property
     def orientation(self) -> ca.SX:

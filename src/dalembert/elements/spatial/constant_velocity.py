@@ -43,7 +43,7 @@ class ConstantVelocity(FrameJoint):
         """Angle of one shaft relative to the other."""
         cosines = ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axes[:, :2])
         twist = Turn(cosines[0, 0] + cosines[1, 1], cosines[1, 0] - cosines[0, 1])
-        return twist if self.complete else self.since_start(twist)
+        return twist if self.has_x_axes else self.from_initial(twist)
 
     def residual(self) -> ca.SX:
         return ca.vertcat(self.between, self.twist.angle)

@@ -37,7 +37,7 @@ def turn_deviation(joint: SpatialJoint, motion: str | None, angle: ca.SX, owner:
     """Difference of a rotation from the initial poses and an angle, below half a turn."""
     turn = turn_of(joint, motion, owner)
     start = initial_value(turn.pair, joint.ends()).sx
-    return turn.after(Turn(*ca.vertsplit(start))).after(Turn.of(angle)).angle
+    return turn.relative_to(Turn(*ca.vertsplit(start))).relative_to(Turn.of(angle)).angle
 
 
 def travel_deviation(joint: SpatialJoint, motion: str | None, travel: ca.SX, owner: str) -> ca.SX:

@@ -82,7 +82,7 @@ class RotationalDriver(JointDriver):
     def deviation(self) -> ca.SX:
         """Rotation relative to the law, less than half a turn."""
         prescribed = Turn.of(self.law.value(t.sx))
-        return turn_of(self.joint, self.motion, self.name).after(prescribed).angle
+        return turn_of(self.joint, self.motion, self.name).relative_to(prescribed).angle
 
     def units(self) -> list[str]:
         return ["rad"]

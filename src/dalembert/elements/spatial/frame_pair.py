@@ -49,7 +49,7 @@ class Turn:
         """The angle in (−π, π]."""
         return ca.atan2(self.sine, self.cosine)
 
-    def after(self, other: Turn) -> Turn:
+    def relative_to(self, other: Turn) -> Turn:
         """This rotation relative to another one."""
         return Turn(
             self.cosine * other.cosine + self.sine * other.sine,
@@ -195,12 +195,12 @@ class BetweenFrames(OnFrame):
         It is measured from the first x axis if both x axes were specified, otherwise from the
         initial poses.
         """
-        return self._turn if self.complete else self._turn.after(self._turn_at_start)
+        return self._turn if self.has_x_axes else self._turn.relative_to(self._initial_turn)
 
     @property
-    def first_turn(self) -> ca.SX:
+    def reference_angle(self) -> ca.SX:
         """Angle of the x axes at zero rotation."""
-        return ca.SX(0) if self.complete else self._turn_at_start.angle
+        return ca.SX(0) if self.has_x_axes else self._initial_turn.angle
 
     @property
     def _turn(self) -> Turn:
@@ -208,7 +208,7 @@ class BetweenFrames(OnFrame):
         return Turn(*ca.vertsplit(ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axes[:, 0])))
 
     @property
-    def _turn_at_start(self) -> Turn:
+    def _initial_turn(self) -> Turn:
         """Rotation at the initial poses, whose z axes need not be parallel.
 
         If the second x axis is along the first z axis, the rotation after the shortest one that
@@ -221,18 +221,18 @@ class BetweenFrames(OnFrame):
         determined = r[0, 0] ** 2 + r[1, 0] ** 2 > ALONG
         cosine = ca.if_else(determined, r[0, 0], near * r[0, 0] + far * r[1, 1])
         sine = ca.if_else(determined, r[1, 0], near * r[1, 0] - far * r[0, 1])
-        return self.at_start(Turn(cosine, sine))
+        return self.at_initial(Turn(cosine, sine))
 
     @property
-    def complete(self) -> bool:
+    def has_x_axes(self) -> bool:
         """Whether the x axes of both frames were specified."""
-        return self.frame_i.complete and self.frame_j.complete
+        return self.frame_i.has_x_axis and self.frame_j.has_x_axis
 
-    def since_start(self, turn: Turn) -> Turn:
+    def from_initial(self, turn: Turn) -> Turn:
         """A rotation measured from the initial poses."""
-        return turn.after(self.at_start(turn))
+        return turn.relative_to(self.at_initial(turn))
 
-    def at_start(self, turn: Turn) -> Turn:
+    def at_initial(self, turn: Turn) -> Turn:
         """A rotation at the initial poses."""
         start = initial_value(turn.pair, self.ends()).sx
         return Turn(*ca.vertsplit(start / ca.sqrt(ca.sumsqr(start))))

@@ -51,7 +51,7 @@ class Screw(Cylindrical):
         return [self.rail, Nut(self.frame_j, self.frame_i)]
 
     def residual(self) -> ca.SX:
-        deviation = Turn.of(self._turn_at(self.travel[2])).after(self.turn)
+        deviation = Turn.of(self._turn_at(self.travel[2])).relative_to(self.turn)
         return ca.vertcat(super().residual(), self._lead * deviation.angle)
 
     @property
@@ -61,7 +61,7 @@ class Screw(Cylindrical):
 
     def _turn_at(self, displacement: ca.SX) -> ca.SX:
         """The rotation at a displacement."""
-        start = ca.SX(0) if self.complete else initial_value(self.travel[2], self.ends()).sx
+        start = ca.SX(0) if self.has_x_axes else initial_value(self.travel[2], self.ends()).sx
         return (displacement - start) / self._lead
 
     def units(self) -> list[str]:

@@ -59,8 +59,8 @@ class Universal(FrameJoint, TreeJoint):
         return ["m", "m", "m", "rad"]
 
     def turns(self) -> dict[str, Turn]:
-        rows = zip(("angle_i", "angle_j"), self._turns, self._complete, strict=True)
-        return {name: turn if has_x else self.since_start(turn) for name, turn, has_x in rows}
+        rows = zip(("angle_i", "angle_j"), self._turns, self._have_x_axes, strict=True)
+        return {name: turn if has_x else self.from_initial(turn) for name, turn, has_x in rows}
 
     @property
     def _turns(self) -> tuple[Turn, Turn]:
@@ -70,8 +70,8 @@ class Universal(FrameJoint, TreeJoint):
         return Turn(axis_j[0], axis_j[1]), Turn(axis_i[0], -axis_i[1])
 
     @property
-    def _complete(self) -> tuple[bool, bool]:
-        return self.frame_i.complete, self.frame_j.complete
+    def _have_x_axes(self) -> tuple[bool, bool]:
+        return self.frame_i.has_x_axis, self.frame_j.has_x_axis
 
     def conditions(self) -> list[Condition]:
         squared_sine = ca.sumsqr(ca.cross(self.frame_i.axis, self.frame_j.axis))
@@ -82,9 +82,9 @@ class Universal(FrameJoint, TreeJoint):
 
     # joint coordinates ------------------------------------------------------------------------
     def turned(self, q: ca.SX) -> ca.SX:
-        starts = zip(self._turns, self._complete, strict=True)
+        starts = zip(self._turns, self._have_x_axes, strict=True)
         first, second = (
-            rotation.about_z(q[k] + (0 if has_x else self.at_start(turn).angle))
+            rotation.about_z(q[k] + (0 if has_x else self.at_initial(turn).angle))
             for k, (turn, has_x) in enumerate(starts)
         )
         return rotation.product(rotation.product(first, ca.SX(list(CROSS))), second)

@@ -83,7 +83,7 @@ def _prescribed(
 ) -> ca.SX:
     """Euler parameters at which the frames lie to each other as the joint asks for."""
     assert isinstance(on_base, Frame) and isinstance(on_child, Frame)
-    half = (joint.first_turn + joint.fixed_turn) / (2 if forward else -2)
+    half = (joint.reference_angle + joint.fixed_turn) / (2 if forward else -2)
     turn = ca.vertcat(ca.cos(half), 0, 0, ca.sin(half))
     first, second = (rotation.from_matrix(frame.local_axes) for frame in (on_base, on_child))
     there = rotation.product(rotation.product(base, first), turn)
