@@ -83,25 +83,25 @@ class Point(Spelled):
 
     @property
     def position(self) -> Expression:
-        return self._named(self.body.locate(self.local.sx), "position", "m")
+        return self._measure(self.body.locate(self.local.sx), "position", "m")
 
     @property
     def velocity(self) -> Expression:
         rate = rate_of(self.position.sx, [self.body], t.sx)
-        return self._named(rate, "velocity", "m/s")
+        return self._measure(rate, "velocity", "m/s")
 
     @property
     def acceleration(self) -> Expression:
         second = second_rate_of(self.position.sx, [self.body], t.sx)
-        return self._named(second, "acceleration", "m/s^2")
+        return self._measure(second, "acceleration", "m/s^2")
 
     @property
     def x(self) -> Expression:
-        return self._named(self.position.sx[0], "x", "m")
+        return self._measure(self.position.sx[0], "x", "m")
 
     @property
     def y(self) -> Expression:
-        return self._named(self.position.sx[1], "y", "m")
+        return self._measure(self.position.sx[1], "y", "m")
 
     @property
     def z(self) -> Expression:
@@ -114,7 +114,7 @@ class Point(Spelled):
         """
         if self.dimension < 3:
             raise ModelError("a point of the plane has no z", self.name or self.body.name)
-        return self._named(self.position.sx[2], "z", "m")
+        return self._measure(self.position.sx[2], "z", "m")
 
     def measures(self) -> dict[str, tuple[ca.SX, str]]:
         position, velocity = self.position.sx, self.velocity.sx
