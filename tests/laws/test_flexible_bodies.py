@@ -263,10 +263,10 @@ WRONG = [
     ({"reference": "middle"}, "unknown frame 'middle'"),
     ({"reference": "mean", "stiffening": True}, "second-order displacements need a frame"),
     ({"parameters": {"F": 1.0}}, "F"),
-    ({"modes": -1}, "modes is a count; got -1"),
+    ({"modes": -1}, "modes must be a number of modes; got -1"),
     ({"up_to": 0.0}, "up_to is a frequency"),
     ({"reference": 3}, "name of an interface or 'mean'"),
-    ({"structure": "beam"}, "must be a structure that was built"),
+    ({"structure": "beam"}, "must be a built structural model"),
 ]
 
 

@@ -190,7 +190,7 @@ class BodyElement(Element, Coordinates):
             return self.points[x]
         coordinates = (x, y) if z is None else (x, y, z)
         if len(coordinates) < self.dimension:
-            raise ModelError("a point of a body in space has three coordinates", self.name)
+            raise ModelError("a point of a spatial body has three coordinates", self.name)
         return Point(self, coordinates)
 
     def frame(self, place: Vector | str = (0.0, 0.0, 0.0), **axes: Unpack[Axes]) -> Frame:

@@ -196,7 +196,7 @@ class OnCurve(Pair, Constraint):
         if self.curve.dimension != self.point_j.dimension:
             raise ModelError(
                 f"points of the curve have {self.curve.dimension} coordinates, and the point of "
-                f"{self.point_j.body.name} has {self.point_j.dimension}; give both as many",
+                f"{self.point_j.body.name} has {self.point_j.dimension}; use the same number",
                 self.name,
             )
         self._contact = CurveParameter(self.name, self.curve, self._guess())

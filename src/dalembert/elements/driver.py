@@ -129,8 +129,8 @@ class AlongDirection(Driver):
         if len(self.direction) != self.point.dimension:
             raise ModelError(
                 f"its direction has {len(self.direction)} components and the point of "
-                f"{self.point.body.name} has {self.point.dimension} coordinates; take the driver "
-                "of the plane or of space",
+                f"{self.point.body.name} has {self.point.dimension} coordinates; use the driver "
+                "of the planar or the spatial elements",
                 self.name,
             )
         return super().residual()

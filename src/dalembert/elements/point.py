@@ -113,7 +113,7 @@ class Point(Spelled):
             The point is planar.
         """
         if self.dimension < 3:
-            raise ModelError("a point of the plane has no z", self.name or self.body.name)
+            raise ModelError("a planar point has no z", self.name or self.body.name)
         return self._measure(self.position.sx[2], "z", "m")
 
     def measures(self) -> dict[str, tuple[ca.SX, str]]:

@@ -129,7 +129,7 @@ def _arguments_for(
 ) -> dict[str, Number]:
     fields = [field.name for field in cls.quantity_fields()]
     if required not in fields:
-        raise ModelError(f"has no {required}, so it takes no {kind}", cls.__name__)
+        raise ModelError(f"has no {required}, so that a {kind} does not apply", cls.__name__)
     return {name: values[name] for name in fields if name in values}
 
 

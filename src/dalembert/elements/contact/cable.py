@@ -69,7 +69,7 @@ class Cable(Compliant):
             if point.dimension != space:
                 raise ModelError(
                     f"the point of {point.body.name} lies in a plane and others in space; give all "
-                    "as many coordinates",
+                    "the same number of coordinates",
                     self.name,
                 )
         for k, (i, j) in enumerate(pairwise(self.points)):

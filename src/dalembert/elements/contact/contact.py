@@ -89,7 +89,7 @@ class ShapeContact(Compliant):
             planar = i if i.dimension == 2 else j
             raise ModelError(
                 f"the {type(planar).__name__} of {planar.carrier.name} lies in a plane and the "
-                "other shape in space; give both as many coordinates",
+                "other shape in space; give both the same number of coordinates",
                 self.name,
             )
         self.contact_points: list[ContactPoint] = contact_points(i, j, self.name)

@@ -67,7 +67,7 @@ class NodeBody(Nodal):
             return displacement
         if not body.rotates:
             kind = "planar.Node" if self.dimension == 2 else "spatial.Node"
-            raise ModelError(f"turns its node {self.name}, a point; take {kind}", entity)
+            raise ModelError(f"rotates its node {self.name}, a point; use {kind}", entity)
         return ca.vertcat(displacement, self.turned_by)
 
     @property

@@ -69,8 +69,7 @@ class Frame(Line):
         super().__post_init__()
         if self.node_i.dimension != 2:
             raise ModelError(
-                "is an element of the plane, whose nodes have two coordinates; take SpaceFrame "
-                "in space",
+                "is a planar element, whose nodes have two coordinates; use SpaceFrame in space",
                 self.name,
             )
 

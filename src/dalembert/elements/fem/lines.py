@@ -32,7 +32,7 @@ class Line(StructuralElement):
             if not isinstance(getattr(self, field), Nodal):
                 raise ModelError(f"{field} must be a node; got {getattr(self, field)!r}", self.name)
         if self.node_i is self.node_j:
-            raise ModelError(f"ties {self.node_i.name} to itself; take two nodes", self.name)
+            raise ModelError(f"ties {self.node_i.name} to itself; use two nodes", self.name)
 
     def nodes(self) -> tuple[Nodal, ...]:
         return self.node_i, self.node_j

@@ -85,8 +85,7 @@ class SpaceFrame(Line):
         super().__post_init__()
         if self.node_i.dimension != 3:
             raise ModelError(
-                "is an element of space, whose nodes have three coordinates; take Frame in the "
-                "plane",
+                "is a spatial element, whose nodes have three coordinates; use Frame in the plane",
                 self.name,
             )
 

@@ -257,7 +257,7 @@ class Beam(Noded, ForceElement):
     def forces_at(self, share: float) -> ca.SX:
         """Internal forces ``(C_Γ Γ, C_K K)`` at a fraction of the length."""
         if not 0 <= share <= 1:
-            raise ModelError(f"{share} is no share of the length; give 0 to 1", self.name)
+            raise ModelError(f"{share} is not a fraction of the length; give 0 to 1", self.name)
         e = min(int(share * self.elements), self.elements - 1)
         points = self.strains[e * self.order : (e + 1) * self.order]
         weights = through(gauss(self.order)[0], share * self.elements - e)

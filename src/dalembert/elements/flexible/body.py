@@ -92,10 +92,10 @@ class Flexible(FloatingFrame):
         """Compute the shapes of the structure."""
         if not hasattr(self.structure, "floating"):
             raise ModelError(
-                f"structure must be a structure that was built; got {self.structure!r}", self.name
+                f"structure must be a built structural model; got {self.structure!r}", self.name
             )
         if not self.interface:
-            raise ModelError("needs an interface: nodes on which joints hold", self.name)
+            raise ModelError("needs an interface: nodes for joints and forces", self.name)
         self._check_options()
         self.reference = self.reference or MEAN
         values, formulas = self._parameters()
@@ -141,9 +141,9 @@ class Flexible(FloatingFrame):
 
     def _check_options(self) -> None:
         if isinstance(self.modes, bool) or not isinstance(self.modes, int) or self.modes < 0:
-            raise ModelError(f"modes is a count; got {self.modes!r}", self.name)
+            raise ModelError(f"modes must be a number of modes; got {self.modes!r}", self.name)
         if self.up_to is not None and not self.up_to > 0:
-            raise ModelError(f"up_to is a frequency [rad/s]; got {self.up_to!r}", self.name)
+            raise ModelError(f"up_to must be a frequency [rad/s]; got {self.up_to!r}", self.name)
         if not isinstance(self.reference, str) or not isinstance(self.stiffening, bool):
             raise ModelError(
                 "reference is the name of an interface or 'mean', stiffening True or False; got "
@@ -198,8 +198,8 @@ class Flexible(FloatingFrame):
         """The point of an interface, ``point("tip")``."""
         if y is not None:
             raise ModelError(
-                "its matter moves in the frame, so that coordinates are no point of it; take one "
-                f"of its interfaces: {', '.join(self.sections)}",
+                "its material moves in the frame, so that coordinates do not define a point; use "
+                f"one of its interfaces: {', '.join(self.sections)}",
                 self.name,
             )
         return super().point(x)

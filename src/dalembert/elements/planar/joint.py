@@ -31,8 +31,8 @@ class InPlane:
             if getattr(value, "dimension", 2) > 2:
                 body = getattr(value, "body", value)
                 raise ModelError(
-                    f"{field.name} ({body.name}) is in space, and {type(self).__name__} is an "
-                    "element of the plane; take one of dalembert.spatial",
+                    f"{field.name} ({body.name}) is in space, and {type(self).__name__} is a "
+                    "planar element; use one of dalembert.spatial",
                     me.name,
                 )
         super().__post_init__()  # type: ignore[misc]

@@ -56,7 +56,7 @@ class Profile(Shape):
     def __post_init__(self) -> None:
         self.body = need_body(self.body, "Profile", "body")
         if not isinstance(self.curve, Curve) or self.curve.dimension != 2:
-            raise ModelError(f"curve must be a curve of the plane, got {self.curve!r}", "Profile")
+            raise ModelError(f"curve must be a planar curve, got {self.curve!r}", "Profile")
         super().__post_init__()
 
     @property
