@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from dalembert.design.optimize.evaluation_log import EvaluationLog
-from dalembert.files.atomic import atomic_path, clear_left_over
+from dalembert.files import atomic_path, clear_left_over
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs signals")

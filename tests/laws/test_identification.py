@@ -12,7 +12,7 @@ import dalembert as da
 from dalembert import planar
 from dalembert.cli import main
 from dalembert.errors import AnalysisError
-from dalembert.sensitivity.histories import history_gradients, history_rates
+from dalembert.sensitivity.gradient import history_gradients, history_rates
 
 TRUE = {"r": 0.11, "l": 0.33, "off": 0.02}
 KINEMATICS = da.Kinematics(3.0, outputs=31)

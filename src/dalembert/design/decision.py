@@ -109,7 +109,7 @@ class Decision(ABC):
         ``.nc`` holds ``data`` and the page and is read by ``load_results``; ``.json`` holds the
         ``summary``, ``.csv`` and ``.parquet`` the table.
         """
-        from dalembert.files.atomic import atomic_path
+        from dalembert.files import atomic_path
         from dalembert.report.page import as_json
         from dalembert.results.files.store import save_dataset
         from dalembert.text.wording import as_document
@@ -156,7 +156,7 @@ class Decision(ABC):
 
     def warnings_html(self) -> str:
         """HTML of the warnings."""
-        from dalembert.text.cards import messages
+        from dalembert.text.wording import messages
 
         return messages(("warning", text) for text in self.warnings)
 

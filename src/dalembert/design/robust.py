@@ -17,8 +17,8 @@ import numpy as np
 from dalembert.design.case import Case
 from dalembert.design.quantity import CaseResponse, Quantity
 from dalembert.design.reliability.distribution import Distribution
-from dalembert.design.reliability.moved import case_at
 from dalembert.design.reliability.nataf import Correlation, Nataf
+from dalembert.design.reliability.shifted import case_at
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 

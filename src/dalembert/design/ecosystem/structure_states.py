@@ -72,8 +72,8 @@ class StructureStates(StateEquations):
     def residual(self, x: np.ndarray, p: np.ndarray) -> np.ndarray:
         u, residuals = self._shaped(x), np.zeros_like(self._shaped(x))
         for k, equations in enumerate(self._equations(p)):
-            residual = sum(equations.holding(u[:, k], 1.0), -equations.applied)
-            residual[equations.held] = u[equations.held, k] - equations.given
+            residual = sum(equations.internal_terms(u[:, k], 1.0), -equations.applied)
+            residual[equations.held] = u[equations.held, k] - equations.prescribed
             residuals[:, k] = residual
         return residuals.ravel()
 

@@ -258,7 +258,7 @@ class Identification(Decision):
         """Write data, summary, page, picture (.identified.png) and covariance (.covariance.csv)."""
         import matplotlib as mpl
 
-        from dalembert.files.atomic import atomic_path
+        from dalembert.files import atomic_path
 
         mpl.use("Agg")
         paths = [base.with_name(f"{base.name}.{e}") for e in ("identified.png", "covariance.csv")]

@@ -11,7 +11,7 @@ from dalembert.design.identification.experiment import Observation
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.results.result import Result
 from dalembert.results.status import Outcome
-from dalembert.sensitivity.histories import history_gradients, history_rates
+from dalembert.sensitivity.gradient import history_gradients, history_rates
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import unknown
 

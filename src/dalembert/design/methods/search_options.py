@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.budget import afford, numeral
+from dalembert.budget import check_budget, numeral
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import is_number, is_whole
 
@@ -107,7 +107,7 @@ def check_stop(max_iterations: int, tolerance: float) -> None:
         text = f"{tolerance!r:.60}"
         raise UnsupportedError(f"tolerance = {text}: give a number above 0, such as 1e-8")
     subject = f"max_iterations = {numeral(max_iterations)}"
-    afford(subject, rounds=max_iterations, cure="give fewer max_iterations")
+    check_budget(subject, rounds=max_iterations, cure="give fewer max_iterations")
 
 
 def iteration_callback(progress: bool | OnIteration) -> OnIteration | None:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import FileError
-from dalembert.files.atomic import atomic_path
+from dalembert.files import atomic_path
 
 
 class EvaluationLog:

@@ -146,7 +146,7 @@ class Optimum(Decision):
         return ax
 
     def _repr_html_(self) -> str:
-        from dalembert.report.inline import InlinePage
+        from dalembert.report.page import InlinePage
 
         return self.table_html() + InlinePage(self.page())._repr_html_()
 

@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.design.limit import Bounded
 from dalembert.design.pages.decision import plain_page, verdict
 from dalembert.report import views
-from dalembert.results.files.headings import checked_units
+from dalembert.results.files.tables import checked_units
 from dalembert.units.unit import shown_in
 
 FLAT = 1e-6

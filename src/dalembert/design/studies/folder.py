@@ -13,8 +13,7 @@ import numpy as np
 
 from dalembert.design.studies.task import Answer
 from dalembert.errors import FileError, UnsupportedError
-from dalembert.files.atomic import atomic_path
-from dalembert.files.readable import readable
+from dalembert.files import atomic_path, readable
 
 ABOUT, LOCK, TABLE = "study.json", ".lock", "table"
 DAMAGED = ".damaged"

@@ -17,9 +17,9 @@ from dalembert.design.studies.task import Answer, StudyTask
 from dalembert.design.studies.workers import Chunk, Cluster, InProcess, Processes, Workers
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response
-from dalembert.responses.several import as_responses
+from dalembert.responses.evaluation import as_responses
 from dalembert.results.result import Analysis
-from dalembert.results.warnings import Warnings
+from dalembert.results.status import Warnings
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
 

@@ -20,7 +20,7 @@ from dalembert.design.studies.design import Design
 from dalembert.errors import AnalysisError, DalembertError
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
-from dalembert.responses.batch import batch_responses
+from dalembert.responses.evaluation import batch_responses
 from dalembert.results.batch.designs import Designs
 from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status

@@ -20,7 +20,7 @@ from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching
 from dalembert.options import random_generator
 from dalembert.responses.base import Response
-from dalembert.responses.several import as_responses
+from dalembert.responses.evaluation import as_responses
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
