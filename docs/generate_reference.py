@@ -29,7 +29,7 @@ from dalembert.elements.registry import (
     SHAPES,
     SPATIAL,
 )
-from dalembert.io.decisions import tables as decision_tables
+from dalembert.io.decisions import design_tables
 from dalembert.io.strategies import (
     ANALYSES,
     COORDINATES,
@@ -66,7 +66,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "integrators": lambda: records(INTEGRATORS),
     "responses": lambda: records(RESPONSES),
     "distributions": lambda: records(
-        {n: decision_tables.distribution(n) for n in decision_tables.DISTRIBUTIONS}, "###"
+        {n: design_tables.distribution(n) for n in design_tables.DISTRIBUTIONS}, "###"
     ),
     "functions": functions,
     "api": api,

@@ -24,7 +24,7 @@ from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
 from dalembert.io import fields
-from dalembert.io.fields import FROM_FILE, connected, written
+from dalembert.io.fields import FROM_FILE, connected_fields, keyed_fields
 from dalembert.model.coordinates import Coordinates
 from reference.markdown import field_texts, summary, table
 
@@ -124,12 +124,12 @@ def shown_default(field: dataclasses.Field, needed: bool) -> str:
 def record(name: str, cls: type, heading: str = "###") -> str:
     """Heading, text and keys of one class of the registry."""
     parts = [f"{heading} {name}", summary(cls)]
-    ties = connected(cls)
+    ties = connected_fields(cls)
     if ties:
         listed = ", ".join(f.name for f in ties)
         parts.append(f"`connect = [{listed}]`")
     texts, from_file, rows = field_texts(cls), FROM_FILE.get(name, ()), []
-    for field in written(cls):
+    for field in keyed_fields(cls):
         if field.name in REFUSED.get(name, ()):
             continue
         meta = field.field.metadata

@@ -79,7 +79,7 @@ def test_fixed_steps_are_repeated_to_the_last_bit(model):
 def test_replays_of_a_run_with_few_states_keep_few(model):
     few = da.solve_dynamics(model, 0.2, step=1e-4, outputs=5, memory=0.0)
     again = few.analysis.replay(few, few.parameters)
-    assert np.array_equal(again.record.steps.x.kept[:, -1], few.record.steps.x.kept[:, -1])
+    assert np.array_equal(again.record.steps.x.stored[:, -1], few.record.steps.x.stored[:, -1])
     assert again.record.steps.x.number.size <= few.record.steps.x.number.size + 10
     assert np.array_equal(again.trajectory.y, few.trajectory.y)
 

@@ -7,7 +7,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.integrators.schedule import HALVINGS
+from dalembert.integrators.marching.steps import HALVINGS
 from dalembert.structures import Frame, Material, rectangle
 
 END, STEP = 0.1, 2e-3

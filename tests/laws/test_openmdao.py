@@ -153,7 +153,7 @@ def test_a_design_in_their_driver(gradient):
 
 
 def test_what_has_no_state_is_told():
-    with pytest.raises(AnalysisError, match="has no state of equations"):
+    with pytest.raises(AnalysisError, match="has no state equations"):
         da.openmdao_implicit_component(vane(), analysis=da.Dynamics(1.0, step=0.1))
     with pytest.raises(AnalysisError, match=r"bar\.end\.vx: an assembled position has no speeds"):
         da.openmdao_implicit_component(vane(), ["bar.end.vx"])

@@ -192,7 +192,7 @@ def test_few_states_kept():
     options = {"step": 1 / 5000, "outputs": 5}
     whole = da.solve_dynamics(four_bar(False), 0.3, **options)
     few = da.solve_dynamics(four_bar(False), 0.3, memory=1e4, **options)
-    assert few.record.steps.x.kept.size < whole.record.steps.x.size / 4
+    assert few.record.steps.x.stored.size < whole.record.steps.x.size / 4
     found = [da.hessian_product(m, da.rms("b.angle"), {"la": 1.0}).values for m in (few, whole)]
     np.testing.assert_allclose(*found, atol=1e-12 * np.abs(found[1]).max())
 

@@ -16,7 +16,7 @@ from dalembert.analysis.structural import transient_step
 from dalembert.analysis.structural.transient_equation import Motions
 from dalembert.elements.fem.cells import CELLS
 from dalembert.elements.fem.registry import ELEMENTS, cell_of
-from dalembert.integrators import schedule
+from dalembert.integrators.marching import steps as marching_steps
 from dalembert.sensitivity.checks.replays import Replays
 
 INTEGRATORS = {
@@ -354,7 +354,7 @@ def test_factors_that_are_taken_again_change_nothing(monkeypatch):
 
 
 def test_a_failed_step_keeps_what_it_had(monkeypatch):
-    monkeypatch.setattr(schedule, "HALVINGS", 0)
+    monkeypatch.setattr(marching_steps, "HALVINGS", 0)
     integrator = da.Newmark(max_iterations=1, tolerance=1e-14)
     motion = da.solve_transient(
         arch().build(), 1.0, step=0.1, nonlinear=True, integrator=integrator
@@ -377,7 +377,7 @@ def test_displacements_with_neither_mass_nor_stiffness_are_told():
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"integrator": da.RK4()}, da.UnsupportedError, "take Newmark"),
+        ({"integrator": da.RK4()}, da.UnsupportedError, "accept Newmark"),
         ({"damping": 0.1}, da.AnalysisError, "give Rayleigh"),
         ({"start": "moving"}, da.AnalysisError, "'rest' or 'statics'"),
         ({"start": "statics"}, da.ModelError, "drop one"),

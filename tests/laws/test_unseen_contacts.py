@@ -65,7 +65,7 @@ CASES += [(moved, pressed, 0.05, 1.0), (efforts, pressed, 0.05, 1.0)]
 def test_a_gap_that_is_negative_is_told_and_an_open_one_is_not(analysis, made, low, high, kind):
     told = [text for text in analysis(made(kind, low)) if "floor" in text]
     assert len(told) == 1 and "the gap of floor is -" in told[0]
-    assert told[0].endswith(f"does not see rigid contacts; {SEEING[kind]} does")
+    assert told[0].endswith(f"this analysis ignores rigid contacts; use {SEEING[kind]}")
     assert analysis(made(kind, high)) == []
 
 

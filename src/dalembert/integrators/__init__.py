@@ -1,1 +1,1 @@
-"""Time integrators: they see ``ẋ = F(t, x, p)`` and never a mechanism."""
+"""Time integrators for ``ẋ = F(t, x, p)``, independent of mechanisms."""

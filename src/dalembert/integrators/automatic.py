@@ -1,17 +1,17 @@
-"""Integration that chooses between an explicit and an implicit method as it goes."""
+"""Automatic switching between an explicit and an implicit integrator."""
 
 from __future__ import annotations
 
 from dalembert.integrators.base import Integrator, Problem
+from dalembert.integrators.error_control import check_tolerances
 from dalembert.integrators.runge_kutta.explicit import DormandPrince
-from dalembert.integrators.runge_kutta.radau import Radau
-from dalembert.integrators.tolerances import check_tolerances
+from dalembert.integrators.runge_kutta.implicit import Radau
 from dalembert.options import options
 
-OF_STEP = 1e-3
-"""Tolerance of an explicit step, relative to that of the run."""
+STEP_SHARE = 1e-3
+"""Tolerance of an explicit step relative to the tolerance of the run [-]."""
 INTERVALS = 200
-"""Minimum number of steps of a run without ``max_step``."""
+"""Minimum number of steps of a run without ``max_step`` [-]."""
 
 
 @options
@@ -19,10 +19,10 @@ class AutomaticIntegrator(Integrator):
     """Error control with Dormand–Prince 5(4) or, where the problem is stiff, Radau IIA of order 5.
 
     The run begins with the explicit method. When stability and not accuracy limits its steps,
-    ``h ρ(∂F/∂x)`` is large in most of them (Hairer and Wanner 1996, IV.2). The implicit method is
-    tried then, and kept while it advances faster for the same cost; the explicit one is tried
-    again from time to time. The idea is that of LSODA (Petzold 1983). Formulations without
-    accelerations are integrated by the implicit method alone.
+    ``h ρ(∂F/∂x)`` is large in most of them (Hairer and Wanner 1996, IV.2). The run then switches
+    to the implicit method and continues with it while it advances faster for the same cost; the
+    explicit method is tried again at intervals. The idea is that of LSODA (Petzold 1983).
+    Formulations without accelerations are integrated by the implicit method alone.
 
     Parameters
     ----------
@@ -62,8 +62,8 @@ class AutomaticIntegrator(Integrator):
 
     @property
     def methods(self) -> tuple[Integrator, ...]:
-        atol = None if self.atol is None else OF_STEP * self.atol
-        explicit = DormandPrince(OF_STEP * self.rtol, atol, self.max_step)
+        atol = None if self.atol is None else STEP_SHARE * self.atol
+        explicit = DormandPrince(STEP_SHARE * self.rtol, atol, self.max_step)
         return explicit, Radau(rtol=self.rtol, atol=self.atol, max_step=self.max_step)
 
     @property

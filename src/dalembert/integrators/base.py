@@ -1,11 +1,12 @@
-"""What an integrator is, and what it is given.
+"""Base classes of integrators and the initial value problem they solve.
 
-To write a new one: a frozen dataclass with ``step``, and for step size control ``attempt``.
+A new integrator is a frozen dataclass with ``step`` and, for step size control, ``attempt``.
 Integrators see states and systems of equations, never a mechanism.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,29 +14,31 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.errors import UnsupportedError
 from dalembert.integrators.step import Step
-from dalembert.options import inherit_texts
+from dalembert.options import inherit_texts, options
 from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.equations.newton import NewtonSettings
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """An initial value problem in the forms integrators want.
+    """Initial value problem in the forms that integrators need.
 
     Attributes
     ----------
-    rate : ``(t, x, p) → ẋ``; None where the formulation gives no accelerations
-    make_system : gives the same as a differential-algebraic ``system``
+    rate : ``(t, x, p) → ẋ``; None if the formulation provides no accelerations
+    make_system : builds the equivalent differential-algebraic ``system``
     correction : ``(t, x, p) → x`` applied after a step, or None
-    upkeep : the same for steps without correction: what states need after every step, or None
-    translates : a correction counts for earlier states as well, whose differences then stay
-    controlled : how many leading entries of x the error control looks at
-    positions : how many of these are positions; speeds follow, then the rest
+    upkeep : the same for steps without correction: normalisation after every step, or None
+    translates : a correction also applies to earlier states, so that differences are unchanged
+    controlled : number of leading entries of x under error control
+    positions : number of these that are positions; speeds follow, then the rest
     tangential : ``(t, x, p, error) → error`` along the constraints, or None
-    sizes : (n,) natural sizes of the entries of x, units by default
+    sizes : (n,) natural sizes of the entries of x, ones by default
     time : natural time [s]
-    spare : algebraic variables that this problem lacks and others of the same run have
+    spare : number of algebraic variables that other variants of the run have in addition
     """
 
     rate: ImplicitFunction | None
@@ -58,18 +61,18 @@ class Problem:
 
 @dataclass(frozen=True)
 class Attempt:
-    """An attempted step of an adaptive integrator, as one function.
+    """Attempted step of an adaptive integrator, as one function.
 
     ``function`` maps ``([t; h; memory; x], [end; longest; p])``, before the end, to the next such
-    column and to ``[t; h; error; accepted; stiffness]``; a rejected attempt leaves t and x as they
-    are. The stiffness is an estimate of ``h ρ(∂F/∂x)``, 0 where the method makes none.
+    column and to ``[t; h; error; accepted; stiffness]``; a rejected attempt leaves t and x
+    unchanged. The stiffness is an estimate of ``h ρ(∂F/∂x)``, 0 for methods without one.
 
     Attributes
     ----------
     function : ca.Function
-    memory : initial values of what the controller remembers
-    called : the function in the form that is fastest compiled, if there is another
-    work : operations of an attempt, about; those of the function where it is one of scalars
+    memory : initial values of the memory of the step size controller
+    called : equivalent function with calls, fastest when compiled; None if there is no such form
+    work : approximate operations of an attempt; default the instructions of ``function``
     """
 
     function: ca.Function
@@ -79,13 +82,13 @@ class Attempt:
 
     @property
     def cost(self) -> float:
-        """Operations of an attempt, about."""
+        """Approximate number of operations of an attempt."""
         return float(self.function.n_instructions()) if self.work is None else self.work
 
 
 @dataclass(frozen=True)
 class Integrator:
-    """Strategy object: how time advances."""
+    """Strategy object for advancing in time."""
 
     def __init_subclass__(cls) -> None:
         inherit_texts(cls)
@@ -96,12 +99,12 @@ class Integrator:
 
     @property
     def methods(self) -> tuple[Integrator, ...]:
-        """Methods between which a run changes; it begins with the first that suits the problem."""
+        """Methods a run switches between; it begins with the first that fits the problem."""
         return (self,)
 
     @property
     def implicit(self) -> bool:
-        """Solves equations in every step, so takes differential-algebraic systems."""
+        """True for methods that solve equations in every step and accept DAE systems."""
         return False
 
     @property
@@ -110,50 +113,50 @@ class Integrator:
 
     @property
     def controls_error(self) -> bool:
-        """Keeps its errors below a tolerance, by the length of its steps or inside them."""
+        """True for methods with error control, by step length or inside a step."""
         return self.adaptive
 
     @property
     def run_tolerance(self) -> float | None:
-        """Relative tolerance stated for whole runs; None where it is for steps, or for none."""
+        """Relative tolerance of a whole run; None if the tolerance is per step or absent."""
         return None
 
     @property
     def gradient_error(self) -> float:
-        """Relative error of its gradients; none where they are derivatives of the steps taken."""
+        """Relative error of gradients; 0 if they are exact derivatives of the steps taken."""
         return 0.0
 
     @property
     def convergence_order(self) -> int:
-        """Order of the states in the length of the steps."""
+        """Order of convergence of the states in the step length."""
         return self.order
 
     @property
     def order(self) -> int:
-        """Order to which integrals over the run follow its steps."""
+        """Order of quadrature over the steps of the run."""
         return 4
 
     @property
     def evaluations(self) -> int | None:
-        """Evaluations of the accelerations in one step, None where steps solve equations."""
+        """Evaluations of the accelerations per step, None for implicit methods."""
         return None
 
     @property
     def longest_step(self) -> float | None:
-        """Longest step of an adaptive method [s], if limited."""
+        """Upper limit of the step of an adaptive method [s], None if unlimited."""
         return None
 
     def longest_in(self, span: float) -> float:
-        """Upper limit of the steps of an adaptive method in a run of that length [s]."""
+        """Upper limit of the step [s] of an adaptive method in a run of length ``span``."""
         return self.longest_step or span / 4
 
     @property
     def stability(self) -> Callable[[np.ndarray], np.ndarray] | None:
-        """``R(z)`` with ``x⁺ = R(hλ) x`` for ``ẋ = λx``, None where it is not a one-step method."""
+        """``R(z)`` with ``x⁺ = R(hλ) x`` for ``ẋ = λx``; None for multistep methods."""
         return None
 
     def check(self, problem: Problem) -> None:
-        """Refuse a problem that has not the form this method needs; compiles nothing.
+        """Raise if the problem lacks the form this method needs; compiles nothing.
 
         Raises
         ------
@@ -161,12 +164,53 @@ class Integrator:
             Names a method or formulation that works.
         """
         if self.implicit:
-            _ = problem.system  # which tells what cannot be written so
+            _ = problem.system  # raises if it cannot be written as a DAE
 
     def step(self, problem: Problem) -> Step:
-        """One step of given length, of a problem that passes ``check``."""
+        """Step of prescribed length, for a problem that passes ``check``."""
         raise NotImplementedError
 
     def attempt(self, problem: Problem, step: Step) -> Attempt | None:
-        """One attempt with error control; None for methods of fixed step."""
+        """Attempted step with error control; None for fixed-step methods."""
         return None
+
+
+@options(kw_only=True)
+class ImplicitIntegrator(Integrator, ABC):
+    """Integrator that solves equations in every step by Newton's method.
+
+    Equations count as solved when each residual is below ``tolerance`` times the terms of its
+    equation (for constraints: times their change within the step), or below rounding.
+
+    Parameters
+    ----------
+    tolerance : relative residual at which the iteration ends [-]
+    max_iterations : upper limit of Newton iterations; a step that needs more fails
+
+    Raises
+    ------
+    UnsupportedError
+        A tolerance that is not positive, or ``max_iterations`` below 1.
+    """
+
+    tolerance: float = 1e-12
+    max_iterations: int = 20
+
+    def __post_init__(self) -> None:
+        if not self.tolerance > 0 or self.max_iterations < 1:
+            raise UnsupportedError(
+                f"{self.name}(tolerance={self.tolerance}, max_iterations={self.max_iterations}): "
+                "the tolerance must be positive and at least one iteration allowed"
+            )
+
+    @property
+    def implicit(self) -> bool:
+        return True
+
+    @property
+    def newton(self) -> NewtonSettings:
+        return NewtonSettings(tolerance=self.tolerance, max_iterations=self.max_iterations)
+
+    @abstractmethod
+    def step(self, problem: Problem) -> Step:
+        """Step of prescribed length."""

@@ -1,12 +1,10 @@
-"""Integrators by name: files, tables and comparisons are made from it."""
+"""Registry of integrators by name, used by files, tables and comparisons."""
 
 from __future__ import annotations
 
 from dalembert.integrators.automatic import AutomaticIntegrator
-from dalembert.integrators.backward_euler import BackwardEuler, Trapezoidal
 from dalembert.integrators.bdf.bdf import Bdf
-from dalembert.integrators.newmark.family import Newmark
-from dalembert.integrators.newmark.generalized_alpha import HHT, GeneralizedAlpha
+from dalembert.integrators.newmark.family import HHT, GeneralizedAlpha, Newmark
 from dalembert.integrators.runge_kutta.explicit import (
     RK4,
     DormandPrince,
@@ -15,8 +13,8 @@ from dalembert.integrators.runge_kutta.explicit import (
     Heun,
     RKGill,
 )
-from dalembert.integrators.runge_kutta.radau import Radau
-from dalembert.integrators.sundials.sundials import Cvodes, Ida
+from dalembert.integrators.runge_kutta.implicit import BackwardEuler, Radau, Trapezoidal
+from dalembert.integrators.sundials import Cvodes, Ida
 
 INTEGRATORS: dict[str, type] = {
     "AutomaticIntegrator": AutomaticIntegrator,

@@ -1,4 +1,4 @@
-"""What an implicit step solves at one time: unknowns, equations, their scale, a first guess."""
+"""Stage equations of implicit methods: unknowns, residuals, scales and first guess."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 from dalembert.symbolic.evaluation.kernel import condensed
 
 ROUNDING = 16 * float(np.finfo(float).eps)
-LEAST = 1e-9
-"""Part of the natural size of an unknown or a state that is measured as if it were not less."""
+SIZE_FLOOR = 1e-9
+"""Lower limit of the magnitude of an unknown or a state, relative to its natural size [-]."""
 SMALL_ROWS = 1e-2
-"""Share of the largest row that every row is measured by at least."""
+"""Lower limit of the scale of a row, relative to that of the largest row [-]."""
 
 
 class StageEquations:
-    """A differential-algebraic system with as few unknowns as possible.
+    """Differential-algebraic system with a minimal set of unknowns.
 
-    Unknown are ``u = [ẑ; k]``: algebraic variables ``ẑ = z / h^lag`` and the rates ``k`` of those
+    The unknowns are ``u = [ẑ; k]``: algebraic variables ``ẑ = z / h^lag`` and the rates ``k`` of
     states whose rates depend on each other (``ẏ = A(y) v``). All other states follow explicitly,
-    one level after the other: speeds from accelerations, positions from speeds, then work.
+    level by level: speeds from accelerations, positions from speeds, then work.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class StageEquations:
         self._lag = lag
 
     def stage_by_stage(self, u: ca.SX, stages: int) -> list[ca.SX]:
-        """Unknowns of several stages apart; there may be none in each."""
+        """Unknowns split by stage; possibly empty."""
         return [u[k * self.count : (k + 1) * self.count, :] for k in range(stages)]
 
     @property
@@ -65,35 +65,35 @@ class StageEquations:
         return np.concatenate([sizes.rows, sizes.rates[self.coupled]])
 
     def residual_scale(self, tolerance: float) -> ca.Function:
-        """``(t, h, x, u, p)`` → residuals that count as zero.
+        """``(t, h, x, u, p)`` → threshold below which each residual counts as zero.
 
         The terms of a dynamic equation are the magnitudes in ``|∂G/∂u| |u|`` and its value without
         ``u``; those of a constraint are its change within the step, ``h |∂G/∂x| |F|``. Rounding of
-        the states adds ``|∂G/∂x| |x|``; of forces that are linear in u it is that of the forces.
+        the states adds ``|∂G/∂x| |x|``; for forces linear in u it is the rounding of the forces.
         """
         s, level = self.system, np.array([*self.system.depth, *(0 for _ in self.coupled)])
         by_unknown = ca.fabs(ca.jacobian(self._rows, self.u))
-        still = ca.substitute(self._rows, self.u, ca.SX.zeros(self.count))
-        by_state = ca.fabs(ca.jacobian(still, s.x))
+        at_zero = ca.substitute(self._rows, self.u, ca.SX.zeros(self.count))
+        by_state = ca.fabs(ca.jacobian(at_zero, s.x))
         sizes = s.sizes
-        least, rows_alike = LEAST * self.unknown_sizes, self.row_sizes
-        terms = ca.densify(ca.mtimes(by_unknown, least + ca.fabs(self.u)) + ca.fabs(still))
+        floor, row_sizes = SIZE_FLOOR * self.unknown_sizes, self.row_sizes
+        terms = ca.densify(ca.mtimes(by_unknown, floor + ca.fabs(self.u)) + ca.fabs(at_zero))
         change = self.h * ca.mtimes(by_state, ca.fabs(self._rate))
         constraints = [int(i) for i in np.flatnonzero(level)]
         terms[constraints, :] = change[constraints, :]
-        noise = ca.densify(ca.mtimes(by_state, LEAST * sizes.states + ca.fabs(s.x)))
+        noise = ca.densify(ca.mtimes(by_state, SIZE_FLOOR * sizes.states + ca.fabs(s.x)))
         scale = ca.SX.zeros(terms.numel())
         for depth in np.unique(level):
             rows = [int(i) for i in np.flatnonzero(level == depth)]
             for weight, part in ((tolerance, terms[rows]), (ROUNDING, noise[rows])):
-                alike = rows_alike[rows]
-                scale[rows] += weight * (part + SMALL_ROWS * alike * ca.mmax(part / alike))
+                natural = row_sizes[rows]
+                scale[rows] += weight * (part + SMALL_ROWS * natural * ca.mmax(part / natural))
         return ca.Function("row_scale", [s.t, self.h, s.x, self.u, s.p], [scale])
 
     def begin(self) -> ca.Function:
-        """``(t, h, x, p) → u, ẋ`` with the accelerations of the state itself.
+        """``(t, h, x, p) → u, ẋ`` with the accelerations at the state itself.
 
-        Derivatives see ẋ only: u is a first guess.
+        Only ẋ is differentiated: u is a first guess.
         """
         s = self.system
         z = s.start.function(s.t, s.x, s.p)
@@ -108,16 +108,16 @@ class StageEquations:
 
 
 def _order(system: SemiExplicit) -> tuple[list[int], list[list[int]]]:
-    """States whose rates depend on each other, and the levels of the others."""
+    """States with mutually dependent rates, and the levels of all other states."""
     sparsity = ca.jacobian_sparsity(system.rate, system.x)
-    ones, places = np.ones(sparsity.nnz()), (sparsity.row(), sparsity.colind())
-    graph = scipy.sparse.csc_matrix((ones, *places), sparsity.shape).tocsr()
+    entries = np.ones(sparsity.nnz()), sparsity.row(), sparsity.colind()
+    graph = scipy.sparse.csc_matrix(entries, sparsity.shape).tocsr()
     _, label = scipy.sparse.csgraph.connected_components(graph, directed=True, connection="strong")
-    crowd = np.bincount(label)[label] > 1
-    cyclic = crowd | (graph.diagonal() > 0)
+    coupled = np.bincount(label)[label] > 1
+    cyclic = coupled | (graph.diagonal() > 0)
     done, levels = cyclic.copy(), []
     while not done.all():
-        # what is left depends on nothing that is not known by now, sooner or later
+        # the remaining graph is acyclic, so some state depends on finished states only
         ready = ~done & (graph @ ~done == 0)
         levels.append([int(i) for i in np.flatnonzero(ready)])
         done |= ready

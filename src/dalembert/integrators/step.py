@@ -1,4 +1,4 @@
-"""One step of an integrator: ``(t, h, x, p) → x⁺`` with its exact derivatives."""
+"""Steps of integrators: ``(t, h, x, p) → x⁺`` with exact derivatives."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from dalembert.symbolic.evaluation.lane_tangents import LinearStep
 from dalembert.symbolic.evaluation.prelude import Prelude, before
 
 WIDTH = 16
-"""Directions in which a step is differentiated at once, for the graph grows with them."""
+"""Maximum number of directions differentiated at once, which limits the size of the graph."""
 
 
 @dataclass(frozen=True)
 class Marching:
-    """A step as marches take it.
+    """Functions of a step for marching.
 
     Attributes
     ----------
-    values : ``p → q``, done once for many steps
+    values : ``p → q``, evaluated once for many steps
     function : ``(t, h, x, q) → x⁺``
-    called : the same in the form that is fastest compiled, if there is another: parts that occur
-        several times are functions, compiled once
-    lanes : the same where all lanes go one way, NaN for those that need another
+    called : equivalent function, fastest when compiled, if there is such a form: repeated parts
+        are functions that are compiled once
+    lanes : equivalent function for SIMD lanes, without branches: NaN in lanes that would branch
     """
 
     values: ca.Function
@@ -41,16 +41,16 @@ class Marching:
 
     @property
     def side_by_side(self) -> ca.Function:
-        """The step in the form that is fastest in lanes."""
+        """Function of the step that is fastest in SIMD lanes."""
         if self.lanes is not None or self.called is None:
             return self.lanes or self.function
         return self.called if instructions(self.function) > LONG else self.function
 
 
 class Step:
-    """What marching and gradients need of a step.
+    """One step of an integrator, as marches and gradients use it.
 
-    ``x`` may be longer than the state of the system: methods with memory append it.
+    ``x`` may be longer than the state of the system: multistep methods append their memory.
 
     Attributes
     ----------
@@ -71,56 +71,56 @@ class Step:
 
     @cached_property
     def marching(self) -> Marching:
-        """The step after what depends on the parameters alone."""
+        """Functions of the step, with the terms that depend on parameters alone split off."""
         return Marching(*before(self.function, 3))
 
     @cached_property
     def prelude(self) -> Prelude:
-        """What the derivatives need of the parameters alone, ``q`` and ``q̇``: once for a march."""
+        """Terms of the derivatives that depend on parameters alone, ``q`` and ``q̇``."""
         return Prelude.identity(self.parameter_count)
 
     def prepared_tangents(self, count: int) -> ca.Function:
         """``(t, h, x, q, dx, dq) → dx⁺`` for ``count`` directions at once, in columns.
 
-        Direct gradients march with it.
+        Used by direct gradients.
         """
         raise NotImplementedError
 
     @property
     def linear(self) -> LinearStep | None:
-        """The same in two parts, for several directions side by side, if it comes in two parts."""
+        """``prepared_tangents`` in two parts for SIMD lanes; None if not available."""
         return None
 
     @property
     def prepared_adjoint(self) -> ca.Function:
-        """``(t, h, x, q, x̄⁺) → (x̄, q̄)``: adjoint gradients march with it."""
+        """``(t, h, x, q, x̄⁺) → (x̄, q̄)``, used by adjoint gradients."""
         raise NotImplementedError
 
     @property
     def compiled_adjoint(self) -> ca.Function:
-        """The same in the form that is fastest as C; marches of a backend that compiles take it."""
+        """``prepared_adjoint`` in the form that is fastest when compiled."""
         return self.prepared_adjoint
 
     def tangents(self, count: int) -> ca.Function:
         """``(t, h, x, p, dx, dp) → dx⁺`` for ``count`` directions at once, in columns.
 
-        For parts of steps, and marches in which only some steps are corrected.
+        Used for partial steps and for marches that correct only some steps.
         """
         t, h, x, p = self._symbols()
         dx = ca.MX.sym("dx", self.size, count)
         dp = ca.MX.sym("dp", self.parameter_count, count)
         rates = self.prelude.tangent.map(count)(ca.repmat(p, 1, count), dp)
-        found = self.prepared_tangents(count)(t, h, x, self.prelude.values(p), dx, rates)
-        return ca.Function("step_tangent", [t, h, x, p, dx, dp], [found])
+        change = self.prepared_tangents(count)(t, h, x, self.prelude.values(p), dx, rates)
+        return ca.Function("step_tangent", [t, h, x, p, dx, dp], [change])
 
     @cached_property
     def tangent(self) -> ca.Function:
-        """``(t, h, x, p, dx, dp) → dx⁺``: second derivatives march with it."""
+        """``(t, h, x, p, dx, dp) → dx⁺``, used by second derivatives."""
         return self.tangents(1)
 
     @cached_property
     def adjoint(self) -> ca.Function:
-        """``(t, h, x, p, x̄⁺) → (x̄, p̄)``, where ``tangents`` is, and for second derivatives."""
+        """``(t, h, x, p, x̄⁺) → (x̄, p̄)``, used like ``tangents`` and by second derivatives."""
         t, h, x, p = self._symbols()
         weight = ca.MX.sym("w", self.size)
         x_bar, q_bar = self.prepared_adjoint(t, h, x, self.prelude.values(p), weight)
@@ -137,27 +137,27 @@ class Step:
         raise NotImplementedError
 
     @property
-    def moving(self) -> Step:
-        """The same step, with the derivative of ``function`` by ``h`` right for every ``h``."""
+    def exact_in_h(self) -> Step:
+        """Step whose ``function`` has the correct derivative by ``h`` at every ``h``."""
         return self
 
     @property
     def begin(self) -> ca.Function | None:
-        """``(t, x, p) → memory`` at the start, None for methods without."""
+        """``(t, x, p) → memory`` at the start, None for one-step methods."""
         return None
 
-    def explained(self, reason: str) -> str:
-        """Why a solver inside gave up and what to do about it, where its word for it is clear."""
+    def explain(self, reason: str) -> str:
+        """Explanation of a failed inner solver and a remedy; empty if ``reason`` is not known."""
         return ""
 
     @property
     def work(self) -> float:
-        """Operations of a step, about."""
+        """Approximate number of operations of a step."""
         return float(self.function.n_instructions())
 
     @property
-    def even(self) -> bool:
-        """Takes chunks of equal steps at once, by the functions below."""
+    def chunked(self) -> bool:
+        """True if equal steps are taken in chunks, by the functions below."""
         return False
 
     def chunk(self, count: int) -> ca.Function:
@@ -169,7 +169,7 @@ class Step:
         raise NotImplementedError
 
     def chunk_tangents(self, count: int, columns: int) -> ca.Function:
-        """``(x, t, h, flag, p, dx, dp) → changes of the states``, all columns of each in turn."""
+        """``(x, t, h, flag, p, dx, dp) → changes of the states``, grouped by state."""
         raise NotImplementedError
 
     @property
@@ -179,7 +179,7 @@ class Step:
 
     @property
     def rate(self) -> ImplicitFunction | None:
-        """``(t, x, p) → ẋ``, the right-hand side of an explicit step; None for other steps."""
+        """``(t, x, p) → ẋ``, the right-hand side of an explicit step; else None."""
         return None
 
     @property
@@ -189,7 +189,7 @@ class Step:
 
 
 class DifferentiatedStep(Step):
-    """A step whose ``function`` CasADi differentiates.
+    """Step whose ``function`` is differentiated by CasADi.
 
     Solved equations inside (rootfinder nodes) are differentiated by the implicit function
     theorem, so derivatives are exact as far as the equations are solved.
@@ -197,56 +197,56 @@ class DifferentiatedStep(Step):
 
     @property
     def parts(self) -> tuple[ca.Function, ImplicitFunction | None]:
-        """The step without what follows it, and that: it differentiates itself."""
+        """Uncorrected step and the correction, which provides its own derivatives."""
         return self.function, None
 
-    def _traced(self) -> tuple[list[ca.MX], ca.MX, ca.MX, TriangularMap | None]:
-        """Symbols ``t, h`` and ``[x; p]``, the state before what follows, the tangent of that."""
-        function, following = self.parts
+    def _trace(self) -> tuple[list[ca.MX], ca.MX, ca.MX, TriangularMap | None]:
+        """Symbols ``t, h`` and ``[x; p]``, the uncorrected state, tangent of the correction."""
+        function, correction = self.parts
         t, h = ca.MX.sym("t"), ca.MX.sym("h")
         both = ca.MX.sym("xp", self.size + self.parameter_count)
         x, p = both[: self.size], both[self.size :]
         (new,) = function.call([t, h, x, p], True, False)
-        if following is None:
+        if correction is None:
             return [t, h], both, new, None
-        return [t, h], both, new, following.at(t + h, new[: self.state_size], p)
+        return [t, h], both, new, correction.at(t + h, new[: self.state_size], p)
 
     def prepared_tangents(self, count: int) -> ca.Function:
-        times, both, new, following = self._traced()
+        times, both, new, correction = self._trace()
         dx = ca.MX.sym("dx", self.size, count)
         dp = ca.MX.sym("dp", self.parameter_count, count)
         cuts, along = [*range(0, count, WIDTH), count], ca.vertcat(dx, dp)
-        few = [ca.jtimes(new, both, along[:, begin:end]) for begin, end in pairwise(cuts)]
-        change = ca.densify(ca.horzcat(*few))
-        if following is not None:
+        columns = [ca.jtimes(new, both, along[:, begin:end]) for begin, end in pairwise(cuts)]
+        change = ca.densify(ca.horzcat(*columns))
+        if correction is not None:
             n = self.state_size
-            change = ca.vertcat(following.tangent([change[:n, :], dp]), change[n:, :])
+            change = ca.vertcat(correction.tangent([change[:n, :], dp]), change[n:, :])
         inner = ca.Function("tangents", [*times, both, dx, dp], [change])
         return self._split("step_tangent", inner, [dx, dp])
 
     @cached_property
     def prepared_adjoint(self) -> ca.Function:
-        times, both, new, following = self._traced()
+        times, both, new, correction = self._trace()
         weight, n = ca.MX.sym("w", self.size), self.state_size
-        if following is None:
-            found = ca.jtimes(new, both, weight, True)
+        if correction is None:
+            weights = ca.jtimes(new, both, weight, True)
         else:
-            back = following.adjoint(weight[:n])
-            found = ca.jtimes(new, both, ca.vertcat(back[:n], weight[n:]), True)
-            found += ca.vertcat(ca.MX(self.size, 1), back[n:])
-        found = ca.densify(found)
-        out = [found[: self.size], found[self.size :]]
+            back = correction.adjoint(weight[:n])
+            weights = ca.jtimes(new, both, ca.vertcat(back[:n], weight[n:]), True)
+            weights += ca.vertcat(ca.MX(self.size, 1), back[n:])
+        weights = ca.densify(weights)
+        out = [weights[: self.size], weights[self.size :]]
         inner = ca.Function("adjoint", [*times, both, weight], out)
         return self._split("step_adjoint", inner, [weight])
 
     def _split(self, name: str, inner: ca.Function, more: list[ca.MX]) -> ca.Function:
-        """The same function of x and p apart."""
+        """The function of separate x and p."""
         t, h, x, p = self._symbols()
         return ca.Function(name, [t, h, x, p, *more], inner.call([t, h, ca.vertcat(x, p), *more]))
 
 
 class GraphStep(DifferentiatedStep):
-    """A step given as a function of the graph, and what is done to the state after it.
+    """Step as a CasADi function, followed by a correction of the state.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ class GraphStep(DifferentiatedStep):
     correction : ImplicitFunction ``(t, x, p) → x`` of the leading ``state_size`` entries, or None
     begin : ``(t, x, p) → memory``, or None
     residual : ``(t, h, x, p)`` → relative residual of the equations solved, or None
-    upkeep : like ``correction``, for steps without it, or None
+    upkeep : replaces ``correction`` in steps without it (normalisation), or None
     """
 
     def __init__(
@@ -293,17 +293,17 @@ class GraphStep(DifferentiatedStep):
     @cached_property
     def function(self) -> ca.Function:
         t, h, x, p = self._symbols()
-        new = self.finished(t + h, self._bare(t, h, x, p), p)
+        new = self.corrected(t + h, self._bare(t, h, x, p), p)
         return ca.Function("step", [t, h, x, p], [ca.densify(new)])
 
-    def finished(self, t: ca.MX, x: ca.MX, p: ca.MX) -> ca.MX:
-        """The state, with what is done to it after every step."""
+    def corrected(self, t: ca.MX, x: ca.MX, p: ca.MX) -> ca.MX:
+        """The state after the correction."""
         if self._finish is None:
             return x
-        done = self._finish.function(t, x[: self.state_size], p)
-        return ca.vertcat(done, x[self.state_size :])
+        state = self._finish.function(t, x[: self.state_size], p)
+        return ca.vertcat(state, x[self.state_size :])
 
 
 def graph_of(correction: ImplicitFunction | None) -> ca.Function | None:
-    """The function of a correction, if there is one."""
+    """Function of a correction, None without one."""
     return None if correction is None else correction.function

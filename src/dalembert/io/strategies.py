@@ -1,4 +1,4 @@
-"""Names in a file → the strategy classes behind them."""
+"""Registries of analyses, strategies and responses, by their names in files."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ STRATEGIES_OF: dict[type, dict[str, type]] = {
     Stabilization: STABILIZATIONS,
     Integrator: INTEGRATORS,
 }
-"""What a field holds → its registry."""
+"""File type of a field → its registry."""
 STRATEGIES = dict(
     zip(
         ("coordinates", "formulation", "stabilization", "integrator"),
@@ -40,7 +40,7 @@ STRATEGIES = dict(
         strict=True,
     )
 )
-"""Key of an analysis → the registry of what it holds."""
+"""Key of an analysis → the registry of its strategies."""
 
 ANALYSES: dict[str, type] = {
     "Dynamics": Dynamics,

@@ -174,7 +174,7 @@ def element_warnings(d: Description, values: Sequence[float] | np.ndarray) -> tu
     """Warnings of elements at parameter values."""
     symbols, warnings = d.space.symbols, []
     for element in d.elements.values():
-        for condition, message, *parts in element.doubts():
+        for condition, message, *parts in element.warnings():
             function = ca.Function("doubt", [symbols], [condition, stack(parts)])
             margins, numbers = (x.full().ravel() for x in function(values))
             if not np.all(margins >= 0):

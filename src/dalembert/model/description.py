@@ -18,7 +18,7 @@ from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.elements.body import BodyElement
 from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.gravity import Gravity
+from dalembert.elements.loads import Gravity
 from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
 from dalembert.model.measures import element_measures, find_measure
@@ -27,8 +27,7 @@ from dalembert.symbolic.formulas.expression import Expression, stack, t
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.symbolic.formulas.parser import parse_formula
-from dalembert.text.cards import card, table
-from dalembert.text.wording import plain_text
+from dalembert.text.wording import card, plain_text, table
 
 
 class ParameterSpace:

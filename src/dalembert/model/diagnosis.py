@@ -19,7 +19,7 @@ from dalembert.model.description import Description
 from dalembert.model.idle_freedom import idle_freedoms
 from dalembert.model.tree.spanning_tree import Topology, analyse_topology
 from dalembert.symbolic.formulas.expression import free_symbols
-from dalembert.text.cards import card, messages, table
+from dalembert.text.wording import card, messages, table
 
 MASSLESS = 1e-12
 """Threshold for zero mass, relative to the largest one."""

@@ -194,7 +194,7 @@ class _Groups:
 
 def _location(constraint: Constraint) -> ca.SX | None:
     """Location of a joint of two bodies; None without a single one."""
-    if len(constraint.parts()) != 2 or constraint.spots is None:
+    if len(constraint.parts()) != 2 or constraint.end_points is None:
         return None
-    point = constraint.spots[0].position.sx
+    point = constraint.end_points[0].position.sx
     return point if point.numel() == 3 else None

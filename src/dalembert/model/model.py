@@ -26,7 +26,7 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.once import once
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.cards import card, messages, table
+from dalembert.text.wording import card, messages, table
 
 SYSTEM_MEASURES = {
     "time": "s",

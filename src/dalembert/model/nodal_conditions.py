@@ -8,8 +8,8 @@ from typing import Any
 from dalembert.elements import planar, spatial
 from dalembert.elements.base import Constraint, ForceElement
 from dalembert.elements.body import BodyElement
-from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
-from dalembert.elements.fem.node_bodies import NodeBody
+from dalembert.elements.fem.between_bodies import NodeBody
+from dalembert.elements.fem.node import ROTATIONS, TRANSLATIONS
 from dalembert.elements.planar.body import Ground
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
@@ -140,4 +140,8 @@ def _check(node: NodeBody, values: dict[str, Any], directions: tuple[str, ...]) 
 
 def _is_zero(value: Any) -> bool:
     expression = as_expression(value, "load") if isinstance(value, (str, Expression)) else value
-    return bool(expression.sx.is_zero()) if isinstance(expression, Expression) else bool(expression == 0)
+    return (
+        bool(expression.sx.is_zero())
+        if isinstance(expression, Expression)
+        else bool(expression == 0)
+    )

@@ -57,7 +57,7 @@ def rigid_gaps(elements: Sequence[Element], everything: list[Coordinates]) -> tu
         gaps = element.gaps(partial(_rate, element.parts() or everything))
         rigid += [
             RigidGap(element.name, gap.distance, gap.slip, law, *forces, _heading(gap, law))
-            for gap, forces in zip(gaps, element.pressing, strict=True)
+            for gap, forces in zip(gaps, element.force_symbols, strict=True)
         ]
     first = {gap.impact.poisson: gap.name for gap in rigid}
     if len(first) > 1:

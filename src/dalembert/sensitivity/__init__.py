@@ -1,1 +1,1 @@
-"""Gradients of responses: finite differences, direct differentiation, adjoint."""
+"""Gradients of responses: direct differentiation, adjoint method, finite differences."""

@@ -1,7 +1,7 @@
-"""What computes gradients of one kind of result; ``registry`` lists them by analysis.
+"""Gradient engines, one for each kind of result; ``registry`` lists them by analysis.
 
-To bring gradients to a new analysis: an engine with ``direct`` and ``adjoint``, and a row there.
-Everything else (labels, units, certificates, the command line) follows.
+A new analysis needs an engine with ``direct`` and ``adjoint``, and a row in the registry. Labels,
+units, certificates and the command line follow from these.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from dalembert.sensitivity.samples import Sample
 
 
 class Engine:
-    """Gradients of sampled responses of one result with respect to all its parameters.
+    """Gradients of sampled responses of one result with respect to its parameters.
 
     Parameters
     ----------
@@ -28,24 +28,25 @@ class Engine:
         self.samples = list(samples)
 
     def direct(self, columns: Sequence[int]) -> np.ndarray:
-        """(responses, columns) by one tangent solution for each of these parameters."""
+        """(responses, columns) derivatives by one tangent solution per parameter."""
         raise NotImplementedError
 
     def adjoint(self) -> np.ndarray:
-        """(responses, np) by one adjoint solution for each response."""
+        """(responses, np) gradients by one adjoint solution per response."""
         raise NotImplementedError
 
     def of_samples(self, columns: Sequence[int]) -> list[np.ndarray]:
         """(K, columns) derivatives ``∂m_k/∂p`` of the samples themselves, for each response."""
-        made = []
+        derivatives = []
         for sample in self.samples:
-            alone = np.eye(sample.weights.size)
-            each = [replace(sample, weights=row) for row in alone]
-            made.append(type(self)(each).direct(columns).reshape(len(each), len(columns)))
-        return made
+            unit = np.eye(sample.weights.size)
+            single = [replace(sample, weights=row) for row in unit]
+            rows = type(self)(single).direct(columns)
+            derivatives.append(rows.reshape(len(single), len(columns)))
+        return derivatives
 
     def gathered(self, rows: Sequence[np.ndarray]) -> np.ndarray:
-        """(responses, np) of derivatives (n,) by all of the parameter vector."""
+        """(responses, np) gradients from derivatives (n,) by the full parameter vector."""
         motion = self.samples[0].motion
         return motion.model.gathered(motion.parameters, np.array(rows))
 
@@ -63,7 +64,7 @@ class Engine:
         )
 
     def rate(self, sample: Sample, k: int = -1) -> float:
-        """``ṁ`` of a sample's measure along the motion, at its ``k``-th instant."""
+        """``ṁ`` of the measure of a sample along the motion, at its ``k``-th instant."""
         raise NotImplementedError
 
 
@@ -72,7 +73,7 @@ class CombinedEngine(Engine):
 
     Parameters
     ----------
-    engine : of their terms
+    engine : engine of the terms
     combine : (responses, terms) weights
     """
 
@@ -91,10 +92,9 @@ class CombinedEngine(Engine):
 
 
 class RowEngine(Engine):
-    """Responses one after the other, each by an object with ``direct(columns)``, ``adjoint()``.
+    """Engine that handles each response by an object with ``direct(columns)`` and ``adjoint()``.
 
-    Such an object is made of a sample and a table that all of them share, for what they have in
-    common.
+    The class ``row`` is constructed from a sample and a dictionary for results shared by all rows.
     """
 
     row: ClassVar[type]

@@ -1,4 +1,4 @@
-"""The front door: gradients of responses with respect to parameters."""
+"""Gradients of responses, and of time histories at all outputs, with respect to parameters."""
 
 from __future__ import annotations
 
@@ -9,15 +9,20 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, evaluate
-from dalembert.responses.several import as_responses, expanded
+from dalembert.responses.evaluation import as_responses, batch_response, expanded, representative
+from dalembert.responses.values import At
 from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Result
-from dalembert.sensitivity.batch import batch_gradients, labelled_gradients
+from dalembert.sensitivity.batch import batch_gradients
 from dalembert.sensitivity.checks.certificate import certify
 from dalembert.sensitivity.checks.diagnosis import Findings, diagnose
 from dalembert.sensitivity.checks.finite_difference import FiniteDifference
 from dalembert.sensitivity.checks.kinks import refuse_kinks
+from dalembert.sensitivity.marching.stable_steps import with_stable_steps
 from dalembert.sensitivity.methods import METHODS, Adjoint, Automatic, Direct, Method, Strategy
+from dalembert.sensitivity.registry import engine_for
+from dalembert.sensitivity.samples import Sample
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
@@ -36,15 +41,15 @@ def sensitivity(
 
     The gradient is the exact derivative of the steps taken. Where times of the run are formulas of
     parameters, outputs and the ends of fixed steps move with these; lengths of adaptive steps are
-    held, and divided where their tangents would grow beyond what the motion explains. Its
-    coordinates carry units, values and bounds; ``attrs["notes"]`` tells what is worth knowing.
+    frozen, and subdivided where products of their tangents would grow spuriously. The coordinates
+    contain units, values and bounds; ``attrs["notes"]`` contains remarks on the gradient.
 
     Parameters
     ----------
     motion : result of ``solve_dynamics``, ``solve_kinematics``, ``solve_inverse_dynamics``,
         ``solve_equilibrium``, ``linearize`` or ``solve_statics``, or a batch of them: the gradient
         is then ``design × response × parameter``, NaN where a design failed, without notes
-    responses : one or several
+    responses : one response or several
     wrt : names of parameters; all by default
     method : ``"auto"``, ``"adjoint"``, ``"direct"``, ``"finite-difference"`` or a strategy object
     certificate : check every entry by all methods and by a Taylor test, about twenty runs per
@@ -54,7 +59,7 @@ def sensitivity(
     ------
     AnalysisError
         Unknown parameter or method; a run that failed; a response that has no derivative at these
-        parameters, e.g. at an event that is only just reached.
+        parameters, e.g. at a grazing event.
 
     Examples
     --------
@@ -69,22 +74,22 @@ def sensitivity(
     array([[2., 0.],
            [0., 2.]])
     """
-    listed = as_responses(responses)
+    several = as_responses(responses)
     if isinstance(motion, Batch):
-        return _of_batch(motion, listed, wrt, method, certificate)
+        return _of_batch(motion, several, wrt, method, certificate)
     refuse_unfinished(motion)
     columns = chosen_columns(motion, wrt)
-    strategy = _strategy(method, len(expanded(listed)[0]), len(columns))
-    refuse_unknown_values(motion, listed)
-    terms, weights = expanded(listed)
+    strategy = _strategy(method, len(expanded(several)[0]), len(columns))
+    refuse_unknown_values(motion, several)
+    terms, weights = expanded(several)
     refuse_kinks(motion, terms, columns)
-    found = _values(motion, terms, columns, strategy)
-    table = _labelled(motion, listed, columns, weights @ found, strategy)
-    table.attrs["notes"] = diagnose(Findings(motion, terms, columns, found))
+    values = _values(motion, terms, columns, strategy)
+    table = _labelled_array(motion, several, columns, weights @ values, strategy)
+    table.attrs["notes"] = diagnose(Findings(motion, terms, columns, values))
     if isinstance(strategy, FiniteDifference):
         table.attrs["notes"] += strategy.notes(motion, columns)
     if certificate:
-        table.attrs["certificate"] = certify(motion, listed, columns)
+        table.attrs["certificate"] = certify(motion, several, columns)
     return table
 
 
@@ -92,12 +97,12 @@ def _of_batch(
     batch: Batch, responses: list[Response], wrt, method: Method, certificate: bool
 ) -> xr.DataArray:
     if certificate:
-        raise AnalysisError("a certificate is of one design; take that of batch[k]")
+        raise AnalysisError("a certificate requires a single design; use batch[k]")
     columns = chosen_columns(batch, wrt)
     strategy = _strategy(method, len(responses), len(columns))
     terms, weights = expanded(responses)
     values = np.matmul(weights, batch_gradients(batch, terms, columns, strategy))
-    return labelled_gradients(batch, responses, columns, values, type(strategy).__name__)
+    return _labelled_array(batch, responses, columns, values, strategy)
 
 
 def gradient_values(
@@ -106,9 +111,9 @@ def gradient_values(
     wrt: Sequence[str] | None = None,
     method: Method = "auto",
 ) -> np.ndarray:
-    """(responses, parameters) numbers alone, without a diagnosis: what optimisers need.
+    """(responses, parameters) gradient without labels and notes, as used by optimisers.
 
-    At a kink they are those of one side; see ``sensitivity`` for the parameters and what is raised.
+    At a kink the derivatives are one-sided; see ``sensitivity`` for the parameters and exceptions.
     """
     refuse_unfinished(motion)
     columns = chosen_columns(motion, wrt)
@@ -118,18 +123,18 @@ def gradient_values(
 
 
 def chosen_columns(motion: Result | Batch, wrt: Sequence[str] | None) -> list[int]:
-    """Numbers of the parameters with these names, each once; all where ``wrt`` is None.
+    """Numbers of the parameters with these names, without repetition; all if ``wrt`` is None.
 
     Raises
     ------
     AnalysisError
-        Unknown parameter, or none at all.
+        Unknown parameter, or no parameter.
     """
     names = {name: k for k, name in enumerate(motion.model.parameters)}
     if not names:
         raise AnalysisError(f"{motion.model.name} has no parameters to differentiate by; add some")
-    listed = [wrt] if isinstance(wrt, str) else names if wrt is None else wrt
-    chosen = list(dict.fromkeys(listed))
+    requested = [wrt] if isinstance(wrt, str) else names if wrt is None else wrt
+    chosen = list(dict.fromkeys(requested))
     if not chosen:
         raise AnalysisError(f"no parameter is chosen; choose some of {', '.join(names)}")
     for name in chosen:
@@ -145,28 +150,46 @@ def _values(motion: Result, responses, columns: list[int], strategy) -> np.ndarr
         name = list(motion.model.parameters)[columns[i]]
         raise AnalysisError(
             f"the derivative of {responses[r].label} by {name} is {values[r, i]}: the measure has "
-            "none where the run passes, as a root has none at zero; use another measure or instant"
+            "no derivative at some state of the run, as a root has none at zero; use another "
+            "measure or instant"
         )
     return values
 
 
-def _labelled(motion: Result, responses, columns, values: np.ndarray, strategy) -> xr.DataArray:
+def _labelled_array(
+    motion: Result | Batch, responses, columns, values: np.ndarray, strategy
+) -> xr.DataArray:
+    """Gradient labelled with names, units and values; of a batch for every design."""
     import xarray as xr
 
-    listed = list(motion.model.parameters.values())
-    parameters = [listed[i] for i in columns]
-    along: dict[str, Any] = {
+    model, outer = motion.model, dict[str, Any]()
+    every_parameter = list(model.parameters.values())
+    parameters = [every_parameter[i] for i in columns]
+    if isinstance(motion, Batch):
+        example, outer = representative(motion), motion.designs.coords
+        arrays = [batch_response(motion, response, example) for response in responses]
+        units = [array.attrs["units"] for array in arrays]
+        response_values = np.column_stack([array.values for array in arrays])
+        parameter_values, dims = motion.designs.values[:, columns], ["design"]
+    else:
+        units = [_unit(motion, response) for response in responses]
+        response_values = np.array([evaluate(motion, response) for response in responses])
+        parameter_values, dims = motion.parameters[columns], []
+    coordinates = outer | {
         "response": [r.label for r in responses],
         "parameter": [p.name for p in parameters],
-        "response_unit": ("response", [_unit(motion, r) for r in responses]),
-        "response_value": ("response", [evaluate(motion, r) for r in responses]),
+        "response_unit": ("response", units),
+        "response_value": ([*dims, "response"], response_values),
         "parameter_unit": ("parameter", [p.unit for p in parameters]),
-        "parameter_value": ("parameter", motion.parameters[columns]),
+        "parameter_value": ([*dims, "parameter"], parameter_values),
         "lower": ("parameter", [p.bounds[0] for p in parameters]),
         "upper": ("parameter", [p.bounds[1] for p in parameters]),
     }
-    about = {"method": type(strategy).__name__, "model": motion.model.name}
-    return xr.DataArray(values, along, ("response", "parameter"), "gradient", about)
+    for name in ("response", "parameter"):
+        if name in outer:  # a varied parameter of this name
+            del coordinates[name]
+    attrs = {"method": type(strategy).__name__, "model": model.name}
+    return xr.DataArray(values, coordinates, [*dims, "response", "parameter"], "gradient", attrs)
 
 
 def _strategy(
@@ -191,7 +214,7 @@ def refuse_unfinished(motion: Result) -> None:
 
 
 def refuse_unknown_values(motion: Result, responses: Sequence[Response]) -> None:
-    """A response whose value is not a number has no gradient.
+    """Raise if the value of a response is not finite.
 
     Raises
     ------
@@ -202,7 +225,39 @@ def refuse_unknown_values(motion: Result, responses: Sequence[Response]) -> None
         value = evaluate(motion, response)
         if not np.isfinite(value):
             raise AnalysisError(
-                f"response {response.label} is {value} in this run and has no gradient; take a "
-                "measure that this analysis knows everywhere (kinematics knows no forces, inverse "
-                "dynamics does), or another instant"
+                f"response {response.label} is {value} in this run and has no gradient; use a "
+                "measure that this analysis computes at all instants (kinematics computes no "
+                "forces, inverse dynamics does), or another instant"
             )
+
+
+def history_gradients(
+    motion: Result, measures: Sequence[str | Expression], wrt: Sequence[str]
+) -> list[np.ndarray]:
+    """(K, parameters) derivatives of each scalar measure at the outputs of a result.
+
+    Raises
+    ------
+    AnalysisError
+        A run that failed, or an unknown parameter.
+    """
+    refuse_unfinished(motion)
+    columns, motion = chosen_columns(motion, wrt), with_stable_steps(motion)
+    samples = [_history(motion, measure) for measure in measures]
+    return engine_for(motion)(samples).of_samples(columns)
+
+
+def history_rates(motion: Result, measure: str | Expression) -> np.ndarray:
+    """(K,) ``ṁ`` at the outputs of a result."""
+    motion = with_stable_steps(motion)
+    sample = _history(motion, measure)
+    engine = engine_for(motion)([sample])
+    return np.array([engine.rate(sample, k) for k in range(motion.time.size)])
+
+
+def _history(motion: Result, measure: str | Expression) -> Sample:
+    """Sample with all outputs of a result, each with weight 1."""
+    expression = motion.expression(measure)
+    count = motion.time.size
+    zeros = np.zeros(count)
+    return Sample(At(measure), motion, expression, 0.0, np.ones(count), zeros, zeros)

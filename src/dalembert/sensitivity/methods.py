@@ -1,4 +1,4 @@
-"""The ways to a gradient, as strategy objects."""
+"""Gradient methods as strategy objects."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from dalembert.sensitivity.registry import engine_of
 
 @dataclass(frozen=True)
 class Direct:
-    """Direct differentiation: cost grows with the number of parameters.
+    """Direct differentiation, whose cost grows with the number of parameters.
 
     Examples
     --------
@@ -38,13 +38,13 @@ class Direct:
         self, motion: Result, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
         """(responses, columns) derivatives."""
-        found = engine_of(motion, responses).direct(columns)
-        return found + of_moving_times(motion, responses, columns)
+        gradient = engine_of(motion, responses).direct(columns)
+        return gradient + of_moving_times(motion, responses, columns)
 
 
 @dataclass(frozen=True)
 class Adjoint:
-    """Adjoint method: cost grows with the number of responses.
+    """Adjoint method, whose cost grows with the number of responses.
 
     Examples
     --------
@@ -59,8 +59,8 @@ class Adjoint:
     >>> chain.support(nodes[0])
     >>> chain.load(nodes[3], fx=5.0)
     >>> result = da.solve_statics(chain.build())
-    >>> give = da.final("n3.ux")
-    >>> da.sensitivity(result, give, method=da.Adjoint()).values.round(6)  # -F/k² of each
+    >>> tip = da.final("n3.ux")
+    >>> da.sensitivity(result, tip, method=da.Adjoint()).values.round(6)  # -F/k² of each
     array([[-0.05, -0.05, -0.05]])
     """
 
@@ -68,13 +68,13 @@ class Adjoint:
         self, motion: Result, responses: Sequence[Response], columns: Sequence[int]
     ) -> np.ndarray:
         """(responses, columns) derivatives."""
-        found = engine_of(motion, responses).adjoint()[:, list(columns)]
-        return found + of_moving_times(motion, responses, columns)
+        gradient = engine_of(motion, responses).adjoint()[:, list(columns)]
+        return gradient + of_moving_times(motion, responses, columns)
 
 
 @dataclass(frozen=True)
 class Automatic:
-    """Adjoint unless there are fewer parameters than responses."""
+    """Adjoint method, or the direct method for fewer parameters than responses."""
 
     def choose(self, responses: int, parameters: int) -> Direct | Adjoint:
         """The cheaper method for these numbers."""

@@ -1,13 +1,12 @@
-"""What times that follow parameters add to gradients at fixed times.
+"""Contributions of parameter-dependent times to gradients at fixed times.
 
-Where the instants ``t_k`` of a response are formulas of parameters, as ``duration="2*pi/speed"``
-makes them,
+If the instants ``t_k`` of a response are formulas of parameters, as with ``duration="2*pi/speed"``,
 
     dR/dp = (dR/dp at fixed times) + Σ (∂R/∂t_k + w_k ṁ_k) dt_k/dp,
 
-with the dot along the motion, which does not depend on where it is looked at. Where
-steps are fixed their ends move with the times that they are formulas of (see ``moving_steps``);
-lengths of adaptive steps are held, for they change the error of an integrator and nothing else.
+with the dot along the motion, which does not depend on the output times. The ends of fixed steps
+move with the times that define them (see ``marching/moving_instants.py``); adaptive steps are
+frozen, since they affect only the error of the integrator.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
 from dalembert.analysis.structural.transient import Transient
@@ -27,7 +26,7 @@ from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.sensitivity.engine import Engine
-from dalembert.sensitivity.marching.moving_steps import step_slopes
+from dalembert.sensitivity.marching.moving_instants import step_slopes
 from dalembert.sensitivity.marching.stable_steps import with_stable_steps
 from dalembert.sensitivity.registry import engine_for
 from dalembert.sensitivity.samples import Sample, take_sample
@@ -36,25 +35,25 @@ from dalembert.sensitivity.samples import Sample, take_sample
 def of_moving_times(
     motion: Result, responses: Sequence[Response], columns: Sequence[int]
 ) -> np.ndarray:
-    """(responses, columns) what is added to derivatives at fixed times.
+    """(responses, columns) terms added to derivatives at fixed times.
 
     Raises
     ------
     UnsupportedError
-        The start of a motion follows one of these parameters, or rates of measures are not known.
+        The start of a motion depends on one of these parameters, or the analysis provides no rates.
     """
-    found = np.zeros((len(responses), len(columns)))
+    terms = np.zeros((len(responses), len(columns)))
     if not follow_parameters(motion.analysis):
-        return found
+        return terms
     motion = with_stable_steps(motion)
     moving = MovingTimes(motion, columns)
     if moving.none:
-        return found
+        return terms
     samples = [take_sample(motion, response) for response in responses]
     engine = engine_for(motion)(samples)
-    for row, response, sample in zip(found, responses, samples, strict=True):
-        row += moving.share(response, sample, engine)
-    return found
+    for row, response, sample in zip(terms, responses, samples, strict=True):
+        row += moving.term(response, sample, engine)
+    return terms
 
 
 class MovingTimes:
@@ -69,27 +68,27 @@ class MovingTimes:
     def __init__(self, motion: Result, columns: Sequence[int]):
         self.motion, self.analysis = motion, motion.analysis
         analysis: Any = motion.analysis
-        p, wanted = motion.parameters, list(columns)
+        p, numbers = motion.parameters, list(columns)
 
         def slope(time: Any) -> np.ndarray:
-            """(columns,) of one time."""
-            return slopes(time, motion.model, p)[wanted]
+            """(columns,) derivatives of a time."""
+            return slopes(time, motion.model, p)[numbers]
 
         span = getattr(analysis, "t_span", None)
         ends = (0.0, analysis.duration) if span is None else span
         self.span = checked_span(getattr(analysis, "duration", None), span)
         self.start, self.end = map(slope, ends)
         self.step = slope(analysis.step)
-        given = analysis.outputs
-        self.listed = [slope(t) for t in given] if np.ndim(given) else None
+        outputs = analysis.outputs
+        self.listed = [slope(t) for t in outputs] if np.ndim(outputs) else None
         ends = step_slopes(motion)
-        self.ends = None if ends is None else ends[:, wanted]
-        moves = self.start, self.end, *(self.listed or ()), self.ends
-        self.none = not any(s is not None and np.any(s) for s in moves)
+        self.ends = None if ends is None else ends[:, numbers]
+        every = self.start, self.end, *(self.listed or ()), self.ends
+        self.none = not any(s is not None and np.any(s) for s in every)
         if np.any(self.start) and not isinstance(analysis, Kinematics):
             raise UnsupportedError(
                 "a gradient by parameters that the start of the run follows is not available: the "
-                "whole motion moves with it; let the run start at a fixed time"
+                "whole motion shifts with it; use a fixed start time"
             )
         fixed = isinstance(analysis, (Transient, Nonsmooth))
         if fixed and (np.any(self.step) or (analysis.step is None and np.any(self.end))):
@@ -100,16 +99,16 @@ class MovingTimes:
             )
         self.ended = end_by_event(motion) is not None
 
-    def share(self, response: Response, sample: Sample, engine: Engine) -> np.ndarray:
-        """(columns,) what the moving instants add to the gradient of a response."""
+    def term(self, response: Response, sample: Sample, engine: Engine) -> np.ndarray:
+        """(columns,) contribution of the moving instants to the gradient of a response."""
         if response.stays(self.motion):
             return np.zeros(self.end.size)
         times = sample.motion.time
         if np.array_equal(times, self.motion.time):
             instants = samples = self.of_outputs(times)
-        elif self.ends is not None:  # over the steps of the run, all of which may move
+        elif self.ends is not None:  # samples in the steps of the run, all of which may move
             instants = samples = self.of_steps(times)
-        else:  # over the steps of the run, of which the last one grows
+        else:  # samples in the steps of the run, the last of which grows
             end = np.zeros_like(self.end) if self.ended else self.end
             instants = np.outer(np.eye(1, times.size, times.size - 1), end)
             samples = np.outer(sample.shares, end)
@@ -119,24 +118,24 @@ class MovingTimes:
         return added
 
     def of_outputs(self, times: np.ndarray) -> np.ndarray:
-        """(K, columns) of the outputs of the run."""
+        """(K, columns) derivatives of the output times."""
         analysis: Any = self.analysis
         begin, end = self.span
         shares = ((times - begin) / (end - begin))[:, None]
-        made = (1 - shares) * self.start + shares * self.end
+        rates = (1 - shares) * self.start + shares * self.end
         if self.listed is not None:
-            made[:] = np.array(self.listed)[: times.size]
+            rates[:] = np.array(self.listed)[: times.size]
         elif analysis.outputs is None and self.ends is not None:
-            made = self.of_steps(times)
+            rates = self.of_steps(times)
         elif analysis.outputs is None and not self._divides:
-            made = self.start + np.arange(times.size)[:, None] * self.step
-            made[-1] = self.end
-        if self.ended:  # there the event says when
-            made[-1] = 0.0
-        return made
+            rates = self.start + np.arange(times.size)[:, None] * self.step
+            rates[-1] = self.end
+        if self.ended:  # the event determines the last instant
+            rates[-1] = 0.0
+        return rates
 
     def of_steps(self, times: np.ndarray) -> np.ndarray:
-        """(K, columns) of places that lie at fixed shares of their steps."""
+        """(K, columns) derivatives of times at fixed fractions of their steps."""
         assert self.ends is not None
         steps = self.motion.record.steps  # type: ignore[attr-defined]
         ends = np.append(steps.t[: steps.count], steps.end)
@@ -144,7 +143,7 @@ class MovingTimes:
 
     @property
     def _divides(self) -> bool:
-        """Whether the steps are parts of the span, so that they grow with it."""
+        """True if the steps are fractions of the time span and scale with it."""
         adaptive = getattr(getattr(self.analysis, "integrator", None), "adaptive", False)
         return self.analysis.step is None and not adaptive  # type: ignore[attr-defined]
 

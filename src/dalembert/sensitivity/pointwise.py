@@ -1,7 +1,7 @@
-"""Gradients of analyses in which every instant stands for itself: kinematics, inverse dynamics.
+"""Gradients of analyses with independent instants: kinematics, inverse dynamics, equilibrium.
 
 An instant is an implicit function of the parameters; direct differentiation propagates one
-parameter at a time through its tangent, the adjoint one response through its adjoint.
+parameter at a time through its tangent, the adjoint method one response through its adjoint.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.kinematics.driven_instants import measure_rate
+from dalembert.analysis.kinematics.kinematics import measure_rate
 from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample, weights_change
 
@@ -45,28 +45,28 @@ class PointwiseGradient:
         return self.sample.weights @ self.samples(columns)
 
     def samples(self, columns: Sequence[int]) -> np.ndarray:
-        """(K, columns) derivatives of the samples that have a weight."""
+        """(K, columns) derivatives of the samples with nonzero weight."""
         active = np.flatnonzero(self.sample.weights)
         t, y, p = self._arguments()
-        found = np.zeros((t.size, len(columns)))
+        derivatives = np.zeros((t.size, len(columns)))
         if not active.size:
-            return found
+            return derivatives
         mapped = self.measured.tangent.map(active.size)
-        still_t, still_y = ca.DM.zeros(1, active.size), ca.DM.zeros(y.shape[0], active.size)
+        zero_t, zero_y = ca.DM.zeros(1, active.size), ca.DM.zeros(y.shape[0], active.size)
         for i, change in enumerate(self.motion.model.tangents(p[:, 0], columns).T):
             direction = np.tile(change[:, None], active.size)
-            rates = mapped(t[active], y[:, active], p[:, active], still_t, still_y, direction)
-            found[active, i] = rates.full().ravel()
-        return found
+            rates = mapped(t[active], y[:, active], p[:, active], zero_t, zero_y, direction)
+            derivatives[active, i] = rates.full().ravel()
+        return derivatives
 
     def hessian_product(self, direction: np.ndarray) -> np.ndarray:
-        """(np,) the derivative of the adjoint gradient along a direction of the parameters."""
+        """(np,) derivative of the adjoint gradient along a direction of the parameters."""
         t, y, p = self._arguments()
-        count, still_y = t.size, np.zeros_like(y)
+        count, zero_y = t.size, np.zeros_like(y)
         dp = np.tile(direction[:, None], count)
-        change = self.measured.tangent.map(count)(t, y, p, np.zeros((1, count)), still_y, dp)
-        turned = weights_change(self.sample, change.full().ravel())
-        active = np.flatnonzero((self.sample.weights != 0) | (turned != 0))
+        change = self.measured.tangent.map(count)(t, y, p, np.zeros((1, count)), zero_y, dp)
+        dweights = weights_change(self.sample, change.full().ravel())
+        active = np.flatnonzero((self.sample.weights != 0) | (dweights != 0))
         if not active.size:
             return np.zeros(direction.size)
         mapped = self.measured.reverse.tangent.map(active.size)
@@ -76,15 +76,15 @@ class PointwiseGradient:
             p[:, active],
             self.sample.weights[None, active],
             np.zeros((1, active.size)),
-            still_y[:, active],
+            zero_y[:, active],
             dp[:, active],
-            turned[None, active],
+            dweights[None, active],
         )
         return rates[2].full().sum(axis=1)
 
 
 class PointwiseEngine(RowEngine):
-    """One row after the other."""
+    """Engine for analyses with independent instants."""
 
     row = PointwiseGradient
 

@@ -1,4 +1,4 @@
-"""Which engine differentiates the results of which analysis."""
+"""Registry of gradient engines by analysis."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient import Transient
 from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
-from dalembert.responses.several import expanded
+from dalembert.responses.evaluation import expanded
 from dalembert.results.result import Result
 from dalembert.sensitivity.eigenvalues import EigenvalueEngine
 from dalembert.sensitivity.engine import CombinedEngine, Engine
@@ -29,7 +29,7 @@ from dalembert.sensitivity.pointwise import PointwiseEngine
 from dalembert.sensitivity.samples import take_sample
 from dalembert.sensitivity.structural.eigenpairs import EigenpairEngine
 from dalembert.sensitivity.structural.load_path import LoadPathEngine
-from dalembert.sensitivity.structural.second_statics import TwiceStaticsEngine
+from dalembert.sensitivity.structural.statics import TwiceStaticsEngine
 from dalembert.sensitivity.structural.transient import TransientEngine
 
 ENGINES: dict[type, type[Engine]] = {
@@ -45,7 +45,7 @@ ENGINES: dict[type, type[Engine]] = {
     ArcLength: LoadPathEngine,
     Transient: TransientEngine,
 }
-"""Analysis → engine; subclasses of an analysis use the same."""
+"""Analysis → engine; subclasses of an analysis use the same engine."""
 
 
 def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
@@ -54,7 +54,7 @@ def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
     Raises
     ------
     UnsupportedError
-        The analysis has none.
+        The analysis has no engine.
     """
     kind = engine_for(motion)
     terms, weights = expanded(responses)
@@ -68,12 +68,12 @@ def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
 
 
 def engine_for(motion: Result) -> type[Engine]:
-    """The kind of engine for a result.
+    """The class of the engine for a result.
 
     Raises
     ------
     UnsupportedError
-        The analysis has none.
+        The analysis has no engine.
     """
     for kind in type(motion.analysis).__mro__:
         if kind in ENGINES:

@@ -1,4 +1,4 @@
-"""Where responses look at a motion, and with what weight."""
+"""Sampled responses: sampling times, measure and weights, and their outputs in a run."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from dalembert.analysis.events import Occurrence
+from dalembert.analysis.kinematics.branches import Branches
+from dalembert.integrators.marching.steps import Steps
 from dalembert.responses.base import Response, scalar_measure
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
@@ -17,7 +19,7 @@ R = TypeVar("R", bound=Result)
 
 @dataclass(frozen=True)
 class Sample(Generic[R]):
-    """A response with the samples it is made of.
+    """A response and the samples it is computed from.
 
     Attributes
     ----------
@@ -26,7 +28,7 @@ class Sample(Generic[R]):
     value : ``R(m)``
     weights : (K,) ``∂R/∂m_k``
     time_weights : (K,) ``∂R/∂t_k``
-    shares : (K,) how far each sample moves in time when the last one moves by one
+    shares : (K,) derivative of each sampling time by the last one [-]
     moves_with : the event at whose instant the last sample is taken, or None
     """
 
@@ -41,7 +43,7 @@ class Sample(Generic[R]):
 
 
 def weights_change(sample: Sample, change: np.ndarray) -> np.ndarray:
-    """(K,) change of the weights when the samples change."""
+    """(K,) change of the weights for a change of the samples."""
     values = sample.motion.values(sample.measure)
     return sample.response.weights_change(sample.motion.time, values, change)
 
@@ -62,3 +64,32 @@ def take_sample(motion: Result, response: Response) -> Sample[Any]:
         response.shares(sampled.time),
         moves_with,
     )
+
+
+class SampledOutputs:
+    """Outputs of a run that a sampled response depends on.
+
+    Attributes
+    ----------
+    steps, branches : steps of the run, and the positions of the outputs in them
+    ends : (K,) whether an output is the end of its step
+    number : (K,) number of the state that an output is or branches from
+    within : (K,) whether an output lies inside a step
+    active : outputs with nonzero weight, in the order of ``number``
+    """
+
+    def __init__(self, sample: Sample):
+        self.sample, self.motion = sample, sample.motion
+        record = self.motion.record
+        self.steps: Steps = record.steps
+        self.branches: Branches = record.branches
+        self.ends = self.branches.ends_of(self.steps)
+        self.number = self.branches.index + self.ends
+        self.within = (self.branches.length != 0) & ~self.ends
+        active = np.flatnonzero(sample.weights)
+        self.active = active[np.argsort(self.number[active], kind="stable")]
+
+    def active_outputs(self, first: int, last: int) -> np.ndarray:
+        """Active outputs from state ``first`` up to but excluding state ``last + 1``."""
+        begin, end = np.searchsorted(self.number[self.active], [first, last + 1])
+        return self.active[begin:end]

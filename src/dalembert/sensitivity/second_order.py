@@ -1,4 +1,4 @@
-"""The front door to second derivatives: Hessians of responses times a direction."""
+"""Second derivatives: products of the Hessian of a response with a direction."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.times import follow_parameters
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response
-from dalembert.responses.several import as_responses
+from dalembert.responses.evaluation import as_responses
 from dalembert.responses.smooth_extreme import SmoothExtreme
 from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import (
@@ -32,16 +32,16 @@ def hessian_product(
     direction: Mapping[str, float] | Sequence[float] | np.ndarray,
     wrt: Sequence[str] | None = None,
 ) -> xr.DataArray:
-    """``H d``: the change of a response's gradient along a direction ``d`` of the parameters.
+    """``H d``: the change of the gradient of a response along a direction ``d`` of the parameters.
 
-    Forward over adjoint: the exact derivative of the adjoint gradient, itself exact. With the
-    result's own change ``ẋ`` along ``d`` from one direct solution, the adjoint equations are
-    differentiated along ``(ẋ, d)``. Its cost does not grow with the number of parameters.
+    Forward-over-adjoint differentiation: the exact derivative of the adjoint gradient. With the
+    change ``ẋ`` of the result along ``d`` from one direct solution, the adjoint equations are
+    differentiated along ``(ẋ, d)``. The cost does not grow with the number of parameters.
 
     Parameters
     ----------
-    result : of an analysis that can be differentiated
-    response : one
+    result : result of an analysis with gradients
+    response : the response
     direction : parameter → component, others zero; or all components in the order of ``wrt``
     wrt : names of parameters, for the rows and for a ``direction`` without names; default all
 
@@ -69,14 +69,14 @@ def hessian_product(
     import xarray as xr
 
     columns = chosen_columns(result, wrt)
-    along = _along(result, direction, columns)
+    full = _full_direction(result, direction, columns)
     refuse_unfinished(result)
     (response,) = as_responses([response])
     refuse_unknown_values(result, [response])
     if result.parameters.size > len(result.model.parameters):
         raise UnsupportedError(
-            "second derivatives are not available where structures of flexible bodies follow "
-            "parameters; take differences of gradients"
+            "second derivatives are not available if structures of flexible bodies depend on "
+            "parameters; use differences of gradients"
         )
     if follow_parameters(result.analysis):
         raise UnsupportedError(
@@ -86,28 +86,27 @@ def hessian_product(
     engine = engine_of(result, [response])
     if any(sample.moves_with for sample in engine.samples):
         raise UnsupportedError(
-            f"{response.label} looks at the instant of an event; second derivatives are available "
+            f"{response.label} is evaluated at an event; second derivatives are available "
             "at fixed times only"
         )
     for sample, (_, term) in zip(engine.samples, response.terms, strict=True):
         if term.searches(result) and not isinstance(sample.response, SmoothExtreme):
             raise UnsupportedError(
-                f"{term.label} looks at the instant of an extreme, which moves with the "
-                "parameters; second derivatives are available at fixed times only; a smooth= "
-                "extreme has them"
+                f"{term.label} is evaluated at the instant of an extreme, which moves with the "
+                "parameters; second derivatives are available at fixed times only; use smooth="
             )
-    listed = list(result.model.parameters.values())
-    found = engine.hessian_product(along)[0, columns]
-    if not np.all(np.isfinite(found)):
+    parameters = list(result.model.parameters.values())
+    product = engine.hessian_product(full)[0, columns]
+    if not np.all(np.isfinite(product)):
         raise AnalysisError(
-            f"second derivatives of {response.label} are not finite: the measure has none where "
-            "the run passes, as a root has none at zero; use another measure or instant"
+            f"second derivatives of {response.label} are not finite: the measure has none at "
+            "some state of the run, as a root has none at zero; use another measure or instant"
         )
     return xr.DataArray(
-        found,
+        product,
         {
-            "parameter": [listed[i].name for i in columns],
-            "parameter_unit": ("parameter", [listed[i].unit for i in columns]),
+            "parameter": [parameters[i].name for i in columns],
+            "parameter_unit": ("parameter", [parameters[i].unit for i in columns]),
         },
         ("parameter",),
         "hessian_product",
@@ -115,19 +114,22 @@ def hessian_product(
     )
 
 
-def _along(result: Result, direction, columns: list[int]) -> np.ndarray:
-    """(np,) components along all parameters."""
-    along = np.zeros(result.parameters.size)
+def _full_direction(result: Result, direction, columns: list[int]) -> np.ndarray:
+    """(np,) direction with components for all parameters."""
+    full = np.zeros(result.parameters.size)
     if isinstance(direction, Mapping):
-        given = np.array(list(direction.values()), dtype=float)
+        components = np.array(list(direction.values()), dtype=float)
         columns = chosen_columns(result, list(direction))
     else:
-        given = np.asarray(direction, dtype=float)
-    if given.shape != (len(columns),):
+        components = np.asarray(direction, dtype=float)
+    if components.shape != (len(columns),):
         raise AnalysisError(
-            f"the direction has {given.size} component(s), but there are {len(columns)} parameters"
+            f"the direction has {components.size} component(s), but there are {len(columns)} "
+            "parameters"
         )
-    if not np.all(np.isfinite(given)):
-        raise AnalysisError(f"the direction has a component {given[~np.isfinite(given)][0]}")
-    along[columns] = given
-    return along
+    if not np.all(np.isfinite(components)):
+        raise AnalysisError(
+            f"the direction has a component {components[~np.isfinite(components)][0]}"
+        )
+    full[columns] = components
+    return full

@@ -1,1 +1,1 @@
-"""Sparse linear systems: the one place that factors sparse matrices."""
+"""Sparse linear systems and eigenvalue utilities."""

@@ -1,8 +1,8 @@
-"""Conjugate gradients with algebraic multigrid, for what is too large to be factored.
+"""Conjugate gradients with algebraic multigrid, for systems too large to be factored.
 
 Smoothed aggregation with the rigid motions as near-null space (Vaněk, Mandel and Brezina, Computing
-56, 1996), by ``pyamg``. Equations of one node stay together: its directions that are held get an
-equation of their own, with the solution zero.
+56, 1996), by ``pyamg``. Equations are grouped by node: constrained directions of a node get an
+extra equation with the solution zero.
 """
 
 from __future__ import annotations
@@ -16,21 +16,23 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.sparse.solver import SparseSolver
 
 TOLERANCE = 1e-10
-"""Of the residual, relative to the right-hand side; or what rounding leaves of its terms."""
+"""Upper limit of the residual relative to the right-hand side [-]."""
 ROUNDING = 1e-14
+"""Rounding error of the residual relative to its terms [-]."""
 ITERATIONS = 500
+"""Upper limit of iterations per solution."""
 COARSEST = 300
-"""Equations on the coarsest level, which is solved by dense factors."""
+"""Upper limit of equations on the coarsest level, solved by dense factors."""
 
 
 class Multigrid(SparseSolver):
-    """``A x = b`` with ``A`` symmetric and positive definite.
+    """Iterative solver of ``A x = b`` with ``A`` symmetric positive definite.
 
     Parameters
     ----------
-    matrix : sparse, of some of all displacements
-    places : (n,) node · directions + direction of each of them
-    directions : of a node
+    matrix : sparse matrix of some of all displacements
+    places : (n,) node · directions + direction of each displacement
+    directions : number of directions per node
     motions : (n, k) rigid motions
     """
 
@@ -52,49 +54,49 @@ class Multigrid(SparseSolver):
     def _blocks(self, directions: int) -> scipy.sparse.bsr_matrix:
         """The matrix with equations for all directions of its nodes."""
         entries = self.matrix.tocoo()
-        others = np.setdiff1d(np.arange(self._size), self._places)
-        rows = np.concatenate([self._places[entries.row], others])
-        columns = np.concatenate([self._places[entries.col], others])
-        own = np.full(others.size, self.matrix.diagonal().mean())
+        extra = np.setdiff1d(np.arange(self._size), self._places)
+        rows = np.concatenate([self._places[entries.row], extra])
+        columns = np.concatenate([self._places[entries.col], extra])
+        diagonal = np.full(extra.size, self.matrix.diagonal().mean())
         shape = (self._size, self._size)
-        whole = scipy.sparse.csr_matrix(
-            (np.concatenate([entries.data, own]), (rows, columns)), shape
+        extended = scipy.sparse.csr_matrix(
+            (np.concatenate([entries.data, diagonal]), (rows, columns)), shape
         )
-        return whole.tobsr((directions, directions))
+        return extended.tobsr((directions, directions))
 
-    def _precondition(self, rest: np.ndarray) -> np.ndarray:
+    def _precondition(self, residual: np.ndarray) -> np.ndarray:
         wide = np.zeros(self._size)
-        wide[self._places] = rest.ravel()
+        wide[self._places] = residual.ravel()
         return self._cycle.matvec(wide)[self._places]
 
     def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:
-        """Solutions; symmetric, so that transposed systems are the same.
+        """Solutions; ``trans`` has no effect, since the matrix is symmetric.
 
         Raises
         ------
         AnalysisError
-            The residual does not become small; tells it.
+            The iteration does not converge; reports the residual.
         """
         if rhs.ndim == 2:
             return np.stack([self.solve(column) for column in rhs.T], axis=1)
-        found, residual = self.attempt(rhs, TOLERANCE)
+        solution, residual = self.attempt(rhs, TOLERANCE)
         if not residual <= 1:
             raise AnalysisError(
                 f"conjugate gradients left a residual of {residual * TOLERANCE:.1e} of the load "
-                f"after {self.iterations} iterations; take solver='direct'",
+                f"after {self.iterations} iterations; use solver='direct'",
                 residual * TOLERANCE,
             )
         self.residual = max(self.residual, residual * TOLERANCE)
-        return found
+        return solution
 
     def attempt(self, rhs: np.ndarray, tolerance: float) -> tuple[np.ndarray, float]:
-        """What is reached, and the residual as a share of what is allowed."""
+        """Solution reached, and its residual relative to the tolerance."""
         size = float(np.linalg.norm(rhs))
         if not size > 0:
             return np.zeros_like(rhs), 0.0 if size == 0 else np.inf
-        found, start = np.zeros_like(rhs), size
-        for _ in range(3):  # what rounding has left is a new right-hand side
-            rest = rhs - self.matrix @ found
+        solution, last = np.zeros_like(rhs), size
+        for _ in range(3):  # iterative refinement
+            rest = rhs - self.matrix @ solution
             step, _ = scipy.sparse.linalg.cg(
                 self.matrix,
                 rest,
@@ -104,21 +106,21 @@ class Multigrid(SparseSolver):
                 M=self._operator,
                 callback=self._count,
             )
-            found = found + step
-            left = float(np.linalg.norm(rhs - self.matrix @ found))
-            terms = np.linalg.norm(abs(self.matrix) @ np.abs(found))
+            solution = solution + step
+            residual = float(np.linalg.norm(rhs - self.matrix @ solution))
+            terms = np.linalg.norm(abs(self.matrix) @ np.abs(solution))
             allowed = tolerance * size + ROUNDING * terms
-            if not np.isfinite(left) or left <= allowed or left > 0.5 * start:
+            if not np.isfinite(residual) or residual <= allowed or residual > 0.5 * last:
                 break
-            start = left
-        return found, float(left / allowed)
+            last = residual
+        return solution, float(residual / allowed)
 
     def _count(self, _: np.ndarray) -> None:
         self.iterations += 1
 
 
 def available() -> bool:
-    """Whether ``pyamg`` is installed."""
+    """True if ``pyamg`` is installed."""
     from importlib.util import find_spec
 
     return find_spec("pyamg") is not None
@@ -127,7 +129,7 @@ def available() -> bool:
 def _hierarchy(matrix: scipy.sparse.bsr_matrix, motions: np.ndarray) -> Any:
     if not available():
         raise UnsupportedError(
-            "solver='iterative' needs pyamg; pip install 'dalembert[sparse]', or take 'direct'"
+            "solver='iterative' needs pyamg; pip install 'dalembert[sparse]', or use 'direct'"
         )
     from pyamg import smoothed_aggregation_solver
 

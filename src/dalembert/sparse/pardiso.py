@@ -1,7 +1,7 @@
-"""Factors by PARDISO of the Math Kernel Library, where ``pypardiso`` is installed.
+"""Factors by PARDISO of the Math Kernel Library, if ``pypardiso`` is installed.
 
-Numbers of the options are those of its manual. Pivots are looked for within dense blocks only; what
-it would have to change to go on is refused here, and left to who pivots freely.
+Options are numbered as in its manual. Pivoting is restricted to dense blocks; a matrix whose pivots
+would have to be perturbed is rejected, so that a solver with full pivoting can be used.
 """
 
 from __future__ import annotations
@@ -20,26 +20,26 @@ import scipy
 from dalembert.sparse.solver import Factors
 
 INDEFINITE, GENERAL = -2, 11
-"""Kinds of real matrices."""
-SMALLEST = 13
-"""Pivots below ``10^-SMALLEST`` of the matrix are changed by PARDISO."""
-ALIKE = 1e-13
-"""Difference of opposite entries, relative to their diagonals, that is rounding."""
+"""Matrix types of PARDISO: real symmetric indefinite, real unsymmetric."""
+PIVOT_EXPONENT = 13
+"""Pivots below ``10^-PIVOT_EXPONENT`` relative to the matrix are perturbed by PARDISO."""
+SYMMETRIC = 1e-13
+"""Upper limit of the asymmetry of a symmetric matrix, relative to its diagonals [-]."""
 
 
 @cache
 def available() -> bool:
-    """Whether PARDISO can be used."""
-    beside = sorted(Path(sys.prefix).glob("[Ll]ib*/*mkl_rt*"), key=lambda p: len(p.name))
-    if beside:  # where pip puts it; else every folder of the installation is searched
-        os.environ.setdefault("PYPARDISO_MKL_RT", str(beside[0]))
+    """True if PARDISO can be used."""
+    libraries = sorted(Path(sys.prefix).glob("[Ll]ib*/*mkl_rt*"), key=lambda p: len(p.name))
+    if libraries:  # installed by pip; avoids a search of all folders of the installation
+        os.environ.setdefault("PYPARDISO_MKL_RT", str(libraries[0]))
     try:
         import pypardiso
 
-        found = pypardiso.PyPardisoSolver().libmkl
+        library = pypardiso.PyPardisoSolver().libmkl
     except (ImportError, OSError):
         return False
-    os.environ.setdefault("PYPARDISO_MKL_RT", found._name)  # or every solver looks for it anew
+    os.environ.setdefault("PYPARDISO_MKL_RT", library._name)  # avoids a search by every solver
     return True
 
 
@@ -53,7 +53,7 @@ class PardisoFactors(Factors):
     Raises
     ------
     numpy.linalg.LinAlgError
-        A pivot vanishes, or is too small to go on without pivoting freely.
+        A pivot vanishes, or is too small without full pivoting.
     """
 
     name = "PARDISO"
@@ -62,12 +62,12 @@ class PardisoFactors(Factors):
         if not np.all(np.isfinite(matrix.data)):
             raise np.linalg.LinAlgError("not finite")
         self.scale = _scale(matrix)
-        half = halved(matrix, self.scale)
+        half = upper_triangle(matrix, self.scale)
         self.symmetric = half is not None
         if half is None:
             half, self.scale = scipy.sparse.csr_matrix(matrix), np.ones(matrix.shape[0])
         self._matrix, self._lock = half, Lock()
-        self._solver = _prepared(self.symmetric)
+        self._solver = _solver(self.symmetric)
         self._factorise()
 
     def _factorise(self) -> None:
@@ -83,11 +83,11 @@ class PardisoFactors(Factors):
             raise np.linalg.LinAlgError("pivots vanish")
 
     def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:
-        side = self.scale if rhs.ndim == 1 else self.scale[:, None]
-        turned = trans == "T" and not self.symmetric
+        scale = self.scale if rhs.ndim == 1 else self.scale[:, None]
+        transposed = trans == "T" and not self.symmetric
         with self._lock:  # one system at a time
-            matrix = self._matrix.T if turned else self._matrix
-            return side * self._solver.solve(matrix, np.asfortranarray(side * rhs, dtype=float))
+            matrix = self._matrix.T if transposed else self._matrix
+            return scale * self._solver.solve(matrix, np.asfortranarray(scale * rhs, dtype=float))
 
     @property
     def negative(self) -> int:
@@ -95,15 +95,15 @@ class PardisoFactors(Factors):
 
 
 def _scale(matrix: Any) -> np.ndarray:
-    """Factors of rows and columns that make the diagonal one."""
-    own = np.abs(matrix.diagonal())
-    return 1.0 / np.sqrt(np.where(own > 0, own, 1.0))
+    """Scale factors of rows and columns for a unit diagonal."""
+    diagonal = np.abs(matrix.diagonal())
+    return 1.0 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
 
 
-def halved(matrix: Any, scale: np.ndarray) -> scipy.sparse.csr_matrix | None:
+def upper_triangle(matrix: Any, scale: np.ndarray) -> scipy.sparse.csr_matrix | None:
     """The scaled upper triangle of a symmetric matrix with all diagonal entries, by rows.
 
-    Those of others are None.
+    None for other matrices.
     """
     whole = scipy.sparse.csc_matrix(matrix)
     whole.sort_indices()
@@ -112,23 +112,23 @@ def halved(matrix: Any, scale: np.ndarray) -> scipy.sparse.csr_matrix | None:
         return None
     entries = whole.data * scale[whole.indices] * scale[columns]
     full = scipy.sparse.csc_matrix((entries, whole.indices, whole.indptr), whole.shape)
-    gap = full - full.T
-    if not np.abs(gap.data).max(initial=0.0) <= ALIKE:
+    asymmetry = full - full.T
+    if not np.abs(asymmetry.data).max(initial=0.0) <= SYMMETRIC:
         return None
     below = whole.indices >= columns  # the lower triangle by columns is the upper one by rows
     starts = np.searchsorted(columns[below], np.arange(whole.shape[0] + 1)).astype(np.int32)
     return scipy.sparse.csr_matrix((entries[below], whole.indices[below], starts), whole.shape)
 
 
-def _prepared(symmetric: bool) -> Any:
+def _solver(symmetric: bool) -> Any:
     from pypardiso import PyPardisoSolver
 
     solver = PyPardisoSolver(INDEFINITE if symmetric else GENERAL)
-    solver.set_iparm(1, 1)  # none of the options below is left to PARDISO
+    solver.set_iparm(1, 1)  # no default options
     solver.set_iparm(2, 2)  # nested dissection
-    solver.set_iparm(8, 0 if symmetric else 2)  # steps of refinement
-    solver.set_iparm(10, SMALLEST)
+    solver.set_iparm(8, 0 if symmetric else 2)  # steps of iterative refinement
+    solver.set_iparm(10, PIVOT_EXPONENT)
     solver.set_iparm(11, 0 if symmetric else 1)  # scaling
     solver.set_iparm(13, 0 if symmetric else 1)  # large entries to the diagonal
-    solver.set_iparm(21, 1)  # pivots of two rows
+    solver.set_iparm(21, 1)  # Bunch–Kaufman pivoting
     return solver

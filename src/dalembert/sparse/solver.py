@@ -1,4 +1,4 @@
-"""What solves with a sparse matrix, again and again."""
+"""Interfaces of sparse solvers and factors."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ class SparseSolver(ABC):
 
     Attributes
     ----------
-    name : of what solves, for people
+    name : name of the solver for reports
     """
 
     name: str
 
     @abstractmethod
     def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:
-        """``A⁻¹ b`` for right-hand sides (n,) or (n, k); ``A⁻ᵀ b`` where ``trans`` is ``"T"``."""
+        """``A⁻¹ b`` for right-hand sides (n,) or (n, k); ``A⁻ᵀ b`` if ``trans`` is ``"T"``."""
 
 
 class Factors(SparseSolver):
-    """A matrix taken apart into triangles."""
+    """Triangular factors of a matrix."""
 
     @property
     @abstractmethod
     def negative(self) -> int:
-        """Negative pivots; for symmetric elimination without pivoting, negative eigenvalues."""
+        """Number of negative pivots; without pivoting the number of negative eigenvalues."""

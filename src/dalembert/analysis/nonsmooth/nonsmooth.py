@@ -1,4 +1,4 @@
-"""Dynamics with rigid contacts in fixed steps, however many of them act at once."""
+"""Nonsmooth contact dynamics: rigid contacts by time stepping with fixed steps."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Unpack
 
 import numpy as np
 
-from dalembert.analysis.dynamics.energy_balance import check_balance
+from dalembert.analysis.dynamics.residual_check import check_balance
 from dalembert.analysis.keywords import NonsmoothKeywords
 from dalembert.analysis.kinematics.kinematics import refuse_outside
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
-from dalembert.analysis.nonsmooth.sampling import sampled
-from dalembert.analysis.over_time import OverTime
+from dalembert.analysis.nonsmooth.step_log import interpolate
+from dalembert.analysis.timeline import OverTime
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_solver import ContactSolver
@@ -28,15 +28,15 @@ from dalembert.text.spelling import spelled
 class Nonsmooth(OverTime[NonsmoothMotion]):
     """Dynamics with rigid contacts as a strategy object.
 
-    Impacts are not located: all that fall into a step are solved at once, as impulses. The motion
-    is of first order in the step, and so are gradients, which ``MoreauJean`` has.
+    Impacts are not located: all contacts of a step are solved together as impulses. The motion is
+    of first order in the step, and so are gradients, which require ``MoreauJean``.
 
     Parameters
     ----------
     integrator : ``AnticipatedImpacts()`` or ``MoreauJean()``
-    solver : of the impulses
-    balance : largest error of the energy balance, over the energy that took part in the motion,
-        with which a run still counts as completed
+    solver : solver of the impulses
+    balance : largest error of the energy balance, relative to the exchanged energy, with which a
+        run still counts as completed
 
     Examples
     --------
@@ -70,7 +70,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
         check_balance(self.balance)
 
     def resample(self, motion: NonsmoothMotion, times: np.ndarray) -> NonsmoothMotion:
-        """The motion at other times within the run; steps go straight from end to end.
+        """The motion at other times within the run, linear within steps.
 
         Raises
         ------
@@ -78,7 +78,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
             A time outside the run.
         """
         refuse_outside(times, motion.record.t)
-        return replace(motion, trajectory=sampled(motion.model, motion.record, times))
+        return replace(motion, trajectory=interpolate(motion.model, motion.record, times))
 
 
 @spelled
@@ -92,7 +92,7 @@ def solve_nonsmooth(
 ) -> NonsmoothMotion:
     """Integrate ``M dv = (f − d) dt − Cᵀ dΛ + Wᵀ dP``, ``0 ≤ g ⟂ dP_N ≥ 0``.
 
-    Impacts follow Newton's law and friction Coulomb's, in fixed steps.
+    Impacts follow Newton's law and friction follows Coulomb's law, in fixed steps.
 
     Parameters
     ----------

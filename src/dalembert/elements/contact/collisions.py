@@ -1,4 +1,4 @@
-"""Many balls that do not pass through each other, nor through walls."""
+"""Collisions of many balls with each other and with walls."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Ball:
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """A half-plane or half-space; the normal, in axes of its body, points to where things are."""
+    """A half-plane or half-space; the normal, in axes of its body, points into the free space."""
 
     point: Point
     normal: ca.SX
@@ -38,23 +38,23 @@ class Wall:
 
 @dataclass(eq=False)
 class Collisions(Element):
-    """Every two of many balls, and each of them and every wall, keep apart: ``g ≥ 0``.
+    """Unilateral contacts ``g ≥ 0`` of all pairs of balls, and of each ball with each wall.
 
-    Newton's restitution and Coulomb's friction, as in ``Impact``. There are as many gaps as pairs,
-    of which few matter at a time; ``solve_nonsmooth`` looks for these in every step.
+    Newton's restitution and Coulomb's friction, as in ``Impact``. The number of gaps is that of
+    pairs, of which few are active; ``solve_nonsmooth`` detects these in every step.
 
     Parameters
     ----------
     balls : pairs (body or point of a body, radius [m]); discs in the plane
     walls : pairs (point of a body or of the ground, normal in axes of that body)
     restitution : ``e`` along the normal, 0 to 1
-    tangential : of the slip, 0 to 1
+    tangential : restitution of the slip, 0 to 1
     friction : ``μ``
 
     Raises
     ------
     ModelError
-        No ball, a wrong pair, or a normal without length.
+        No balls, an invalid pair, or a zero normal.
 
     Examples
     --------
@@ -66,7 +66,7 @@ class Collisions(Element):
     >>> balls = [(left.center, 0.1), (right.center, 0.1)]
     >>> hits = system.add(planar.Collisions("hits", balls, restitution=1.0))
     >>> motion = da.solve_nonsmooth(system.build(), 0.2, step=0.01)
-    >>> motion["left.vx"][-1].item(), motion["right.vx"][-1].item()  # they swap speeds
+    >>> motion["left.vx"][-1].item(), motion["right.vx"][-1].item()  # the speeds are exchanged
     (0.0, 2.0)
     """
 
@@ -78,39 +78,42 @@ class Collisions(Element):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.balls = tuple(self._ball(k, given) for k, given in enumerate(self.balls))
+        self.balls = tuple(self._ball(k, pair) for k, pair in enumerate(self.balls))
         if not self.balls:
             raise ModelError("there are no balls; give pairs of a body and a radius", self.name)
         self.dimension: int = max(ball.center.body.dimension for ball in self.balls)
-        self.walls = tuple(self._wall(k, given) for k, given in enumerate(self.walls))
+        self.walls = tuple(self._wall(k, pair) for k, pair in enumerate(self.walls))
 
-    def _ball(self, number: int, given: Any) -> Ball:
+    def _ball(self, number: int, pair: Any) -> Ball:
         field = f"balls[{number}]"
-        holder, radius = _pair(given, f"{self.name}.{field}", "(body, radius)")
-        center = need_point(holder, self.name, field)
+        body, radius = _pair(pair, f"{self.name}.{field}", "(body, radius)")
+        center = need_point(body, self.name, field)
         return Ball(center, as_expression(radius, f"{self.name}.{field}.radius", "m"))
 
-    def _wall(self, number: int, given: Any) -> Wall:
+    def _wall(self, number: int, pair: Any) -> Wall:
         field = f"walls[{number}]"
-        holder, normal = _pair(given, f"{self.name}.{field}", "(point, normal)")
-        point = need_point(holder, self.name, field, self.dimension)
-        spoken = f"{self.name}.{field}.normal"
-        way = as_expression(normal, spoken, "", self.dimension).sx
-        if way.is_constant() and not float(ca.norm_2(way)) > 0:
-            raise ModelError("a normal needs a length; all its components are zero", spoken)
-        return Wall(point, way / ca.norm_2(way))
+        body, normal = _pair(pair, f"{self.name}.{field}", "(point, normal)")
+        point = need_point(body, self.name, field, self.dimension)
+        entity = f"{self.name}.{field}.normal"
+        direction = as_expression(normal, entity, "", self.dimension).sx
+        if direction.is_constant() and not float(ca.norm_2(direction)) > 0:
+            raise ModelError("a normal needs a length; all its components are zero", entity)
+        return Wall(point, direction / ca.norm_2(direction))
 
     def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
-        of_radii = {"unit": "m", "minimum": -math.inf, "above": 0.0}
+        limits = {"unit": "m", "minimum": -math.inf, "above": 0.0}
         radii = [
-            (f"{self.name}.balls[{k}].radius", ball.radius, of_radii)
+            (f"{self.name}.balls[{k}].radius", ball.radius, limits)
             for k, ball in enumerate(self.balls)
         ]
         return super().checked_quantities() + radii
 
     def conditions(self) -> list[Condition]:
-        shares = {"restitution": self.restitution.sx, "tangential": self.tangential.sx}
-        return [(1 - e, f"{name} is {{}}; it must not be above 1", e) for name, e in shares.items()]
+        coefficients = {"restitution": self.restitution.sx, "tangential": self.tangential.sx}
+        return [
+            (1 - e, f"{name} is {{}}; it must not be above 1", e)
+            for name, e in coefficients.items()
+        ]
 
     def parts(self) -> list[Coordinates]:
         bodies: dict[int, BodyElement] = {
@@ -124,14 +127,14 @@ class Collisions(Element):
         return discs + [self._floor(wall) for wall in self.walls] if self.dimension == 2 else []
 
     def _floor(self, wall: Wall) -> Rail:
-        """A wall as long as the balls go along it."""
-        along = ca.vertcat(-wall.normal[1], wall.normal[0])
-        inertial = wall.point.body.turned(along)
-        places = (b.center.position.sx - wall.point.position.sx for b in self.balls)
-        return Rail(wall.point, along, ca.vertcat(*(ca.dot(inertial, p[:2]) for p in places)))
+        """A wall whose length follows from the motion of the balls along it."""
+        tangent = ca.vertcat(-wall.normal[1], wall.normal[0])
+        inertial = wall.point.body.turned(tangent)
+        positions = (b.center.position.sx - wall.point.position.sx for b in self.balls)
+        return Rail(wall.point, tangent, ca.vertcat(*(ca.dot(inertial, p[:2]) for p in positions)))
 
 
-def _pair(given: Any, spoken: str, wanted: str) -> tuple[Any, Any]:
-    if not isinstance(given, (tuple, list)) or len(given) != 2:
-        raise ModelError(f"is {given!r:.60}; give a pair {wanted}", spoken)
-    return given[0], given[1]
+def _pair(pair: Any, entity: str, form: str) -> tuple[Any, Any]:
+    if not isinstance(pair, (tuple, list)) or len(pair) != 2:
+        raise ModelError(f"is {pair!r:.60}; give a pair {form}", entity)
+    return pair[0], pair[1]

@@ -1,1 +1,1 @@
-"""Backward differentiation with steps and orders that vary."""
+"""Backward differentiation formulas of variable step and order."""

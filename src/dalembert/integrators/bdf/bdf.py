@@ -1,4 +1,4 @@
-"""Backward differentiation formulas, as users choose them, and their steps under error control."""
+"""Backward differentiation formulas of variable order with error control."""
 
 from __future__ import annotations
 
@@ -8,18 +8,17 @@ from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.bdf.control import Accuracy
 from dalembert.integrators.bdf.step import BdfStep
-from dalembert.integrators.marching.step_control import arrival
+from dalembert.integrators.error_control import absolute, arrival, check_tolerances
 from dalembert.integrators.step import Step
-from dalembert.integrators.tolerances import absolute, check_tolerances
 from dalembert.options import options
 
-SHARE = 1e-12
-"""Absolute tolerance by natural sizes, where none is given."""
+ATOL_SHARE = 1e-12
+"""Default absolute tolerance relative to natural sizes [-]."""
 SOLVED = 1e-2
-"""Residual of the equations, relative to the tolerance, with which a step may stand."""
-UNSOLVED, NOT_FINITE, AGAIN = 0.25, 0.2, 0.5
-"""Factors of the step length where Newton's method failed, where the error is NaN, and at most
-after a second refusal in a row."""
+"""Upper limit of the Newton residual of an accepted step, relative to the tolerance [-]."""
+UNSOLVED, NOT_FINITE, REPEATED = 0.25, 0.2, 0.5
+"""Factors of the step length after failure of Newton's method, after a NaN error, and the upper
+limit after a second rejection in a row [-]."""
 
 
 @options
@@ -28,24 +27,24 @@ class Bdf(Integrator):
 
     ``Σ_{j≤k} ∇ʲx⁺/j − κ_k γ_k ∇^{k+1}x⁺ = h F(t + h, x⁺, z, p)`` with ``0 = G(t + h, x⁺, z, p)``
     in backward differences of quasi-constant step (Shampine and Reichelt 1997), for systems of
-    index 1, 2 and 3. It starts with order 1 and a short step. Outputs between two steps are steps
-    of their length and order from the earlier one, so as accurate as steps.
+    index 1, 2 and 3. The run starts with order 1 and a short step. Outputs between two steps are
+    partial steps of the same order from the earlier one, as accurate as steps.
 
     Coordinates and speeds are controlled, algebraic variables follow from them. A step is accepted
     when ``max |e_i| / (atol + rtol |x_i|) ≤ 1``. With index 3, speeds across the constraints are
     an order less accurate than positions: with a projection errors are taken along the
-    constraints; without, speeds may be wrong by ``1/h`` times as much. Steps that Newton's method
-    cannot solve are tried again shorter.
+    constraints; without, the tolerance of speeds is ``1/h`` times wider. Steps in which Newton's
+    method fails are repeated with a shorter length.
 
-    Gradients are the exact derivatives of the steps taken, orders as they were. Orders are chosen
-    anew where the steps are repeated with other parameters.
+    Gradients are the exact derivatives of the steps taken with their orders. Orders are chosen
+    anew if the steps are repeated with other parameters.
 
     Parameters
     ----------
     rtol : relative tolerance [-]
     atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-12 of the natural sizes
     max_step : longest step [s]; a quarter of the run if None
-    max_order : highest order, 1 to 5; with 1 and 2 stable for all oscillations that decay
+    max_order : maximum order, 1 to 5; orders 1 and 2 are A-stable
 
     Raises
     ------
@@ -93,36 +92,36 @@ class Bdf(Integrator):
         return self.max_step
 
     def step(self, problem: Problem) -> BdfStep:
-        least = absolute(self.atol, SHARE, problem, problem.system.x.numel())
-        return BdfStep(problem, Accuracy(self.rtol, least, self.max_order))
+        atol = absolute(self.atol, ATOL_SHARE, problem, problem.system.x.numel())
+        return BdfStep(problem, Accuracy(self.rtol, atol, self.max_order))
 
     def attempt(self, problem: Problem, step: Step) -> Attempt:
         assert isinstance(step, BdfStep)
         state = ca.MX.sym("s", 3 + step.size)
         fixed = ca.MX.sym("f", 2 + step.parameter_count)
-        found = _trial(step, state, fixed)
-        return Attempt(ca.Function("attempt", [state, fixed], found), (0.0,))
+        out = _attempt(step, state, fixed)
+        return Attempt(ca.Function("attempt", [state, fixed], out), (0.0,))
 
 
-def _trial(step: BdfStep, state: ca.MX, fixed: ca.MX) -> list[ca.MX]:
-    """Try a step, keep or refuse it, propose the next length."""
-    t, proposed, refused, x = state[0], state[1], state[2], state[3:]
+def _attempt(step: BdfStep, state: ca.MX, fixed: ca.MX) -> list[ca.MX]:
+    """Attempted step with acceptance test and next length."""
+    t, proposed, rejected, x = state[0], state[1], state[2], state[3:]
     end, longest, p = fixed[0], fixed[1], fixed[2:]
-    wanted, rest = ca.fmin(proposed, longest), end - t
-    # two equal steps to the end, for a very short last one would spoil speeds with index 3
-    h = ca.if_else(rest <= wanted, rest, ca.fmin(wanted, rest / 2))
-    new, told = step.trial(t, h, x, p)
-    error, growth, residual = told[0], told[1], told[2]
+    limit, rest = ca.fmin(proposed, longest), end - t
+    # two equal steps to the end, since a very short last one degrades speeds with index 3
+    h = ca.if_else(rest <= limit, rest, ca.fmin(limit, rest / 2))
+    new, record = step.trial(t, h, x, p)
+    error, growth, residual = record[0], record[1], record[2]
     solved = residual <= SOLVED  # false for NaN as well
     finite = ca.logic_and(solved, error <= 1e30)
     accepted = ca.logic_and(finite, error <= 1)
     factor = ca.if_else(finite, growth, ca.if_else(solved, NOT_FINITE, UNSOLVED))
-    again = ca.logic_and(ca.logic_not(accepted), refused)
-    factor = ca.if_else(again, ca.fmin(factor, AGAIN), factor)
-    shortened = ca.logic_and(accepted, h < wanted)  # for the end, and not for its error
+    repeated = ca.logic_and(ca.logic_not(accepted), rejected)
+    factor = ca.if_else(repeated, ca.fmin(factor, REPEATED), factor)
+    shortened = ca.logic_and(accepted, h < limit)  # by the end of the run, not by its error
     following = ca.vertcat(
         ca.if_else(accepted, arrival(t, h, end), t),
-        ca.if_else(shortened, wanted, h * factor),
+        ca.if_else(shortened, limit, h * factor),
         ca.logic_not(accepted),
         ca.if_else(accepted, new, x),
     )

@@ -1,9 +1,9 @@
-"""The equations of one backward differentiation step, made small and solved by Newton.
+"""Reduced corrector equations of a BDF step and their solution by Newton's method.
 
-Where F passes a variable on unchanged (``ẏ = v``, ``v̇ = a``), the difference of that row is known
-in terms of the variable and leaves the system, which is then as large as the accelerations and
-multipliers. Rows are measured by what the tolerance allows: a residual of 1 is what errors of
-``NEWTON`` times the tolerance in the unknowns make.
+If F returns a variable unchanged (``ẏ = v``, ``v̇ = a``), the difference of that row is an explicit
+function of the variable and is eliminated. The reduced system has the size of the accelerations and
+multipliers. Rows are scaled by the tolerance: a residual of 1 corresponds to errors of ``NEWTON``
+times the tolerance in the unknowns.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ from dalembert.symbolic.equations.newton import NewtonSettings
 from dalembert.symbolic.equations.newton_node import NewtonNode, constant
 
 NEWTON = 1e-5
+"""Tolerance of Newton's method relative to the tolerance of the step [-]."""
 SETTINGS = NewtonSettings(tolerance=NEWTON, max_iterations=6)
-"""A step that needs more iterations is better made shorter."""
+"""Few iterations: a step that needs more is repeated with a shorter length."""
 ROUNDING = 20 * 2.2e-16
 TINY = 1e-200
 
@@ -38,8 +39,8 @@ class CorrectorEquations:
         self.h, self.c = ca.SX.sym("h"), ca.SX.sym("c")
         self.predicted, self.psi = ca.SX.sym("predicted", n), ca.SX.sym("psi", n)
         self.d = ca.SX.sym("d", n)
-        self.kept, values = self._reduce()
-        self.unknown = ca.vertcat(self.d[self.kept], system.z)
+        self.retained, values = self._reduce()
+        self.unknown = ca.vertcat(self.d[self.retained], system.z)
         self.size = self.unknown.numel()
         self.values = ca.vertcat(*values)
         rate, algebraic = ca.substitute(
@@ -47,40 +48,40 @@ class CorrectorEquations:
         )
         self.rate = rate
         rows = self.d + self.psi - self.c * rate
-        self.residual = ca.vertcat(rows[self.kept], algebraic)
+        self.residual = ca.vertcat(rows[self.retained], algebraic)
 
     def _reduce(self) -> tuple[list[int], list[ca.SX]]:
-        """Rows that stay, and ``d`` in terms of what stays."""
+        """Retained rows, and ``d`` as expressions of the retained entries."""
         system, n = self.problem.system, self.problem.system.x.numel()
-        places = {system.x[i].__hash__(): i for i in range(n)}
+        index = {system.x[i].__hash__(): i for i in range(n)}
         algebraic = {system.z[j].__hash__() for j in range(system.z.numel())}
-        seen = ca.jacobian(ca.vertcat(system.rate, system.algebraic), system.x).sparsity()
-        unseen = {i for i in range(n) if not seen.get_col().count(i)}
+        sparsity = ca.jacobian(ca.vertcat(system.rate, system.algebraic), system.x).sparsity()
+        unused = {i for i in range(n) if not sparsity.get_col().count(i)}
         values: dict[int, ca.SX] = {}
 
         def value(i: int, above: tuple[int, ...]) -> ca.SX:
             if i in values:
                 return values[i]
-            passed = system.rate[i].__hash__()
-            found = self.d[i]
-            if passed in algebraic:
-                found = self.c * system.rate[i] - self.psi[i]
-            elif passed in places and places[passed] not in (*above, i):
-                j = places[passed]
-                found = self.c * (self.predicted[j] + value(j, (*above, i))) - self.psi[i]
-            values[i] = found
-            return found
+            rate = system.rate[i].__hash__()
+            difference = self.d[i]
+            if rate in algebraic:
+                difference = self.c * system.rate[i] - self.psi[i]
+            elif rate in index and index[rate] not in (*above, i):
+                j = index[rate]
+                difference = self.c * (self.predicted[j] + value(j, (*above, i))) - self.psi[i]
+            values[i] = difference
+            return difference
 
-        every = [value(i, ()) for i in range(n)]
-        kept = [i for i in range(n) if every[i].is_symbolic() and i not in unseen]
-        return kept, every
+        differences = [value(i, ()) for i in range(n)]
+        retained = [i for i in range(n) if differences[i].is_symbolic() and i not in unused]
+        return retained, differences
 
     @cached_property
     def difference(self) -> ca.Function:
-        """``(given, unknown) → d`` of all rows; what nothing depends on is integrated last."""
+        """``(…, unknown, p) → d`` of all rows; rows that no equation depends on are explicit."""
         d = ca.SX(self.values)
         for i in range(d.numel()):
-            if d[i].is_symbolic() and i not in self.kept:
+            if d[i].is_symbolic() and i not in self.retained:
                 d[i] = self.c * self.rate[i] - self.psi[i]
         system = self.problem.system
         inputs = [system.t, self.c, self.predicted, self.psi, self.unknown, system.p]
@@ -88,27 +89,33 @@ class CorrectorEquations:
 
     # solution ------------------------------------------------------------------------
     @cached_property
-    def _given(self) -> ca.SX:
+    def _arguments(self) -> ca.SX:
         system = self.problem.system
         return ca.vertcat(system.t, self.h, self.c, self.predicted, self.psi, system.p)
 
     @cached_property
     def guess(self) -> ca.Function:
-        """``given → unknowns`` at the predicted state."""
+        """``arguments → unknowns`` at the predicted state."""
         system = self.problem.system
         z = system.start.function(system.t, self.predicted, system.p)
-        return constant("guess", [self._given], ca.vertcat(ca.SX.zeros(len(self.kept)), z))
+        return constant("guess", [self._arguments], ca.vertcat(ca.SX.zeros(len(self.retained)), z))
 
     @cached_property
     def node(self) -> NewtonNode:
         sizes = self.problem.system.sizes
-        unknown = np.concatenate([sizes.states[self.kept], sizes.algebraic])
+        unknown = np.concatenate([sizes.states[self.retained], sizes.algebraic])
         return NewtonNode(
-            "corrector", self.unknown, self._given, self.residual, self._scale(), SETTINGS, unknown
+            "corrector",
+            self.unknown,
+            self._arguments,
+            self.residual,
+            self._scale(),
+            SETTINGS,
+            unknown,
         )
 
     def _scale(self) -> ca.SX:
-        """What errors of ``NEWTON`` times the tolerance, or of rounding, make of each row."""
+        """Change of each row by errors of ``NEWTON`` times the tolerance and by rounding."""
         weights = self.weights(self.h, self.predicted)
         reach = ca.jacobian(self.values, self.unknown)
         allowed = ca.SX.zeros(self.size)
@@ -120,16 +127,16 @@ class CorrectorEquations:
         rounded = ca.mtimes(ca.fabs(ca.jacobian(self.residual, self.predicted)), size)
         rounded += ca.mtimes(slopes, ca.fabs(self.unknown))
         scale = NEWTON * ca.mtimes(slopes, allowed) + ROUNDING * rounded + TINY
-        depth = np.array([*[-1] * len(self.kept), *self.problem.system.depth])
+        depth = np.array([*[-1] * len(self.retained), *self.problem.system.depth])
         natural = self.problem.system.sizes
-        sizes = np.concatenate([natural.states[self.kept], natural.rows])
-        for level in np.unique(depth[depth >= 0]):  # equations of motion without mass have no terms
+        sizes = np.concatenate([natural.states[self.retained], natural.rows])
+        for level in np.unique(depth[depth >= 0]):  # massless equations of motion have no terms
             rows = [int(i) for i in np.flatnonzero(depth == level)]
-            alike = sizes[rows]
-            scale[rows] += SMALL_ROWS * alike * ca.mmax(scale[rows] / alike)
+            row_sizes = sizes[rows]
+            scale[rows] += SMALL_ROWS * row_sizes * ca.mmax(scale[rows] / row_sizes)
         return scale
 
     def solve(self, t, h, c, predicted, psi, p) -> tuple[ca.MX, ca.MX]:
-        """Unknowns, NaN where Newton failed, and the residual left relative to the tolerance."""
-        given = ca.vertcat(t, h, c, predicted, psi, p)
-        return self.node.solve(self.guess(given), given)
+        """Unknowns, NaN if Newton's method failed, and the residual relative to the tolerance."""
+        arguments = ca.vertcat(t, h, c, predicted, psi, p)
+        return self.node.solve(self.guess(arguments), arguments)

@@ -1,8 +1,8 @@
-"""One step of backward differentiation in backward differences of quasi-constant step.
+"""BDF step in backward differences of quasi-constant step.
 
-Behind the state, x holds the differences ``D₁ … D_{K+1}`` with ``D_j = ∇ʲx``, the order k, the
-spacing of the differences and how many equal steps lie behind. A step of length h takes the
-polynomial of degree k through the differences to the spacing h and solves, with ``d = ∇^{k+1}x⁺``,
+After the state, x holds the differences ``D₁ … D_{K+1}`` with ``D_j = ∇ʲx``, the order k, the
+spacing of the differences and the number of equal steps so far. A step of length h rescales the
+polynomial of degree k to the spacing h and solves, with ``d = ∇^{k+1}x⁺``,
 
     d + ψ − (h/α_k) F(t + h, x⁺, z, p) = 0,   0 = G(t + h, x⁺, z, p),   x⁺ = Σ D_j + d,
 
@@ -17,29 +17,38 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.integrators.base import Problem
-from dalembert.integrators.bdf.control import Accuracy, BdfControl, refused
-from dalembert.integrators.bdf.differences import ALPHA, GAMMA, by_order, rescaling
+from dalembert.integrators.bdf.control import (
+    ALPHA,
+    GAMMA,
+    Accuracy,
+    BdfControl,
+    by_order,
+    reduction,
+    rescaling,
+)
 from dalembert.integrators.bdf.newton import CorrectorEquations
 from dalembert.integrators.step import DifferentiatedStep, graph_of
 
-SAME = 1e-8
+EQUAL_LENGTH = 1e-8
+"""Relative difference below which step lengths count as equal [-]."""
 
 
 class BdfStep(DifferentiatedStep):
-    """``(t, h, x, p) → x⁺`` with the differences in x.
+    """BDF step ``(t, h, x, p) → x⁺`` with the differences in x.
 
     Parameters
     ----------
     problem : Problem
     accuracy : Accuracy
-    corrected : ends with the problem's correction, if it has one
-    keeps : takes differences of the right spacing as they are; the same, but not by derivatives
+    corrected : whether the step ends with the correction of the problem, if there is one
+    reuse : whether differences of the right spacing are used without rescaling, which changes
+        derivatives by h but no values
     """
 
     def __init__(
-        self, problem: Problem, accuracy: Accuracy, corrected: bool = True, keeps: bool = True
+        self, problem: Problem, accuracy: Accuracy, corrected: bool = True, reuse: bool = True
     ):
-        self.problem, self.accuracy, self.keeps = problem, accuracy, keeps
+        self.problem, self.accuracy, self.reuse = problem, accuracy, reuse
         self.top = accuracy.max_order
         self.state_size = problem.system.x.numel()
         self.parameter_count = problem.system.p.numel()
@@ -51,7 +60,7 @@ class BdfStep(DifferentiatedStep):
 
     @cached_property
     def begin(self) -> ca.Function:
-        """First order, differences of spacing 1 s: ``D₁ = ẋ``."""
+        """Memory at the start: order 1, differences of spacing 1 s, ``D₁ = ẋ``."""
         system, n = self.problem.system, self.state_size
         t, x, p = ca.SX.sym("t"), ca.SX.sym("x", n), ca.SX.sym("p", self.parameter_count)
         z = system.start.function(t, x, p)
@@ -68,8 +77,8 @@ class BdfStep(DifferentiatedStep):
         return BdfStep(self.problem, self.accuracy, corrected=False)
 
     @property
-    def moving(self) -> BdfStep:
-        return BdfStep(self.problem, self.accuracy, self.corrects, keeps=False)
+    def exact_in_h(self) -> BdfStep:
+        return BdfStep(self.problem, self.accuracy, self.corrects, reuse=False)
 
     @cached_property
     def function(self) -> ca.Function:
@@ -81,8 +90,8 @@ class BdfStep(DifferentiatedStep):
     def residual(self) -> ca.Function:
         """``(t, h, x, p)`` → residual of the equations solved, relative to the tolerance."""
         t, h, x, p = self._symbols()
-        _, told = self.trial(t, h, x, p)
-        return ca.Function("residual", [t, h, x, p], [told[2]])
+        _, record = self.trial(t, h, x, p)
+        return ca.Function("residual", [t, h, x, p], [record[2]])
 
     def trial(self, t, h, x, p) -> tuple[ca.MX, ca.MX]:
         """State with memory after the step, and ``[error; growth; residual of Newton]``."""
@@ -92,10 +101,10 @@ class BdfStep(DifferentiatedStep):
         d = self.equations.difference(t + h, c, predicted, psi, unknown, p)
         state, differences, below, above = self.advance(x, predicted, sums[0], d)
         error = self.control.error(t + h, h, k, state, p, d)
-        run = ca.if_else(ca.fabs(h - spacing) < SAME * h, run + 1, 1)
+        run = ca.if_else(ca.fabs(h - spacing) < EQUAL_LENGTH * h, run + 1, 1)
         free = run > k
         order, growth = self.control.choice(free, t + h, h, k, state, p, error, below, above)
-        growth = ca.if_else(error <= 1, growth, refused(error, k))
+        growth = ca.if_else(error <= 1, growth, reduction(error, k))
         if self._finish is not None:
             shift = self._finish(t + h, state, p) - state
             state = state + shift
@@ -110,7 +119,7 @@ class BdfStep(DifferentiatedStep):
         return x[:n], ca.reshape(x[n:-3], n, self.top + 1)
 
     def _used(self, k: ca.SX, count: int) -> ca.SX:
-        """1 for differences up to the order, as a row."""
+        """Row of ones for differences up to the order, else zeros."""
         return ca.horzcat(*(j <= k for j in range(1, count + 1)))
 
     @cached_property
@@ -118,16 +127,16 @@ class BdfStep(DifferentiatedStep):
         """``(h, x) → D₁ … D_k`` of spacing h, zero beyond the order."""
         h, x = ca.SX.sym("h"), ca.SX.sym("x", self.size)
         _, old = self._of_state(x)
-        kept = old[:, : self.top] * ca.repmat(self._used(x[-3], self.top), self.state_size, 1)
-        moved = ca.mtimes(kept, rescaling(self.top, h / x[-2]))
-        move = ca.Function("move", [h, x], [ca.densify(moved)], {"cse": True})
-        if not self.keeps:
-            return move
-        keep = ca.Function("keep", [h, x], [ca.densify(kept)])
-        branch = ca.Function.if_else("rescaled", move, keep)
+        used = old[:, : self.top] * ca.repmat(self._used(x[-3], self.top), self.state_size, 1)
+        new = ca.mtimes(used, rescaling(self.top, h / x[-2]))
+        rescale = ca.Function("rescale", [h, x], [ca.densify(new)], {"cse": True})
+        if not self.reuse:
+            return rescale
+        keep = ca.Function("keep", [h, x], [ca.densify(used)])
+        branch = ca.Function.if_else("rescaled", rescale, keep)
         length, memory = ca.MX.sym("h"), ca.MX.sym("x", self.size)
-        found = branch(length != memory[-2], length, memory)
-        return ca.Function("rescaled", [length, memory], [found])
+        differences = branch(length != memory[-2], length, memory)
+        return ca.Function("rescaled", [length, memory], [differences])
 
     @cached_property
     def prediction(self) -> ca.Function:
@@ -161,7 +170,7 @@ class BdfStep(DifferentiatedStep):
 
     @cached_property
     def shifted(self) -> ca.Function:
-        """``(k, δ, D) → D`` after the current value moved by δ, which each contains once."""
+        """``(k, δ, D) → D`` after a shift of the current value by δ."""
         k, shift = ca.SX.sym("k"), ca.SX.sym("shift", self.state_size)
         d = ca.SX.sym("D", self.state_size * (self.top + 1))
         return ca.Function("shifted", [k, shift, d], [d + ca.repmat(shift, self.top + 1, 1)])

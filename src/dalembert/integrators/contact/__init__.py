@@ -1,1 +1,1 @@
-"""Steps with impacts and friction: which contacts act, and with which impulses."""
+"""Nonsmooth time stepping: contact schemes and solvers for contact impulses."""

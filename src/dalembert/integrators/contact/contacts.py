@@ -1,4 +1,4 @@
-"""Places where things may touch in a step, all at once."""
+"""Possible contacts of a step, in arrays."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from dalembert.symbolic.evaluation.kernel import Matrix
 
 @dataclass(frozen=True, eq=False)
 class Contacts:
-    """Gaps near enough to matter in a step; components of one follow each other, normal first.
+    """Gaps that may close in a step; components of each gap are consecutive, normal first.
 
     Attributes
     ----------
     distance : (n,) ``g``
     directions : (n k, n_v) ``W``, so that the relative velocity is ``u = W v + w``
-    drift : (n, k) ``w``, of what moves by the clock
-    restitution, tangential, friction : (n,) laws of impact
-    key : (n,) whole number that names a gap from step to step
-    owner : (n,) which element it belongs to
+    drift : (n, k) ``w``, from motions prescribed in time [m/s]
+    restitution, tangential, friction : (n,) coefficients of the impact law [-]
+    key : (n,) integer that identifies a gap from step to step
+    owner : (n,) number of the element of the gap
     """
 
     distance: np.ndarray
@@ -39,22 +39,22 @@ class Contacts:
         return self.distance.size
 
     def speeds(self, v: np.ndarray) -> np.ndarray:
-        """(n, k) ``u`` at speeds of the model."""
+        """(n, k) ``u`` for speeds ``v`` of the model."""
         return (self.directions @ v).reshape(self.drift.shape) + self.drift
 
-    def some(self, which: np.ndarray) -> Contacts:
-        """These gaps only."""
+    def some(self, selected: np.ndarray) -> Contacts:
+        """The selected gaps."""
         k = self.drift.shape[1]
-        rows = (np.arange(self.count)[which][:, None] * k + np.arange(k)).ravel()
+        rows = (np.arange(self.count)[selected][:, None] * k + np.arange(k)).ravel()
         return Contacts(
-            self.distance[which],
+            self.distance[selected],
             self.directions[rows],
-            self.drift[which],
-            self.restitution[which],
-            self.tangential[which],
-            self.friction[which],
-            self.key[which],
-            self.owner[which],
+            self.drift[selected],
+            self.restitution[selected],
+            self.tangential[selected],
+            self.friction[selected],
+            self.key[selected],
+            self.owner[selected],
         )
 
     @classmethod
@@ -69,10 +69,10 @@ class Contacts:
             ),
             strict=True,
         )
-        distance, drift, *rest = (np.concatenate(column) for column in columns)
+        distance, drift, *coefficients = (np.concatenate(column) for column in columns)
         rows = [p.directions for p in parts]
         if any(scipy.sparse.issparse(part) for part in rows):
             stacked: Matrix = scipy.sparse.csr_array(scipy.sparse.vstack(rows))
         else:
             stacked = np.vstack(rows)
-        return cls(distance, stacked, drift, *rest)
+        return cls(distance, stacked, drift, *coefficients)

@@ -1,9 +1,9 @@
-"""Frictional contact in one step: which impulses let nothing pass and nothing pull.
+"""Frictional contact problem of one step: nonpenetration and Coulomb friction.
 
     u = H P + b,    0 ≤ u_N ⟂ P_N ≥ 0,    P_T = −μ P_N u_T / |u_T|  or  |P_T| ≤ μ P_N, u_T = 0
 
-for all contacts at once; ``H = W M⁻¹ Wᵀ`` (Acary & Brogliato, Numerical Methods for Nonsmooth
-Dynamical Systems, 2008, ch. 13). Restitution is in ``b``.
+for all contacts together; ``H = W M⁻¹ Wᵀ`` (Acary & Brogliato, Numerical Methods for Nonsmooth
+Dynamical Systems, 2008, ch. 13). Restitution is included in ``b``.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class FrictionProblem:
-    """Contacts of one step; components of a contact follow each other, the normal one first.
+    """Frictional contact problem; components of each contact are consecutive, normal first.
 
     Attributes
     ----------
     matrix : (n k, n k) ``H``, positive semidefinite
     velocity : (n, k) ``b``
     friction : (n,) ``μ``
-    scale : size of the speeds, to which residuals are compared at least
+    scale : lower limit of the speed that residuals are compared with [m/s]
     """
 
     matrix: np.ndarray
@@ -42,37 +42,37 @@ class FrictionProblem:
 
     @cached_property
     def mobility(self) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) change of speed by impulse along the normal, and the largest one along the
-        surface."""
+        """(n,) change of speed per impulse in normal direction, and its upper bound in tangential
+        directions."""
         diagonal = self.matrix.diagonal().reshape(self.shape)
         normal = np.where(diagonal[:, 0] > 0, diagonal[:, 0], 1.0)
         along = diagonal[:, 1:].sum(axis=1)
         return normal, np.where(along > 0, along, normal)
 
     def size(self, impulses: np.ndarray) -> float:
-        """Largest speed that takes part, those by which an impulse moves its own contact too."""
-        moved = np.linalg.norm(impulses, axis=1) * self.mobility[0]
-        return max(self.scale, float(np.nan_to_num(moved).max(initial=0.0)))
+        """Reference speed: the scale or the largest change of speed of a contact by its impulse."""
+        changes = np.linalg.norm(impulses, axis=1) * self.mobility[0]
+        return max(self.scale, float(np.nan_to_num(changes).max(initial=0.0)))
 
-    def projected(self, impulses: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-        """``proj(P − ρ u)``: the normal part on ``≥ 0``, the other on the disc of ``μ P_N``."""
+    def project(self, impulses: np.ndarray, speeds: np.ndarray) -> np.ndarray:
+        """``proj(P − ρ u)``: normal part onto ``≥ 0``, tangential part onto the disc ``μ P_N``."""
         normal, along = self.mobility
-        pressed = np.maximum(0.0, impulses[:, 0] - speeds[:, 0] / normal)
-        rubbed = impulses[:, 1:] - speeds[:, 1:] / along[:, None]
-        return np.column_stack([pressed, limited(rubbed, self.friction * pressed)])
+        pressure = np.maximum(0.0, impulses[:, 0] - speeds[:, 0] / normal)
+        tangential = impulses[:, 1:] - speeds[:, 1:] / along[:, None]
+        return np.column_stack([pressure, clip_lengths(tangential, self.friction * pressure)])
 
     def residual(self, impulses: np.ndarray) -> float:
-        """Largest speed by which the conditions are missed, ``|P − proj(P − ρ u)| / ρ``."""
-        missed = np.abs(impulses - self.projected(impulses, self.speeds(impulses)))
+        """Largest violation of the conditions as a speed, ``|P − proj(P − ρ u)| / ρ``."""
+        violation = np.abs(impulses - self.project(impulses, self.speeds(impulses)))
         normal, along = self.mobility
         sizes = np.column_stack([normal, np.repeat(along[:, None], self.shape[1] - 1, axis=1)])
-        worst = (missed * sizes).max(initial=0.0)
+        worst = (violation * sizes).max(initial=0.0)
         return float(worst) if np.isfinite(impulses).all() else np.inf
 
 
-def limited(vectors: np.ndarray, radii: np.ndarray) -> np.ndarray:
-    """Vectors, none longer than its radius."""
+def clip_lengths(vectors: np.ndarray, radii: np.ndarray) -> np.ndarray:
+    """Vectors shortened to their radii."""
     lengths = np.linalg.norm(vectors, axis=1)
-    far = lengths > radii
-    shares = np.where(far, radii / np.where(far, lengths, 1.0), 1.0)
-    return vectors * shares[:, None]
+    outside = lengths > radii
+    factors = np.where(outside, radii / np.where(outside, lengths, 1.0), 1.0)
+    return vectors * factors[:, None]

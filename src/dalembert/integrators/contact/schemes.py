@@ -1,4 +1,4 @@
-"""When contacts act in a step, and which velocities they ask for afterwards."""
+"""Contact schemes: active contacts of a step and their velocity conditions."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from dalembert.integrators.contact.contacts import Contacts
 from dalembert.options import options
 
 Offsets = np.ndarray
-"""(n, k) of the velocities after a step, so that ``u⁺ + offset`` meets the conditions."""
+"""(n, k) offsets of the velocities after a step: ``u⁺ + offset`` satisfies the conditions."""
 
 
 @dataclass(frozen=True, eq=False)
 class Approach:
-    """Contacts before a step.
+    """Contacts and their velocities before a step.
 
     Attributes
     ----------
     contacts : Contacts
     before, free : (n, k) relative velocities at the start, and at the end without impulses
     h : step [s]
-    begins : whether it is the first step, so that none before could anticipate an impact
+    begins : True in the first step, which no earlier step could prepare for an impact
     """
 
     contacts: Contacts
@@ -42,35 +42,35 @@ class Approach:
 
 
 class ContactScheme(ABC):
-    """How a step treats contacts: one file reads like its page.
+    """Treatment of contacts in a step.
 
-    A new one says which contacts take part (``acting``), what they ask for (``first``), and, where
-    that depends on the impulses found, whether to ask for something else (``again``).
+    A new scheme selects the active contacts (``acting``), states their velocity offsets
+    (``first``) and, if these depend on the impulses, updated offsets (``again``).
     """
 
     theta: float
     projection: bool
     anticipates: ClassVar[bool] = False
-    """Gaps stay open by themselves, so that none needs to be opened after the step."""
+    """True if the scheme keeps gaps open, so that no position correction is needed."""
 
     @abstractmethod
     def acting(self, approach: Approach) -> np.ndarray:
-        """(n,) which contacts take part."""
+        """(n,) mask of the active contacts."""
 
     @abstractmethod
     def first(self, approach: Approach) -> Offsets:
-        """What the contacts that take part ask for."""
+        """Velocity offsets of the active contacts."""
 
     def again(
         self, approach: Approach, offsets: Offsets, impulses: np.ndarray, after: np.ndarray
     ) -> Offsets | None:
-        """What they ask for instead, once impulses and velocities are known; None to keep them."""
+        """Updated offsets for the computed impulses and velocities; None if unchanged."""
         return None
 
 
 @options
 class MoreauJean(ContactScheme):
-    """Moreau–Jean scheme: a gap that would close within half a step bounces in it.
+    """Moreau–Jean scheme: a gap that would close within half a step has its impact in the step.
 
         M (v⁺ − v) = h F_θ + Wᵀ P,   y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)
         g + γ h u_N⁻ ≤ 0  ⇒  0 ≤ u_N⁺ + e u_N⁻ ⟂ P_N ≥ 0
@@ -80,9 +80,9 @@ class MoreauJean(ContactScheme):
 
     Parameters
     ----------
-    theta : 0.5 keeps energy, 1 is implicit
-    gamma : part of a step over which a gap is looked ahead
-    projection : positions with closed gaps are corrected
+    theta : 0.5 conserves energy, 1 is implicit [-]
+    gamma : fraction of a step over which a gap is extrapolated [-]
+    projection : whether positions with penetrating gaps are corrected
 
     Examples
     --------
@@ -115,27 +115,28 @@ class MoreauJean(ContactScheme):
 
 
 SLOW, CLOSING = 2.0, 0.5
-"""Approach, by what forces change in a step, that counts as rest; share of a gap closed in one."""
+"""Threshold of the approach speed of a resting contact, relative to the change of speed by forces
+in a step, and the fraction of a gap that a resting contact closes per step [-]."""
 ROUNDING = 1e-10
-"""Share of the energy that goes through contacts by which its sum is uncertain."""
+"""Tolerance of the total work of contacts, relative to the sum of its magnitudes [-]."""
 
 
 @options
 class AnticipatedImpacts(ContactScheme):
-    """Gaps are kept open at the end of every step, so that nothing passes through anything.
+    """Scheme that keeps gaps open at the end of every step, without penetration.
 
     With the midpoint rule, ``y⁺ = y ⊕ h (v⁺ + v)/2``, a linear or convex gap stays open where
 
         u_N⁺ ≥ s = −2 g/h − u_N⁻
 
-    (gaps at the end of the step: Stewart & Trinkle 1996, Anitescu & Potra 1997). An impact, which
-    would leave no room for the half step it still goes on, is taken while there is room:
-    ``u_N⁺ ≥ max(−e u_N⁻, s)``. What comes no faster than forces can change in two steps rests, and
-    is let on to the surface slowly. An impact at the very start, before which there is no step, may
-    close its gap within the first step; the gap is opened after it. The work ``P·(u⁺ + u⁻)/2`` of
-    an impact is not positive. A contact does work where it stops what a force turns back within the
-    step; if all contacts together would, ``u⁺ + u⁻`` takes the place of ``u⁺`` there, against which
-    they do none, so that contacts never create energy.
+    (gaps at the end of the step: Stewart & Trinkle 1996, Anitescu & Potra 1997). An impact needs
+    part of the gap for the half step before it, so it is applied one step early, while the gap is
+    large enough: ``u_N⁺ ≥ max(−e u_N⁻, s)``. A contact whose approach speed is within the change of
+    speed by forces in two steps is at rest, and closes its gap gradually. An impact in the first
+    step may penetrate; the gap is opened after the step. The work ``P·(u⁺ + u⁻)/2`` of an impact is
+    not positive. A contact may do positive work if a force reverses the motion within the step; if
+    the work of all contacts is positive, ``u⁺ + u⁻`` replaces ``u⁺`` there, which does no work, so
+    that contacts never create energy.
 
     Examples
     --------
@@ -160,9 +161,9 @@ class AnticipatedImpacts(ContactScheme):
 
     def first(self, approach: Approach) -> Offsets:
         offsets = approach.newton()
-        room = _room(approach, approach.contacts.restitution)
-        impact = approach.free[:, 0] < room
-        offsets[:, 0] = -np.where(impact, _bounce(approach), room)
+        margin = _margin(approach, approach.contacts.restitution)
+        impact = approach.free[:, 0] < margin
+        offsets[:, 0] = -np.where(impact, _bounce(approach), margin)
         return offsets
 
     def again(
@@ -171,12 +172,12 @@ class AnticipatedImpacts(ContactScheme):
         bounce = _bounce(approach)
         pressed = (impulses[:, 0] > 0) & (-offsets[:, 0] < bounce)
         parting = approach.before[:, 0]
-        pressed &= (parting <= 0) | (offsets[:, 0] < parting)  # others have been made idle
+        pressed &= (parting <= 0) | (offsets[:, 0] < parting)  # excludes idle contacts
         changed = offsets.copy()
         changed[pressed, 0] = -bounce[pressed]
-        taking_part = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))
+        magnitude = np.abs(impulses) * (np.abs(after) + np.abs(approach.before))
         work = (impulses * (after + approach.before)).sum(axis=1)
-        if work.sum() > ROUNDING * taking_part.sum():
+        if work.sum() > ROUNDING * magnitude.sum():
             idle = np.maximum(changed, approach.before)
             idle[:, 1:] = approach.before[:, 1:]
             changed[work > 0] = idle[work > 0]
@@ -184,34 +185,34 @@ class AnticipatedImpacts(ContactScheme):
 
 
 def _open(approach: Approach) -> np.ndarray:
-    """``s``, the least speed after which the gap is not closed."""
+    """``s``, the minimum speed that leaves the gap open."""
     return -2 * np.maximum(approach.contacts.distance, 0) / approach.h - approach.before[:, 0]
 
 
-def _room(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
-    """The least speed that leaves room for an impact in the next step, ``g⁺ ≥ −(1−e) h u_N⁺/2``."""
+def _margin(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
+    """Minimum speed that permits an impact in the next step, ``g⁺ ≥ −(1−e) h u_N⁺/2``."""
     gap = np.maximum(approach.contacts.distance, 0) + approach.h * approach.before[:, 0] / 2
     return np.maximum(-gap / (approach.h * (1 - restitution / 2)), _open(approach))
 
 
 def _bounce(approach: Approach) -> np.ndarray:
-    """The least speed of what is pressed: after an impact, of what rests, of what parts."""
+    """Minimum speed of contacts under pressure: impacting, resting or separating."""
     before, e = approach.before[:, 0], approach.contacts.restitution
     forced = float(np.abs(approach.free[:, 0] - before).max(initial=0.0))
     closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
-    resting = np.where(before > 0, _room(approach, 0.0), -np.minimum(closing, forced))
+    resting = np.where(before > 0, _margin(approach, 0.0), -np.minimum(closing, forced))
     impact = before < -SLOW * forced
-    least = np.where(impact & approach.begins, -np.inf, _open(approach))  # opened after the step
-    return np.maximum(np.where(impact, -e * before, resting), least)
+    lower = np.where(impact & approach.begins, -np.inf, _open(approach))  # opened after the step
+    return np.maximum(np.where(impact, -e * before, resting), lower)
 
 
 def check_share(owner: str, name: str, value: float) -> None:
-    """A number from 0 to 1.
+    """Raise unless the value is between 0 and 1.
 
     Raises
     ------
     UnsupportedError
-        It is none.
+        Names the option and its value.
     """
     if not 0 <= value <= 1:
         raise UnsupportedError(f"{owner}({name}={value}): {name} must be from 0 to 1")

@@ -1,1 +1,1 @@
-"""From step to step: grids, control of errors, checkpoints."""
+"""Time marching: fixed grids, adaptive steps, checkpoints."""

@@ -1,4 +1,4 @@
-"""Marching with steps whose length follows an estimate of the error."""
+"""Marching with adaptive step size."""
 
 from __future__ import annotations
 
@@ -16,21 +16,22 @@ from dalembert.symbolic.evaluation.columns import Columns
 from dalembert.symbolic.evaluation.kernel import Kernel
 
 ATTEMPTS = 64
+"""Number of attempts per call."""
 SMALLEST_STEP = 1e-13
-"""Relative to the run or to its distance from t = 0."""
+"""Lower limit of the step, relative to the length of the run and to |t| [-]."""
 
 
 class AdaptiveMarch:
-    """Attempted steps in chunks; the attempt itself keeps or refuses its step.
+    """March with attempted steps in chunks; the attempt itself accepts or rejects its step.
 
     Parameters
     ----------
     attempt_of : mode → Attempt
-    backend : what evaluates the attempts
-    fixed : repeats the steps taken, where not all states are kept
-    crossed : ``(t, x, p)`` → how far the state lies beyond each switch, or None; attempts from a
-        state beyond one are not made
-    changes : steps may be crossed by changes that attempts do not see
+    backend : evaluator of the attempts
+    fixed : march that recomputes states between checkpoints, if not all are stored
+    crossed : ``(t, x, p)`` → distance of the state beyond each switch, or None; no step is
+        attempted from a state beyond a switch
+    changes : True if contact changes, which attempts do not detect, may occur within steps
     """
 
     def __init__(
@@ -52,19 +53,19 @@ class AdaptiveMarch:
         self.columns(mode).prepare(ATTEMPTS)
 
     def columns(self, mode: int) -> Columns:
-        """``single`` for many attempts."""
+        """Evaluator of ``single`` for many attempts."""
         if mode not in self._columns:
-            called = self.attempt_of(mode).called and self._whole(mode, called=True)
+            called = self.attempt_of(mode).called and self._attempt_or_idle(mode, called=True)
             self._columns[mode] = self.backend.columns(self.single(mode), True, (1,), called)
         return self._columns[mode]
 
     def single(self, mode: int) -> ca.Function:
         """``(state, fixed) → (state, record)`` of one attempt."""
         if mode not in self._singles:
-            self._singles[mode] = self._whole(mode)
+            self._singles[mode] = self._attempt_or_idle(mode)
         return self._singles[mode]
 
-    def _whole(self, mode: int, called: bool = False) -> ca.Function:
+    def _attempt_or_idle(self, mode: int, called: bool = False) -> ca.Function:
         attempt = self.attempt_of(mode)
         function = attempt.called if called else attempt.function
         assert function is not None
@@ -91,25 +92,26 @@ class AdaptiveMarch:
         try:
             while state[0] < end and not message:
                 attempts = watch.choice.attempts(mode) if watch.choice else ATTEMPTS
-                out, record, failure = self._attempted(attempts, mode, state, fixed)
-                made = out.shape[1]
+                out, record, failure = self._attempt_chunk(attempts, mode, state, fixed)
+                count = out.shape[1]
                 last = recorder.last
-                out, record, following, message = self._keep(watch, out, record, last, head, mode)
-                if out.shape[1] == made:  # else what failed is done again in another variant
+                out, record, following, message = self._valid(watch, out, record, last, head, mode)
+                if out.shape[1] == count:  # else the failed attempt is repeated in another variant
                     message = message or failure
-                taken = (record[3] > 0.5) & (record[1] > 0)
+                accepted = (record[3] > 0.5) & (record[1] > 0)
                 rejected += int(np.sum((record[3] < 0.5) & (record[1] > 0)))
-                t, h, columns = _finite(record[0, taken], record[1, taken], out[head:, taken])
+                steps_taken = record[0, accepted], record[1, accepted]
+                t, h, columns = _finite(*steps_taken, out[head:, accepted])
                 modes, begin = np.full(t.size, mode), state[0]
                 if out.shape[1]:
                     state = out[:, -1]
                 ends = np.append(t, t[-1:] + h[-1:] if t.size else begin)
                 crossing = None
-                whole = out.shape[1] == made and self.crossed is not None
-                if (whole or self.changes) and not message:
+                may_cross = out.shape[1] == count and self.crossed is not None
+                if (may_cross or self.changes) and not message:
                     crossing = watch.cross(ends, np.column_stack([last, columns]), mode)
                 if crossing is not None:
-                    t, h, columns, modes = _replaced(crossing, t, h, columns, modes)
+                    t, h, columns, modes = _replace_last_step(crossing, t, h, columns, modes)
                     ends = np.append(t, t[-1] + h[-1])
                     state = np.r_[ends[-1], crossing.following, memory, columns[:, -1]]
                     message = crossing.reason
@@ -125,9 +127,9 @@ class AdaptiveMarch:
                     mode = crossing.after
                 if message or not out.shape[1]:
                     continue
-                message = _trouble(state, end - start)
+                message = _failure(state, end - start)
                 if not message and crossing is None and not np.any(record[1]):
-                    message = "the side of a switch cannot be told"
+                    message = "the sign of a switching function cannot be determined"
                 if message:
                     continue
                 watch.progress((state[0] - start) / (end - start))
@@ -140,70 +142,70 @@ class AdaptiveMarch:
         steps.x = recorder.states(None if self.fixed is None else self.fixed.again(steps, p))
         return steps
 
-    def _attempted(self, attempts: int, mode: int, state: np.ndarray, fixed: np.ndarray):
-        """A chunk of attempts; where a solver inside gives up, those before it and why."""
+    def _attempt_chunk(self, attempts: int, mode: int, state: np.ndarray, fixed: np.ndarray):
+        """A chunk of attempts, up to the failure of an inner solver, and its reason."""
         try:
             return *self.columns(mode)(attempts, state, fixed), ""
-        except SolverFailure:  # it tells neither where nor what was done before
+        except SolverFailure:  # reports neither the step nor the states before it
             single, done = Kernel(self.single(mode)), []
         for _ in range(attempts):
             try:
                 done.append(single(state, fixed))
             except SolverFailure as error:
-                columns = [np.hstack(found) for found in zip(*done, strict=True)]
-                none = [np.zeros((state.size, 0)), np.zeros((single.function.numel_out(1), 0))]
-                return *(columns or none), f"a step failed: {error.reason}"
+                columns = [np.hstack(part) for part in zip(*done, strict=True)]
+                empty = [np.zeros((state.size, 0)), np.zeros((single.function.numel_out(1), 0))]
+                return *(columns or empty), f"a step failed: {error.reason}"
             state = done[-1][0].ravel()
-        return *(np.hstack(found) for found in zip(*done, strict=True)), ""
+        return *(np.hstack(part) for part in zip(*done, strict=True)), ""
 
     @staticmethod
-    def _keep(watch: Watch, out, record, last, head: int, mode: int):
-        """The attempts to keep, the mode after them, and why to end there, if so."""
-        taken = np.flatnonzero((record[3] > 0.5) & (record[1] > 0))
-        if not taken.size or not np.all(np.isfinite(out[:, taken])):
+    def _valid(watch: Watch, out, record, last, head: int, mode: int):
+        """The valid attempts, the mode after them, and the reason to stop there, if any."""
+        accepted = np.flatnonzero((record[3] > 0.5) & (record[1] > 0))
+        if not accepted.size or not np.all(np.isfinite(out[:, accepted])):
             return out, record, mode, ""
-        times = np.append(record[0, taken], record[0, taken[-1]] + record[1, taken[-1]])
-        columns = np.column_stack([last, out[head:, taken]])
-        kept, following, reason = watch.switch(times, columns, mode)
-        if kept == taken.size:
+        times = np.append(record[0, accepted], record[0, accepted[-1]] + record[1, accepted[-1]])
+        columns = np.column_stack([last, out[head:, accepted]])
+        valid, following, reason = watch.switch(times, columns, mode)
+        if valid == accepted.size:
             return out, record, following, reason
-        stop = taken[kept]  # everything from this attempt on is done again in the new mode
+        stop = accepted[valid]  # all attempts from here on are repeated in the new mode
         return out[:, :stop], record[:, :stop], following, reason
 
 
 def _idle_at_the_end(
     function: ca.Function, memory: int, crossed: ca.Function | None
 ) -> ca.Function:
-    """The attempt before the end, nothing from there on, so that the rest of a chunk is free.
+    """The attempt, skipped once the end is reached, so that the rest of a chunk costs nothing.
 
-    Beyond a switch there is nothing either, for the step across has to be cut first.
+    It is also skipped beyond a switch, where the step across it has to be cut first.
     """
     state, fixed = ca.MX.sym("s", function.numel_in(0)), ca.MX.sym("f", function.numel_in(1))
-    nothing = ca.MX.zeros(function.numel_out(1) - 1)
-    idle = ca.Function("idle", [state, fixed], [state, ca.vertcat(state[0], nothing)])
+    zeros = ca.MX.zeros(function.numel_out(1) - 1)
+    idle = ca.Function("idle", [state, fixed], [state, ca.vertcat(state[0], zeros)])
     branch = ca.Function.if_else("attempt_or_idle", function, idle)
-    goes_on = state[0] < fixed[0]
+    active = state[0] < fixed[0]
     if crossed is not None:
         head = 2 + memory
         x = state[head : head + crossed.numel_in(1)]
-        goes_on = ca.logic_and(goes_on, ca.mmax(crossed(state[0], x, fixed[2:])) <= 0)
-    outputs = branch(goes_on, state, fixed)
+        active = ca.logic_and(active, ca.mmax(crossed(state[0], x, fixed[2:])) <= 0)
+    outputs = branch(active, state, fixed)
     return ca.Function("attempt", [state, fixed], list(outputs))
 
 
-def _replaced(crossing: Crossing, t, h, columns, modes):
-    """Steps up to a crossing, and those put in place of the one across."""
-    kept = crossing.kept
+def _replace_last_step(crossing: Crossing, t, h, columns, modes):
+    """Steps up to a crossing, and the steps that replace the one across it."""
+    k = crossing.accepted
     return (
-        np.append(t[:kept], crossing.t),
-        np.append(h[:kept], crossing.h),
-        np.column_stack([columns[:, :kept], crossing.x]),
-        np.append(modes[:kept], crossing.mode),
+        np.append(t[:k], crossing.t),
+        np.append(h[:k], crossing.h),
+        np.column_stack([columns[:, :k], crossing.x]),
+        np.append(modes[:k], crossing.mode),
     )
 
 
-def _trouble(state: np.ndarray, span: float) -> str:
-    """Why a march over some time cannot go on from ``[t; h; …]``, or nothing."""
+def _failure(state: np.ndarray, span: float) -> str:
+    """Reason why a march of length ``span`` cannot continue from ``[t; h; …]``, or ``""``."""
     if not np.all(np.isfinite(state)):
         return "the state is no longer finite"
     if state[1] < SMALLEST_STEP * max(span, abs(state[0])):
@@ -212,9 +214,9 @@ def _trouble(state: np.ndarray, span: float) -> str:
 
 
 def _finite(t: np.ndarray, h: np.ndarray, columns: np.ndarray):
-    """The steps up to the last state that is finite."""
-    good = np.isfinite(columns).all(axis=0)
-    count = good.size if good.all() else int(np.argmin(good))
+    """The steps up to the last finite state."""
+    finite = np.isfinite(columns).all(axis=0)
+    count = finite.size if finite.all() else int(np.argmin(finite))
     return t[:count], h[:count], columns[:, :count]
 
 

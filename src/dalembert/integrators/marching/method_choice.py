@@ -7,32 +7,31 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-STIFF, MOST = 1.0, 0.75
-"""Value of ``h ρ`` that indicates a limit by stability, and the share of steps that have it."""
-WORTH = 500
-"""Explicit steps left to the end from which on the implicit method is prepared."""
+STIFF, STIFF_SHARE = 1.0, 0.75
+"""Threshold of ``h ρ`` for a stiff step, and of the share of stiff steps in a stiff period [-]."""
+MINIMUM_REMAINING = 500
+"""Threshold of explicit steps left to the end for compiling the implicit method."""
 EXPLICIT, IMPLICIT = 64, 16
-"""Attempts in a period, at the end of which the method is chosen."""
+"""Attempts per period of either method; the method is chosen at the end of a period."""
 SHORTEST, LONGEST = 2, 256
-"""Periods until the other method is tried, at first and after it has failed often."""
+"""Initial and maximum number of periods before the other method is tried."""
 
 
 @dataclass
 class MethodChoice:
-    """Which of two methods goes on, by how far each advances for its cost.
+    """Choice between two methods by their advance in time per operation.
 
-    A period of explicit attempts that are limited by stability counts as stiff. After some of these
-    the implicit method is tried for a period; it stays while it advances faster for its cost than
-    the explicit one did. After some implicit periods the explicit method is tried again. The number
-    of periods before a trial doubles with each trial that fails.
+    A period of explicit attempts that are limited by stability counts as stiff. After a number of
+    stiff periods the implicit method is tried for one period; it continues while it advances faster
+    per operation than the explicit one did. After a number of implicit periods the explicit method
+    is tried again. The number of periods before a trial doubles with each failed trial.
 
     Parameters
     ----------
     end : of the run [s]
     implicit : mode → whether its method is implicit
     cost : mode → operations of an attempt
-    other : mode → the same equations in a mode of the other method; the mode itself if it does not
-        suit them
+    other : mode → mode of the other method for the same equations; the mode itself if there is none
     """
 
     end: float
@@ -40,13 +39,13 @@ class MethodChoice:
     cost: Callable[[int], float]
     other: Callable[[int], int]
     advances: dict[bool, float] = field(default_factory=dict)
-    """Mean advance of an attempt [s], of either method where it was last used."""
+    """Mean advance per attempt [s] of either method when last used."""
     paces: dict[bool, float] = field(default_factory=dict)
-    """The same for an operation."""
+    """Mean advance per operation [s]."""
     waits: dict[bool, int] = field(default_factory=lambda: {True: SHORTEST, False: SHORTEST})
-    """Periods of the other method before this one is tried."""
+    """Periods of the other method before this method is tried."""
     periods: int = 0
-    """Periods, of the explicit method stiff ones, since the method was chosen."""
+    """Periods since the method was chosen; of the explicit method only stiff periods."""
     trial: bool = False
 
     def attempts(self, mode: int) -> int:
@@ -54,47 +53,47 @@ class MethodChoice:
         return IMPLICIT if self.implicit(mode) else EXPLICIT
 
     def after(self, record: np.ndarray, mode: int, failure: str) -> tuple[int, float | None, str]:
-        """The mode after a period, the length of its first step if known, and why it ends there.
+        """The mode after a period, the length of its first step if known, and the reason to stop.
 
         Parameters
         ----------
         record : (5, n) time, length, error, acceptance and stiffness of each attempt
-        failure : of the march in this period; of a method on trial it is no reason to end
+        failure : reason why the march failed; ignored for an implicit method on trial
         """
         if failure and not (self.trial and self.implicit(mode)):
             return mode, None, failure
-        return *self._following(record, mode), ""
+        return *self._next_mode(record, mode), ""
 
-    def _following(self, record: np.ndarray, mode: int) -> tuple[int, float | None]:
+    def _next_mode(self, record: np.ndarray, mode: int) -> tuple[int, float | None]:
         record = record[:, record[1] > 0]
         if not record.shape[1] and not self.trial:
             return mode, None
-        implicit, taken = self.implicit(mode), record[3] > 0.5
-        late = np.arange(taken.size) >= 3 * taken.size // 4  # those before it adapt the step
-        advance = float(np.sum(record[1, late & taken]) / max(1, np.sum(late)))
+        implicit, accepted = self.implicit(mode), record[3] > 0.5
+        late = np.arange(accepted.size) >= 3 * accepted.size // 4  # earlier attempts adapt the step
+        advance = float(np.sum(record[1, late & accepted]) / max(1, np.sum(late)))
         self.advances[implicit], self.paces[implicit] = advance, advance / self.cost(mode)
-        if implicit or (taken.any() and np.mean(record[4, taken] > STIFF) >= MOST):
+        if implicit or (accepted.any() and np.mean(record[4, accepted] > STIFF) >= STIFF_SHARE):
             self.periods += 1
         else:
             self.periods = 0
-        tried, self.trial = self.trial, False
-        if tried and self._slower(implicit):  # so it was tried in vain
+        trial, self.trial = self.trial, False
+        if trial and self._slower(implicit):
             self.waits[implicit] = min(2 * self.waits[implicit], LONGEST)
             return self._change(mode)
-        if tried:
+        if trial:
             self.waits = {True: SHORTEST, False: SHORTEST}
         if implicit and self._slower(True):
             return self._change(mode)
         if self.periods < self.waits[not implicit]:
             return mode, None
-        if not implicit and self.end - record[0, -1] < WORTH * advance:
+        if not implicit and self.end - record[0, -1] < MINIMUM_REMAINING * advance:
             return mode, None
         following, length = self._change(mode)
         self.trial = following != mode
         return following, length
 
     def _slower(self, implicit: bool) -> bool:
-        """This method advances less for its cost than the other one did."""
+        """True if this method advances less per operation than the other one did."""
         return self.paces[implicit] < self.paces.get(not implicit, 0.0)
 
     def _change(self, mode: int) -> tuple[int, float | None]:

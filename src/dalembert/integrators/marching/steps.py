@@ -1,4 +1,4 @@
-"""The steps a march has taken, and who watches it."""
+"""Scheduled and recorded steps of a march, and the callbacks after each chunk of steps."""
 
 from __future__ import annotations
 
@@ -11,15 +11,94 @@ import numpy as np
 from dalembert.integrators.marching.checkpoints import Recorder, States, cut_states
 from dalembert.integrators.marching.method_choice import MethodChoice
 
+HALVINGS = 6
+"""Maximum number of times a step is halved before the march stops."""
+
+
+def halving_warnings(count: int) -> list[str]:
+    """Warnings of a run that has halved ``count`` steps."""
+    steps = f"{count} step{'s' if count > 1 else ''}"
+    text = f"Newton's method failed in {steps}, taken in halves instead; use a shorter step"
+    return [text] if count else []
+
+
+class Schedule:
+    """Scheduled steps of length ``h`` from ``t``, in order.
+
+    Parameters
+    ----------
+    t, h : [s]
+    corrected, mode : of each step
+    """
+
+    def __init__(self, t: np.ndarray, h: np.ndarray, corrected: np.ndarray, mode: np.ndarray):
+        self.t, self.h, self.corrected, self.mode = t, h, corrected, mode.copy()
+        self.shortest = shortest(h)
+        self.halved = 0
+
+    def part(self, begin: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``t``, ``h``, ``corrected`` of ``count`` steps from ``begin``."""
+        part = slice(begin, begin + count)
+        return self.t[part], self.h[part], self.corrected[part]
+
+    def halve(self, k: int) -> bool:
+        """Replace step k by two halves; False if it is too short to be halved again.
+
+        The second half ends with the correction of the original step. The first half does so
+        only if all steps are corrected.
+        """
+        half = self.h[k] / 2
+        if half < self.shortest[k]:
+            return False
+        self.t = np.insert(self.t, k + 1, self.t[k] + half)
+        self.h = np.insert(self.h, k, half)
+        self.h[k + 1] = half
+        self.corrected = np.insert(self.corrected, k, bool(self.corrected.all()))
+        self.mode = np.insert(self.mode, k, self.mode[k])
+        self.shortest = np.insert(self.shortest, k, self.shortest[k])
+        self.halved += 1
+        return True
+
+
+class Grid:
+    """Grid of times that the steps of a march must hit.
+
+    Parameters
+    ----------
+    times : prescribed times, ascending [s]
+    """
+
+    def __init__(self, times: np.ndarray):
+        self.prescribed = self.times = times
+        self.shortest = shortest(np.diff(times))
+
+    @property
+    def halved(self) -> int:
+        """Number of times inserted by halving."""
+        return self.times.size - self.prescribed.size
+
+    def halve(self, t: float, h: float) -> bool:
+        """Insert the midpoint of a step; False if the step is too short to be halved again."""
+        middle = t + h / 2
+        if h / 2 < self.shortest[np.searchsorted(self.prescribed, middle) - 1]:
+            return False
+        self.times = np.insert(self.times, np.searchsorted(self.times, middle), middle)
+        return True
+
+
+def shortest(h: np.ndarray) -> np.ndarray:
+    """Minimum lengths of the parts of halved steps."""
+    return h / (1.5 * 2**HALVINGS)
+
 
 @dataclass
 class Steps:
     """Steps taken: ``x[:, k]`` at ``t[k]``, then a step of length ``h[k]``.
 
-    ``corrected[k]`` tells whether the step ended with the correction, ``mode[k]`` which variant of
-    the step was taken. The last column of ``x`` is the end of the last step. ``message`` is empty
-    when the end was reached; ``explained`` where it says all there is to say. Of long marches ``x``
-    holds few states and repeats the others.
+    ``corrected[k]`` is True if the step ended with the correction, ``mode[k]`` is the variant of
+    the step. The last column of ``x`` is the end of the last step. ``message`` is empty when the
+    end was reached; ``explained`` is True if it is a complete explanation. In long marches ``x``
+    stores checkpoints and recomputes the other states.
     """
 
     t: np.ndarray
@@ -38,7 +117,7 @@ class Steps:
 
     @property
     def lasting(self) -> np.ndarray:
-        """Numbers of the steps that have a length; transitions at switches have none."""
+        """Indices of the steps of nonzero length; transitions at switches have length zero."""
         return np.flatnonzero(self.h)
 
     @property
@@ -47,7 +126,7 @@ class Steps:
 
     @property
     def instant(self) -> float:
-        """Times that differ by less are the same."""
+        """Smallest difference of distinct times [s]."""
         return 1e-12 * max(abs(float(self.t[0])), abs(self.end))
 
     def cut(self, count: int, message: str = "") -> Steps:
@@ -65,62 +144,62 @@ class Steps:
         )
 
     def divided(self, parts: int | np.ndarray) -> Steps:
-        """The same march, to be repeated with each step in so many equal parts.
+        """The march with each step divided into ``parts`` equal parts, to be repeated.
 
-        Transitions, which have no length, stay as they are.
+        Transitions, which have zero length, are not divided.
         """
-        each = np.where(self.h > 0, parts, 1)
-        h = np.repeat(self.h / each, each)
-        first = np.repeat(np.cumsum(each) - each, each)
-        t = np.repeat(self.t[: self.count], each) + h * (np.arange(h.size) - first)
-        corrected, mode = (np.repeat(column, each) for column in (self.corrected, self.mode))
+        counts = np.where(self.h > 0, parts, 1)
+        h = np.repeat(self.h / counts, counts)
+        first = np.repeat(np.cumsum(counts) - counts, counts)
+        t = np.repeat(self.t[: self.count], counts) + h * (np.arange(h.size) - first)
+        corrected, mode = (np.repeat(column, counts) for column in (self.corrected, self.mode))
         return Steps(t, h, self.x[:, :1], corrected, mode, rejected=self.rejected)
 
 
 def standstill(time: float, x0: np.ndarray, message: str) -> Steps:
-    """No step at all."""
-    none = np.zeros(0)
+    """A march without steps."""
+    empty = np.zeros(0)
     column = x0.reshape(-1, 1)
-    return Steps(np.array([time]), none, column, none > 0, none.astype(int), message=message)
+    return Steps(np.array([time]), empty, column, empty > 0, empty.astype(int), message=message)
 
 
 def run_length(mode: np.ndarray, begin: int, longest: int) -> int:
-    """How many steps from ``begin`` on are of one mode, ``longest`` at most."""
+    """Number of steps from ``begin`` with the same mode, at most ``longest``."""
     part = mode[begin : begin + longest]
     different = np.flatnonzero(part != part[0])
     return int(different[0]) if different.size else part.size
 
 
 EVEN = 1e-6
-"""Difference of lengths, relative, of steps that are taken as equal."""
+"""Relative difference below which step lengths count as equal [-]."""
 
 
 def even_length(h: np.ndarray) -> int:
-    """How many steps from the first on are as long as it."""
+    """Number of leading steps of equal length."""
     different = np.flatnonzero(np.abs(h - h[0]) > EVEN * h[0])
     return int(different[0]) if different.size else h.size
 
 
 class Switch(NamedTuple):
-    """What to do with the steps of a chunk: how many to keep, and the mode after them.
+    """Number of accepted steps of a chunk, and the mode after them.
 
     With a ``reason`` the march ends there.
     """
 
-    kept: int
+    accepted: int
     mode: int
     reason: str = ""
 
 
 class Crossing(NamedTuple):
-    """A switch that the last step of a chunk went across, and what is put in place of that step.
+    """Crossing of a switch by the last step of a chunk, and the steps that replace that step.
 
-    ``kept`` steps stay as they are; the columns ``x`` at the ends of steps from ``t`` of lengths
-    ``h`` in these modes follow. The march goes on with steps of length ``following``, in the mode
-    ``after`` if there is one; with a ``reason`` it ends there.
+    ``accepted`` steps are unchanged; then come steps from ``t`` of lengths ``h`` in these modes,
+    with states ``x`` at their ends. The march continues with steps of length ``following``, in the
+    mode ``after`` if there is one; with a ``reason`` it ends there.
     """
 
-    kept: int
+    accepted: int
     t: np.ndarray
     h: np.ndarray
     x: np.ndarray
@@ -140,17 +219,17 @@ def _never_switch(times: np.ndarray, states: np.ndarray, mode: int) -> Switch:
 
 @dataclass
 class Watch:
-    """What to do after each chunk of states ``(t, x)``.
+    """Callbacks after each chunk of states ``(t, x)``, and storage of the states.
 
     Attributes
     ----------
-    progress : told the fraction done
-    stop : asked whether to end the march; told the modes of the steps as well
+    progress : called with the completed fraction
+    stop : ``(times, states, modes)`` → whether to end the march
     switch : ``(times, states, mode)`` → Switch
     cross : ``(times, states, mode)`` → Crossing, or None
-    choice : which of two methods goes on; None where there is one only
-    memory : bytes of states that are kept before they are thinned to checkpoints
-    outputs : (K,) times around which states are kept in any case [s]
+    choice : choice between two methods; None for a single method
+    memory : upper limit of stored states before they are thinned to checkpoints [bytes]
+    outputs : (K,) times around which states are stored in any case [s]
     """
 
     progress: Callable[[float], None] = lambda fraction: None
@@ -162,5 +241,5 @@ class Watch:
     outputs: np.ndarray | None = None
 
     def recorder(self, x0: np.ndarray, steps: int = 0) -> Recorder:
-        """Takes the states of a march that begins here."""
+        """Recorder of the states of a march from ``x0``."""
         return Recorder(x0, self.memory, self.outputs, steps)

@@ -1,1 +1,1 @@
-"""Newmark's method and its relatives."""
+"""Newmark family of integrators."""

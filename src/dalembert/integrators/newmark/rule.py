@@ -1,17 +1,17 @@
-"""The rule of Newmark's method and its relatives with algorithmic damping, a linear map.
+"""Update rule of the Newmark family as a linear map.
 
 In the form of Arnold and Brüls (2007), with algorithmic accelerations ``α`` beside the true ``a``:
 
     w = v + h ((1/2 − β) α + β α⁺),    v⁺ = v + h ((1 − γ) α + γ α⁺),
     (1 − α_m) α⁺ + α_m α = (1 − α_f) a⁺ + α_f a,
 
-where ``w`` is the mean speed: ``u⁺ = u + h w``, or ``ẏ ≈ A(ȳ) w`` on a manifold. All is linear in
-``a⁺``, the one unknown of a step, which ends where the equations of motion hold. ``α ≈ a(t + δ h)``
-with ``δ = α_m − α_f`` is kept as ``s = (α − a) / h``, so that it starts and changes step lengths
-without loss of order.
+where ``w`` is the mean speed: ``u⁺ = u + h w``, or ``ẏ ≈ A(ȳ) w`` on a manifold. The rule is
+linear in ``a⁺``, the only unknown of a step, determined by the equations of motion at its end.
+``α ≈ a(t + δ h)`` with ``δ = α_m − α_f`` is stored as ``s = (α − a) / h``, so that starts and
+changes of the step length preserve the order.
 
-Steps of mechanisms pass expressions of a graph through these lines, those of structures columns of
-numbers; the transpose is for the latter, for a graph differentiates itself.
+Steps of mechanisms evaluate the rule with expressions of a graph, steps of structures with columns
+of numbers; the transpose serves the latter, since a graph is differentiated automatically.
 """
 
 from __future__ import annotations
@@ -31,21 +31,21 @@ class NewmarkCoefficients:
 
     @property
     def shift(self) -> float:
-        """``δ``: where within a step algorithmic accelerations belong."""
+        """``δ``: time shift of the algorithmic accelerations, in steps."""
         return self.alpha_m - self.alpha_f
 
     @property
     def undamped(self) -> bool:
-        """Oscillations of any frequency keep their amplitude."""
+        """True without numerical dissipation at any frequency."""
         return self.gamma == 0.5 and self.shift == 0
 
 
 class Moving(NamedTuple):
-    """What a step begins and ends with, or its change, or its weights.
+    """State at the start or end of a step, its change, or its adjoint weights.
 
     Attributes
     ----------
-    u, v, a : motion that fulfils the equations of motion
+    u, v, a : displacements, speeds and accelerations
     s : memory of the method
     """
 
@@ -56,7 +56,7 @@ class Moving(NamedTuple):
 
 
 class Course(NamedTuple):
-    """What a step makes of the speeds.
+    """Speeds and algorithmic accelerations of a step.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Course(NamedTuple):
 
 @dataclass(frozen=True)
 class StepRule:
-    """The rule for steps of one length, with ``α⁺ = κ a⁺ + μ a − ν α``.
+    """Update rule for one step length, with ``α⁺ = κ a⁺ + μ a − ν α``.
 
     Attributes
     ----------
@@ -92,8 +92,8 @@ class StepRule:
     @classmethod
     def of(cls, c: NewmarkCoefficients, h: Any) -> StepRule:
         """The rule of a method for steps of length ``h``, a number or an expression."""
-        left = 1 - c.alpha_m
-        factors = (1 - c.alpha_f) / left, c.alpha_f / left, c.alpha_m / left
+        complement = 1 - c.alpha_m
+        factors = (1 - c.alpha_f) / complement, c.alpha_f / complement, c.alpha_m / complement
         return cls(h, *factors, (h * (0.5 - c.beta), h * (1 - c.gamma)), (h * c.beta, h * c.gamma))
 
     @property
@@ -112,7 +112,7 @@ class StepRule:
         return Course(mean, end, following)
 
     def corrected(self, predicted: Course, a: Any) -> Course:
-        """The course of a step that ends with the accelerations ``a⁺``."""
+        """The course of a step with accelerations ``a⁺`` at its end."""
         part = self.kappa * a
         return Course(
             predicted.mean + self.late[0] * part,
@@ -125,11 +125,11 @@ class StepRule:
         return (course.algorithmic - a) / self.h
 
     def weigh_acceleration(self, weights: Moving) -> Any:
-        """Weight of ``a⁺`` from those of the end of the step."""
+        """Weight of ``a⁺`` from the weights at the end of the step."""
         return weights.a - weights.s / self.h + self.kappa * self._weigh_algorithmic(weights)
 
     def weigh_start(self, weights: Moving) -> Moving:
-        """Weights of what the step begins with."""
+        """Weights of the state at the start of the step."""
         following = self._weigh_algorithmic(weights)
         mean = self.h * weights.u
         algorithmic = self.early[0] * mean + self.early[1] * weights.v - self.nu * following

@@ -1,7 +1,7 @@
-"""One step of Newmark's method or a relative, for constrained systems on a manifold.
+"""Step of the Newmark family for constrained systems on a manifold.
 
-The rule of ``newmark_rule`` with ``ẏ ≈ A(ȳ) w`` and the algebraic equations at the end of the step,
-``0 = G(t⁺, x⁺, z⁺)``, where ȳ is the mean of old and new positions.
+The rule of ``newmark/rule.py`` with ``ẏ ≈ A(ȳ) w`` and the algebraic equations at the end of the
+step, ``0 = G(t⁺, x⁺, z⁺)``, where ȳ is the mean of old and new positions.
 """
 
 from __future__ import annotations
@@ -10,8 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.base import Problem
-from dalembert.integrators.implicit import ImplicitIntegrator
+from dalembert.integrators.base import ImplicitIntegrator, Problem
 from dalembert.integrators.newmark.rule import NewmarkCoefficients, StepRule
 from dalembert.integrators.stage_equations import StageEquations
 from dalembert.integrators.step import GraphStep
@@ -19,19 +18,21 @@ from dalembert.symbolic.equations.newton_node import NewtonNode, constant
 from dalembert.symbolic.evaluation.kernel import SELDOM, condensed
 
 SUDDEN = 1.0
-"""Change of the accelerations within the first step, by their size, that it does not resolve."""
+"""Threshold of the relative change of accelerations in the first step for ignoring rates [-]."""
 
 
 class NewmarkStep(GraphStep):
-    """One step; its memory is ``[ẑ; s; powers; 0; first; dẑ/dt]``, the last for first guesses.
+    """Step with memory ``[ẑ; s; powers; 0; first; dẑ/dt]``, the last for first guesses.
 
-    The zeros stand for variables of other steps of the run, so that all memories have one length.
-    Rates at a start hold for the first step where it resolves them; of the vibrations that an
-    impact leaves in a stiff body it would make anything, so that they count as none there.
+    The zeros replace variables of other variants of the run, so that all memories have equal
+    length. Rates at a start are used in the first step if it resolves them; the fast vibrations
+    that an impact leaves in a stiff body are not resolved, and their rates are set to zero.
     """
 
-    def __init__(self, chosen: NewmarkCoefficients, problem: Problem, settings: ImplicitIntegrator):
-        self.chosen, self.problem = chosen, problem
+    def __init__(
+        self, coefficients: NewmarkCoefficients, problem: Problem, settings: ImplicitIntegrator
+    ):
+        self.coefficients, self.problem = coefficients, problem
         self.equations = e = StageEquations(problem.system)
         s = problem.system
         n, controlled = e.size, problem.controlled
@@ -43,20 +44,20 @@ class NewmarkStep(GraphStep):
         self.spare = ca.SX.zeros(2 * problem.spare)
         length = 2 * e.algebraic + len(self.speeds) + len(self.rest) + self.spare.numel() + 1
         self.memory = ca.SX.sym("memory", length)
-        self.given = ca.vertcat(self.t, self.h, self.x, self.memory, self.p)
+        self.arguments = ca.vertcat(self.t, self.h, self.x, self.memory, self.p)
         new, memory, rows = self._equations()
         scale = e.residual_scale(settings.tolerance)(self.t + self.h, self.h, new, self.u, self.p)
         outputs = [ca.vertcat(new, memory)]
         sizes = e.unknown_sizes
         self.newton = NewtonNode(
-            "newmark", self.u, self.given, rows, scale, settings.newton, sizes, outputs
+            "newmark", self.u, self.arguments, rows, scale, settings.newton, sizes, outputs
         )
-        self._guess = constant("guess", [self.given], self._extrapolated())
+        self._guess = constant("guess", [self.arguments], self._extrapolate())
         size = n + self.memory.numel()
         symbols = [ca.MX.sym(*k) for k in (("t", 1), ("h", 1), ("x", size), ("p", s.p.numel()))]
-        after, residual = self._solve(*symbols)
+        end, residual = self._solve(*symbols)
         super().__init__(
-            ca.Function("bare_step", symbols, [after]),
+            ca.Function("bare_step", symbols, [end]),
             n,
             problem.correction,
             self._start(),
@@ -68,16 +69,16 @@ class NewmarkStep(GraphStep):
     def work(self) -> float:
         return self.newton.work
 
-    def _remembered(self) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Scaled algebraic variables, ``s`` and powers of the last step."""
+    def _memory_parts(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Scaled algebraic variables, ``s`` and powers at the end of the last step."""
         m, k, r = self.equations.algebraic, len(self.speeds), len(self.rest)
         parts = ca.vertsplit(self.memory, [0, m, m + k, m + k + r, self.memory.numel()])
         return parts[0], parts[1], parts[2]
 
     def _equations(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """New state, new memory and residuals, as expressions of the unknowns."""
-        e, c, t, h, x, p = self.equations, self.chosen, self.t, self.h, self.x, self.p
-        z, kept, powers = self._remembered()
+        e, c, t, h, x, p = self.equations, self.coefficients, self.t, self.h, self.x, self.p
+        z, stored, powers = self._memory_parts()
 
         def rate(time, state, u) -> ca.SX:
             return e.rate(time, h, state, u, p)
@@ -85,7 +86,7 @@ class NewmarkStep(GraphStep):
         old = rate(t, x, ca.vertcat(z, ca.SX.zeros(len(e.coupled))))[self.speeds]
         true = rate(t, x, self.u)[self.speeds]
         sizes = self.problem.system.sizes.rates[self.speeds]
-        s = self._resolved(kept, old, sizes, abs(c.shift))
+        s = self._if_resolved(stored, old, sizes, abs(c.shift))
         rule = StepRule.of(c, h)
         course = rule.corrected(rule.predicted(x[self.speeds], old, s), true)
         new, middle = ca.SX(x), ca.SX(x)
@@ -93,81 +94,81 @@ class NewmarkStep(GraphStep):
         if e.coupled:
             new[e.coupled] = x[e.coupled] + h * self.u[e.algebraic :, :]
         middle[self.positions] = (x[self.positions] + new[self.positions]) / 2
-        for _ in e.levels:  # positions that follow from other positions come later
+        for _ in e.levels:  # positions that depend on other positions converge level by level
             free = [i for i in self.positions if i not in e.coupled]
             new[free] = x[free] + h * rate(t + h / 2, middle, self.u)[free]
             middle[free] = (x[free] + new[free]) / 2
         rows = e.rows(t + h, h, new, self.u, p)[: e.algebraic, :]
         k = self.u[e.algebraic :, :]
         rows = ca.vertcat(rows, k - rate(t + h / 2, middle, self.u)[e.coupled])
-        used = rate(t + h, new, self.u)[self.rest]
-        new[self.rest] = x[self.rest] + h / 2 * (powers + used)
-        found = self.u[: e.algebraic, :]
-        memory = [found, rule.memory(course, true), used, self.spare, 0, (found - z) / h]
+        end_powers = rate(t + h, new, self.u)[self.rest]
+        new[self.rest] = x[self.rest] + h / 2 * (powers + end_powers)
+        end_z = self.u[: e.algebraic, :]
+        memory = [end_z, rule.memory(course, true), end_powers, self.spare, 0, (end_z - z) / h]
         return new, ca.vertcat(*memory), rows
 
-    def _resolved(
+    def _if_resolved(
         self, change: ca.SX, value: ca.SX, sizes: np.ndarray, share: float = 1.0
     ) -> ca.SX:
-        """A share of the rate of change of values; none at a start where steps are too long."""
+        """A rate of change, set to zero at a start if the step does not resolve it."""
         if not change.numel():
             return change
         first = self.memory[self.memory.numel() - self.equations.algebraic - 1]
-        moved = self.h * ca.mmax(ca.fabs(change) / sizes)
-        sudden = moved > SUDDEN * share * (1 + ca.mmax(ca.fabs(value) / sizes))
+        amount = self.h * ca.mmax(ca.fabs(change) / sizes)
+        sudden = amount > SUDDEN * share * (1 + ca.mmax(ca.fabs(value) / sizes))
         return ca.if_else(ca.logic_and(first > 0, sudden), 0, 1) * change
 
-    def _extrapolated(self) -> ca.SX:
+    def _extrapolate(self) -> ca.SX:
         """First guess of the unknowns."""
-        e, z = self.equations, self._remembered()[0]
+        e, z = self.equations, self._memory_parts()[0]
         drift = self.memory[self.memory.numel() - e.algebraic :, :]
-        drift = self._resolved(drift, z, e.unknown_sizes[: e.algebraic])
-        ahead = ca.vertcat(z + self.h * drift, ca.SX(len(e.coupled), 1))
-        rate = e.rate(self.t, self.h, self.x, ahead, self.p)
-        return ca.vertcat(ahead[: e.algebraic, :], rate[e.coupled])
+        drift = self._if_resolved(drift, z, e.unknown_sizes[: e.algebraic])
+        u = ca.vertcat(z + self.h * drift, ca.SX(len(e.coupled), 1))
+        rate = e.rate(self.t, self.h, self.x, u, self.p)
+        return ca.vertcat(u[: e.algebraic, :], rate[e.coupled])
 
     def _start(self) -> ca.Function:
         """``(t, x, p) → memory`` with ``s = δ v̈``."""
         system = self.problem.system
         z = system.start.function(self.t, self.x, self.p)
         rate = ca.substitute(system.rate, system.z, z)
-        still = ca.SX.zeros(self.p.numel())
-        drift = system.start.tangent(self.t, self.x, self.p, 1, rate, still)
+        dp = ca.SX.zeros(self.p.numel())
+        drift = system.start.tangent(self.t, self.x, self.p, 1, rate, dp)
         along = ca.jtimes(
             system.rate[self.speeds, :],
             ca.vertcat(system.t, system.x, system.z),
             ca.vertcat(1, rate, drift),
         )
         jerk = ca.substitute(along, system.z, z)
-        shifted = self.chosen.shift * jerk
+        shifted = self.coefficients.shift * jerk
         memory = ca.vertcat(z, shifted, rate[self.rest], self.spare, 1, drift)
         return condensed("begin", [self.t, self.x, self.p], [memory], SELDOM)
 
     def _solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX]:
         """New state with memory, relative residual."""
-        given = ca.vertcat(t, h, x, p)
-        (new,), residual = self.newton.results(self._guess(given), given)
+        arguments = ca.vertcat(t, h, x, p)
+        (new,), residual = self.newton.results(self._guess(arguments), arguments)
         return new, residual
 
 
-def check(chosen: NewmarkCoefficients, problem: Problem, name: str) -> None:
-    """Positions must follow from the speeds in the state, which the method averages.
+def check(coefficients: NewmarkCoefficients, problem: Problem, name: str) -> None:
+    """Raise unless the rates of positions depend on the speeds in the state alone.
 
     Raises
     ------
     UnsupportedError
-        They do not, or nothing damps the accelerations of a system of index 3.
+        They depend on algebraic variables, or a system of index 3 is integrated without damping.
     """
     s = problem.system
     instant = [i for i, lag in enumerate(s.lag) if lag == 0]
     if ca.depends_on(s.rate[: problem.positions], s.z[instant]):
         raise UnsupportedError(
-            f"{name} needs all speeds in the state, of which this formulation keeps some only; use "
+            f"{name} needs all speeds in the state, but this formulation has only some; use "
             "Trapezoidal() or Radau(), or formulation=RangeSpace()"
         )
-    if s.index == 3 and chosen.undamped and problem.correction is None:
+    if s.index == 3 and coefficients.undamped and problem.correction is None:
         raise UnsupportedError(
-            f"{name} without damping lets every disturbance of the accelerations grow "
-            "where only positions are constrained; use GeneralizedAlpha(rho_inf=0.9), "
+            f"{name} without damping amplifies every perturbation of the accelerations "
+            "if only positions are constrained; use GeneralizedAlpha(rho_inf=0.9), "
             "stabilization=Projection() or Dae(index=2)"
         )

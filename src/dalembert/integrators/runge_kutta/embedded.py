@@ -8,19 +8,18 @@ import casadi as ca
 import numpy as np
 
 from dalembert.integrators.base import Attempt, Problem
-from dalembert.integrators.marching.error_norm import largest, relative_error
-from dalembert.integrators.marching.step_control import Graph, decide
+from dalembert.integrators.error_control import Graph, decide, largest, relative_error
 from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep
 
 
 def embedded_attempt(
     problem: Problem, step: ExplicitStep, rtol: float, atol: np.ndarray
 ) -> Attempt:
-    """Compute the step and its error, keep or refuse it, propose the next length.
+    """Attempted step with embedded error estimate, acceptance test and next length.
 
-    What a correction removes counts little, see ``relative_error``.
+    Errors that the correction removes have a wider tolerance, see ``relative_error``.
     """
-    judge = _judge(problem, step, rtol, atol)
+    control = _control(problem, step, rtol, atol)
 
     def attempt(kind: Any) -> ca.Function:
         state, fixed = kind.sym("s", 3 + step.size), kind.sym("f", 2 + step.parameter_count)
@@ -29,7 +28,7 @@ def embedded_attempt(
         states, slopes = step.stages(t, h, x, p)
         new = step.correct(t + h, step.advance(h, x, slopes), p)
         stiff = _stiffness(problem, step, h, states, slopes)
-        out: Any = judge(state, fixed, new, ca.horzcat(*slopes), stiff)
+        out: Any = control(state, fixed, new, ca.horzcat(*slopes), stiff)
         options: Any = {"cse": True} if kind is ca.SX else {}
         return ca.Function("attempt", [state, fixed], out, options)
 
@@ -37,11 +36,11 @@ def embedded_attempt(
 
 
 def _length(state: Graph, fixed: Graph) -> Graph:
-    """Of the step: as proposed, but not too long and not beyond the end."""
+    """Step length: the proposed one, limited by the longest step and the end of the run."""
     return ca.fmin(ca.fmin(state[1], fixed[1]), fixed[0] - state[0])
 
 
-def _judge(problem: Problem, step: ExplicitStep, rtol: float, atol: np.ndarray) -> ca.Function:
+def _control(problem: Problem, step: ExplicitStep, rtol: float, atol: np.ndarray) -> ca.Function:
     """``(state, fixed, new, slopes, stiffness) → (following, record)``."""
     state, fixed = ca.SX.sym("s", 3 + step.size), ca.SX.sym("f", 2 + step.parameter_count)
     slopes, new = ca.SX.sym("k", step.size, step.tableau.stages), ca.SX.sym("n", step.size)
@@ -50,27 +49,27 @@ def _judge(problem: Problem, step: ExplicitStep, rtol: float, atol: np.ndarray) 
     ratio = _error_ratio(problem, step, rtol, atol, (t, h, x, new, fixed[2:]), ca.horzsplit(slopes))
     following, record = decide(state, fixed[0], h, new, ratio, order, stiff)
     inputs = [state, fixed, new, slopes, stiff]
-    return ca.Function("judge", inputs, [following, record], {"cse": True})
+    return ca.Function("control", inputs, [following, record], {"cse": True})
 
 
 def _stiffness(problem: Problem, step: ExplicitStep, h: Graph, states: Any, slopes: Any) -> Graph:
     """``h ‖k_s − k_{s−1}‖ / ‖X_s − X_{s−1}‖`` (Hairer and Wanner 1996, IV.2), in natural sizes.
 
-    The last two stages must be at the same time, so that only the states differ; 0 otherwise.
+    Requires the last two stages at the same time; 0 otherwise.
     """
     c, count = step.tableau.c, problem.controlled
     if len(c) < 2 or c[-1] != c[-2] or not count:
         return h * 0
     sizes = np.ones(count) if problem.sizes is None else problem.sizes[:count]
-    change, apart = (
+    change, distance = (
         ca.sumsqr((values[-1] - values[-2])[:count] / sizes) for values in (slopes, states)
     )
-    return h * ca.sqrt(change / (apart + 1e-300))
+    return h * ca.sqrt(change / (distance + 1e-300))
 
 
-def _error_ratio(problem: Problem, step: ExplicitStep, rtol, atol, where, slopes) -> ca.SX:
+def _error_ratio(problem: Problem, step: ExplicitStep, rtol, atol, point, slopes) -> ca.SX:
     """Estimated error relative to the tolerance."""
-    t, h, x, new, p = where
+    t, h, x, new, p = point
     allowed = ca.DM(atol) + rtol * ca.fmax(ca.fabs(x), ca.fabs(new))
 
     def scaled(weights) -> ca.SX:
@@ -82,6 +81,6 @@ def _error_ratio(problem: Problem, step: ExplicitStep, rtol, atol, where, slopes
     error = scaled(tableau.b_error)
     if tableau.b_error_low is None:
         return largest(error)
-    count = max(problem.controlled, 1)  # nothing has no mean
+    count = max(problem.controlled, 1)  # avoids 0/0
     mean, low = (ca.sumsqr(e) / count for e in (error, scaled(tableau.b_error_low)))
     return mean / ca.sqrt(mean + 0.01 * low + 1e-300)

@@ -1,4 +1,4 @@
-"""Explicit Runge–Kutta integrators, as users choose them."""
+"""Explicit Runge–Kutta integrators."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Attempt, Integrator, Problem
-from dalembert.integrators.runge_kutta.dormand_prince_853 import DORMAND_PRINCE_853
+from dalembert.integrators.error_control import absolute, check_tolerances, share
 from dalembert.integrators.runge_kutta.embedded import embedded_attempt
 from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep
 from dalembert.integrators.runge_kutta.tableau import (
     CLASSICAL,
     DORMAND_PRINCE,
+    DORMAND_PRINCE_853,
     EXPLICIT_EULER,
     GILL,
     HEUN,
     ButcherTableau,
 )
 from dalembert.integrators.step import Step
-from dalembert.integrators.tolerances import absolute, check_tolerances, share
 from dalembert.options import options
 
 
 @dataclass(frozen=True)
 class ExplicitRungeKutta(Integrator, ABC):
-    """Explicit method given by its tableau: ``x⁺ = x + h Σ b_i k_i``.
+    """Explicit method defined by its tableau: ``x⁺ = x + h Σ b_i k_i``.
 
     Raises
     ------
     UnsupportedError
-        On use: a formulation that gives no accelerations.
+        On use: a formulation that provides no accelerations.
     """
 
     @property
@@ -194,8 +194,8 @@ class AdaptiveRungeKutta(ExplicitRungeKutta):
 
     def attempt(self, problem: Problem, step: Step) -> Attempt:
         assert isinstance(step, ExplicitStep)
-        least = absolute(self.atol, share(self.rtol), problem, step.size)
-        return embedded_attempt(problem, step, self.rtol, least)
+        atol = absolute(self.atol, share(self.rtol), problem, step.size)
+        return embedded_attempt(problem, step, self.rtol, atol)
 
 
 @dataclass(frozen=True)

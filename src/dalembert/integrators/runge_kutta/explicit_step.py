@@ -1,4 +1,4 @@
-"""One explicit Runge–Kutta step with its exact tangent and adjoint.
+"""Explicit Runge–Kutta step with its exact tangent and adjoint.
 
 Forward: ``k_i = F(t + c_i h, X_i, p)``, ``X_i = x + h Σ a_ij k_j``, ``x⁺ = P(x + h Σ b_i k_i)``
 with ``P`` the correction of the stabilisation. The adjoint runs the same sums backwards,
@@ -23,37 +23,37 @@ from dalembert.symbolic.evaluation.columns import LONG
 from dalembert.symbolic.evaluation.lane_tangents import LinearStep
 from dalembert.symbolic.evaluation.prelude import Prelude, before
 
-Following = tuple[ca.Function, Any]
-"""What follows the stages, ``(t, x, q) → x``, and its part of q."""
+Correction = tuple[ca.Function, Any]
+"""Correction after the stages, ``(t, x, q) → x``, and its part of q."""
 
 
-def _corrected(t: Any, x: Any, correction: Following) -> Any:
+def _apply_correction(t: Any, x: Any, correction: Correction) -> Any:
     """The state after a correction."""
     function, q = correction
     return function(t, x, q)
 
 
-def _thorough_where_needed(t: ca.MX, x: ca.MX, correction: Following, trial: Following) -> ca.MX:
-    """The state after a shorter correction, or the whole one where that does not arrive."""
-    (function, q), (short, seen) = correction, trial
-    found, excess = short(t, x, seen)
+def _full_if_needed(t: ca.MX, x: ca.MX, correction: Correction, trial: Correction) -> ca.MX:
+    """The state after a short correction, or after the full one if the short one fails."""
+    (function, q), (short, q_short) = correction, trial
+    state, excess = short(t, x, q_short)
     inputs = [
-        ca.MX.sym(name, given.numel()) for name, given in zip("ftxq", (x, t, x, q), strict=True)
+        ca.MX.sym(name, value.numel()) for name, value in zip("ftxq", (x, t, x, q), strict=True)
     ]
-    kept = ca.Function("kept", inputs, inputs[:1])
-    whole = ca.Function("whole", inputs, [function(*inputs[1:])])
-    return ca.Function.if_else("correction", kept, whole)(excess <= 1, found, t, x, q)
+    accepted = ca.Function("accepted", inputs, inputs[:1])
+    full = ca.Function("full", inputs, [function(*inputs[1:])])
+    return ca.Function.if_else("correction", accepted, full)(excess <= 1, state, t, x, q)
 
 
-def _none_where_bad(t: ca.MX, x: ca.MX, _: Following, trial: Following) -> ca.MX:
-    """The state after a shorter correction, NaN where that does not arrive."""
-    short, seen = trial
-    found, excess = short(t, x, seen)
-    return found + ca.if_else(excess <= 1, 0, np.nan)
+def _nan_if_failed(t: ca.MX, x: ca.MX, _: Correction, trial: Correction) -> ca.MX:
+    """The state after a short correction, NaN if it fails."""
+    short, q_short = trial
+    state, excess = short(t, x, q_short)
+    return state + ca.if_else(excess <= 1, 0, np.nan)
 
 
 class ExplicitStep(Step):
-    """``(t, h, x, p) → x⁺``.
+    """Explicit Runge–Kutta step ``(t, h, x, p) → x⁺``.
 
     Parameters
     ----------
@@ -79,10 +79,10 @@ class ExplicitStep(Step):
 
     def stages(self, t, h, x, p, count: int | None = None) -> tuple[list[Any], list[Any]]:
         """Stage states ``X_i`` and slopes ``k_i``."""
-        return self._staged(self.rhs.function, t, h, x, p, count)
+        return self._stages_of(self.rhs.function, t, h, x, p, count)
 
-    def _staged(self, rhs: ca.Function, t, h, x, p, count: int | None = None):
-        """The same with a right-hand side that may take q for p."""
+    def _stages_of(self, rhs: ca.Function, t, h, x, p, count: int | None = None):
+        """Stage states and slopes for a right-hand side of p or of q."""
         states: list[Any] = []
         slopes: list[Any] = []
         for i in range(self.tableau.stages if count is None else count):
@@ -104,11 +104,11 @@ class ExplicitStep(Step):
 
     @property
     def needed(self) -> int:
-        """Stages the new state depends on."""
+        """Number of stages that the new state depends on."""
         return max(self.used) + 1
 
     def advance(self, h, x, slopes) -> Any:
-        """``x + h Σ b_i k_i``; slopes of equal weight are added first."""
+        """``x + h Σ b_i k_i``, with slopes of equal weight summed first."""
         groups: dict[float, Any] = {}
         for i in self.used:
             weight = self.tableau.b[i]
@@ -124,49 +124,49 @@ class ExplicitStep(Step):
         t, h, x, p = self._symbols(ca.SX)
         _, slopes = self.stages(t, h, x, p, self.needed)
         new = self.correct(t + h, self.advance(h, x, slopes), p)
-        return ca.Function("step", [t, h, x, p], [new], self._shared)
+        return ca.Function("step", [t, h, x, p], [new], self._cse)
 
     @cached_property
-    def _shared(self) -> dict[str, Any]:
-        """Stages have nothing in common but what depends on time alone; looking for it is slow."""
-        moving = any(f.function.jac_sparsity(0, 0).nnz() for f in self._functions)
-        return {"cse": True} if moving else {}
+    def _cse(self) -> dict[str, Any]:
+        """Options of the function: stages share only terms of time, and the search is slow."""
+        time_dependent = any(f.function.jac_sparsity(0, 0).nnz() for f in self._functions)
+        return {"cse": True} if time_dependent else {}
 
     @cached_property
     def marching(self) -> Marching:
         functions = [f.function for f in self._functions]
         trial = None if self.finish is None else self.finish.trial
-        works = [f.n_instructions() for f in functions]
-        if trial is not None and sum(works) + (self.needed - 1) * works[0] > LONG:
+        costs = [f.n_instructions() for f in functions]
+        if trial is not None and sum(costs) + (self.needed - 1) * costs[0] > LONG:
             functions.append(trial)
         parts = [before(f, 2) for f in functions]
         p = ca.SX.sym("p", self.parameter_count)
         values = ca.Function("prelude", [p], [ca.vertcat(*(h(p) for h, _ in parts))], {"cse": True})
         if len(parts) < 3:
             return Marching(values, *(self._after(values, parts, k) for k in (ca.SX, ca.MX)))
-        function = self._after(values, parts, ca.MX, _thorough_where_needed)
-        return Marching(values, function, None, self._after(values, parts, ca.MX, _none_where_bad))
+        function = self._after(values, parts, ca.MX, _full_if_needed)
+        return Marching(values, function, None, self._after(values, parts, ca.MX, _nan_if_failed))
 
     def _after(
         self,
         values: ca.Function,
         parts: Sequence[tuple[ca.Function, ca.Function]],
         kind: Any,
-        finished: Callable[..., Any] = _corrected,
+        correct: Callable[..., Any] = _apply_correction,
     ) -> ca.Function:
-        """The step of ``q``; as a graph of matrices the slopes and the correction are calls."""
+        """The step of ``q``; in an MX graph slopes and correction are function calls."""
         t, h, x, _ = self._symbols(kind)
         q, edges = kind.sym("q", values.numel_out(0)), [0]
         for part, _ in parts:
             edges.append(edges[-1] + part.numel_out(0))
-        (rhs, seen), *following = [
+        (rhs, q_rhs), *corrections = [
             (part[1], q[a:b]) for part, (a, b) in zip(parts, pairwise(edges), strict=True)
         ]
-        _, slopes = self._staged(rhs, t, h, x, seen, self.needed)
+        _, slopes = self._stages_of(rhs, t, h, x, q_rhs, self.needed)
         new = self.advance(h, x, slopes)
-        if following:
-            new = finished(t + h, new, *following)
-        options: Any = self._shared if kind is ca.SX else {}
+        if corrections:
+            new = correct(t + h, new, *corrections)
+        options: Any = self._cse if kind is ca.SX else {}
         return ca.Function("step", [t, h, x, q], [new], options)
 
     @cached_property
@@ -175,7 +175,7 @@ class ExplicitStep(Step):
 
     @cached_property
     def prelude(self) -> Prelude:
-        """What the slopes and the correction need of the parameters alone."""
+        """Terms of slopes and correction that depend on parameters alone."""
         return Prelude.joined([f.prepared[0] for f in self._functions])
 
     @property
@@ -184,13 +184,13 @@ class ExplicitStep(Step):
 
     @cached_property
     def _linear(self) -> tuple[list[ca.MX], TriangularMap]:
-        """Symbols ``t, h, x, q`` and the tangent of the step there."""
+        """Symbols ``t, h, x, q`` and the tangent of the step."""
         t, h, x, _ = self._symbols()
         q = ca.MX.sym("q", self.prelude.value_count)
         chain = LinearChain(self.size + self.prelude.rate_count)
         start, fixed = list(range(self.size)), list(range(self.size, chain.count))
         before, rhs = self.rhs.prepared
-        seen, still = q[: before.value_count], fixed[: before.rate_count]
+        q_rhs, dq_rhs = q[: before.value_count], fixed[: before.rate_count]
         slopes: list[ca.MX] = []
         rates: list[list[int]] = []
         for i in range(self.needed):
@@ -199,17 +199,17 @@ class ExplicitStep(Step):
             state = x + sum((h * weights[j]) * slopes[j] for j in used)
             parts = [(rates[j], h * weights[j]) for j in used]
             rows = chain.weighted([(start, 1.0), *parts]) if parts else start
-            slope, entries = rhs.point(t + self.tableau.c[i] * h, state, seen)
+            slope, entries = rhs.point(t + self.tableau.c[i] * h, state, q_rhs)
             slopes.append(slope)
-            rates.append(chain.through(rhs, [*rows, *still], entries))
+            rates.append(chain.through(rhs, [*rows, *dq_rhs], entries))
         end = chain.weighted(
             [(start, 1.0), *((rates[i], h * self.tableau.b[i]) for i in self.used)]
         )
         if self.finish is not None:
-            seen, still = q[before.value_count :], fixed[before.rate_count :]
+            q_finish, dq_finish = q[before.value_count :], fixed[before.rate_count :]
             _, finish = self.finish.prepared
-            _, entries = finish.point(t + h, self.advance(h, x, slopes), seen)
-            end = chain.through(finish, [*end, *still], entries)
+            _, entries = finish.point(t + h, self.advance(h, x, slopes), q_finish)
+            end = chain.through(finish, [*end, *dq_finish], entries)
         return [t, h, x, q], chain.closed(end)
 
     def prepared_tangents(self, count: int) -> ca.Function:
@@ -233,23 +233,21 @@ class ExplicitStep(Step):
     def prepared_adjoint(self) -> ca.Function:
         """``(t, h, x, q, x̄⁺) → (x̄, q̄)`` by substitution in one sparse matrix of all stages.
 
-        On the virtual machine 1.5 to 1.9 times a step, where stages one by one cost 1.8 to 3.3.
+        On the virtual machine it costs 1.5 to 1.9 steps; stage by stage it costs 1.8 to 3.3.
         """
         point, linear = self._linear
         weight = ca.MX.sym("w", self.size)
-        found = linear.adjoint(weight)
-        return ca.Function(
-            "step_adjoint", [*point, weight], [found[: self.size], found[self.size :]]
-        )
+        bars = linear.adjoint(weight)
+        return ca.Function("step_adjoint", [*point, weight], [bars[: self.size], bars[self.size :]])
 
     @cached_property
     def compiled_adjoint(self) -> ca.Function:
-        """The same, stage by stage: as C 1.1 to 1.2 times a step, by substitution 1.3 to 1.9."""
+        """``prepared_adjoint`` stage by stage: as C it costs 1.1 to 1.2 steps, not 1.3 to 1.9."""
         t, h, x, _ = self._symbols()
         q, weight = ca.MX.sym("q", self.prelude.value_count), ca.MX.sym("w", self.size)
         n, before = self.size, self.rhs.prepared[0]
-        seen, rhs = q[: before.value_count], self.rhs.prepared_function
-        states, slopes = self._staged(rhs, t, h, x, seen, self.needed)
+        q_rhs, rhs = q[: before.value_count], self.rhs.prepared_function
+        states, slopes = self._stages_of(rhs, t, h, x, q_rhs, self.needed)
         end, finish_bar = weight, ca.MX(0, 1)
         if self.finish is not None:
             new = self.advance(h, x, slopes)
@@ -262,7 +260,7 @@ class ExplicitStep(Step):
             for j, bar in state_bars.items():
                 if self.tableau.a[j - 1][i] != 0:
                     seed = seed + (h * self.tableau.a[j - 1][i]) * bar
-            back = self.rhs.prepared_adjoint(t + self.tableau.c[i] * h, states[i], seen, seed)
+            back = self.rhs.prepared_adjoint(t + self.tableau.c[i] * h, states[i], q_rhs, seed)
             state_bars[i] = back[:n]
             x_bar, rhs_bar = x_bar + state_bars[i], rhs_bar + back[n:]
         out = [x_bar, ca.vertcat(rhs_bar, finish_bar)]

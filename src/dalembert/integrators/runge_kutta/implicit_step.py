@@ -1,20 +1,17 @@
-"""One implicit Runge–Kutta step of a differential-algebraic system.
+"""Implicit Runge–Kutta step of a differential-algebraic system.
 
-``X_i = x + h Σ a_ij F(t + c_j h, X_j, z_j)``, ``0 = G(t + c_i h, X_i, z_i)``, ``x⁺ = X_s``: methods
-whose last stage is the new state, so that it satisfies the constraints of ``G``.
+``X_i = x + h Σ a_ij F(t + c_j h, X_j, z_j)``, ``0 = G(t + c_i h, X_i, z_i)``, ``x⁺ = X_s``: for
+stiffly accurate methods, whose new state is the last stage and satisfies ``0 = G``.
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 
-from dalembert.integrators.base import Problem
-from dalembert.integrators.implicit import ImplicitIntegrator
+from dalembert.integrators.base import ImplicitIntegrator, Problem
 from dalembert.integrators.stage_equations import StageEquations
 from dalembert.integrators.step import GraphStep
 from dalembert.symbolic.equations.newton_node import NewtonNode
@@ -48,21 +45,21 @@ class ButcherMatrix:
     def stability(self, z: complex | np.ndarray) -> np.ndarray:
         """``R(z) = e_sᵀ (I − zA)⁻¹ 1``."""
         a, z = np.array(self.a), np.asarray(z, dtype=complex)
-        eye, one = np.eye(len(self.a)), np.ones(len(self.a))
-        found = [np.linalg.solve(eye - x * a, one)[-1] for x in z.ravel()]
-        return np.array(found).reshape(z.shape)
+        eye, ones = np.eye(len(self.a)), np.ones(len(self.a))
+        values = [np.linalg.solve(eye - x * a, ones)[-1] for x in z.ravel()]
+        return np.array(values).reshape(z.shape)
 
 
 def stages(
     e: StageEquations, a: Rows, c: tuple[float, ...], at: tuple[ca.SX, ...], begin: ca.SX | None
 ) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
-    """Stage states, their rates and the residuals, as expressions of the unknowns.
+    """Stage states, their rates and the residuals as expressions of the unknowns.
 
     Parameters
     ----------
-    a, c : coefficients and nodes of the stages that are solved
+    a, c : coefficients and nodes of the implicit stages
     at : ``t, h, x, u, p`` with the unknowns of all stages in ``u``
-    begin : rate at the old state where ``a`` has a first column for it, or None
+    begin : rate at the old state if ``a`` has a first column for it, else None
     """
     t, h, x, u, p = at
     parts = e.stage_by_stage(u, len(c))
@@ -70,29 +67,29 @@ def stages(
 
     def fill(entries: list[int], rates: list[ca.SX]) -> None:
         for state, row in zip(states, a, strict=True):
-            known = [] if begin is None else [begin[entries]]
-            pairs = zip(row, [*known, *rates], strict=True)
+            first = [] if begin is None else [begin[entries]]
+            pairs = zip(row, [*first, *rates], strict=True)
             state[entries] = x[entries] + h * sum((w * r for w, r in pairs), ca.SX(0))
 
-    def everywhere(function: ca.Function) -> list[ca.SX]:
-        found = zip(c, states, parts, strict=True)
-        return [function(t + node * h, h, state, part, p) for node, state, part in found]
+    def at_stages(function: ca.Function) -> list[ca.SX]:
+        points = zip(c, states, parts, strict=True)
+        return [function(t + node * h, h, state, part, p) for node, state, part in points]
 
     if e.coupled:
         fill(e.coupled, [part[e.algebraic :, :] for part in parts])
     for level in e.levels:
-        fill(level, [rate[level] for rate in everywhere(e.rate)])
-    return states, everywhere(e.rate), everywhere(e.rows)
+        fill(level, [rate[level] for rate in at_stages(e.rate)])
+    return states, at_stages(e.rate), at_stages(e.rows)
 
 
 class CollocationStep(GraphStep):
-    """One step, and the rates at its stages for estimates of the error.
+    """Implicit Runge–Kutta step, with the rates at its stages for error estimates.
 
     Parameters
     ----------
     matrix : ButcherMatrix
     problem : Problem
-    settings : tolerance and iterations of Newton's method
+    settings : integrator with tolerance and iteration limit of Newton's method
     """
 
     def __init__(self, matrix: ButcherMatrix, problem: Problem, settings: ImplicitIntegrator):
@@ -103,7 +100,7 @@ class CollocationStep(GraphStep):
         h, u = ca.SX.sym("h"), ca.SX.sym("u", e.count * len(self.nodes))
         old = ca.SX.sym("F0", e.size if first else 0)
         begin = old if first else None
-        given = ca.vertcat(s.t, h, s.x, s.p, old)
+        arguments = ca.vertcat(s.t, h, s.x, s.p, old)
         at = (s.t, h, s.x, u, s.p)
         states, rates, rows = stages(e, matrix.a[first:], self.nodes, at, begin)
         scale_of = e.residual_scale(settings.tolerance)
@@ -115,7 +112,7 @@ class CollocationStep(GraphStep):
         self.newton = NewtonNode(
             "stages",
             u,
-            given,
+            arguments,
             ca.vertcat(*rows),
             ca.vertcat(*scales),
             settings.newton,
@@ -139,27 +136,7 @@ class CollocationStep(GraphStep):
     def solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
         """New state without correction, rates at the stages (n, s), relative residual."""
         guess, begin = self.begin_rates(t, h, x, p)
-        given = ca.vertcat(t, h, x, p, *([begin] if self.matrix.explicit_first else []))
-        (new, rates), residual = self.newton.results(ca.repmat(guess, len(self.nodes), 1), given)
+        arguments = ca.vertcat(t, h, x, p, *([begin] if self.matrix.explicit_first else []))
+        guesses = ca.repmat(guess, len(self.nodes), 1)
+        (new, rates), residual = self.newton.results(guesses, arguments)
         return new, rates, residual
-
-
-@dataclass(frozen=True, kw_only=True)
-class ImplicitRungeKutta(ImplicitIntegrator, ABC):
-    """Implicit method given by its matrix: ``x⁺ = X_s`` of the stage equations above."""
-
-    @property
-    @abstractmethod
-    def matrix(self) -> ButcherMatrix:
-        """Coefficients of the method."""
-
-    @property
-    def convergence_order(self) -> int:
-        return self.matrix.order
-
-    @property
-    def stability(self) -> Callable[[np.ndarray], np.ndarray]:
-        return self.matrix.stability
-
-    def step(self, problem: Problem) -> CollocationStep:
-        return CollocationStep(self.matrix, problem, self)

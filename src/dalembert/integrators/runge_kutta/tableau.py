@@ -1,4 +1,4 @@
-"""Butcher tableaux, checked when they are made."""
+"""Validated Butcher tableaux of explicit Runge–Kutta methods."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 
 ROUNDING = 1e-13
-"""Largest residual that rounding of published coefficients explains."""
+"""Tolerance for rounding of published coefficients [-]."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,11 @@ class ButcherTableau:
     ----------
     a : rows of the strictly lower triangle
     b, c : weights and nodes
-    order : of the solution that is carried on
+    order : of the advanced solution
     b_error : weights of the error estimate (solution minus embedded solution), if any
     b_error_low : weights of the second estimate, by an embedded solution of lower order, if any
-    error_order : ``q`` where the estimate formed of all error weights falls as ``h^(q+1)``, so that
-        step lengths follow ``err^(−1/(q+1))``
+    error_order : ``q`` if the estimate by all error weights is of order ``h^(q+1)``, so that step
+        lengths follow ``err^(−1/(q+1))``
 
     Raises
     ------
@@ -153,3 +153,124 @@ DORMAND_PRINCE = ButcherTableau(
     error_order=4,
 )
 """Dormand and Prince (1980), 5(4)."""
+
+
+_A = (
+    (0.05260015195876773,),
+    (0.0197250569845379, 0.0591751709536137),
+    (0.02958758547680685, 0, 0.08876275643042054),
+    (0.2413651341592667, 0, -0.8845494793282861, 0.924834003261792),
+    (0.037037037037037035, 0, 0, 0.17082860872947386, 0.12546768756682242),
+    (0.037109375, 0, 0, 0.17025221101954405, 0.06021653898045596, -0.017578125),
+    (
+        0.03709200011850479,
+        0,
+        0,
+        0.17038392571223998,
+        0.10726203044637328,
+        -0.015319437748624402,
+        0.008273789163814023,
+    ),
+    (
+        0.6241109587160757,
+        0,
+        0,
+        -3.3608926294469414,
+        -0.868219346841726,
+        27.59209969944671,
+        20.154067550477894,
+        -43.48988418106996,
+    ),
+    (
+        0.47766253643826434,
+        0,
+        0,
+        -2.4881146199716677,
+        -0.590290826836843,
+        21.230051448181193,
+        15.279233632882423,
+        -33.28821096898486,
+        -0.020331201708508627,
+    ),
+    (
+        -0.9371424300859873,
+        0,
+        0,
+        5.186372428844064,
+        1.0914373489967295,
+        -8.149787010746927,
+        -18.52006565999696,
+        22.739487099350505,
+        2.4936055526796523,
+        -3.0467644718982196,
+    ),
+    (
+        2.273310147516538,
+        0,
+        0,
+        -10.53449546673725,
+        -2.0008720582248625,
+        -17.9589318631188,
+        27.94888452941996,
+        -2.8589982771350235,
+        -8.87285693353063,
+        12.360567175794303,
+        0.6433927460157636,
+    ),
+)
+_C = (
+    0,
+    0.05260015195876773,
+    0.0789002279381516,
+    0.1183503419072274,
+    0.2816496580927726,
+    0.3333333333333333,
+    0.25,
+    0.3076923076923077,
+    0.6512820512820513,
+    0.6,
+    0.8571428571428571,
+    1,
+)
+_B = (
+    0.054293734116568765,
+    0,
+    0,
+    0,
+    0,
+    4.450312892752409,
+    1.8915178993145003,
+    -5.801203960010585,
+    0.3111643669578199,
+    -0.1521609496625161,
+    0.20136540080403034,
+    0.04471061572777259,
+)
+_B_ERROR = (
+    0.01312004499419488,
+    0,
+    0,
+    0,
+    0,
+    -1.2251564463762044,
+    -0.4957589496572502,
+    1.6643771824549864,
+    -0.35032884874997366,
+    0.3341791187130175,
+    0.08192320648511571,
+    -0.022355307863886294,
+)
+_B3 = (0.2440944881889764, 0, 0, 0, 0, 0, 0, 0, 0.7338466882816119, 0, 0, 0.022058823529411766)
+"""Embedded solution of order 3."""
+
+DORMAND_PRINCE_853 = ButcherTableau(
+    a=_A,
+    b=_B,
+    c=_C,
+    order=8,
+    b_error=_B_ERROR,
+    b_error_low=tuple(x - y for x, y in zip(_B, _B3, strict=True)),
+    error_order=7,
+)
+"""Hairer, Nørsett and Wanner (1993), II.10, after Dormand and Prince: 12 stages, order 8 with
+estimates of orders 5 and 3, which together fall as ``(h⁶)² / h⁴ = h⁸``."""

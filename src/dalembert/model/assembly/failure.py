@@ -113,7 +113,7 @@ class _Failure:
         holding = [c for c in d.constraints if c.equations.numel()]
         ends = np.cumsum([0, *(c.equations.numel() for c in holding)]).tolist()
         self.demands = {
-            c.name: _Demand(c.name, list(range(*span)), c.units()[0], c.compared(), c)
+            c.name: _Demand(c.name, list(range(*span)), c.units()[0], c.measured_and_target(), c)
             for c, span in zip(holding, pairwise(ends), strict=True)
         }
         of_position = [(m, v) for m, v in d.conditions if not self.of_speed(m.sx - v.sx)]

@@ -47,7 +47,7 @@ class Guesses:
             pose, twist = group.guesses()
             guesses.pose += pose
             guesses.twist += twist
-            guesses.given += group.guessed()
+            guesses.given += group.specified()
             guesses.angles += [group.flat and unit == "rad" for unit in group.speed_units]
             guesses.names += [f"{group.name}.{n}" for n in group.coordinate_names]
             guesses.units += list(group.coordinate_units)

@@ -15,7 +15,7 @@ from dalembert.elements.planar.body import PlanarFrame, rotation as plane_rotati
 from dalembert.elements.planar.joint import TreeJoint
 from dalembert.elements.point import Point
 from dalembert.elements.spatial import Spherical
-from dalembert.elements.spatial.fixed_turn import FixedTurn
+from dalembert.elements.spatial.axial_joint import FixedTurn
 from dalembert.elements.spatial.frame import SpatialFrame
 from dalembert.elements.spatial.joint import FrameJoint
 from dalembert.model.assembly.guesses import Guesses
@@ -66,9 +66,9 @@ def curve_searches(
 def loosely_facing(d: Description) -> list[ca.SX]:
     """Orientations of joints that the guessed poses do not determine."""
     return [
-        constraint.facing()
+        constraint.assembly_conditions()
         for constraint in d.constraints
-        if not all(all(p.guessed()) for p in constraint.parts() if p.name != "ground")
+        if not all(all(p.specified()) for p in constraint.parts() if p.name != "ground")
     ]
 
 
@@ -235,7 +235,7 @@ def _prescribed(
 ) -> ca.SX:
     """Euler parameters of a body from the relative orientation prescribed by its joint."""
     assert isinstance(on_base, Frame) and isinstance(on_child, Frame)
-    half = (joint.first_turn + joint.fixed_turn) / (2 if forward else -2)
+    half = (joint.reference_angle + joint.fixed_turn) / (2 if forward else -2)
     turn = ca.vertcat(ca.cos(half), 0, 0, ca.sin(half))
     first, second = (rotation.from_matrix(frame.local_axes) for frame in (on_base, on_child))
     frame = rotation.product(rotation.product(base, first), turn)

@@ -122,7 +122,7 @@ SAME = 1e-6
 
 def facing_function(d: Description, e: Equations) -> ca.Function:
     """``(t, y, p)`` → orientations of all joints, positive if correct."""
-    facing = at_ground(d.ground, stack(c.facing() for c in d.constraints))
+    facing = at_ground(d.ground, stack(c.assembly_conditions() for c in d.constraints))
     return ca.Function("facing", [e.t, e.y, e.p], [ca.densify(facing)])
 
 

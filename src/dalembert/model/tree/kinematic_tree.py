@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.elements.base import Constraint
 from dalembert.elements.body import BodyElement
 from dalembert.elements.planar.joint import TreeJoint as PlanarJoint
-from dalembert.elements.spatial.tree_joint import TreeJoint as SpatialJoint
+from dalembert.elements.spatial.joint import TreeJoint as SpatialJoint
 from dalembert.errors import ModelError
 from dalembert.model.description import Description
 from dalembert.model.tree.link import Link, free_link, planar_link
@@ -39,8 +39,8 @@ def tree_of_joints(d: Description, cut: tuple[str, ...]) -> SpanningTree:
             never_carrying = {c.name for c in d.constraints} - set(joints)
             loop_only = name in never_carrying
             reason = "is always a loop equation" if loop_only else "is not a joint"
-            names = ", ".join(joints) or "none"
-            raise ModelError(f"cut {name!r} {reason}; joints that can be cut: {names}", d.name)
+            available = ", ".join(joints) or "none"
+            raise ModelError(f"cut {name!r} {reason}; joints that can be cut: {available}", d.name)
     names = ["ground", *(body.name for body in d.bodies)]
 
     def tree(left_out: tuple[str, ...]) -> SpanningTree:

@@ -12,8 +12,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.body import BodyElement
-from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.joint_space import JointSpace
+from dalembert.elements.coordinates import Coordinates, JointSpace
 from dalembert.elements.planar.body import Body, Ground, rotation as plane_rotation
 from dalembert.elements.planar.joint import TreeJoint
 from dalembert.symbolic import rotation
@@ -168,8 +167,11 @@ class PlanarLink(Link):
             symbols = ca.vertcat(self.carrier.pose, self.carrier.twist)
             motion = ca.vertcat(carrier.pose, carrier.twist)
             *parts, value = ca.substitute([*parts, value], [symbols], [motion])
-        parts = ca.substitute(parts, [self.own], [value])
-        return Step(*parts, ca.SX.eye(self.group.twist.numel()))
+        pose, twist, drift, transport, subspace, coupling, opening = ca.substitute(
+            parts, [self.own], [value]
+        )
+        projection = ca.SX.eye(self.group.twist.numel())
+        return Step(pose, twist, drift, transport, subspace, coupling, opening, projection)
 
     def _local(self, carried_by_a_body: bool) -> list[ca.SX]:
         """Pose, twist, drift, ``X, S, N, E`` as functions of the carrier's motion."""

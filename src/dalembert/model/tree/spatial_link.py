@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.frame import Frame
-from dalembert.elements.joint_space import JointSpace
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.body import Body
-from dalembert.elements.spatial.tree_joint import TreeJoint
+from dalembert.elements.spatial.joint import TreeJoint
 from dalembert.model.tree.link import AT_REST, Link, RigidMotion, Step
 from dalembert.symbolic import rotation
 
@@ -65,7 +65,7 @@ class SpatialLink(Link):
             return super().branch_offset
         first, second = (
             rotation.product(body.orientation, _euler(point))
-            for body, point in zip(self.joint.ends(), self.joint.sides(), strict=True)
+            for body, point in zip(self.joint.ends(), self.joint.end_frames(), strict=True)
         )
         by_q = rotation.product(first, self.joint.turned(self.space.reading))
         return rotation.product(rotation.conjugate(by_q), second)
@@ -109,7 +109,7 @@ class SpatialLink(Link):
     @property
     def _sides(self) -> tuple[Point, ...]:
         """Points of the joint on the carrier and on the child."""
-        return self.joint.sides()[:: 1 if self._forward else -1]
+        return self.joint.end_frames()[:: 1 if self._forward else -1]
 
     def _relative_euler(self, q: ca.SX) -> ca.SX:
         """(4,) Euler parameters of the child relative to its carrier, linear in those by q."""

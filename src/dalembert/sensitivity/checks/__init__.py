@@ -1,1 +1,1 @@
-"""Whether a gradient is right and means something: differences, certificates, notes."""
+"""Verification of gradients: finite differences, certificates, notes."""

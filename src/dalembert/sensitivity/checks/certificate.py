@@ -1,4 +1,4 @@
-"""Certificates: every entry of a gradient by all methods, and a Taylor test of every response."""
+"""Certificates of gradients: comparison of all methods and Taylor tests."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ from dalembert.responses.integrals import OverRun
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.diagnosis import NEGLIGIBLE
 from dalembert.sensitivity.checks.replays import Replays
-from dalembert.sensitivity.checks.scales import parameter_scales
-from dalembert.sensitivity.checks.stencils import EPS, place
+from dalembert.sensitivity.checks.stencils import EPS, parameter_scales, quotient_within_bounds
 from dalembert.sensitivity.checks.taylor import TaylorTest, taylor_test
 from dalembert.sensitivity.moving_times import of_moving_times
 from dalembert.sensitivity.registry import engine_of
@@ -28,22 +27,23 @@ if TYPE_CHECKING:
 STEPS = (1e-2, 1e-3, 1e-4, 1e-5)
 SHORT_STEPS = (1e-5, 1e-6, 1e-7)
 LONG_STEPS = (4e-2, 2e-2, 1e-2, 1e-3)
-"""Relative steps of the differences, those beside a kink, and those where a tolerance makes the
-values uneven."""
+"""Relative steps of the differences: standard, near a kink, and for values with noise from a
+tolerance [-]."""
 AGREE = 1e-9
-"""Largest difference of direct and adjoint derivatives, relative to the largest influence."""
+"""Upper limit of the difference of direct and adjoint derivatives, relative to the largest
+influence [-]."""
 CONFIRM = 1e-6
-"""Likewise, of exact derivatives and differences."""
+"""Upper limit of the difference of exact derivatives and difference quotients, likewise [-]."""
 LOOSE = 1e-5
-"""Differences that are less certain than this confirm nothing, of runs with exact derivatives."""
+"""Upper limit of the uncertainty of a confirming difference, if derivatives are exact [-]."""
 BARELY = 1e-9
-"""Influence, relative to the response, of which a run shows no digits."""
+"""Threshold of an influence relative to the response; a run resolves no smaller one [-]."""
 ROUNDED = 100.0
-"""Accuracies of the machine, of a response, to which its derivatives are rounded at least."""
+"""Rounding error of derivatives, in machine accuracies of the response [-]."""
 SPREAD = 10.0
-"""By so many tolerances errors of runs beside each other differ, where a tolerance bounds them."""
+"""Difference of the errors of neighbouring runs with error control, in tolerances [-]."""
 SLOPE = 0.1
-"""How far below 2 a slope may lie."""
+"""Permitted deviation of a Taylor slope below 2 [-]."""
 
 CONFIRMED, NO_INFLUENCE = "confirmed", "no influence"
 UNCONFIRMED, CONTRADICTED = "unconfirmed", "contradicted"
@@ -52,23 +52,23 @@ EXACT = "exact"
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Certificate:
-    """Proof that a gradient is the derivative of the numbers that the run gives.
+    """Verification that a gradient is the derivative of the computed responses.
 
     ``data`` holds over ``response × parameter`` the ``direct`` and the ``adjoint`` derivative,
     their ``disagreement``, the best ``difference`` with its ``step``, its ``error`` against the
-    adjoint and its own ``uncertainty``, and a ``verdict``; all relative numbers are shares of the
-    largest influence on the response, an influence being a derivative times the size of its
-    parameter (of the response, where nothing changes it by more than ``BARELY``). Over
-    ``response`` there is the Taylor test: ``taylor_slope`` (2 or more for a right gradient, 1 for
-    a wrong one) and ``taylor_verdict``; over ``response × taylor_step`` the
+    adjoint and its own ``uncertainty``, and a ``verdict``; all relative numbers are relative to
+    the largest influence on the response, where an influence is a derivative times the size of its
+    parameter (relative to the response, if no influence exceeds ``BARELY``). Over
+    ``response`` there is the Taylor test: ``taylor_slope`` (2 or more for a correct gradient, 1
+    for an incorrect one) and ``taylor_verdict``; over ``response × taylor_step`` the
     ``taylor_remainder``.
 
-    Verdicts: confirmed; no influence; unconfirmed, where differences are too rough to tell;
-    contradicted; exact, where the response is linear and nothing remains.
+    Verdicts: confirmed; no influence; unconfirmed, if differences are too inaccurate; contradicted;
+    exact, if the response is linear and the remainder vanishes.
 
     Parameters
     ----------
-    data : Dataset, see above
+    data : Dataset as described above
 
     Examples
     --------
@@ -88,33 +88,33 @@ class Certificate:
 
     @property
     def passed(self) -> bool:
-        """All is confirmed; what has no influence, or is linear, counts as such."""
+        """True if all entries are confirmed, have no influence or are exact."""
         entries = np.isin(self.data["verdict"].values, (CONFIRMED, NO_INFLUENCE))
         tests = np.isin(self.data["taylor_verdict"].values, (CONFIRMED, EXACT))
         return bool(entries.all() and tests.all())
 
     def table(self) -> pd.DataFrame:
-        """One row per response and parameter."""
+        """Table with one row per response and parameter."""
         names = ("direct", "adjoint", "disagreement", "difference", "step", "error", "verdict")
         return self.data[list(names)].to_dataframe().reset_index()
 
     def summary(self) -> list[str]:
-        """What it says, one sentence per verdict."""
+        """Summary with one sentence per result."""
         verdicts = self.data["verdict"]
         words, counts = np.unique(verdicts.values.astype(str), return_counts=True)
-        found = ", ".join(f"{n} {word}" for word, n in zip(words, counts, strict=True))
+        tally = ", ".join(f"{n} {word}" for word, n in zip(words, counts, strict=True))
         worst = float(self.data["disagreement"].max())
         lines = [
-            f"{verdicts.size} derivatives: {found}; direct and adjoint differ by {worst:.1e} at "
+            f"{verdicts.size} derivatives: {tally}; direct and adjoint differ by {worst:.1e} at "
             f"most, differences by {float(self.data['error'].max()):.1e}"
         ]
         for r in self.data["response"].values:
             here = self.data.sel(response=r)
             slope, verdict = float(here["taylor_slope"]), str(here["taylor_verdict"].item())
-            told = f"slope {slope:.2f}, {verdict}" if np.isfinite(slope) else verdict
-            lines.append(f"Taylor test of {r}: {told}")
+            text = f"slope {slope:.2f}, {verdict}" if np.isfinite(slope) else verdict
+            lines.append(f"Taylor test of {r}: {text}")
         if self.data.attrs["times_follow"]:
-            lines.append("at fixed times: the gradient adds how times follow parameters")
+            lines.append("at fixed times: the gradient also includes the moving times")
         return lines
 
     def __repr__(self) -> str:
@@ -133,7 +133,7 @@ def certify(
     columns: list[int],
     rng: np.random.Generator | None = None,
 ) -> Certificate:
-    """Compute every derivative three ways and test the expansion along a random direction."""
+    """Certificate by three methods for every entry and Taylor tests in a random direction."""
     import xarray as xr
 
     engine, values = engine_of(motion, responses), Replays(motion, responses)
@@ -145,26 +145,26 @@ def certify(
     largest = np.abs(adjoint * scales).max(axis=1, keepdims=True)
     size = _sizes(motion, responses, values(motion.parameters))[:, None]
     largest = np.where(largest > BARELY * size, largest, np.where(size > 0, size, 1.0))
-    shares = scales / largest
+    relative = scales / largest
     unsteady = SPREAD * motion.analysis.gradient_error * np.maximum(size, largest)
     noise = np.maximum(EPS * size, unsteady)
-    steps, differences, uncertainty = _differences(values, columns, noise, shares)
+    steps, differences, uncertainty = _differences(values, columns, noise, relative)
     agreement, rng = _agreement(motion), rng or np.random.default_rng(0)
     taylor = taylor_test(values, columns, adjoint, agreement, noise, rng)
     cells: dict[str, Any] = {
         "direct": direct,
         "adjoint": adjoint,
-        "disagreement": np.abs(direct - adjoint) * shares,
+        "disagreement": np.abs(direct - adjoint) * relative,
         "difference": differences,
         "step": steps,
-        "error": np.abs(differences - adjoint) * shares,
-        "uncertainty": uncertainty * shares,
+        "error": np.abs(differences - adjoint) * relative,
+        "uncertainty": uncertainty * relative,
     }
-    agreed = np.maximum(agreement, ROUNDED * EPS * size / largest)
-    cells["verdict"] = _verdicts(cells, np.abs(adjoint) * shares, agreement, agreed)
-    rough = [not values.reruns and _sees_kinks(motion, r) for r in responses]
-    of_differences = np.array(rough)[:, None] & (cells["disagreement"] <= agreed)
-    cells["verdict"][of_differences & (cells["verdict"] == CONTRADICTED)] = UNCONFIRMED
+    limit = np.maximum(agreement, ROUNDED * EPS * size / largest)
+    cells["verdict"] = _verdicts(cells, np.abs(adjoint) * relative, agreement, limit)
+    rough = [not values.reruns and _has_moving_kinks(motion, r) for r in responses]
+    inaccurate = np.array(rough)[:, None] & (cells["disagreement"] <= limit)
+    cells["verdict"][inaccurate & (cells["verdict"] == CONTRADICTED)] = UNCONFIRMED
     names = list(motion.model.parameters)
     coordinates = {
         "response": [r.label for r in responses],
@@ -173,23 +173,23 @@ def certify(
     }
     data: dict[str, Any] = {k: (("response", "parameter"), v) for k, v in cells.items()}
     data["taylor_slope"] = ("response", [taylor.slope(r) for r in range(len(responses))])
-    found = [_taylor_verdict(taylor, r, rough[r]) for r in range(len(responses))]
-    data["taylor_verdict"] = ("response", np.array(found, dtype=object))
+    verdicts = [_taylor_verdict(taylor, r, rough[r]) for r in range(len(responses))]
+    data["taylor_verdict"] = ("response", np.array(verdicts, dtype=object))
     data["taylor_remainder"] = (("response", "taylor_step"), taylor.remainders)
-    held = follow_parameters(motion.analysis) and not values.reruns
-    about = {"model": motion.model.name, "times_follow": held}
-    return Certificate(xr.Dataset(data, coordinates, attrs=about))
+    fixed_times = follow_parameters(motion.analysis) and not values.reruns
+    attrs = {"model": motion.model.name, "times_follow": fixed_times}
+    return Certificate(xr.Dataset(data, coordinates, attrs=attrs))
 
 
 def _agreement(motion: Result) -> float:
-    """How well direct and adjoint derivatives must agree."""
+    """Tolerance for the agreement of direct and adjoint derivatives."""
     return max(AGREE, 1e3 * motion.analysis.gradient_error)
 
 
 def _sizes(motion: Result, responses: Sequence[Response], values: np.ndarray) -> np.ndarray:
-    """Of the responses; of the largest sample where a response is nothing beside it.
+    """Sizes of the responses; of the largest sample if a response is negligible relative to it.
 
-    A crank that lies along the x axis has no height to which influences could be compared.
+    The height of a crank along the x axis is zero and no reference for influences.
     """
 
     def largest(response: Response) -> float:
@@ -200,59 +200,59 @@ def _sizes(motion: Result, responses: Sequence[Response], values: np.ndarray) ->
 
 
 def _differences(
-    values: Replays, columns: list[int], noise: np.ndarray, shares: np.ndarray
+    values: Replays, columns: list[int], noise: np.ndarray, relative: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """(responses, columns) steps, quotients and uncertainties, each where two steps agree best.
+    """(responses, columns) steps, quotients and uncertainties for the best agreeing pair of steps.
 
-    By the ``noise`` (responses, 1) of the values two steps may agree by chance. Where none do,
-    as beside a kink, shorter ones are tried.
+    The ``noise`` (responses, 1) of the values bounds the uncertainty from below, since two steps
+    may agree by chance. If no pair agrees, as near a kink, shorter steps are tried.
     """
     exact = not values.motion.analysis.gradient_error
-    found = _quotients(values, columns, noise, STEPS if exact else LONG_STEPS)
-    if exact and not np.all(found[2] * shares <= LOOSE):
+    best = _quotients(values, columns, noise, STEPS if exact else LONG_STEPS)
+    if exact and not np.all(best[2] * relative <= LOOSE):
         shorter = _quotients(values, columns, noise, SHORT_STEPS)
-        better = np.nan_to_num(shorter[2], nan=np.inf) < np.nan_to_num(found[2], nan=np.inf)
-        found = tuple(np.where(better, *both) for both in zip(shorter, found, strict=True))
-    return found
+        better = np.nan_to_num(shorter[2], nan=np.inf) < np.nan_to_num(best[2], nan=np.inf)
+        best = tuple(np.where(better, *both) for both in zip(shorter, best, strict=True))
+    return best
 
 
 def _quotients(
     values: Replays, columns: list[int], noise: np.ndarray, steps: Sequence[float]
 ) -> tuple[np.ndarray, ...]:
-    """Likewise, of some relative steps."""
+    """(responses, columns) steps, quotients and uncertainties, the best of some relative steps."""
     size = values(values.parameters).size
     shape = (len(steps), size, len(columns))
-    found, lengths, rough = (np.full(shape, np.nan) for _ in range(3))
+    quotients, lengths, rough = (np.full(shape, np.nan) for _ in range(3))
     for j, column in enumerate(columns):
         for k, relative in enumerate(steps):
             try:
-                quotient = place(values.motion, column, "richardson", relative)
-                found[k, :, j] = quotient.evaluate(values.parameters, values)
+                quotient = quotient_within_bounds(values.motion, column, "richardson", relative)
+                quotients[k, :, j] = quotient.evaluate(values.parameters, values)
             except AnalysisError:
-                continue  # another step may fit
+                continue  # another step may be admissible
             lengths[k, :, j] = quotient.step
             rough[k, :, j] = noise[:, 0] * quotient.amplification
-    uncertain = np.maximum(np.abs(np.diff(found, axis=0)), rough[:-1])
+    uncertain = np.maximum(np.abs(np.diff(quotients, axis=0)), rough[:-1])
     best = np.argmin(np.where(np.isfinite(uncertain), uncertain, np.inf), axis=0)
     rows, cols = np.indices(best.shape)
-    return tuple(each[best, rows, cols] for each in (lengths, found, uncertain))
+    return tuple(array[best, rows, cols] for array in (lengths, quotients, uncertain))
 
 
 def _verdicts(
-    cells: dict[str, np.ndarray], influence: np.ndarray, agreement: float, agreed: np.ndarray
+    cells: dict[str, np.ndarray], influence: np.ndarray, agreement: float, limit: np.ndarray
 ) -> np.ndarray:
-    """A word for every entry."""
+    """Verdict for every entry."""
     error, uncertainty = cells["error"], cells["uncertainty"]
     within = np.maximum(max(CONFIRM, agreement), 10 * uncertainty)
     verdicts = np.full(error.shape, CONFIRMED, dtype=object)
     verdicts[influence <= NEGLIGIBLE] = NO_INFLUENCE
     verdicts[~(uncertainty <= max(LOOSE, 100 * agreement))] = UNCONFIRMED
-    verdicts[(error > within) | ~(cells["disagreement"] <= agreed)] = CONTRADICTED
+    verdicts[(error > within) | ~(cells["disagreement"] <= limit)] = CONTRADICTED
     return verdicts
 
 
-def _sees_kinks(motion: Result, response: Response) -> bool:
-    """Whether repeats are rough, for their steps are held: kinks and impacts move."""
+def _has_moving_kinks(motion: Result, response: Response) -> bool:
+    """True if repeated runs have errors from kinks or impacts that move inside fixed steps."""
     moves = motion.statistics.get("switches", 0) > 0 or bool(getattr(motion, "impacts", ()))
     return moves and (isinstance(response, OverRun) or not response.stays(motion))
 

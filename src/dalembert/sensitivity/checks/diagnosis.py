@@ -1,4 +1,4 @@
-"""What is worth knowing about a gradient: no influence, bounds, doubtful places of the run."""
+"""Notes on gradients: missing influence, bounds, and properties of the run."""
 
 from __future__ import annotations
 
@@ -15,25 +15,27 @@ from dalembert.responses.base import Response
 from dalembert.responses.integrals import Total
 from dalembert.results.recording import Recording
 from dalembert.results.result import Result
-from dalembert.sensitivity.checks.contacts import through_contacts
+from dalembert.sensitivity.checks.event_notes import (
+    contact_notes,
+    step_accuracy_notes,
+    switch_notes,
+)
 from dalembert.sensitivity.checks.kinks import ties
-from dalembert.sensitivity.checks.roughness import over_rough_steps
-from dalembert.sensitivity.checks.scales import parameter_scales
-from dalembert.sensitivity.checks.switches import over_switches
-from dalembert.sensitivity.marching.stable_steps import described, growth_of
+from dalembert.sensitivity.checks.stencils import parameter_scales
+from dalembert.sensitivity.marching.stable_steps import describe, growth_of
 from dalembert.symbolic.once import once
 
 NEGLIGIBLE = 1e-10
-"""Influence, relative to the largest on the same response, that is round-off."""
+"""Threshold of influences of round-off size, relative to the largest on the same response [-]."""
 NEAR = 0.02
-"""Smallest singular value of ``C``, relative to its largest of the run, that is near zero."""
-LARGEST, ENTRIES, MOST = 60, 1_000_000, 500
-"""Equations, entries of ``C`` in all, and outputs, up to which the constraints are examined."""
+"""Threshold of the smallest singular value of ``C``, relative to its maximum over the run [-]."""
+MAX_EQUATIONS, MAX_ENTRIES, MAX_OUTPUTS = 60, 1_000_000, 500
+"""Upper limits of equations, entries of ``C`` and outputs for examining the constraints."""
 
 
 @dataclass(frozen=True)
 class Findings:
-    """A gradient, and what it was computed from.
+    """A gradient with its run, responses and parameters.
 
     Attributes
     ----------
@@ -48,8 +50,8 @@ class Findings:
 
     @cached_property
     def names(self) -> list[str]:
-        listed = list(self.motion.model.parameters)
-        return [listed[i] for i in self.columns]
+        names = list(self.motion.model.parameters)
+        return [names[i] for i in self.columns]
 
     @cached_property
     def influence(self) -> np.ndarray:
@@ -58,56 +60,56 @@ class Findings:
 
 
 def without_influence(f: Findings) -> list[str]:
-    """Parameters on which responses do not depend, exactly or to round-off."""
+    """Parameters that responses do not depend on, exactly or to round-off."""
     names = np.array(f.names)
-    found: dict[tuple[str, str], list[str]] = {}
+    affected: dict[tuple[str, str], list[str]] = {}
     for response, row in zip(f.responses, f.influence, strict=True):
         none = row == 0.0
         small = ~none & (row <= NEGLIGIBLE * row.max())
-        for here, what in ((none, "no influence"), (small, "negligible influence")):
-            if here.any():
-                found.setdefault((what, _listed(names[here])), []).append(response.label)
-    told = {"no influence": "exactly zero", "negligible influence": "of the size of round-off"}
+        for mask, kind in ((none, "no influence"), (small, "negligible influence")):
+            if mask.any():
+                affected.setdefault((kind, _join(names[mask])), []).append(response.label)
+    remark = {"no influence": "exactly zero", "negligible influence": "of the size of round-off"}
     return [
-        f"{which}: {what} on {', '.join(labels)} ({told[what]})"
-        for (what, which), labels in found.items()
+        f"{parameters}: {kind} on {', '.join(labels)} ({remark[kind]})"
+        for (kind, parameters), labels in affected.items()
     ]
 
 
-def _listed(names: np.ndarray, most: int = 12) -> str:
-    more = f" and {names.size - most} more" if names.size > most else ""
-    return ", ".join(map(str, names[:most])) + more
+def _join(names: np.ndarray, limit: int = 12) -> str:
+    more = f" and {names.size - limit} more" if names.size > limit else ""
+    return ", ".join(map(str, names[:limit])) + more
 
 
 def at_bounds(f: Findings) -> list[str]:
-    """Parameters that may change to one side only."""
-    notes, listed = [], list(f.motion.model.parameters.values())
+    """Parameters at or beyond a bound."""
+    notes, parameters = [], list(f.motion.model.parameters.values())
     for i in f.columns:
-        p, value = listed[i], float(f.motion.parameters[i])
+        p, value = parameters[i], float(f.motion.parameters[i])
         for bound, side, beyond in (
             (p.bounds[0], "lower", value < p.bounds[0]),
             (p.bounds[1], "upper", value > p.bounds[1]),
         ):
-            place = "beyond" if beyond else "at"
+            position = "beyond" if beyond else "at"
             if beyond or (np.isfinite(bound) and abs(value - bound) <= 1e-12 * abs(bound)):
-                notes.append(f"{p.name} = {value:.9g} is {place} its {side} bound {bound:g}")
+                notes.append(f"{p.name} = {value:.9g} is {position} its {side} bound {bound:g}")
     return notes
 
 
 def changes_of_variant(f: Findings) -> list[str]:
-    """Switches between sets of independent speeds, which the gradient takes as given."""
+    """Changes of independent speeds, which the gradient treats as fixed."""
     kernel = getattr(getattr(f.motion, "record", None), "kernel", None)
     if not isinstance(kernel, DynamicsKernel):
         return []
     steps = f.motion.record.steps  # type: ignore[attr-defined]
     lasting = steps.lasting
     changes = lasting[np.flatnonzero(np.diff(steps.mode[lasting]))]
-    changes = changes[~np.isin(changes + 1, np.flatnonzero(steps.h == 0))]  # those are contacts
+    changes = changes[~np.isin(changes + 1, np.flatnonzero(steps.h == 0))]  # excludes contacts
     variants = kernel.variants
     after = lasting[np.searchsorted(lasting, changes) + 1]
     pairs = zip(steps.mode[changes], steps.mode[after], strict=True)
     same = [variants[a].integrator == variants[b].integrator for a, b in pairs]
-    changes = changes[np.array(same, dtype=bool)]  # others are changes of the method
+    changes = changes[np.array(same, dtype=bool)]  # excludes changes of the method
     if not changes.size:
         return []
     return [
@@ -123,32 +125,32 @@ def _constraint_jacobian(model: Model) -> ca.Function:
 
 
 def near_singular(f: Findings) -> list[str]:
-    """The place where the constraints come closest to losing rank."""
+    """Instant at which the constraints are closest to losing rank."""
     motion = f.motion
     if not isinstance(motion, Recording):
         return []
     e, s = motion.model.equations, motion.trajectory
-    if not 0 < e.constraint_count <= LARGEST or s.t.size < 2:
+    if not 0 < e.constraint_count <= MAX_EQUATIONS or s.t.size < 2:
         return []
     function = _constraint_jacobian(motion.model)
-    few = max(min(MOST, ENTRIES // (e.constraint_count * e.speed_count)), 10)
-    looks = np.unique(np.linspace(0, s.t.size - 1, few).astype(int))
-    p = np.tile(motion.parameters[:, None], looks.size)
-    found = function.map(looks.size)(s.t[looks], s.y[:, looks], p).full()
-    matrices = found.reshape(e.constraint_count, looks.size, -1).swapaxes(0, 1)
+    count = max(min(MAX_OUTPUTS, MAX_ENTRIES // (e.constraint_count * e.speed_count)), 10)
+    outputs = np.unique(np.linspace(0, s.t.size - 1, count).astype(int))
+    p = np.tile(motion.parameters[:, None], outputs.size)
+    columns = function.map(outputs.size)(s.t[outputs], s.y[:, outputs], p).full()
+    matrices = columns.reshape(e.constraint_count, outputs.size, -1).swapaxes(0, 1)
     smallest = np.linalg.svd(matrices, compute_uv=False)[:, -1]
     worst = int(np.argmin(smallest))
     if smallest[worst] >= NEAR * smallest.max():
         return []
     return [
-        f"near t = {s.t[looks[worst]]:.6g} s the run passes close to a singular position (smallest "
-        f"singular value of C {smallest[worst]:.2g}, elsewhere up to {smallest.max():.2g}): "
-        "derivatives grow there"
+        f"near t = {s.t[outputs[worst]]:.6g} s the run passes close to a singular position "
+        f"(smallest singular value of C {smallest[worst]:.2g}, elsewhere up to "
+        f"{smallest.max():.2g}): derivatives grow there"
     ]
 
 
-def doubts_of_the_run(f: Findings) -> list[str]:
-    """What the result itself warns about."""
+def warnings_of_the_run(f: Findings) -> list[str]:
+    """Warnings of the result itself."""
     notes = [f"the run: {text}" for text in f.motion.warnings]
     if f.motion.statistics.get("stable") is False:
         notes.append("the equilibrium is not stable: neighbouring ones may not be reached")
@@ -156,23 +158,23 @@ def doubts_of_the_run(f: Findings) -> list[str]:
 
 
 def one_sided(f: Findings) -> list[str]:
-    """Extremes that several samples share."""
-    found = (ties(f.motion, r, f.columns) for r in f.responses)
-    return [note for note in found if note]
+    """Extremes attained by several samples."""
+    notes = (ties(f.motion, r, f.columns) for r in f.responses)
+    return [note for note in notes if note]
 
 
 def switches_of_forces(f: Findings) -> list[str]:
-    """Switches that fixed steps went over, or that were only grazed."""
-    return over_switches(f.motion)
+    """Switches inside fixed steps, and grazed switches."""
+    return switch_notes(f.motion)
 
 
 def divided_steps(f: Findings) -> list[str]:
-    """Growth of step tangents at the limit of stability, which shorter steps avoid."""
+    """Growth of step tangents at the stability limit, avoided by subdivided steps."""
     growth = growth_of(f.motion) if isinstance(f.motion, Recording) else None
     if growth is None or growth.harmless:
         return []
     return [
-        f"{described(growth)}: the gradient is that of the same run with these steps in up to "
+        f"{describe(growth)}: the gradient is that of the same run with these steps in up to "
         f"{growth.parts.max()} parts; Radau() or Bdf() take fewer steps"
     ]
 
@@ -192,13 +194,13 @@ def sums_over_steps(f: Findings) -> list[str]:
 
 
 def roughness(f: Findings) -> list[str]:
-    """Gradients over switches that depend on the lengths of the steps."""
-    return over_rough_steps(f.motion, f.responses, f.columns, f.values)
+    """Gradients over switches that depend on the step lengths."""
+    return step_accuracy_notes(f.motion, f.responses, f.columns, f.values)
 
 
 def rigid_contacts(f: Findings) -> list[str]:
-    """Impacts beside which the motion is another one."""
-    return through_contacts(f.motion)
+    """Impacts whose order or number changes with the parameters."""
+    return contact_notes(f.motion)
 
 
 NOTES: tuple[Callable[[Findings], list[str]], ...] = (
@@ -212,11 +214,11 @@ NOTES: tuple[Callable[[Findings], list[str]], ...] = (
     switches_of_forces,
     rigid_contacts,
     near_singular,
-    doubts_of_the_run,
+    warnings_of_the_run,
 )
-"""What is looked for, in the order in which it is told."""
+"""All checks, in the order of their notes."""
 
 
 def diagnose(findings: Findings) -> list[str]:
-    """Sentences about the gradient, the gravest first; none where all is well."""
-    return [note for look in NOTES for note in look(findings)]
+    """Notes on the gradient, most important first; empty if there are none."""
+    return [note for check in NOTES for note in check(findings)]

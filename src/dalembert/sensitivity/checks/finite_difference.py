@@ -1,4 +1,4 @@
-"""Finite differences of the discrete run at other parameters; see ``Replays``."""
+"""Finite differences of responses over repeated runs."""
 
 from __future__ import annotations
 
@@ -11,16 +11,21 @@ from dalembert.options import options
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.replays import Replays
-from dalembert.sensitivity.checks.stencils import Quotient, best_step, checked_step, place
+from dalembert.sensitivity.checks.stencils import (
+    Quotient,
+    best_step,
+    checked_step,
+    quotient_within_bounds,
+)
 from dalembert.sensitivity.moving_times import of_moving_times
 
 
 @options
 class FiniteDifference:
-    """Difference quotients ``(R(p + h) − R(p))/h`` (8.24) and their relatives.
+    """Difference quotients ``(R(p + h) − R(p))/h`` (8.24) and related schemes.
 
-    A step that would leave the bounds of a parameter or a limit of the model is taken to the other
-    side, by a scheme of the same order; the notes of the gradient say so.
+    A step that would leave the bounds of a parameter or a limit of the model is replaced by a
+    one-sided scheme of the same order to the other side, with a note of the gradient.
 
     Parameters
     ----------
@@ -61,27 +66,29 @@ class FiniteDifference:
         Raises
         ------
         AnalysisError
-            A step for an unknown parameter, one that fits nowhere, or a run that fails.
+            A step for an unknown parameter, a step that fits on neither side, or a failed run.
         """
         values = Replays(motion, responses)
         rows = [q.evaluate(motion.parameters, values) for q in self.quotients(motion, columns)]
-        found = np.array(rows).T.reshape(len(responses), len(columns))
-        return found if values.reruns else found + of_moving_times(motion, responses, columns)
+        gradient = np.array(rows).T.reshape(len(responses), len(columns))
+        return gradient if values.reruns else gradient + of_moving_times(motion, responses, columns)
 
     def quotients(self, motion: Result, columns: Sequence[int]) -> list[Quotient]:
-        """One for each of these parameters."""
+        """Difference quotients, one for each of these parameters."""
         names = list(motion.model.parameters)
         for name in self.step if isinstance(self.step, Mapping) else ():
             if name not in names:
                 known = ", ".join(names) or "none"
                 raise AnalysisError(f"a step for unknown parameter {name!r} (known: {known})")
-        return [place(motion, i, self.scheme, self.relative(names[i])) for i in columns]
+        return [
+            quotient_within_bounds(motion, i, self.scheme, self.relative(names[i])) for i in columns
+        ]
 
     def relative(self, name: str) -> float:
         """Relative step of a parameter."""
-        given = self.step.get(name) if isinstance(self.step, Mapping) else self.step
-        return best_step(self.scheme) if given is None else float(given)
+        step = self.step.get(name) if isinstance(self.step, Mapping) else self.step
+        return best_step(self.scheme) if step is None else float(step)
 
     def notes(self, motion: Result, columns: Sequence[int]) -> list[str]:
-        """Where another stencil is used than the one asked for."""
+        """Notes on replaced stencils."""
         return [q.note for q in self.quotients(motion, columns) if q.note]

@@ -1,8 +1,8 @@
 """Responses of a run at other parameter values.
 
-Runs of fixed steps whose times are formulas of parameters, or that stop at impacts, are run anew,
-as a user does. All others are repeated: same steps, same branch, which is the same thing where
-steps are fixed, and free of the noise of step control where they are not.
+Runs with fixed steps are computed anew if their times are formulas of parameters or if they locate
+impacts. All other runs are repeated with the same steps and branches: for fixed steps this is
+equivalent, for adaptive steps it is free of the noise of step size control.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from dalembert.results.result import Result
 from dalembert.sensitivity.marching.stable_steps import with_stable_steps
 
 SAME = 1e-9
-"""Relative difference of responses of the same run."""
+"""Relative difference below which responses of two runs are equal [-]."""
 
 
 def _can_rerun(motion: Result) -> bool:
-    """Whether runs of their own differ from repeats, and show no noise of step control."""
+    """True if a new run differs from a repeated one and has no noise of step size control."""
     analysis, kernel = motion.analysis, getattr(getattr(motion, "record", None), "kernel", None)
     if getattr(getattr(analysis, "integrator", None), "controls_error", False):
         return False
@@ -34,29 +34,29 @@ def _can_rerun(motion: Result) -> bool:
 
 @dataclass
 class Replays:
-    """Responses as functions of the parameters of a run; each point is computed once.
+    """Responses as functions of the parameters of a run, with caching.
 
     Parameters
     ----------
-    motion : the run that is repeated
-    responses : what is drawn from it
+    motion : the run to repeat
+    responses : the responses to evaluate
 
     Attributes
     ----------
-    reruns : each point is a run of its own, whose times follow parameters
+    reruns : whether each point is a new run, whose times follow parameters
     """
 
     motion: Result
     responses: Sequence[Response]
     reruns: bool = field(init=False, default=False)
-    _known: dict[bytes, np.ndarray] = field(default_factory=dict, repr=False)
+    _cache: dict[bytes, np.ndarray] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         self.motion = with_stable_steps(self.motion)
         self.reruns = _can_rerun(self.motion) and self._same_again()
 
     def _same_again(self) -> bool:
-        """Whether a run of its own has the same responses; one that was continued has not."""
+        """True if a new run has the same responses; a continued run has not."""
         motion = self.motion
         again = motion.analysis.run(motion.model, motion.parameters)
         if not again.status.success:
@@ -66,7 +66,7 @@ class Replays:
 
     @property
     def parameters(self) -> np.ndarray:
-        """(np,) of the run."""
+        """(np,) parameters of the run."""
         return self.motion.parameters
 
     def __call__(self, p: np.ndarray) -> np.ndarray:
@@ -75,13 +75,13 @@ class Replays:
         Raises
         ------
         AnalysisError
-            The run cannot be repeated there; names what changed.
+            The run cannot be repeated at ``p``; names the changed parameters.
         """
         p = self.motion.model.values(p)
         key = p.tobytes()
-        if key not in self._known:
-            self._known[key] = self._values(p)
-        return self._known[key]
+        if key not in self._cache:
+            self._cache[key] = self._values(p)
+        return self._cache[key]
 
     def _values(self, p: np.ndarray) -> np.ndarray:
         if np.array_equal(p, self.parameters):
@@ -96,10 +96,12 @@ class Replays:
                 f"{self._where(p)}: the run does not succeed ({repeated.status}); "
                 "give a shorter step"
             )
-        wrong = [r.label for r, v in zip(self.responses, values, strict=True) if not np.isfinite(v)]
-        if wrong:
+        invalid = [
+            r.label for r, v in zip(self.responses, values, strict=True) if not np.isfinite(v)
+        ]
+        if invalid:
             raise AnalysisError(
-                f"{self._where(p)}: no finite value of {', '.join(wrong)}; give a shorter step"
+                f"{self._where(p)}: no finite value of {', '.join(invalid)}; give a shorter step"
             )
         return values
 
@@ -108,6 +110,6 @@ class Replays:
         return analysis.run(motion.model, p) if self.reruns else analysis.replay(motion, p)
 
     def _where(self, p: np.ndarray) -> str:
-        listed = zip(self.motion.model.parameters, p, self.parameters, strict=False)
-        changed = [f"{name} = {new:.9g}" for name, new, old in listed if new != old]
+        triples = zip(self.motion.model.parameters, p, self.parameters, strict=False)
+        changed = [f"{name} = {new:.9g}" for name, new, old in triples if new != old]
         return f"the run repeated at {', '.join(changed[:4])}{', …' if changed[4:] else ''}"

@@ -1,7 +1,8 @@
-"""Difference quotients: which values of a parameter they need, and where those may lie."""
+"""Scales of parameters and stencils of difference quotients within bounds and limits."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -9,16 +10,44 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError, UnsupportedError
 from dalembert.results.result import Result
-from dalembert.sensitivity.checks.scales import parameter_scale
+from dalembert.symbolic.formulas.parameter import Parameter
+
+
+def parameter_scale(parameter: Parameter, value: float) -> float:
+    """Size of a change of 100 %: ``|p|``, for angles at least one radian.
+
+    For a value of zero it is half the width of the bounds, the distance to a single bound, or one
+    unit.
+
+    Parameters
+    ----------
+    value : value of the parameter in the run, in its unit
+    """
+    if parameter.unit == "rad":
+        return max(abs(value), 1.0)
+    if value != 0.0:
+        return abs(value)
+    lower, upper = parameter.bounds
+    if math.isfinite(upper - lower) and upper > lower:
+        return (upper - lower) / 2
+    distances = [abs(b) for b in (lower, upper) if math.isfinite(b) and b != 0.0]
+    return min(distances, default=1.0)
+
+
+def parameter_scales(motion, columns) -> np.ndarray:
+    """Scales of the parameters with these numbers."""
+    parameters = list(motion.model.parameters.values())
+    return np.array([parameter_scale(parameters[i], float(motion.parameters[i])) for i in columns])
+
 
 EPS = float(np.finfo(float).eps)
 ROUND_OFF, REACH = 1e-14, 0.1
-"""Round-off of what a run gives, relative; share of a parameter over which responses bend."""
+"""Relative round-off of responses, and relative scale of their nonlinearity in a parameter [-]."""
 
 
 @dataclass(frozen=True)
 class Stencil:
-    """``R'(p) ≈ (1/h) Σ w_k R(p + o_k h)``, with an error ``O(h^order)``."""
+    """``R'(p) ≈ (1/h) Σ w_k R(p + o_k h)`` with truncation error ``O(h^order)``."""
 
     order: int
     offsets: tuple[float, ...]
@@ -26,12 +55,12 @@ class Stencil:
 
     @property
     def mirrored(self) -> Stencil:
-        """The same on the other side."""
+        """The stencil mirrored to the other side."""
         return Stencil(self.order, tuple(-o for o in self.offsets), tuple(-w for w in self.weights))
 
     @property
     def side(self) -> str:
-        """Where it looks."""
+        """Side of the offsets, in words."""
         if min(self.offsets) < 0 < max(self.offsets):
             return "both sides"
         return "upwards" if max(self.offsets) > 0 else "downwards"
@@ -49,27 +78,27 @@ SCHEMES: Mapping[str, tuple[Stencil, ...]] = {
     "central": (CENTRAL, SECOND, SECOND.mirrored),
     "richardson": (RICHARDSON, FOURTH, FOURTH.mirrored),
 }
-"""Scheme → its stencil, then those of the same order to use where a value is not allowed."""
+"""Scheme → its stencil, then replacements of the same order for inadmissible values."""
 
 
 def best_step(scheme: str) -> float:
     """Relative step ``L ε^(1/(n+1))``: it balances truncation ``(h/L)^n`` and round-off ``εL/h``.
 
-    That is the square root of ε for one-sided quotients, its cube root for central ones.
+    It scales with the square root of ε for one-sided quotients, the cube root for central ones.
     """
     return float(REACH * ROUND_OFF ** (1 / (SCHEMES[scheme][0].order + 1)))
 
 
 @dataclass(frozen=True)
 class Quotient:
-    """A difference quotient of one parameter, put where all its values are allowed.
+    """Difference quotient of one parameter with admissible values.
 
     Attributes
     ----------
     column : number of the parameter
     step : ``h``, in the unit of the parameter
     stencil : Stencil
-    note : why it is not the stencil asked for; usually empty
+    note : reason for a replaced stencil; usually empty
     """
 
     column: int
@@ -79,62 +108,62 @@ class Quotient:
 
     @property
     def amplification(self) -> float:
-        """By how much noise of the values is larger in the quotient, at most."""
+        """Upper bound of the amplification of noise of the values."""
         return float(np.abs(self.stencil.weights).sum() / abs(self.step))
 
     def evaluate(self, p: np.ndarray, values: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """The quotient of everything that ``values`` gives."""
-        places = [moved(p, self.column, offset * self.step) for offset in self.stencil.offsets]
-        return np.array(self.stencil.weights) @ np.array([values(q) for q in places]) / self.step
+        """Quotients of all entries of ``values``."""
+        points = [shifted(p, self.column, offset * self.step) for offset in self.stencil.offsets]
+        return np.array(self.stencil.weights) @ np.array([values(q) for q in points]) / self.step
 
 
-def moved(p: np.ndarray, column: int, by: float) -> np.ndarray:
+def shifted(p: np.ndarray, column: int, by: float) -> np.ndarray:
     """The parameters with one of them changed."""
     changed = p.copy()
     changed[column] += by
     return changed
 
 
-def place(motion: Result, column: int, scheme: str, relative: float) -> Quotient:
-    """The scheme's quotient within the bounds of the parameter and the limits of the model.
+def quotient_within_bounds(motion: Result, column: int, scheme: str, relative: float) -> Quotient:
+    """Quotient of a scheme within the bounds of the parameter and the limits of the model.
 
     Raises
     ------
     AnalysisError
-        A step too short to change the parameter, or no side on which it fits; names both.
+        A step too short to change the parameter, or one that fits on neither side.
     """
     parameter = list(motion.model.parameters.values())[column]
     value = float(motion.parameters[column])
     step = relative * parameter_scale(parameter, value)
-    step = (value + step) - value  # a step that is a difference of two numbers
+    step = (value + step) - value  # exactly representable as a difference
     if step == 0.0:
         raise AnalysisError(
             f"a relative step of {relative:g} does not change {parameter.name} = {value:g}; "
             f"give a longer one than {EPS:.1g}"
         )
-    wanted, *others = SCHEMES[scheme]
-    why = refusal(motion, column, wanted.offsets, step)
-    if not why:
-        return Quotient(column, step, wanted)
-    for stencil in others:
+    standard, *replacements = SCHEMES[scheme]
+    reason = refusal(motion, column, standard.offsets, step)
+    if not reason:
+        return Quotient(column, step, standard)
+    for stencil in replacements:
         if not refusal(motion, column, stencil.offsets, step):
             note = (
                 f"differences of {parameter.name} look {stencil.side} only, by a scheme of order "
-                f"{stencil.order}: {why}"
+                f"{stencil.order}: {reason}"
             )
             return Quotient(column, step, stencil, note)
     raise AnalysisError(
         f"finite differences with a step of {step:g} {parameter.unit}".rstrip()
-        + f" fit on neither side of {parameter.name} = {value:g}: {why}; give a shorter step="
+        + f" fit on neither side of {parameter.name} = {value:g}: {reason}; give a shorter step="
         f"{{{parameter.name!r}: …}}, or wider bounds"
     )
 
 
 def refusal(motion: Result, column: int, offsets: Sequence[float], step: float) -> str:
-    """Why these values are not allowed; empty where they are."""
+    """Reason why these values are inadmissible; ``""`` if they are admissible."""
     names = list(motion.model.parameters)
     for offset in sorted({min(offsets), max(offsets)} - {0.0}):
-        p = moved(motion.parameters, column, offset * step)
+        p = shifted(motion.parameters, column, offset * step)
         outside = beyond_bounds(motion, column, float(p[column]))
         if outside:
             return outside
@@ -146,7 +175,7 @@ def refusal(motion: Result, column: int, offsets: Sequence[float], step: float) 
 
 
 def beyond_bounds(motion: Result, column: int, value: float) -> str:
-    """Which bound a value leaves, unless the run itself is outside; empty where none."""
+    """Bound that a value violates and the run does not; ``""`` if none."""
     parameter = list(motion.model.parameters.values())[column]
     lower, upper = parameter.bounds
     now = float(motion.parameters[column])
@@ -158,7 +187,7 @@ def beyond_bounds(motion: Result, column: int, value: float) -> str:
 
 
 def checked_step(scheme: str, step: float | Mapping[str, float] | None) -> None:
-    """Scheme and steps make sense by themselves.
+    """Raise for an unknown scheme or an invalid step.
 
     Raises
     ------
@@ -167,7 +196,7 @@ def checked_step(scheme: str, step: float | Mapping[str, float] | None) -> None:
     """
     if scheme not in SCHEMES:
         raise UnsupportedError(f"scheme {scheme!r} is unknown; choose one of {', '.join(SCHEMES)}")
-    for name, given in (step if isinstance(step, Mapping) else {"": step}).items():
-        if given is not None and not 0 < given < np.inf:
-            whose = f" of {name}" if name else ""
-            raise UnsupportedError(f"step{whose} is {given}; it must be a positive number")
+    for name, value in (step if isinstance(step, Mapping) else {"": step}).items():
+        if value is not None and not 0 < value < np.inf:
+            of = f" of {name}" if name else ""
+            raise UnsupportedError(f"step{of} is {value}; it must be a positive number")

@@ -1,4 +1,4 @@
-"""Step studies: how good difference quotients are, step by step (Tables 8.1 and 8.2)."""
+"""Step studies: error of difference quotients over their step (Tables 8.1 and 8.2)."""
 
 from __future__ import annotations
 
@@ -12,8 +12,12 @@ from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.replays import Replays
-from dalembert.sensitivity.checks.scales import parameter_scale
-from dalembert.sensitivity.checks.stencils import SCHEMES, checked_step, place
+from dalembert.sensitivity.checks.stencils import (
+    SCHEMES,
+    checked_step,
+    parameter_scale,
+    quotient_within_bounds,
+)
 from dalembert.sensitivity.gradient import sensitivity
 from dalembert.text.spelling import spelled
 
@@ -21,7 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 STEPS = tuple(float(f"1e-{k}") for k in range(1, 13))
-"""Relative steps that show truncation, the best place and round-off."""
+"""Relative steps from truncation error to round-off [-]."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -29,12 +33,12 @@ class StepStudy:
     """Difference quotients of one response by one parameter over their steps.
 
     ``data`` holds over ``scheme × step`` the ``value``, its ``error`` against the exact derivative
-    (``exact``) and the ``relative_error``; not a number where a run failed or a step did not fit,
-    for the reasons in ``attrs["notes"]``. ``step`` is relative, ``length`` in the parameter's unit.
+    (``exact``) and the ``relative_error``; NaN if a run failed or a step did not fit, with the
+    reasons in ``attrs["notes"]``. ``step`` is relative, ``length`` in the unit of the parameter.
 
     Parameters
     ----------
-    data : Dataset, see above
+    data : Dataset as described above
 
     Examples
     --------
@@ -55,7 +59,7 @@ class StepStudy:
 
     @property
     def exact(self) -> float:
-        """The derivative by the adjoint or direct method."""
+        """Derivative by the adjoint or direct method."""
         return float(self.data["exact"])
 
     def best(self) -> dict[str, float]:
@@ -65,8 +69,8 @@ class StepStudy:
         return dict(zip(map(str, self.data["scheme"].values), map(float, steps), strict=True))
 
     def plot(self, ax: Any = None) -> Any:
-        """Errors over steps with Matplotlib, both logarithmic; returns the axes."""
-        from dalembert.results.pictures.step_study_plot import plot_step_study
+        """Plot errors over steps with Matplotlib, log-log; returns the axes."""
+        from dalembert.results.pictures.plot import plot_step_study
 
         return plot_step_study(self.data, ax)
 
@@ -90,19 +94,19 @@ def step_study(
     steps: Sequence[float] = STEPS,
     schemes: Sequence[str] = tuple(SCHEMES),
 ) -> StepStudy:
-    """Finite differences over their steps, against the exact derivative of the same run.
+    """Finite differences over their steps, compared with the exact derivative of the same run.
 
     Parameters
     ----------
-    result : of any analysis that has gradients
-    response, parameter : whose derivative
-    steps : relative, as those of ``FiniteDifference``
+    result : result of an analysis with gradients
+    response, parameter : the derivative to study
+    steps : relative steps, as in ``FiniteDifference``
     schemes : names, see ``FiniteDifference``
 
     Raises
     ------
     AnalysisError, UnsupportedError
-        Unknown parameter or scheme, a step that is not positive; what ``sensitivity`` raises.
+        Unknown parameter or scheme, a step that is not positive; see also ``sensitivity``.
 
     Examples
     --------
@@ -123,52 +127,55 @@ def step_study(
             checked_step(scheme, step)
     gradient = sensitivity(motion, response, [parameter])
     column = list(motion.model.parameters).index(parameter)
-    found, notes = _quotients(Replays(motion, [response]), column, schemes, steps)
+    quotients, notes = _quotients(Replays(motion, [response]), column, schemes, steps)
     scale = parameter_scale(motion.model.parameters[parameter], float(motion.parameters[column]))
     coordinates = {
         "scheme": list(schemes),
         "step": list(steps),
         "length": ("step", scale * np.asarray(steps, dtype=float)),
     }
-    return StepStudy(_against(gradient, found, coordinates).assign_attrs(notes=notes))
+    return StepStudy(_dataset(gradient, quotients, coordinates).assign_attrs(notes=notes))
 
 
 def _quotients(
     values: Replays, column: int, schemes: Sequence[str], steps: Sequence[float]
 ) -> tuple[np.ndarray, list[str]]:
-    """(schemes, steps) quotients, and why some are missing or look to one side."""
-    found, notes = np.full((len(schemes), len(steps)), np.nan), dict[str, None]()
+    """(schemes, steps) quotients, and notes on missing or one-sided quotients."""
+    quotients, notes = np.full((len(schemes), len(steps)), np.nan), dict[str, None]()
     for i, scheme in enumerate(schemes):
         for k, step in enumerate(steps):
             try:
-                quotient = place(values.motion, column, scheme, step)
-                found[i, k] = quotient.evaluate(values.parameters, values)[0]
+                quotient = quotient_within_bounds(values.motion, column, scheme, step)
+                quotients[i, k] = quotient.evaluate(values.parameters, values)[0]
                 notes |= {quotient.note: None} if quotient.note else {}
             except AnalysisError as error:
                 notes[str(error)] = None
-    return found, list(notes)
+    return quotients, list(notes)
 
 
-def _against(gradient: xr.DataArray, found: np.ndarray, coordinates: dict[str, Any]) -> xr.Dataset:
+def _dataset(
+    gradient: xr.DataArray, quotients: np.ndarray, coordinates: dict[str, Any]
+) -> xr.Dataset:
     """Quotients and their errors against the exact derivative."""
     import xarray as xr
 
     exact, unit = float(gradient.values[0, 0]), {"units": _quotient_unit(gradient)}
-    off, dims = np.abs(found - exact), ("scheme", "step")
+    errors, dims = np.abs(quotients - exact), ("scheme", "step")
     data = {
-        "value": (dims, found, unit),
-        "error": (dims, off, unit),
-        "relative_error": (dims, off / abs(exact) if exact else off * np.nan),
+        "value": (dims, quotients, unit),
+        "error": (dims, errors, unit),
+        "relative_error": (dims, errors / abs(exact) if exact else errors * np.nan),
         "exact": ((), exact, unit),
     }
-    about = {name: str(gradient[name].values[0]) for name in ("response", "parameter")}
-    return xr.Dataset(data, coordinates, about | {"model": gradient.attrs["model"]})
+    attrs = {name: str(gradient[name].values[0]) for name in ("response", "parameter")}
+    return xr.Dataset(data, coordinates, attrs | {"model": gradient.attrs["model"]})
 
 
 def _quotient_unit(gradient: xr.DataArray) -> str:
-    above = str(gradient["response_unit"].values[0])
-    below = str(gradient["parameter_unit"].values[0])
-    if not below:
-        return above
-    below = f"({below})" if any(c in below for c in " /") else below
-    return f"{above or '1'}/{below}"
+    numerator = str(gradient["response_unit"].values[0])
+    denominator = str(gradient["parameter_unit"].values[0])
+    if not denominator:
+        return numerator
+    if any(c in denominator for c in " /"):
+        denominator = f"({denominator})"
+    return f"{numerator or '1'}/{denominator}"

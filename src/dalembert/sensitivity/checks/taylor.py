@@ -1,4 +1,4 @@
-"""Taylor test: ``|R(p + h d) − R(p) − h ∇R·d|`` falls with ``h²`` if, and only if, ∇R is right."""
+"""Taylor test: ``|R(p + h d) − R(p) − h ∇R·d| = O(h²)`` if and only if ∇R is correct."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.sensitivity.checks.replays import Replays
-from dalembert.sensitivity.checks.scales import parameter_scales
-from dalembert.sensitivity.checks.stencils import beyond_bounds
+from dalembert.sensitivity.checks.stencils import beyond_bounds, parameter_scales
 
 LONGEST, HALVINGS = 2.0**-4, 18
-"""Longest step, relative to the scales of the parameters, and how often it is halved."""
+"""Longest step relative to the scales of the parameters [-], and number of halvings."""
 SHORT = (1e-10, 1e-8, 1e-6, 4e-6)
-"""Steps so short that a third difference is nothing but round-off."""
+"""Steps short enough for third differences of round-off only [-]."""
 CLEAR = 30.0
-"""A remainder tells something where it exceeds its uncertainty so many times."""
+"""Threshold of a significant remainder, relative to its uncertainty [-]."""
 
 
 @dataclass(frozen=True)
@@ -25,10 +24,10 @@ class TaylorTest:
 
     Attributes
     ----------
-    steps : (K,) ``h``, falling
-    remainders : (responses, K); not a number where the run could not be repeated
-    noise : (responses, K) their uncertainty: round-off of the responses, and what the gradient may
-        be off by
+    steps : (K,) ``h``, descending
+    remainders : (responses, K); NaN if the run could not be repeated
+    noise : (responses, K) their uncertainty: round-off of the responses and tolerance of the
+        gradient
     """
 
     steps: np.ndarray
@@ -36,22 +35,22 @@ class TaylorTest:
     noise: np.ndarray
 
     def slope(self, response: int) -> float:
-        """Slope of the remainder over the step, both logarithmic; NaN where it is all round-off.
+        """Slope of the remainder over the step, log-log; NaN if all remainders are round-off.
 
-        It is that of the four shortest steps whose remainder is clear of round-off.
+        It is fitted to the four shortest steps with significant remainders.
         """
         r = self.remainders[response]
-        clear = np.flatnonzero(np.isfinite(r) & (r > CLEAR * self.noise[response]))
-        if clear.size < 3:
+        significant = np.flatnonzero(np.isfinite(r) & (r > CLEAR * self.noise[response]))
+        if significant.size < 3:
             return np.nan
-        last = clear[-4:]
+        last = significant[-4:]
         return float(np.polyfit(np.log(self.steps[last]), np.log(r[last]), 1)[0])
 
     def exact(self, response: int) -> bool:
-        """Whether the response is linear: nothing remains at any step but round-off."""
+        """True if the response is linear: all remainders are round-off."""
         r = self.remainders[response]
-        known = np.isfinite(r)
-        return bool(known.sum() > 2 and np.all(~known | (r <= CLEAR * self.noise[response])))
+        finite = np.isfinite(r)
+        return bool(finite.sum() > 2 and np.all(~finite | (r <= CLEAR * self.noise[response])))
 
 
 def taylor_test(
@@ -62,15 +61,15 @@ def taylor_test(
     noise: np.ndarray,
     rng: np.random.Generator,
 ) -> TaylorTest:
-    """Remainders along a random direction that stays within bounds and limits.
+    """Remainders along a random direction within bounds and limits.
 
     Parameters
     ----------
     values : responses at other parameters
     gradient : (responses, columns)
-    tolerance : error of the gradient that is accepted, relative to its largest influence
-    noise : (responses, 1) of the values, where it is known beforehand
-    rng : makes the direction
+    tolerance : accepted error of the gradient, relative to its largest influence [-]
+    noise : (responses, 1) lower bound of the noise of the values
+    rng : random generator of the direction
     """
     p, size = values.parameters, len(gradient)
     direction = _direction(values, columns, rng)
@@ -79,16 +78,16 @@ def taylor_test(
     steps = LONGEST * 0.5 ** np.arange(HALVINGS)
     remainders = np.full((size, HALVINGS), np.nan)
     for k, h in enumerate(steps):
-        found = _tried(values, p + h * direction)
-        if found is not None:
-            remainders[:, k] = np.abs(found - centre - h * slope)
+        responses = _values_at(values, p + h * direction)
+        if responses is not None:
+            remainders[:, k] = np.abs(responses - centre - h * slope)
     largest = np.abs(gradient * direction[columns]).max(axis=1)
     noise = np.maximum(noise, _round_off(values, direction, centre)[:, None])
     return TaylorTest(steps, remainders, noise + tolerance * np.outer(largest, steps))
 
 
-def _tried(values: Replays, p: np.ndarray) -> np.ndarray | None:
-    """Responses at parameters, None where the limits or the run refuse them."""
+def _values_at(values: Replays, p: np.ndarray) -> np.ndarray | None:
+    """Responses at parameters, None if limits are violated or the run fails."""
     model = values.motion.model
     for i in np.flatnonzero(p != values.parameters):
         if beyond_bounds(values.motion, int(i), float(p[i])):
@@ -101,7 +100,7 @@ def _tried(values: Replays, p: np.ndarray) -> np.ndarray | None:
 
 
 def _direction(values: Replays, columns: list[int], rng: np.random.Generator) -> np.ndarray:
-    """Random, each entry of the size of its parameter, away from bounds."""
+    """Random direction with entries of the size of the parameters, away from bounds."""
     motion, direction = values.motion, np.zeros_like(values.parameters)
     size = parameter_scales(motion, columns) * rng.uniform(0.3, 1.0, len(columns))
     direction[columns] = size * rng.choice([-1.0, 1.0], len(columns))
@@ -117,12 +116,12 @@ def _direction(values: Replays, columns: list[int], rng: np.random.Generator) ->
 
 
 def _round_off(values: Replays, direction: np.ndarray, centre: np.ndarray) -> np.ndarray:
-    """Round-off of the responses, by differences that no smooth function shows."""
+    """Round-off of the responses, estimated by third differences at short steps."""
     noise, p = np.zeros_like(centre), values.parameters
     for h in SHORT:
-        found = [_tried(values, p + k * h * direction) for k in (1, 2, 3)]
-        ahead = [row for row in found if row is not None]
-        if len(ahead) == 3:
-            third = np.abs(centre - 3 * ahead[0] + 3 * ahead[1] - ahead[2])
+        points = [_values_at(values, p + k * h * direction) for k in (1, 2, 3)]
+        rows = [row for row in points if row is not None]
+        if len(rows) == 3:
+            third = np.abs(centre - 3 * rows[0] + 3 * rows[1] - rows[2])
             noise = np.maximum(noise, third / 4)
     return noise

@@ -1,1 +1,1 @@
-"""Gradients through time: the steps that were taken, forwards and backwards."""
+"""Direct and adjoint gradients through the time steps of a run."""

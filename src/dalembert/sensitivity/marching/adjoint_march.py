@@ -1,4 +1,4 @@
-"""Adjoint gradients of dynamics: the steps that were taken, backwards in chunks of the graph."""
+"""Adjoint gradients of dynamics: backward march over the recorded steps, in chunks."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.integrators.marching.march import branches, flagged
+from dalembert.integrators.marching.march import branches, with_flag
 from dalembert.integrators.step import Step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_adjoint
 from dalembert.sensitivity.marching.walk import BackwardWalk
@@ -16,7 +16,7 @@ from dalembert.symbolic.once import once
 
 
 class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
-    """Gradient of one sampled response; its cost does not grow with the parameters."""
+    """Gradient of one sampled response, at a cost independent of the number of parameters."""
 
     def gradient(self) -> np.ndarray:
         """(np,) gradient by one backward march."""
@@ -25,33 +25,34 @@ class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
         return self.p_bar
 
     def depart(self) -> np.ndarray:
-        """``[x̄; p̄]``, which is carried, at the end."""
+        """``[x̄; p̄]`` at the end."""
         return np.append(self._injected(self.count, self.count)[:, 0], np.zeros(self.p.size))
 
     def pull(self, begin: int, end: int, weights: np.ndarray) -> np.ndarray:
-        seen = self._injected(begin, end - 1)[:, ::-1]
-        return self._backward(begin, end, weights, (*self.given(begin, end, back=True), seen))
+        injected = self._injected(begin, end - 1)[:, ::-1]
+        steps = *self.step_data(begin, end, back=True), injected
+        return self._backward(begin, end, weights, steps)
 
     def pull_start(self, weights: np.ndarray) -> None:
         self.p_bar += weights[self.size :] + self._through_start(weights[: self.size])
 
     def _injected(self, first: int, last: int) -> np.ndarray:
-        """(n, last − first + 1) weights that the response gives the states with these numbers.
+        """(n, last − first + 1) weights of the states with these numbers in the response.
 
-        Those of outputs inside steps are moved to where their step begins; what falls to the
-        parameters is added to theirs.
+        Weights of outputs inside steps are pulled back to the start of the step; the resulting
+        weights of the parameters are added to ``p_bar``.
         """
         injected = np.zeros((self.size, last - first + 1))
         for instant in self.instants:
             if first <= instant.number <= last:
                 injected[:, instant.number - first] += instant.x
                 self.p_bar += instant.p
-        chosen = self.seen(first, last)
+        chosen = self.active_outputs(first, last)
         if not chosen.size:
             return injected
         states = self.states_at(chosen)
         x_bar = np.zeros((self.size, chosen.size))
-        _, seen, more = self.kernel.mapped(
+        _, state_bar, more = self.kernel.mapped(
             lambda variant: self.measured(variant).adjoint,
             self.modes[chosen],
             self.motion.time[chosen],
@@ -59,40 +60,40 @@ class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
             self.p,
             self.sample.weights[None, chosen],
         )
-        x_bar[: seen.shape[0]] = seen
+        x_bar[: state_bar.shape[0]] = state_bar
         self.p_bar += more.sum(axis=1)
         if self.moving is not None:
-            rates, slopes = self.held(chosen)
+            rates, slopes = self.output_shifts(chosen)
             self.p_bar[: slopes.shape[1]] += (rates * x_bar).sum(axis=0) @ slopes
-        for mode, part in self.parts_of_steps(chosen):
+        for mode, part in self.partial_steps(chosen):
             x_bar[:, part], more = self.kernel.over(self.step_of(mode).adjoint, part.size)(
-                *self.partial(chosen[part]), x_bar[:, part]
+                *self.partial_step_data(chosen[part]), x_bar[:, part]
             )
             self.p_bar += more.sum(axis=1)
         np.add.at(injected.T, self.number[chosen] - first, x_bar.T)
         return injected
 
-    def _backward(self, begin: int, end: int, carried: np.ndarray, given) -> np.ndarray:
-        """What the steps between two states make of ``[x̄; p̄]``, backwards in one call."""
+    def _backward(self, begin: int, end: int, carried: np.ndarray, steps) -> np.ndarray:
+        """``[x̄; p̄]`` pulled back through the steps between two states in one call."""
         n, p, count, mode = self.size, self.p, end - begin, int(self.steps.mode[begin])
         if self.kernel.fixed.at_once(mode):
-            return _backward_chunk(self.step_of(mode), count)(carried, *given, p)[0].ravel()
+            return _backward_chunk(self.step_of(mode), count)(carried, *steps, p)[0].ravel()
         compiled = self.kernel.steps(mode).compiled
         prelude, single = backward_step(self.kernel, mode, compiled)
         first = np.append(carried[:n], np.zeros(prelude.rate_count))
         values = prelude.values(p).full()
         columns = self.kernel.marched(single, (6,))
         columns.announce(end)
-        (out,) = columns(count, first, *given, values)
+        (out,) = columns(count, first, *steps, values)
         last = out[:, -1]
         if self.moving is not None:
             weights = np.column_stack([first, out[:, :-1]])[:n, ::-1]
-            more = self.moving.pulled(begin, end, weights)
+            more = self.moving.pull(begin, end, weights)
             self.p_bar[: more.size] += more
         return np.append(last[:n], carried[n:] + prelude.adjoint(p, last[n:]).full().ravel())
 
     def _through_start(self, x_bar: np.ndarray) -> np.ndarray:
-        """Weight of the parameters through memory and the assembled initial state."""
+        """Weights of the parameters through the memory and the assembled initial state."""
         start, p = float(self.steps.t[0]), self.p
         first = self.first_step
         size, gradient = first.state_size, np.zeros(p.size)
@@ -111,34 +112,34 @@ class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
 
 @once
 def _backward_chunk(step: Step, count: int) -> Kernel:
-    """The same of equal steps that are taken at once."""
+    """Kernel of ``[x̄; p̄]`` pulled back through a chunk of equal steps."""
     n, m = step.size, step.parameter_count
     carried, p = ca.MX.sym("c", n + m), ca.MX.sym("p", m)
     t, h, flag = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
     x, inject = ca.MX.sym("x", n, count), ca.MX.sym("i", n, count)
     forwards = list(reversed(range(count)))
     weights = ca.horzcat(inject[:, forwards[1:]], carried[:n])
-    given = (x[:, -1], t[:, forwards], h[:, forwards], flag[:, forwards], p)
-    x_bar, p_bar = step.chunk_adjoint(count)(*given, weights)
+    steps = (x[:, -1], t[:, forwards], h[:, forwards], flag[:, forwards], p)
+    x_bar, p_bar = step.chunk_adjoint(count)(*steps, weights)
     following = ca.vertcat(x_bar + inject[:, -1], carried[n:] + p_bar)
     return Kernel(ca.Function("backward", [carried, t, h, flag, x, inject, p], [following]))
 
 
 @once
 def backward_step(kernel: DynamicsKernel, mode: int, compiled: bool) -> tuple[Prelude, ca.Function]:
-    """The prelude, and ``([x̄; q̄], t, h, flag, x, what is seen, q) → [x̄; q̄]``.
+    """The prelude, and ``([x̄; q̄], t, h, flag, x, injected weights, q) → [x̄; q̄]``.
 
-    ``compiled`` asks for the form that is fastest as machine code.
+    ``compiled`` selects the form that is fastest as machine code.
     """
     step, period = kernel.variants[mode].step, kernel.fixed.period
     prelude, n = step.prelude, step.size
-    if branches(step, period):  # two steps, with a prelude each
+    if branches(step, period):  # two variants, each with its own prelude
         prelude = Prelude.identity(step.parameter_count)
-        call, _ = flagged(step, period, lambda one: one.adjoint)
+        call, _ = with_flag(step, period, lambda step: step.adjoint)
     elif compiled:
-        call, _ = flagged(step, period, lambda one: one.compiled_adjoint)
+        call, _ = with_flag(step, period, lambda step: step.compiled_adjoint)
     else:
-        call, _ = flagged(step, period, lambda one: one.prepared_adjoint)
+        call, _ = with_flag(step, period, lambda step: step.prepared_adjoint)
     carried = ca.MX.sym("c", n + prelude.rate_count)
     q = ca.MX.sym("q", prelude.value_count)
     x, inject = ca.MX.sym("x", n), ca.MX.sym("i", n)

@@ -1,4 +1,4 @@
-"""Gradients of many designs in the same steps: their marches side by side, as of their runs."""
+"""Gradients of many designs with common fixed steps, in SIMD lanes like their runs."""
 
 from __future__ import annotations
 
@@ -13,88 +13,92 @@ import numpy as np
 from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.batch.states import MarchedStates, measured
 from dalembert.integrators.marching.march import branches
+from dalembert.integrators.step import Step
 from dalembert.responses.base import Response
 from dalembert.results.batch.batch import Batch
+from dalembert.sensitivity.marching.adjoint_march import backward_step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.samples import Sample, take_sample
+from dalembert.symbolic.evaluation.columns import LONG, instructions
 from dalembert.symbolic.evaluation.parallel import LaneMarch, in_blocks, in_groups
+from dalembert.symbolic.once import once
 
 MEMORY = 2.0**26
-"""Bytes of states, and of what is seen of them, at once."""
+"""Upper limit of the memory for states and their weights or changes [bytes]."""
 
 
 class BatchGradients(ABC):
-    """Gradients of responses of designs in fixed steps.
+    """Gradients of responses for all designs of a batch with fixed steps.
 
     Parameters
     ----------
     batch : Batch
-    responses : of which ``serves`` is true
-    like : a run of one of the designs
+    responses : supported responses, see ``serves``
+    example : a run of one of the designs
     columns : numbers of the parameters
     """
 
     def __init__(
-        self, batch: Batch, responses: Sequence[Response], like: Any, columns: Sequence[int]
+        self, batch: Batch, responses: Sequence[Response], example: Any, columns: Sequence[int]
     ):
         self.batch, self.model, self.columns = batch, batch.model, list(columns)
         self.states: MarchedStates = batch.samples  # type: ignore[assignment]
         self.kernel, self.variant = self.states.kernel, self.states.variant
-        self.samples = [take_sample(like, response) for response in responses]
+        self.samples = [take_sample(example, response) for response in responses]
 
     @property
     def serves(self) -> bool:
-        """Whether the responses look at ends of the steps that all designs take."""
+        """True if the responses depend only on states at the ends of common steps."""
         step = self.variant.step
-        if self.kernel.adaptive is not None:  # whose steps differ by design
+        if self.kernel.adaptive is not None:  # steps differ between designs
             return False
         if step.begin is not None or branches(step, self.kernel.fixed.period):
             return False
         for sample in self.samples:
-            seen = MarchedSample(sample)
-            if seen.within.any() or sample.moves_with is not None:
+            marched = MarchedSample(sample)
+            if marched.within.any() or sample.moves_with is not None:
                 return False
         return True
 
     @abstractmethod
-    def _over(self, path: MarchedStates, known: np.ndarray) -> np.ndarray:
-        """(known, responses, c) derivatives, over paths of all states."""
+    def _over(self, path: MarchedStates, solved: np.ndarray) -> np.ndarray:
+        """(solved, responses, c) derivatives over the paths of all states."""
 
-    def _kept(self, states: int) -> int:
-        """States and what is as long that are kept of a design with so many."""
+    def _stored(self, states: int) -> int:
+        """Number of arrays of the size of a state to store for a design with ``states`` states."""
         return 4 * states
 
     def gradients(self, designs: np.ndarray) -> np.ndarray:
-        """(designs, responses, c) derivatives; NaN where a design cannot be run again."""
+        """(designs, responses, c) derivatives; NaN for designs whose run cannot be repeated."""
         steps = MarchedSample(self.samples[0]).steps
-        kept = self.variant.step.size * self._kept(steps.count + 1)
-        width = max(1, int(MEMORY / (8.0 * kept)))
-        parts = [self._of_some(designs[k : k + width]) for k in range(0, designs.size, width)]
+        size = self.variant.step.size * self._stored(steps.count + 1)
+        width = max(1, int(MEMORY / (8.0 * size)))
+        parts = [self._of_group(designs[k : k + width]) for k in range(0, designs.size, width)]
         return np.concatenate(parts)
 
-    def _of_some(self, designs: np.ndarray) -> np.ndarray:
-        every: Any = replace(self.batch.analysis, outputs=None)  # type: ignore[type-var]
+    def _of_group(self, designs: np.ndarray) -> np.ndarray:
+        analysis: Any = replace(self.batch.analysis, outputs=None)  # type: ignore[type-var]
         workers = self.states.workers
-        self.again = FixedSteps(every, self.model, self.batch.designs.some(designs), workers)  # type: ignore[arg-type]
-        path, known = self.again.march(lambda fraction: None)
-        rates = self._over(path, known)
-        found = np.full((designs.size, *rates.shape[1:]), np.nan)
-        found[known] = rates
-        return found
+        self.again = FixedSteps(analysis, self.model, self.batch.designs.some(designs), workers)  # type: ignore[arg-type]
+        path, solved = self.again.march(lambda fraction: None)
+        rates = self._over(path, solved)
+        gradients = np.full((designs.size, *rates.shape[1:]), np.nan)
+        gradients[solved] = rates
+        return gradients
 
-    def _weighed(
-        self, path: MarchedStates, known: np.ndarray, sample: Sample[Any]
+    def _weights(
+        self, path: MarchedStates, solved: np.ndarray, sample: Sample[Any]
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """What the response gives the states that it looks at.
+        """Weights of the states that a response depends on.
 
         Returns
         -------
-        Places in ``known``, numbers of the states, their weights (looks, state), and
-        (known, n) those of the parameters.
+        Indices into ``solved``, numbers of the states, their weights (outputs, state), and weights
+        (solved, n) of the parameters.
         """
         function = measured(self.model, self.variant.bodies, (sample.measure,))  # type: ignore[arg-type]
         number = MarchedSample(sample).number
-        (values,) = path.evaluate(function, known, number)
+        (values,) = path.evaluate(function, solved, number)
         times, reduce = sample.motion.time, sample.response
         weights = np.array([reduce.weights(times, row) for row in values[..., 0]])
         design, output = np.nonzero(weights)
@@ -102,15 +106,15 @@ class BatchGradients(ABC):
         _, x_bar, p_bar = self._evaluate(
             self.variant.measured(sample.measure).adjoint,
             path.time[at][:, None],
-            path.x[known[design], at, : self.variant.step.state_size],
-            path.p[known[design]],
+            path.x[solved[design], at, : self.variant.step.state_size],
+            path.p[solved[design]],
             weights[design, output][:, None],
         )
-        parameters = np.zeros((known.size, path.p.shape[1]))
+        parameters = np.zeros((solved.size, path.p.shape[1]))
         np.add.at(parameters, design, p_bar)
         return design, at, x_bar, parameters
 
-    def _marched(
+    def _march(
         self,
         single: ca.Function,
         shared: Sequence[np.ndarray],
@@ -119,25 +123,161 @@ class BatchGradients(ABC):
         q: np.ndarray,
         chosen: np.ndarray,
     ) -> np.ndarray:
-        """(designs, chosen, size) of what is carried through all steps.
+        """(designs, chosen, size) values of ``carried`` after the chosen steps.
 
-        ``shared`` are columns of all designs, ``own`` tells further ones (designs, rows, steps) of
-        some of them.
+        ``shared`` are arguments common to all designs; ``own`` returns further arguments
+        (designs, rows, steps) for a group of designs.
         """
         columns = self.kernel.marched(single, (single.n_in() - 1,))
         steps, count = shared[0].size, len(carried)
         march = LaneMarch(single, columns, self.kernel.backend, steps * count)
-        given, found = march.shared(*shared), np.empty((count, chosen.size, carried.shape[1]))
+        common, out = march.shared(*shared), np.empty((count, chosen.size, carried.shape[1]))
 
         def work(group: np.ndarray) -> None:
-            found[group] = march.run(carried[group], [*given, *own(group)], q[group], chosen)
+            out[group] = march.run(carried[group], [*common, *own(group)], q[group], chosen)
 
         threads = self.states.workers if march.threaded else 1
         done = in_groups(work, np.arange(count), march.width, threads, lambda fraction: None)
         if not done.all():
             raise KeyboardInterrupt
-        return found
+        return out
 
     def _evaluate(self, function: ca.Function, *arguments: np.ndarray) -> list[np.ndarray]:
         columns = self.kernel.backend.columns(function)
         return in_blocks(columns, self.states.workers, *arguments)
+
+
+class BatchDirect(BatchGradients):
+    """Direct gradients: one direction for each parameter."""
+
+    @property
+    def serves(self) -> bool:
+        return super().serves and self.variant.step.linear is not None
+
+    def _stored(self, states: int) -> int:
+        outputs = sum(MarchedSample(sample).number.size for sample in self.samples)
+        return super()._stored(states) + 2 * len(self.columns) * min(outputs, states)
+
+    def _over(self, path: MarchedStates, solved: np.ndarray) -> np.ndarray:
+        count, width, p = solved.size, len(self.columns), path.p[solved]
+        units = np.array([self.model.tangents(row, self.columns).T for row in p])
+        weights = [self._weights(path, solved, sample) for sample in self.samples]
+        numbers = np.unique(np.concatenate([at for _, at, _, _ in weights]))
+        tangents = self._forward(path, solved, units, numbers)
+        gradients = np.zeros((count, len(weights), width))
+        for r, (design, at, x_bar, p_bar) in enumerate(weights):
+            changes = tangents[design, np.searchsorted(numbers, at)][..., : x_bar.shape[1]]
+            np.add.at(gradients[:, r], design, np.einsum("kcn,kn->kc", changes, x_bar))
+            gradients[:, r] += np.einsum("kcn,kn->kc", units, p_bar)
+        return gradients
+
+    def _forward(
+        self, path: MarchedStates, solved: np.ndarray, units: np.ndarray, numbers: np.ndarray
+    ) -> np.ndarray:
+        """(solved, numbers, c, n) changes of the states with these numbers."""
+        step, (count, width, _) = self.variant.step, units.shape
+        p, h, n = path.p[solved], np.diff(path.time), path.x.shape[2]
+        (q,) = self._evaluate(step.prelude.values, p)
+        (rates,) = self._evaluate(step.prelude.tangent, np.repeat(p, width, axis=0), _rows(units))
+        first = self._initial_changes(solved, p, units)
+
+        def own(group: np.ndarray) -> list[np.ndarray]:
+            return [path.x[solved[group], :-1].transpose(0, 2, 1)]
+
+        tangents = self._march(
+            _forward_steps(step, width),
+            (path.time[:-1], h, np.ones(h.size)),
+            own,
+            first.reshape(count, -1),
+            np.hstack([q, rates.reshape(count, -1)]),
+            numbers[numbers > 0] - 1,
+        )
+        if numbers.size and numbers[0] == 0:
+            tangents = np.concatenate([first.reshape(count, 1, -1), tangents], axis=1)
+        return tangents.reshape(count, numbers.size, width, n)
+
+    def _initial_changes(self, solved: np.ndarray, p: np.ndarray, units: np.ndarray) -> np.ndarray:
+        """(solved, c, n) changes of the first states."""
+        width, model = units.shape[1], self.model
+        state: Any = model.initial_state  # type: ignore[attr-defined]
+        t, y = np.full((solved.size, 1), self.again.start), self.again.starts.y0[solved]
+        _, v = self._evaluate(state.function, t, y, p)
+        t, y, v, p = (np.repeat(part, width, axis=0) for part in (t, y, v, p))
+        along, dt = _rows(units), np.zeros_like(t)
+        dy, dv = self._evaluate(state.tangent, t, y, p, dt, np.zeros_like(y), along)
+        (dx,) = self._evaluate(self.kernel.start.tangent, t, y, v, p, dt, dy, dv, along)
+        return dx.reshape(solved.size, width, -1)
+
+
+def _rows(units: np.ndarray) -> np.ndarray:
+    return units.reshape(-1, units.shape[2])
+
+
+@once
+def _forward_steps(step: Step, width: int) -> ca.Function:
+    """``(dx, t, h, flag, x, [q; dq]) → dx`` of one step, with stacked directions."""
+    linear, prelude, n = step.linear, step.prelude, step.size
+    assert linear is not None
+    m, r = prelude.value_count, prelude.rate_count
+    dx, x, q = (ca.MX.sym(s, k) for s, k in zip("dxq", (n * width, n, m + r * width), strict=True))
+    t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
+    entries = linear.entries(t, h, x, q[:m])
+    changes = [
+        linear.along(dx[k * n : (k + 1) * n], entries, q[m + k * r : m + (k + 1) * r])
+        for k in range(width)
+    ]
+    function = ca.Function("forward_steps", [dx, t, h, flag, x, q], [ca.vertcat(*changes)])
+    if instructions(function) > LONG:
+        return function
+    scalar = function.expand()
+    return function if scalar.n_instructions() > LONG else scalar
+
+
+class BatchAdjoint(BatchGradients):
+    """Adjoint gradients: one backward march for each response."""
+
+    def _over(self, path: MarchedStates, solved: np.ndarray) -> np.ndarray:
+        gradients = [self._gradient(path, solved, sample) for sample in self.samples]
+        pairs = zip(path.p[solved], np.stack(gradients, axis=1), strict=True)
+        model: Any = self.model
+        rows = [model.gathered(p, full)[:, self.columns] for p, full in pairs]
+        return np.array(rows).reshape(solved.size, len(gradients), len(self.columns))
+
+    def _gradient(self, path: MarchedStates, solved: np.ndarray, sample: Sample[Any]) -> np.ndarray:
+        """(solved, n) gradient of one response."""
+        design, at, x_bar, p_bar = self._weights(path, solved, sample)
+        injected = np.zeros((solved.size, *path.x.shape[1:]))
+        if np.unique(design * injected.shape[1] + at).size == at.size:
+            injected[design, at, : x_bar.shape[1]] = x_bar
+        else:
+            np.add.at(injected[..., : x_bar.shape[1]], (design, at), x_bar)
+        x_bar, more = self._backward(path, solved, injected)
+        return p_bar + more + self._through_start(solved, path.p[solved], x_bar)
+
+    def _backward(
+        self, path: MarchedStates, solved: np.ndarray, injected: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Weights of the first states, and of the parameters through the steps."""
+        prelude, single = backward_step(self.kernel, self.states.mode, True)
+        h, n = np.diff(path.time)[::-1], path.x.shape[2]
+        (q,) = self._evaluate(prelude.values, path.p[solved])
+        carried = np.zeros((solved.size, n + prelude.rate_count))
+        carried[:, :n] = injected[:, -1]
+
+        def own(group: np.ndarray) -> list[np.ndarray]:
+            pairs = path.x[solved[group]], injected[group]
+            return [states[:, -2::-1].transpose(0, 2, 1) for states in pairs]
+
+        shared, last = (path.time[:-1][::-1], h, np.ones(h.size)), np.array([h.size - 1])
+        end = self._march(single, shared, own, carried, q, last)[:, 0]
+        (p_bar,) = self._evaluate(prelude.adjoint, path.p[solved], end[:, n:])
+        return end[:, :n], p_bar
+
+    def _through_start(self, solved: np.ndarray, p: np.ndarray, x_bar: np.ndarray) -> np.ndarray:
+        """Weights of the parameters through the assembled initial states."""
+        model: Any = self.model
+        t, y = np.full((solved.size, 1), self.again.start), self.again.starts.y0[solved]
+        _, v = self._evaluate(model.initial_state.function, t, y, p)
+        _, y_bar, v_bar, by_start = self._evaluate(self.kernel.start.adjoint, t, y, v, p, x_bar)
+        parts = self._evaluate(model.initial_state.adjoint, t, y, p, y_bar, v_bar)
+        return by_start + parts[2]

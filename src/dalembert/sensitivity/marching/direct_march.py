@@ -1,21 +1,184 @@
-"""Direct gradients of dynamics: ``∂x/∂p`` is carried along, and measures see it."""
+"""Direct gradients of dynamics: forward march of ``∂x/∂p`` in chunks, over all directions."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics.step_outputs import alike
-from dalembert.sensitivity.marching.marched_sample import MarchedSample
-from dalembert.sensitivity.marching.tangent_march import TangentMarch, beside
+from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.step_outputs import columns_by_mode
+from dalembert.integrators.marching.march import CHUNK, branches, with_flag
+from dalembert.integrators.step import Step
+from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
+from dalembert.sensitivity.marching.walk import ForwardWalk
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.lane_tangents import LaneTangents
+from dalembert.symbolic.evaluation.prelude import Prelude
 from dalembert.symbolic.once import once
 
-Take = Callable[[int, int, np.ndarray], None]
-Pass = Callable[[int, np.ndarray, np.ndarray], None]
+MAX_ENTRIES = 1 << 18
+"""Upper limit of the entries of all changes in a chunk of steps."""
+
+
+class TangentMarch(ForwardWalk[np.ndarray]):
+    """March of ``dx`` over the recorded steps, one column per direction.
+
+    Parameters
+    ----------
+    run : a sample of the run
+    unit : (np, c) directions
+    on_states : called with the number of a state and the changes (states, c, n) from it on
+    """
+
+    def __init__(
+        self, run: MarchedSample, unit: np.ndarray, on_states: Callable[[int, np.ndarray], None]
+    ):
+        self.run, self.unit, self.on_states, self.width = run, unit, on_states, unit.shape[1]
+        self._lane_tangents: dict[int, LaneTangents | None] = {}
+        self._prelude: tuple[Prelude, np.ndarray, np.ndarray] | None = None
+
+    @property
+    def count(self) -> int:
+        return self.run.count
+
+    def ahead(self, begin: int) -> int:
+        if self.run.moving is not None:
+            return begin + 1
+        return self.run.ahead(
+            begin, int(np.clip(MAX_ENTRIES // (self.run.size * self.width), 1, CHUNK))
+        )
+
+    @cached_property
+    def assembled(self) -> tuple[np.ndarray, np.ndarray]:
+        """Changes of the assembled poses and speeds."""
+        run, c = self.run, self.width
+        y, t = run.assembled()[0], float(run.steps.t[0])
+        tangent, near = run.model.initial_state.tangent.map(c), np.zeros((y.size, c))
+        dy, dv = tangent(t, y, run.p, 0, near, self.unit)
+        return dy.full(), dv.full()
+
+    def push_start(self) -> np.ndarray:
+        """(n, c) changes of the first state."""
+        run, c, unit = self.run, self.width, self.unit
+        p, t = run.p, float(run.steps.t[0])
+        start = run.kernel.start.tangent.map(c)
+        dx = start(t, *run.assembled(), p, 0, *self.assembled, unit).full()
+        first = run.first_step
+        if first.begin is None:
+            return dx
+        x0 = run.steps.x[: first.state_size, 0]
+        memory = first.begin(t, x0, p)
+        more = memory_tangent(first).map(c)(t, x0, p, memory, 0, dx, unit)
+        return np.vstack([dx, more.full()])
+
+    def push(self, begin: int, end: int, change: np.ndarray) -> np.ndarray:
+        out = self._forward(begin, end, change)
+        if self.run.moving is not None:
+            out = out + self.run.moving.push(begin, end, self.unit).transpose(1, 2, 0)
+        self.on_states(begin, np.concatenate([change.T[None], out[:-1]]))
+        return out[-1].T
+
+    def arrive(self, change: np.ndarray) -> None:
+        self.on_states(self.count, change.T.reshape(1, self.width, -1))
+
+    def at_outputs(
+        self, sample: MarchedSample, chosen: np.ndarray, first: int, changes: np.ndarray
+    ) -> np.ndarray:
+        """(…, c, n) changes at the chosen outputs from the changes of states from ``first`` on."""
+        tangents = changes[sample.number[chosen] - first]
+        for mode, part in sample.partial_steps(chosen):
+            function = sample.kernel.over(_inside(sample.step_of(mode), self.width), part.size)
+            along = side_by_side(tangents[part]), np.tile(self.unit, part.size)
+            dx = function(*sample.partial_step_data(chosen[part]), *along)[0]
+            tangents[part] = dx.reshape(-1, part.size, self.width).transpose(1, 2, 0)
+        if sample.moving is not None:
+            rates, slopes = sample.output_shifts(chosen)
+            dt = slopes @ self.unit[: slopes.shape[1]]
+            tangents = tangents + rates.T[:, None] * dt[..., None]
+        return tangents
+
+    def _forward(self, begin: int, end: int, dx: np.ndarray) -> np.ndarray:
+        """(steps, c, n) changes after each of the steps between two states."""
+        kernel, p, steps = self.run.kernel, self.run.p, self.run.step_data(begin, end)
+        count, mode = end - begin, int(self.run.steps.mode[begin])
+        if kernel.fixed.at_once(mode):
+            forward = _forward_chunk(self.run.step_of(mode), count, self.width)
+            return self._by_step(forward(dx, *steps, p, self.unit)[0])
+        if (lanes := self._lanes(mode)) is not None:
+            t, h, _, x = steps
+            values, rates = self._prepared(self.run.step_of(mode).prelude)
+            return lanes(dx, (t[None], h[None], x), values, rates)
+        prelude, single = _forward_step(kernel, mode, self.width)
+        columns = kernel.marched(single, (5, 6))
+        columns.announce(self.count)
+        return self._by_step(columns(count, dx, *steps, *self._prepared(prelude))[0])
+
+    def _by_step(self, out: np.ndarray) -> np.ndarray:
+        return out.T.reshape(-1, self.width, out.shape[0])
+
+    def _prepared(self, prelude: Prelude) -> tuple[np.ndarray, np.ndarray]:
+        """Values of the prelude and their rates along the directions."""
+        if self._prelude is None or self._prelude[0] is not prelude:
+            p, c = self.run.p, self.width
+            rates = prelude.tangent.map(c)(np.tile(p[:, None], c), self.unit).full()
+            self._prelude = prelude, prelude.values(p).full().ravel(), rates
+        return self._prelude[1:]
+
+    def _lanes(self, mode: int) -> LaneTangents | None:
+        """Evaluator of the tangents of a mode in SIMD lanes, None if not available."""
+        if mode not in self._lane_tangents:
+            kernel, step, lanes = self.run.kernel, self.run.step_of(mode), None
+            possible = kernel.backend.has_lanes and not branches(step, kernel.fixed.period)
+            if possible and step.linear is not None:
+                lanes = LaneTangents.of(step.linear, kernel.backend, self.count, self.width)
+            self._lane_tangents[mode] = lanes
+        return self._lane_tangents[mode]
+
+
+def side_by_side(changes: np.ndarray) -> np.ndarray:
+    """(n, instants · columns) changes from (instants, columns, n)."""
+    return changes.transpose(2, 0, 1).reshape(changes.shape[2], -1)
+
+
+@once
+def _inside(step: Step, columns: int) -> ca.Function:
+    """Tangents of a partial step."""
+    return step.tangents(columns)
+
+
+@once
+def _forward_chunk(step: Step, count: int, c: int) -> Kernel:
+    """Kernel of the changes after each step of a chunk of equal steps."""
+    n, m = step.size, step.parameter_count
+    dx, p, dp = ca.MX.sym("dx", n, c), ca.MX.sym("p", m), ca.MX.sym("dp", m, c)
+    xs = ca.MX.sym("xs", n, count)
+    times = [ca.MX.sym(s, 1, count) for s in ("t", "h", "flag")]
+    out = step.chunk_tangents(count, c)(xs[:, 0], *times, p, dx, dp)
+    return Kernel(ca.Function("forward", [dx, *times, xs, p, dp], [out]))
+
+
+@once
+def _forward_step(kernel: DynamicsKernel, mode: int, c: int) -> tuple[Prelude, ca.Function]:
+    """The prelude, and ``(dx, t, h, flag, x, q, dq) → dx`` of one step, for ``c`` columns."""
+    step, period = kernel.variants[mode].step, kernel.fixed.period
+    prelude, tangents = step.prelude, lambda step: step.prepared_tangents(c)
+    if branches(step, period):  # two variants, each with its own prelude
+        prelude, tangents = Prelude.identity(step.parameter_count), lambda step: step.tangents(c)
+    call, _ = with_flag(step, period, tangents)
+    dx, dq = ca.MX.sym("dx", step.size, c), ca.MX.sym("dq", prelude.rate_count, c)
+    x, q = ca.MX.sym("x", step.size), ca.MX.sym("q", prelude.value_count)
+    t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
+    following = ca.densify(call(flag, t, h, x, q, dx, dq))
+    return prelude, ca.Function("forward_step", [dx, t, h, flag, x, q, dq], [following])
+
+
+OnOutput = Callable[[int, int, np.ndarray], None]
+OnStates = Callable[[int, np.ndarray, np.ndarray], None]
 
 
 class DirectMarch:
@@ -23,24 +186,24 @@ class DirectMarch:
 
     Parameters
     ----------
-    samples : of the same steps
+    samples : samples of the same steps
     columns : numbers of the parameters
     """
 
     def __init__(self, samples: Sequence[Sample], columns: Sequence[int]):
-        self.seen = [MarchedSample(sample) for sample in samples]
+        self.marched = [MarchedSample(sample) for sample in samples]
         self.columns = tuple(columns)
         self.width = len(self.columns)
 
     def gradient(self) -> np.ndarray:
-        """(responses, columns) by one march over the steps with all columns."""
-        gradient = np.zeros((len(self.seen), self.width))
+        """(responses, columns) derivatives by one march over the steps with all columns."""
+        gradient = np.zeros((len(self.marched), self.width))
 
         def add(row: int, k: int, rates: np.ndarray) -> None:
-            gradient[row] += self.seen[row].sample.weights[k] * rates
+            gradient[row] += self.marched[row].sample.weights[k] * rates
 
         def add_instants(first: int, changes: np.ndarray, unit: np.ndarray) -> None:
-            for row, sample in enumerate(self.seen):
+            for row, sample in enumerate(self.marched):
                 for instant in sample.instants:
                     if 0 <= instant.number - first < len(changes):
                         gradient[row] += changes[instant.number - first] @ instant.x
@@ -50,52 +213,52 @@ class DirectMarch:
         return gradient
 
     def samples(self) -> list[np.ndarray]:
-        """(K, columns) derivatives of the samples that have a weight, for each response."""
-        found = [np.zeros((sample.modes.size, self.width)) for sample in self.seen]
+        """(K, columns) derivatives of the samples with nonzero weight, for each response."""
+        derivatives = [np.zeros((sample.modes.size, self.width)) for sample in self.marched]
 
-        def keep(row: int, k: int, rates: np.ndarray) -> None:
-            found[row][k] = rates
+        def store(row: int, k: int, rates: np.ndarray) -> None:
+            derivatives[row][k] = rates
 
-        self._march(keep)
-        return found
+        self._march(store)
+        return derivatives
 
-    def _march(self, take: Take, pass_states: Pass | None = None) -> None:
-        """One march over the steps.
+    def _march(self, on_output: OnOutput, on_states: OnStates | None = None) -> None:
+        """March over the steps with callbacks.
 
-        ``take`` is called with row, sample and its derivatives, ``pass_states`` with the number of
-        a state, the changes (states, columns, n) from it on and the directions.
+        ``on_output`` is called with row, sample and its derivatives, ``on_states`` with the number
+        of a state, the changes (states, columns, n) from it on and the directions.
         """
-        if not (self.seen and self.width):
+        if not (self.marched and self.width):
             return
-        run = self.seen[0]
+        run = self.marched[0]
         unit = run.model.tangents(run.p, self.columns)
 
-        def look(first: int, changes: np.ndarray) -> None:
-            if pass_states is not None:
-                pass_states(first, changes, unit)
-            for row, sample in enumerate(self.seen):
-                chosen = sample.seen(first, first + len(changes) - 1)
+        def evaluate(first: int, changes: np.ndarray) -> None:
+            if on_states is not None:
+                on_states(first, changes, unit)
+            for row, sample in enumerate(self.marched):
+                chosen = sample.active_outputs(first, first + len(changes) - 1)
                 if chosen.size:
-                    moved = march.at_outputs(sample, chosen, first, changes)
-                    for k, rates in self._rates(sample, chosen, moved, unit):
-                        take(row, k, rates)
+                    tangents = march.at_outputs(sample, chosen, first, changes)
+                    for k, rates in self._rates(sample, chosen, tangents, unit):
+                        on_output(row, k, rates)
 
-        march = TangentMarch(run, unit, look)
+        march = TangentMarch(run, unit, evaluate)
         march.forwards()
 
     def _rates(
-        self, sample: MarchedSample, chosen: np.ndarray, moved: np.ndarray, unit: np.ndarray
+        self, sample: MarchedSample, chosen: np.ndarray, tangents: np.ndarray, unit: np.ndarray
     ) -> Iterator[tuple[int, np.ndarray]]:
-        """Outputs, and the derivatives (columns,) of the measure there."""
+        """Outputs and the derivatives (columns,) of the measure at each."""
         states = sample.states_at(chosen)
-        for mode, part in alike(sample.modes[chosen], np.arange(chosen.size)):
+        for mode, part in columns_by_mode(sample.modes[chosen], np.arange(chosen.size)):
             size = sample.step_of(mode).state_size
             measured = _measured(sample.measured(sample.kernel.variants[mode]), self.width)
             rates = sample.kernel.over(measured, part.size)(
                 sample.motion.time[chosen[part]],
                 states[:size, part],
                 np.tile(sample.p[:, None], part.size),
-                beside(moved[part][:, :, :size]),
+                side_by_side(tangents[part][:, :, :size]),
                 np.tile(unit, part.size),
             )[0]
             rows = rates.reshape(part.size, -1)

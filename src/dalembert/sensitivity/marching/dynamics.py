@@ -1,4 +1,4 @@
-"""Gradients of dynamics: samples depend on all steps before them."""
+"""Gradient engine of dynamics."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from dalembert.sensitivity.samples import Sample
 
 
 class DynamicsEngine(Engine):
-    """Marches over the steps that were taken: forwards, or backwards."""
+    """Direct and adjoint marches over the recorded steps."""
 
     def direct(self, columns: Sequence[int]) -> np.ndarray:
-        found = np.zeros((len(self.samples), len(columns)))
-        for rows in self._of_same_steps():
-            found[rows] = DirectMarch([self.samples[k] for k in rows], columns).gradient()
-        return found
+        gradients = np.zeros((len(self.samples), len(columns)))
+        for rows in self._rows_by_steps():
+            gradients[rows] = DirectMarch([self.samples[k] for k in rows], columns).gradient()
+        return gradients
 
     def of_samples(self, columns: Sequence[int]) -> list[np.ndarray]:
-        found = [np.zeros((0, 0))] * len(self.samples)
-        for rows in self._of_same_steps():
+        of_samples = [np.zeros((0, 0))] * len(self.samples)
+        for rows in self._rows_by_steps():
             march = DirectMarch([self.samples[k] for k in rows], columns)
             for row, derivatives in zip(rows, march.samples(), strict=True):
-                found[row] = derivatives
-        return found
+                of_samples[row] = derivatives
+        return of_samples
 
-    def _of_same_steps(self) -> list[list[int]]:
-        """Numbers of the responses by the steps they look at; integrals may look at shorter."""
+    def _rows_by_steps(self) -> list[list[int]]:
+        """Responses grouped by their steps; integrals may use shorter steps."""
         steps = [sample.motion.record.steps for sample in self.samples]
-        every = {id(s): s for s in steps}.values()
-        return [[k for k, s in enumerate(steps) if s is one] for one in every]
+        distinct = {id(s): s for s in steps}.values()
+        return [[k for k, s in enumerate(steps) if s is own] for own in distinct]
 
     def adjoint(self) -> np.ndarray:
         return self.gathered([AdjointMarch(sample).gradient() for sample in self.samples])
@@ -48,5 +48,5 @@ class DynamicsEngine(Engine):
         flow = Flow(record.kernel, record.steps, sample.motion.parameters)
         step, length = int(record.branches.index[k]), float(record.branches.length[k])
         if length == 0.0 and step > 0 and record.steps.h[step - 1] > 0:
-            step, length = step - 1, float(record.steps.h[step - 1])  # its end
+            step, length = step - 1, float(record.steps.h[step - 1])  # the end of the step before
         return flow.rate(sample.measure, step, length)

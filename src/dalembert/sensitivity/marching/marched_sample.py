@@ -1,4 +1,4 @@
-"""A sampled response of a dynamic run, with the steps and functions that gradients march over."""
+"""Sampled response of a dynamic run, with the steps and functions of gradient marches."""
 
 from __future__ import annotations
 
@@ -9,22 +9,26 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.step_outputs import alike
+from dalembert.analysis.dynamics.step_outputs import columns_by_mode
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.kinematics.branches import Branches
 from dalembert.integrators.marching.march import CHUNK
 from dalembert.integrators.marching.steps import even_length, run_length
 from dalembert.integrators.step import Step
-from dalembert.sensitivity.marching.moving_instants import MovingInstant, moving_instants
-from dalembert.sensitivity.marching.moving_steps import MovingSteps, by_times, step_slopes
-from dalembert.sensitivity.marching.sightings import Sightings
-from dalembert.sensitivity.samples import Sample
+from dalembert.sensitivity.marching.moving_instants import (
+    MovingInstant,
+    MovingSteps,
+    by_times,
+    moving_instants,
+    step_slopes,
+)
+from dalembert.sensitivity.samples import Sample, SampledOutputs
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
 
-class MarchedSample(Sightings):
-    """What direct and adjoint gradients of one sampled response have in common."""
+class MarchedSample(SampledOutputs):
+    """Common base of direct and adjoint gradients of one sampled response."""
 
     def __init__(self, sample: Sample):
         super().__init__(sample)
@@ -40,31 +44,31 @@ class MarchedSample(Sightings):
         return self.steps.count
 
     def ahead(self, begin: int, longest: int = CHUNK) -> int:
-        """The state up to which the steps from another one are of one kind."""
-        return begin + self._alike(self.steps.mode[begin:], self.steps.h[begin:], longest)
+        """Number of the state that one call reaches from state ``begin``."""
+        return begin + self._call_length(self.steps.mode[begin:], self.steps.h[begin:], longest)
 
     def behind(self, end: int) -> int:
-        """The same backwards."""
-        return end - self._alike(self.steps.mode[:end][::-1], self.steps.h[:end][::-1], CHUNK)
+        """Number of the state that one backward call reaches from state ``end``."""
+        return end - self._call_length(self.steps.mode[:end][::-1], self.steps.h[:end][::-1], CHUNK)
 
-    def _alike(self, modes: np.ndarray, h: np.ndarray, longest: int) -> int:
-        """How many steps in front are taken in one call."""
+    def _call_length(self, modes: np.ndarray, h: np.ndarray, longest: int) -> int:
+        """Number of leading steps that are taken in one call."""
         count = run_length(modes, 0, longest)
         return even_length(h[:count]) if self.kernel.fixed.at_once(int(modes[0])) else count
 
-    def given(self, begin: int, end: int, back: bool = False) -> tuple[np.ndarray, ...]:
-        """Instants, lengths, corrections and states that steps begin with, maybe backwards."""
+    def step_data(self, begin: int, end: int, back: bool = False) -> tuple[np.ndarray, ...]:
+        """Times, lengths, correction flags and initial states of steps, optionally reversed."""
         part = np.arange(end - 1, begin - 1, -1) if back else slice(begin, end)
         s = self.steps
         return s.t[part], s.h[part], s.corrected[part], s.x[:, part]
 
-    def parts_of_steps(self, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-        """Modes, and places among chosen outputs of those inside steps of this mode."""
-        places = np.flatnonzero(self.within[chosen])
-        return alike(self.steps.mode[self.branches.index[chosen[places]]], places)
+    def partial_steps(self, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+        """Modes, and the indices of chosen outputs that lie inside steps of this mode."""
+        inside = np.flatnonzero(self.within[chosen])
+        return columns_by_mode(self.steps.mode[self.branches.index[chosen[inside]]], inside)
 
-    def partial(self, part: np.ndarray) -> tuple:
-        """Where the parts of steps to these outputs begin, and how long they are."""
+    def partial_step_data(self, part: np.ndarray) -> tuple:
+        """Times, lengths, initial states and parameters of the partial steps to these outputs."""
         k, p = self.branches.index[part], np.tile(self.p[:, None], part.size)
         return self.steps.t[k], self.branches.length[part], self.steps.x[:, k], p
 
@@ -74,13 +78,13 @@ class MarchedSample(Sightings):
         return self.states_at(np.arange(self.modes.size))
 
     def states_at(self, chosen: np.ndarray) -> np.ndarray:
-        """(n, …) states at some of the outputs."""
+        """(n, …) states at the chosen outputs."""
         part = Branches(self.branches.index[chosen], self.branches.length[chosen])
         return self.kernel.branch_states(self.steps, part, self.p)
 
     @cached_property
     def moving(self) -> MovingSteps | None:
-        """The ends of steps, where they are formulas of parameters."""
+        """Moving ends of steps; None if they do not depend on parameters."""
         slopes = step_slopes(self.motion)
         if slopes is None:
             return None
@@ -88,20 +92,20 @@ class MarchedSample(Sightings):
 
     @cached_property
     def instants(self) -> list[MovingInstant]:
-        """Impacts and switches that move with the parameters."""
+        """Instants of impacts and switches, which move with the parameters."""
         return moving_instants(self.sample)
 
-    def held(self, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What outputs lack at fixed times: rates of states (n, …) and slopes (…, np) of times.
+    def output_shifts(self, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Corrections to fixed output times: rates of states (n, …) and slopes (…, np) of times.
 
-        An output branches from a state that moves in time, the output itself does not.
+        An output branches from a state that moves in time, but the output time itself is fixed.
         """
         assert self.moving is not None
         number = self.number[chosen]
-        rates = -self.moving.by_length[:, np.maximum(number - 1, 0)]  # those of ends of steps
-        for mode, part in self.parts_of_steps(chosen):
+        rates = -self.moving.by_length[:, np.maximum(number - 1, 0)]  # at the ends of steps
+        for mode, part in self.partial_steps(chosen):
             function = self.kernel.over(by_times(self.step_of(mode)), part.size)
-            by_time, by_length = function(*self.partial(chosen[part]))
+            by_time, by_length = function(*self.partial_step_data(chosen[part]))
             rates[:, part] = by_time - by_length
         return rates, self.moving.slopes[number]
 

@@ -1,8 +1,8 @@
-"""The run in steps whose tangents stay bounded, of which gradients are taken.
+"""Subdivision of steps so that products of their tangents stay bounded.
 
-Under error control a run may stay at the limit of stability of its method (see ``StepGrowth``).
-Its gradient is then taken of the same run with the steps divided: the states are the same within
-the tolerance, and the products of the step tangents follow the motion.
+Under error control a run may stay at the stability limit of its method (see ``StepGrowth``). The
+gradient is then computed for the same run with subdivided steps: the states agree within the
+tolerance, and the products of the step tangents follow the motion.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from dalembert.results.result import Result
 from dalembert.sensitivity.marching.step_growth import TOLERATED, StepGrowth
 from dalembert.symbolic.once import once
 
-MOST = 1000
-"""Parts of a step at most."""
-STIFF = "use Radau() or Bdf(), whose steps dampen stiff modes"
+MAX_PARTS = 1000
+"""Upper limit of the number of parts of a step."""
+REMEDY = "use Radau() or Bdf(), whose steps dampen stiff modes"
 
 
 @once
 def growth_of(motion: Recording) -> StepGrowth | None:
-    """Growth of the step tangents of a run under error control; None of other results."""
+    """Growth of the step tangents of a run under error control; None for other results."""
     kernel = getattr(motion.record, "kernel", None)
     if not isinstance(kernel, DynamicsKernel) or kernel.adaptive is None:
         return None
@@ -36,28 +36,28 @@ def growth_of(motion: Recording) -> StepGrowth | None:
 
 @once
 def with_stable_steps(motion: Result) -> Result:
-    """The result itself, or the run in parts of its steps where their tangents would explode.
+    """The result, with subdivided steps if products of their tangents would diverge.
 
     Raises
     ------
     SingularityError
-        No reasonable division helps; names the growth, the time and other integrators.
+        No feasible subdivision suffices; names the growth, the time and other integrators.
     """
     growth = growth_of(motion) if isinstance(motion, Recording) else None
     if growth is None or growth.harmless:
         return motion
     parts = growth.parts
-    if parts.max() > MOST:
-        raise SingularityError(f"no gradient: {described(growth)}; {STIFF}")
+    if parts.max() > MAX_PARTS:
+        raise SingularityError(f"no gradient: {describe(growth)}; {REMEDY}")
     assert isinstance(motion, Recording)
     try:
         return in_parts(motion, parts)
     except AnalysisError as error:
-        raise SingularityError(f"no gradient: {described(growth)}; {error}; {STIFF}") from error
+        raise SingularityError(f"no gradient: {describe(growth)}; {error}; {REMEDY}") from error
 
 
 def in_halves(motion: Recording) -> Recording | None:
-    """The run in steps half as long; None where the steps of its method remember earlier ones.
+    """The run in steps half as long; None for multistep methods.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def in_halves(motion: Recording) -> Recording | None:
 
 
 def in_parts(motion: Recording, parts: np.ndarray) -> Recording:
-    """The run with each of its steps in so many equal parts.
+    """The run with each step divided into equal parts.
 
     Raises
     ------
@@ -87,14 +87,14 @@ def in_parts(motion: Recording, parts: np.ndarray) -> Recording:
         raise AnalysisError(
             f"the run in shorter steps ends with {steps.message!r} at t = {steps.end:.6g} s"
         )
-    branches = moved_branches(record.branches, record.steps, parts)
+    branches = divided_branches(record.branches, record.steps, parts)
     trajectory = kernel.trajectory(motion.time, steps, branches, p)
-    made = replace(record, steps=steps, branches=branches)
-    return replace(motion, trajectory=trajectory, record=made)
+    divided = replace(record, steps=steps, branches=branches)
+    return replace(motion, trajectory=trajectory, record=divided)
 
 
-def described(growth: StepGrowth) -> str:
-    """What happens, with the factor and the time."""
+def describe(growth: StepGrowth) -> str:
+    """Description of the growth, with factor and time."""
     name, factor = growth.kernel.integrator.name, growth.factor
     grows = f"grows by {factor:.2g}" if factor > TOLERATED else "may grow"
     return (
@@ -103,8 +103,8 @@ def described(growth: StepGrowth) -> str:
     )
 
 
-def moved_branches(branches: Branches, steps: Steps, parts: np.ndarray) -> Branches:
-    """The same places among divided steps."""
+def divided_branches(branches: Branches, steps: Steps, parts: np.ndarray) -> Branches:
+    """The same outputs in the divided steps."""
     k, first = branches.index, np.concatenate([[0], np.cumsum(parts)])
     part = steps.h[k] / parts[k]
     ends = branches.ends_of(steps)

@@ -1,12 +1,12 @@
-"""The walk through time of direct and adjoint gradients, whatever the steps are made of.
+"""Forward and backward walks through time for direct and adjoint gradients.
 
-States follow one another, ``x_0(p)`` and ``x_{k+1} = S_k(x_k, p)``, and responses see some of them,
-``Θ = Σ θ_k(x_k, p)``. Forwards a change is pushed through the steps, backwards a weight pulled:
+States follow from ``x_0(p)`` by ``x_{k+1} = S_k(x_k, p)``, and responses depend on some of them,
+``Θ = Σ θ_k(x_k, p)``. Forward walks push changes through the steps, backward walks pull weights:
 
     dx_{k+1} = (∂S_k/∂x) dx_k + (∂S_k/∂p) dp,     dΘ = Σ (∂θ_k/∂x) dx_k + (∂θ_k/∂p) dp,
     x̄_k = (∂S_k/∂x)ᵀ x̄_{k+1} + (∂θ_k/∂x)ᵀ,       p̄ = Σ (∂S_k/∂p)ᵀ x̄_{k+1} + (∂θ_k/∂p)ᵀ.
 
-Steps of a graph are taken by the hundred in one call, those of structures one by one.
+Steps of mechanisms are taken in chunks of hundreds, steps of structures one by one.
 """
 
 from __future__ import annotations
@@ -18,34 +18,34 @@ C = TypeVar("C")
 
 
 class ForwardWalk(ABC, Generic[C]):
-    """From the start to the end of a run, with the change of the state."""
+    """Walk from the start to the end of a run with the change of the state."""
 
     @property
     @abstractmethod
     def count(self) -> int:
-        """Number of steps; of their ends, the states, there is one more."""
+        """Number of steps; the number of states is one more."""
 
     @abstractmethod
     def push_start(self) -> C:
         """Change of the first state."""
 
     def ahead(self, begin: int) -> int:
-        """The state that is reached at once from another one."""
+        """Number of the state that one push reaches from state ``begin``."""
         return begin + 1
 
     @abstractmethod
     def push(self, begin: int, end: int, change: C) -> C:
-        """Change of a state from that of an earlier one.
+        """Change of state ``end`` from that of state ``begin``.
 
-        Responses take what they see of this one and all on the way, but for the end.
+        Evaluates the responses at all states from ``begin`` up to but excluding ``end``.
         """
 
     @abstractmethod
     def arrive(self, change: C) -> None:
-        """Responses take what they see of the last state."""
+        """Evaluate the responses at the last state."""
 
     def forwards(self) -> None:
-        """All steps."""
+        """Push through all steps."""
         change, begin = self.push_start(), 0
         while begin < self.count:
             end = self.ahead(begin)
@@ -54,34 +54,34 @@ class ForwardWalk(ABC, Generic[C]):
 
 
 class BackwardWalk(ABC, Generic[C]):
-    """From the end to the start of a run, with the weight of the state."""
+    """Walk from the end to the start of a run with the weight of the state."""
 
     @property
     @abstractmethod
     def count(self) -> int:
-        """Number of steps; of their ends, the states, there is one more."""
+        """Number of steps; the number of states is one more."""
 
     @abstractmethod
     def depart(self) -> C:
-        """What responses weigh the last state."""
+        """Weight of the last state in the responses."""
 
     def behind(self, end: int) -> int:
-        """The state that is reached at once from a later one."""
+        """Number of the state that one pull reaches from state ``end``."""
         return end - 1
 
     @abstractmethod
     def pull(self, begin: int, end: int, weights: C) -> C:
-        """Weight of a state from that of a later one.
+        """Weight of state ``begin`` from that of state ``end``.
 
-        What responses weigh this one and all on the way is added, but for the end.
+        Adds the weights in the responses of all states from ``begin`` up to but excluding ``end``.
         """
 
     @abstractmethod
     def pull_start(self, weights: C) -> None:
-        """Take the weight of the first state to the parameters."""
+        """Add the weight of the first state to those of the parameters."""
 
     def backwards(self) -> None:
-        """All steps."""
+        """Pull through all steps."""
         weights, end = self.depart(), self.count
         while end > 0:
             begin = self.behind(end)

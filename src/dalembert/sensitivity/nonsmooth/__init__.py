@@ -1,1 +1,1 @@
-"""Gradients of motions with many impacts."""
+"""Gradients of nonsmooth time stepping."""

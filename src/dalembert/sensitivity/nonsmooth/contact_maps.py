@@ -1,9 +1,9 @@
-"""The maps that a step with contacts consists of, where it is known which press and which slip.
+"""Smooth maps of a step with contacts, for known pressing and slipping contacts.
 
     (M − h θ D − h² θ² K)(v⁺ − v) + Cᵀ Λ − Wᵀ P = h F,      C (σ v⁺ + (1−σ) v) = −Φ_t,
     u_N⁺ + e u_N⁻ = 0,      u_T⁺ + e_T u_T⁻ = 0  or  P_T = −μ P_N u_T/|u_T|
 
-then ``y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)``; positions opened along ``M⁻¹``; speeds that joints allow.
+then ``y⁺ = y ⊕ h (θ v⁺ + (1−θ) v)``; correction of gaps along ``M⁻¹``; projection of speeds.
 """
 
 from __future__ import annotations
@@ -14,25 +14,25 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.smooth_motion import joined
+from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
 from dalembert.sensitivity.nonsmooth.implicit_map import ImplicitMap
 from dalembert.symbolic.formulas.expression import stack
 
 
-class Rubbing(Enum):
-    """What a contact that presses does along the surface."""
+class Friction(Enum):
+    """Tangential state of a pressing contact."""
 
-    NOT = 0
-    STICKS = 1
-    SLIPS = 2
+    NONE = 0
+    STICK = 1
+    SLIP = 2
 
 
-Pattern = tuple[tuple[int, Rubbing], ...]
-"""Keys of the gaps that press, and how they rub."""
+Pattern = tuple[tuple[int, Friction], ...]
+"""Keys of the pressing gaps with their tangential states."""
 
 
 class ContactMaps:
-    """Maps of one model and scheme, made when they are asked for.
+    """Maps of one model and scheme, built on request and cached.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class ContactMaps:
         self.contact_step = step
         self.e = e = step.model.equations
         self.x = ca.vertcat(e.y, e.v)
-        self.h, self.none = ca.SX.sym("h"), ca.SX(0, 1)
+        self.h, self.empty = ca.SX.sym("h"), ca.SX(0, 1)
         self._steps: dict[Pattern, ImplicitMap] = {}
         self._openings: dict[tuple[tuple[int, bool], ...], ImplicitMap] = {}
         self._gaps: dict[int, ca.Function] = {}
@@ -61,13 +61,13 @@ class ContactMaps:
     def _joints(self) -> ca.Function:
         """``(t, y, p) → C, Φ_t, Φ``."""
         e = self.e
-        still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
-        return ca.Function("joints", [e.t, e.y, e.p], [e.jacobian, still, e.constraints])
+        by_time = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
+        return ca.Function("joints", [e.t, e.y, e.p], [e.jacobian, by_time, e.constraints])
 
     def gap(self, key: int) -> ca.Function:
         """``(t, y, v, p) → g, u, e, e_T, μ``."""
         if key not in self._gaps:
-            e, gap = self.e, self.contact_step.stated(key)
+            e, gap = self.e, self.contact_step.symbolic_gap(key)
             laws = [gap.restitution, gap.tangential, gap.friction]
             self._gaps[key] = ca.Function(
                 "gap", [e.t, e.y, e.v, e.p], [gap.distance, gap.speeds, *laws]
@@ -87,15 +87,15 @@ class ContactMaps:
         return self._closings[key]
 
     @cached_property
-    def moving(self) -> ca.Function:
+    def kinematic_matrix(self) -> ca.Function:
         """``y → A`` with ``ẏ = A v``."""
         m = self.e.manifold
-        still = ca.SX.zeros(m.delta.numel())
-        rate = ca.substitute(ca.jacobian(m.moved, m.delta), m.delta, still)
-        return ca.Function("moving", [m.y], [ca.densify(rate)])
+        zero = ca.SX.zeros(m.delta.numel())
+        rate = ca.substitute(ca.jacobian(m.moved, m.delta), m.delta, zero)
+        return ca.Function("kinematic_matrix", [m.y], [ca.densify(rate)])
 
     def step(self, pattern: Pattern) -> ImplicitMap:
-        """From the start of a step to where it leads before anything is corrected."""
+        """Map from the start of a step to its end before corrections."""
         if pattern not in self._steps:
             self._steps[pattern] = self._step(pattern)
         return self._steps[pattern]
@@ -106,38 +106,38 @@ class ContactMaps:
         multiplier = ca.SX.sym("multiplier", e.constraint_count)
         at, middle = e.t + theta * h, e.manifold.going(e.y, theta * h * e.v)
         mass, force, damping, stiffness = self._smooth(at, middle, e.v, e.p)
-        part = joined(theta)
+        part = constrained_fraction(theta)
         between = e.manifold.going(e.y, part * h * e.v)
-        jacobian, still, _ = self._joints(e.t + part * h, between, e.p)
+        jacobian, by_time, _ = self._joints(e.t + part * h, between, e.p)
         matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
         dynamics = ca.mtimes(matrix, after - e.v) + ca.mtimes(jacobian.T, multiplier) - h * force
-        impulses, rows = [], [ca.mtimes(jacobian, part * after + (1 - part) * e.v) + still]
-        for key, rubbing in pattern:
+        impulses, rows = [], [ca.mtimes(jacobian, part * after + (1 - part) * e.v) + by_time]
+        for key, state in pattern:
             gap = self.gap(key)
-            _, before, bounce, back, friction = gap(e.t, e.y, e.v, e.p)
-            then = gap(e.t, e.y, after, e.p)[1]
-            impulse = ca.SX.sym("P", then.numel())
+            _, before, restitution, tangential, friction = gap(e.t, e.y, e.v, e.p)
+            end = gap(e.t, e.y, after, e.p)[1]
+            impulse = ca.SX.sym("P", end.numel())
             impulses.append(impulse)
             dynamics -= ca.mtimes(ca.jacobian(before, e.v).T, impulse)
-            rows.append(then[0] + bounce * before[0])
-            along = then[1:] + back * before[1:]
-            if rubbing is Rubbing.NOT:
+            rows.append(end[0] + restitution * before[0])
+            along = end[1:] + tangential * before[1:]
+            if state is Friction.NONE:
                 rows.append(impulse[1:])
-            elif rubbing is Rubbing.STICKS:
+            elif state is Friction.STICK:
                 rows.append(along)
             else:
-                way = along / ca.norm_2(along)
-                rows.append(impulse[1:] + friction * impulse[0] * way)
-        place = e.manifold.going(e.y, h * (theta * after + (1 - theta) * e.v))
+                direction = along / ca.norm_2(along)
+                rows.append(impulse[1:] + friction * impulse[0] * direction)
+        positions = e.manifold.going(e.y, h * (theta * after + (1 - theta) * e.v))
         z = ca.vertcat(after, multiplier, *impulses)
         equations = ca.vertcat(dynamics, *rows)
-        return ImplicitMap(z, self.x, e.t, e.p, h, equations, ca.vertcat(place, after))
+        return ImplicitMap(z, self.x, e.t, e.p, h, equations, ca.vertcat(positions, after))
 
     def opening(self, keys: tuple[tuple[int, bool], ...]) -> ImplicitMap:
         """One iteration towards closed joints and open gaps, ``M δ + Cᵀ λ − Nᵀ π = 0``.
 
-        Beside the key of a gap stands whether its contact presses. The lift of others is constant:
-        their impact is still to come, and its instant depends on where they are.
+        Each key of a gap comes with a flag whether its contact presses. The lift of other gaps is
+        constant: their impact is still to come, and its instant depends on their position.
         """
         if keys not in self._openings:
             e = self.e
@@ -153,9 +153,9 @@ class ContactMaps:
             ]
             rows = ca.vertcat(jacobian, -normals)
             z = ca.SX.sym("z", e.v.numel() + rows.shape[0])
-            shift, pushed = z[: e.v.numel()], z[e.v.numel() :]
+            shift, forces = z[: e.v.numel()], z[e.v.numel() :]
             equations = ca.vertcat(
-                ca.mtimes(e.mass, shift) + ca.mtimes(rows.T, pushed),
+                ca.mtimes(e.mass, shift) + ca.mtimes(rows.T, forces),
                 ca.mtimes(jacobian, shift) + open_by,
                 ca.mtimes(normals, shift) + stack(open_gaps),
             )
@@ -165,14 +165,14 @@ class ContactMaps:
 
     @cached_property
     def consistent(self) -> ImplicitMap:
-        """To the nearest speeds that joints allow."""
+        """Projection to the nearest speeds that satisfy the joints."""
         e = self.e
-        jacobian, still, _ = self._joints(e.t, e.y, e.p)
+        jacobian, by_time, _ = self._joints(e.t, e.y, e.p)
         z = ca.SX.sym("z", e.v.numel() + e.constraint_count)
         change, multiplier = z[: e.v.numel()], z[e.v.numel() :]
         equations = ca.vertcat(
             ca.mtimes(e.mass, change) + ca.mtimes(jacobian.T, multiplier),
-            ca.mtimes(jacobian, e.v + change) + still,
+            ca.mtimes(jacobian, e.v + change) + by_time,
         )
         following = ca.vertcat(e.y, e.v + change)
-        return ImplicitMap(z, self.x, e.t, e.p, self.none, equations, following)
+        return ImplicitMap(z, self.x, e.t, e.p, self.empty, equations, following)

@@ -1,4 +1,4 @@
-"""Direct and adjoint gradients of motions with many impacts, step by step."""
+"""Direct and adjoint gradients of nonsmooth time stepping, step by step."""
 
 from __future__ import annotations
 
@@ -11,36 +11,36 @@ from dalembert.errors import UnsupportedError
 from dalembert.sensitivity.engine import Engine
 from dalembert.sensitivity.marching.walk import BackwardWalk, ForwardWalk
 from dalembert.sensitivity.nonsmooth.contact_steps import ContactSteps
-from dalembert.sensitivity.nonsmooth.moving_impacts import taken_step
+from dalembert.sensitivity.nonsmooth.moving_impacts import step_tangent
 from dalembert.sensitivity.samples import Sample
 
-Seen = tuple[np.ndarray, np.ndarray]
+StateWeights = tuple[np.ndarray, np.ndarray]
 """Weights (n, r) of a state, and (np, r) of the parameters."""
 
 
 class ContactPass:
-    """What both directions share.
+    """Common base of the direct and the adjoint march.
 
     Parameters
     ----------
-    samples : of the same run
+    samples : samples of the same run
     """
 
     def __init__(self, samples: Sequence[Sample]):
         self.samples = list(samples)
         self.steps = ContactSteps(samples[0].motion)
         self.p, self.rows = self.steps.p, len(self.samples)
-        self.seen: dict[int, Seen] = {}
+        self.weights: dict[int, StateWeights] = {}
         for row, sample in enumerate(self.samples):
-            self._look(row, sample)
+            self._add_sample(row, sample)
 
     @property
     def count(self) -> int:
         """Number of steps."""
         return self.steps.count
 
-    def _look(self, row: int, sample: Sample) -> None:
-        """Lay the weights of a response on the ends of steps."""
+    def _add_sample(self, row: int, sample: Sample) -> None:
+        """Distribute the weights of a response to the ends of steps."""
         t, slopes = self.steps.record.t, _slopes(sample)
         slack = 1e-12 * max(abs(t[0]), abs(t[-1]))
         for k in np.flatnonzero(sample.weights):
@@ -50,21 +50,21 @@ class ContactPass:
             ends = [(n, 1.0)] if abs(t[n] - time) <= slack else [(n, share), (n - 1, 1 - share)]
             if len(ends) > 1 and not self.steps.maps.e.manifold.flat:
                 raise UnsupportedError(
-                    "gradients between the ends of steps are not available where bodies turn in "
+                    "gradients between the ends of steps are not available for rotations in "
                     "space; choose outputs that are multiples of the step"
                 )
             trajectory = sample.motion.trajectory
             state = time, trajectory.y[:, k], trajectory.v[:, k], self.p
             by_x, by_p = (sample.weights[k] * s.full().ravel() for s in slopes(*state))
             for number, part in ends:
-                x_bar, p_bar = self._of(number)
+                x_bar, p_bar = self._weights_at(number)
                 x_bar[:, row] += part * by_x
                 p_bar[:, row] += part * by_p
 
-    def _of(self, number: int) -> Seen:
+    def _weights_at(self, number: int) -> StateWeights:
         size = self.steps.x.shape[0]
         empty = np.zeros((size, self.rows)), np.zeros((self.p.size, self.rows))
-        return self.seen.setdefault(number, empty)
+        return self.weights.setdefault(number, empty)
 
     def start(self) -> tuple[float, np.ndarray]:
         """Instant and positions of the start."""
@@ -75,23 +75,24 @@ class ContactAdjoint(ContactPass, BackwardWalk[np.ndarray]):
     """Gradients of all responses by one march backwards."""
 
     def gradient(self) -> np.ndarray:
-        """(rows, np)"""
+        """(rows, np) gradients."""
         self.p_bar = np.zeros((self.p.size, self.rows))
         self.backwards()
         return self.p_bar.T
 
     def depart(self) -> np.ndarray:
-        return self._taken(self.count)
+        return self._add_parameters(self.count)
 
-    def _taken(self, number: int) -> np.ndarray:
-        x_bar, p_bar = self._of(number)
+    def _add_parameters(self, number: int) -> np.ndarray:
+        """Weights of a state, with those of the parameters added to ``p_bar``."""
+        x_bar, p_bar = self._weights_at(number)
         self.p_bar += p_bar
         return x_bar
 
     def pull(self, begin: int, end: int, weights: np.ndarray) -> np.ndarray:
-        weights, p_bar = taken_step(self.steps, begin).pull(weights)
+        weights, p_bar = step_tangent(self.steps, begin).pull(weights)
         self.p_bar += p_bar
-        return weights + self._taken(begin)
+        return weights + self._add_parameters(begin)
 
     def pull_start(self, weights: np.ndarray) -> None:
         (t, y), size = self.start(), self.steps.size
@@ -102,23 +103,23 @@ class ContactAdjoint(ContactPass, BackwardWalk[np.ndarray]):
 
 
 class ContactDirect(ContactPass, ForwardWalk[np.ndarray]):
-    """Derivatives of the motion by some parameters, all at once.
+    """Derivatives of the motion by several parameters together.
 
     Parameters
     ----------
-    samples : of the same run
+    samples : samples of the same run
     columns : numbers of the parameters
     """
 
     def __init__(self, samples: Sequence[Sample], columns: Sequence[int]):
         super().__init__(samples)
         self.directions = samples[0].motion.model.tangents(self.p, columns)
-        self.found = np.zeros((self.rows, len(columns)))
+        self.derivatives = np.zeros((self.rows, len(columns)))
 
     def gradient(self) -> np.ndarray:
-        """(rows, columns)"""
+        """(rows, columns) derivatives."""
         self.forwards()
-        return self.found
+        return self.derivatives
 
     def push_start(self) -> np.ndarray:
         (t, y), c = self.start(), self.directions.shape[1]
@@ -127,20 +128,20 @@ class ContactDirect(ContactPass, ForwardWalk[np.ndarray]):
         return np.vstack([part.full() for part in parts])
 
     def push(self, begin: int, end: int, change: np.ndarray) -> np.ndarray:
-        self._see(begin, change)
-        return taken_step(self.steps, begin).push(change, self.directions)
+        self._evaluate(begin, change)
+        return step_tangent(self.steps, begin).push(change, self.directions)
 
     def arrive(self, change: np.ndarray) -> None:
-        self._see(self.count, change)
+        self._evaluate(self.count, change)
 
-    def _see(self, number: int, change: np.ndarray) -> None:
-        if number in self.seen:
-            x_bar, p_bar = self.seen[number]
-            self.found += x_bar.T @ change + p_bar.T @ self.directions
+    def _evaluate(self, number: int, change: np.ndarray) -> None:
+        if number in self.weights:
+            x_bar, p_bar = self.weights[number]
+            self.derivatives += x_bar.T @ change + p_bar.T @ self.directions
 
 
 class ContactEngine(Engine):
-    """Motions of ``solve_nonsmooth``."""
+    """Gradient engine of ``solve_nonsmooth``."""
 
     def direct(self, columns: Sequence[int]) -> np.ndarray:
         return ContactDirect(self.samples, columns).gradient()
@@ -159,13 +160,13 @@ def _slopes(sample: Sample) -> ca.Function:
     """
     model = sample.motion.model
     e, measure = model.all_equations, model.at_ground(sample.measure.sx)
-    known = ca.vertcat(e.t, e.y, e.v, e.p)
-    allowed = {symbol.element_hash() for symbol in ca.vertsplit(known)}
+    arguments = ca.vertcat(e.t, e.y, e.v, e.p)
+    allowed = {symbol.element_hash() for symbol in ca.vertsplit(arguments)}
     if any(symbol.element_hash() not in allowed for symbol in ca.symvar(measure)):
         raise UnsupportedError(
-            f"{sample.measure.name or 'the measure'} looks at accelerations, reactions or energies "
-            "taken over time, which are means over steps with contacts: no gradient; take a "
-            "measure of positions and speeds"
+            f"{sample.measure.name or 'the measure'} depends on accelerations, reactions or "
+            "energies taken over time, which are means over steps with contacts: no gradient; use "
+            "a measure of positions and speeds"
         )
     slopes = [ca.jacobian(measure, by) for by in (ca.vertcat(e.y, e.v), e.p)]
     return ca.Function("slopes", [e.t, e.y, e.v, e.p], [ca.densify(s) for s in slopes])

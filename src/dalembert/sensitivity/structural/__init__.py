@@ -1,1 +1,1 @@
-"""Gradients of what structures do."""
+"""Gradients of structural analyses."""

@@ -1,55 +1,129 @@
-"""Gradients of eigenvalues and shapes of structures, ``A φ = λ B φ`` with ``φᵀ B φ = 1``.
+"""Gradients of eigenvalues and mode shapes of structures, ``A φ = λ B φ`` with ``φᵀ B φ = 1``.
 
-Differentiated, with the shapes ``Φ`` of an eigenvalue and of all that coincide with it,
+Differentiation gives, with the shapes ``Φ`` of an eigenvalue and of all coincident ones,
 
     dλ̂ = Φᵀ (dA − λ dB) Φ,   (A − λ B) dΦ = −(dA − λ dB) Φ + B Φ dλ̂,   Φᵀ B dΦ = −Φᵀ dB Φ / 2
 
 (Nelson, AIAA Journal 14, 1976; Dailey, AIAA Journal 27, 1989). The shapes of a repeated eigenvalue
-may be turned among themselves, and single ones of it have no derivative; what does not notice the
-turning has one.
+are unique up to a rotation, and single shapes have no derivative; functions that are invariant
+under the rotation have one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
+from dalembert.analysis.structural.pencil import Loaded, Pencil, Term
 from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.errors import SingularityError
 from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample
-from dalembert.sensitivity.structural.loaded_pencil import PencilTangent
-from dalembert.sparse.eigenvalues import ALIKE, coincidence, told_apart
+from dalembert.sensitivity.structural.statics import StaticsTangent
+from dalembert.sparse.eigenvalues import EQUAL_WEIGHTS, coincidence, weighed_differently
+from dalembert.structures.measuring.measures import Weights
+
+
+class PencilTangent:
+    """Derivatives of ``A`` and ``B`` by the parameters.
+
+    Parameters
+    ----------
+    pencil : Pencil
+    """
+
+    def __init__(self, pencil: Pencil):
+        self.pencil, self.along = pencil, cache(self._along)
+        terms = (*pencil.left, *pencil.right)
+        self.parameter_count = terms[0].state.p.size
+        loaded = {id(t.state): t.state for t in terms if t.state.result is not None}
+        self.statics = {
+            key: StaticsTangent(state.result)  # type: ignore[arg-type]
+            for key, state in loaded.items()
+        }
+
+    def pull(self, a: np.ndarray, b: np.ndarray, phi: np.ndarray) -> np.ndarray:
+        """(np,) weights of the parameters in ``Σ_k aₖᵀ A φₖ + bₖᵀ B φₖ``, all arrays (n, m)."""
+        gradient = np.zeros(self.parameter_count)
+        displacements = {key: np.zeros(phi.shape[0]) for key in self.statics}
+        for terms, columns in ((self.pencil.left, a), (self.pencil.right, b)):
+            for term in terms:
+                for weight, shape in zip(columns.T, phi.T, strict=True):
+                    u_bar, p_bar = term.pull(weight, shape)
+                    gradient += p_bar
+                    if id(term.state) in displacements:
+                        displacements[id(term.state)] += u_bar
+        for key, u_bar in displacements.items():
+            weights = Weights(u_bar, np.zeros_like(u_bar), np.zeros(gradient.size))
+            gradient += self.statics[key].pull(0, [weights])[:, 0]
+        return gradient
+
+    def _along(self, column: int) -> PencilChange:
+        """Change along one parameter, by its number."""
+        dp = np.eye(1, self.parameter_count, column).ravel()
+        displacements = {key: statics.push(0, dp)[0] for key, statics in self.statics.items()}
+        return PencilChange(self.pencil, dp, displacements)
+
+
+@dataclass(frozen=True)
+class PencilChange:
+    """Changes of ``A`` and ``B`` along a direction of the parameters.
+
+    Attributes
+    ----------
+    dp : (np,) the direction
+    displacements : state → (n,) change of its displacements
+    """
+
+    pencil: Pencil
+    dp: np.ndarray
+    displacements: dict[int, np.ndarray]
+
+    def of(self, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """``dA Φ`` and ``dB Φ`` for shapes (n, m)."""
+        return self._sum(self.pencil.left, phi), self._sum(self.pencil.right, phi)
+
+    def _sum(self, terms, phi: np.ndarray) -> np.ndarray:
+        columns = np.zeros_like(phi)
+        for term in terms:
+            du = self._displacement(term)
+            for k, shape in enumerate(phi.T):
+                columns[:, k] += term.push(shape, du, self.dp)
+        return columns
+
+    def _displacement(self, term: Term) -> np.ndarray:
+        state: Loaded = term.state
+        return self.displacements.get(id(state), np.zeros(len(state.model.degrees)))
 
 
 @dataclass(frozen=True)
 class Group:
-    """Coinciding eigenvalues, and what a response weighs them.
+    """Coincident eigenvalues and their weights in a response.
 
     Attributes
     ----------
-    places : (m,) in the spectrum
+    indices : (m,) indices in the spectrum
     value : weight of each eigenvalue
     shapes : (n, m) weights of the shapes
     """
 
     spectrum: Spectrum
-    places: list[int]
+    indices: list[int]
     value: float
     shapes: np.ndarray
 
     @property
     def eigenvalues(self) -> np.ndarray:
         """(m,) ``λ``."""
-        return self.spectrum.eigenvalues[self.places]
+        return self.spectrum.eigenvalues[self.indices]
 
     @property
     def phi(self) -> np.ndarray:
         """(n, m) ``Φ``."""
-        return self.spectrum.shapes[:, self.places]
+        return self.spectrum.shapes[:, self.indices]
 
     @cached_property
     def scaled(self) -> np.ndarray:
@@ -57,45 +131,45 @@ class Group:
         return self.spectrum.scaled(self.phi)
 
     @cached_property
-    def turning(self) -> np.ndarray:
-        """(m, m) ``H = Φᵀ Φ̄``; symmetric where the response does not see turns of the shapes."""
+    def rotation_weights(self) -> np.ndarray:
+        """(m, m) ``H = Φᵀ Φ̄``; symmetric for responses invariant under rotations of the shapes."""
         return self.phi.T @ self.shapes
 
-    def apart(self, rhs: np.ndarray) -> np.ndarray:
+    def complement(self, rhs: np.ndarray) -> np.ndarray:
         """(n, m) ``V`` with ``(A − λ B) V = R − B Φ Φᵀ R`` and ``Φᵀ B V = 0``."""
-        found = self.spectrum.solve(self.places, rhs - self.scaled @ (self.phi.T @ rhs))
-        return found - self.phi @ (self.scaled.T @ found)
+        solution = self.spectrum.solve(self.indices, rhs - self.scaled @ (self.phi.T @ rhs))
+        return solution - self.phi @ (self.scaled.T @ solution)
 
-    def pulled(self) -> tuple[np.ndarray, np.ndarray]:
+    def pull(self) -> tuple[np.ndarray, np.ndarray]:
         """(n, m) ``a`` and ``b``: the derivative is ``Σ aᵀ dA φ + bᵀ dB φ``."""
         a, b = self.value * self.phi, np.zeros_like(self.phi)
         if self.shapes.any():
-            a -= self.apart(self.shapes)
-            b -= self.phi @ self.turning / 2
+            a -= self.complement(self.shapes)
+            b -= self.phi @ self.rotation_weights / 2
         return a, b - a * self.eigenvalues
 
-    def pushed(self, da: np.ndarray, db: np.ndarray) -> float:
+    def push(self, da: np.ndarray, db: np.ndarray) -> float:
         """The derivative from ``dA Φ`` and ``dB Φ``, both (n, m)."""
-        opened = da - db * self.eigenvalues
-        change = self.value * float(np.einsum("nm,nm->", self.phi, opened))
+        residual = da - db * self.eigenvalues
+        change = self.value * float(np.einsum("nm,nm->", self.phi, residual))
         if self.shapes.any():
-            moved = -self.apart(opened) - self.phi @ (self.phi.T @ db) / 2
-            change += float(np.einsum("nm,nm->", self.shapes, moved))
+            dphi = -self.complement(residual) - self.phi @ (self.phi.T @ db) / 2
+            change += float(np.einsum("nm,nm->", self.shapes, dphi))
         return change
 
 
 class EigenpairGradient:
-    """Rows of the gradient for one sampled response, which weighs eigenpairs group by group.
+    """Row of the gradient for one sampled response, by groups of coincident eigenpairs.
 
     Parameters
     ----------
     sample : Sample
-    shared : what responses of the same modes have in common
+    shared : results shared by responses of the same modes
 
     Raises
     ------
     SingularityError
-        Modes coincide that the response tells apart, or the measure has a kink at an eigenvalue.
+        Coincident modes that the response distinguishes, or a kink of the measure at an eigenvalue.
     """
 
     def __init__(self, sample: Sample, shared: dict):
@@ -115,69 +189,69 @@ class EigenpairGradient:
         )
         for k in np.flatnonzero(self.sample.weights):
             share = float(self.sample.weights[k])
-            seen = self.modes.weights(self.sample.measure.sx, int(k))
-            if not np.isfinite(seen.eigenvalue):
+            weights = self.modes.weights(self.sample.measure.sx, int(k))
+            if not np.isfinite(weights.eigenvalue):
                 raise SingularityError(
                     f"{self.sample.response.label}: the eigenvalue of mode {self.modes.numbers[k]} "
                     "is zero, where the measure has a kink; use eigenvalue"
                 )
-            place = int(self.modes.positions[k])
-            values[place] += share * seen.eigenvalue
-            shapes[self.spectrum.pencil.free, place] += share * seen.u[self.spectrum.pencil.free]
-            self.own += share * seen.p
-        found = []
-        for places in self.spectrum.groups:
-            if values[places].any() or shapes[:, places].any():
-                mean = float(values[places].mean())
-                group = Group(self.spectrum, places, mean, shapes[:, places])
-                self._check(group, values[places])
-                found.append(group)
-        return found
+            index, free = int(self.modes.positions[k]), self.spectrum.pencil.free
+            values[index] += share * weights.eigenvalue
+            shapes[free, index] += share * weights.u[free]
+            self.own += share * weights.p
+        groups = []
+        for indices in self.spectrum.groups:
+            if values[indices].any() or shapes[:, indices].any():
+                mean = float(values[indices].mean())
+                group = Group(self.spectrum, indices, mean, shapes[:, indices])
+                self._check(group, values[indices])
+                groups.append(group)
+        return groups
 
     def _check(self, group: Group, values: np.ndarray) -> None:
-        """A response must not tell coinciding modes apart."""
-        if len(group.places) == 1:
+        """Raise if the response distinguishes coincident modes."""
+        if len(group.indices) == 1:
             return
-        h = group.turning
+        h = group.rotation_weights
         size = np.linalg.norm(group.phi) * np.linalg.norm(group.shapes)
-        turned = np.abs(h - h.T).max() > ALIKE * size
-        if turned or told_apart(values, float(np.abs(values).max())):
-            numbers = [k + 1 for k in group.places]
-            said = coincidence(numbers, self._value(group))
+        varies = np.abs(h - h.T).max() > EQUAL_WEIGHTS * size
+        if varies or weighed_differently(values, float(np.abs(values).max())):
+            numbers = [k + 1 for k in group.indices]
+            text = coincidence(numbers, self._value(group))
             raise SingularityError(
-                f"{self.sample.response.label}: {said}; take a response that does not tell them "
-                "apart, such as the mean over these modes (solve for all of them), or "
+                f"{self.sample.response.label}: {text}; use a response that does not distinguish "
+                "them, such as the mean over these modes (solve for all of them), or "
                 "eigenvalue_slopes for their one-sided derivatives"
             )
 
     def _value(self, group: Group) -> str:
         """The main measure of these modes, such as a frequency or a load factor, with its unit."""
         main = self.modes.named[self.modes.main]
-        k = int(np.flatnonzero(np.isin(self.modes.positions, group.places))[0])
+        k = int(np.flatnonzero(np.isin(self.modes.positions, group.indices))[0])
         value = f"{self.modes.values(self.modes.main)[k]:.9g}"
         return " ".join([self.modes.main.replace("_", " "), value, main.unit]).strip()
 
     def adjoint(self) -> np.ndarray:
-        """(np,) gradient by one solution for each group of modes whose shapes count."""
-        pulled = (self.tangent.pulled(*group.pulled(), group.phi) for group in self.groups)
-        return sum(pulled, self.own)
+        """(np,) gradient by one solution for each group of modes whose shapes have weights."""
+        terms = (self.tangent.pull(*group.pull(), group.phi) for group in self.groups)
+        return sum(terms, self.own)
 
     def direct(self, columns: Sequence[int]) -> np.ndarray:
         """(columns,) derivatives along one parameter after the other."""
-        found = self.own[list(columns)]
+        gradient = self.own[list(columns)]
         for i, column in enumerate(columns):
-            found[i] += sum(group.pushed(*self._change(group, column)) for group in self.groups)
-        return found
+            gradient[i] += sum(group.push(*self._change(group, column)) for group in self.groups)
+        return gradient
 
     def _change(self, group: Group, column: int) -> tuple[np.ndarray, np.ndarray]:
-        """``dA Φ`` and ``dB Φ`` with one parameter, once for all responses."""
-        key = (column, *group.places)
+        """``dA Φ`` and ``dB Φ`` along one parameter, shared by all responses."""
+        key = (column, *group.indices)
         if key not in self.shared:
             self.shared[key] = self.tangent.along(column).of(group.phi)
         return self.shared[key]  # type: ignore[no-any-return]
 
 
 class EigenpairEngine(RowEngine):
-    """All responses with the same factors, one for each group of modes."""
+    """Gradient engine of eigenmodes; responses share factors for each group of modes."""
 
     row = EigenpairGradient

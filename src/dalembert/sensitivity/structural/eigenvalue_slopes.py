@@ -1,4 +1,4 @@
-"""One-sided derivatives of eigenvalues, of repeated ones too."""
+"""One-sided derivatives of simple and repeated eigenvalues."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.results.structural.eigenmodes import EigenModes, ModeWeights
-from dalembert.sensitivity.structural.loaded_pencil import PencilTangent
+from dalembert.sensitivity.structural.eigenpairs import PencilTangent
 from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
@@ -19,22 +19,22 @@ if TYPE_CHECKING:
 def eigenvalue_slopes(
     modes: EigenModes, parameter: str, measure: str | None = None
 ) -> xr.DataArray:
-    """Derivatives of all modes' eigenvalues as one parameter grows.
+    """One-sided derivatives of the eigenvalues of all modes for an increasing parameter.
 
-    Where eigenvalues coincide they are ``m'(λ)`` times the eigenvalues of ``Φᵀ (dA − λ dB) Φ``
-    (Lancaster, Numerische Mathematik 6, 1964), sorted like the modes beyond: the first of these
-    modes is the one that falls fastest. As the parameter shrinks, the last one is.
+    For coincident eigenvalues they are ``m'(λ)`` times the eigenvalues of ``Φᵀ (dA − λ dB) Φ``
+    (Lancaster, Numerische Mathematik 6, 1964), in ascending order: the first of these modes
+    decreases fastest. For a decreasing parameter the order is reversed.
 
     Parameters
     ----------
     modes : result of ``solve_modes`` or ``solve_buckling``
     parameter : name
-    measure : of eigenvalue and parameters; frequency or load factor by default
+    measure : function of eigenvalue and parameters; frequency or load factor by default
 
     Raises
     ------
     AnalysisError
-        Unknown parameter; a measure of shapes.
+        Unknown parameter; a measure that depends on shapes.
 
     Examples
     --------
@@ -48,7 +48,7 @@ def eigenvalue_slopes(
     >>> mass = cross.add(structures.PointMass("mass", hub, mass=1.0))
     >>> modes = da.solve_modes(cross.build(), 2)  # both at 10 rad/s
     >>> slopes = da.eigenvalue_slopes(modes, "k", measure="eigenvalue")
-    >>> slopes.values.round(6)  # one of them follows k/m
+    >>> slopes.values.round(6)  # one mode follows k/m
     array([0., 1.])
     """
     import xarray as xr
@@ -61,22 +61,22 @@ def eigenvalue_slopes(
     expression = modes.expression(measure or modes.main)
     column = names.index(parameter)
     change = PencilTangent(modes.record.pencil).along(column)
-    found = np.zeros(modes.numbers.size)
+    derivatives = np.zeros(modes.numbers.size)
     for group in modes.record.groups:
         phi = modes.record.shapes[:, group]
         da, db = change.of(phi)
         matrix = phi.T @ (da - db * modes.record.eigenvalues[group])
         rates = np.linalg.eigvalsh((matrix + matrix.T) / 2)
-        here = [k for k, place in enumerate(modes.positions) if place in group]
-        for k in here:
-            seen = cast(ModeWeights, modes.weights(expression.sx, k))
-            if seen.u.any():
+        members = [k for k, position in enumerate(modes.positions) if position in group]
+        for k in members:
+            weights = cast(ModeWeights, modes.weights(expression.sx, k))
+            if weights.u.any():
                 raise AnalysisError(
                     f"{expression.name or 'the measure'} depends on the shape; take one of "
                     f"{', '.join(modes.named)}"
                 )
-            slopes = np.sort(seen.eigenvalue * rates) + seen.p[column]
-            found[k] = slopes[group.index(int(modes.positions[k]))]
+            slopes = np.sort(weights.eigenvalue * rates) + weights.p[column]
+            derivatives[k] = slopes[group.index(int(modes.positions[k]))]
     unit = f"{expression.unit}/({modes.model.parameters[parameter].unit})".replace("/()", "")
-    about = {"units": unit, "parameter": parameter}
-    return xr.DataArray(found, {"mode": modes.numbers}, ("mode",), expression.name, about)
+    attrs = {"units": unit, "parameter": parameter}
+    return xr.DataArray(derivatives, {"mode": modes.numbers}, ("mode",), expression.name, attrs)

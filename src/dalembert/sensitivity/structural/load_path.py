@@ -1,7 +1,7 @@
-"""Gradients along load paths: a point stays on the plane on which it was found.
+"""Gradients along load paths, with points restricted to their arc-length planes.
 
-At a point found at a given load that is the gradient at this load; for the load factor at a limit
-point it is the gradient of the limit load, whatever the plane: the path is level there.
+At a point of prescribed load this is the gradient at that load; for the load factor at a limit
+point it is the gradient of the limit load, independent of the plane, since the path is level there.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dalembert.sensitivity.structural.statics import StaticsEngine, StaticsGradi
 
 
 class LoadPathGradient(StaticsGradient):
-    """Rows of the gradient for one sampled response, with bordered factors."""
+    """Row of the gradient for one sampled response, with bordered factors."""
 
     def __init__(self, sample: Sample, shared: dict | None = None):
         super().__init__(sample, shared)
@@ -42,18 +42,18 @@ class LoadPathGradient(StaticsGradient):
     def stiffness(self, case: int) -> Any:
         return self.factors(case)[1]
 
-    def moved(self, case: int, rest: np.ndarray) -> tuple[np.ndarray, float]:
-        found = self.factors(case)[0].solve(np.append(rest[self.free], 0.0))
-        return self.equations.displaced(found), float(found[-1])
+    def response(self, case: int, forces: np.ndarray) -> tuple[np.ndarray, float]:
+        change = self.factors(case)[0].solve(np.append(forces[self.free], 0.0))
+        return self.equations.displacements_at(change), float(change[-1])
 
     def multiplier(self, case: int, u_bar: np.ndarray, factor_bar: np.ndarray) -> np.ndarray:
-        seen = np.vstack([u_bar[self.free], factor_bar])
-        found = np.zeros_like(u_bar)
-        found[self.free] = self.factors(case)[0].solve(seen, trans="T")[:-1]
-        return found
+        weights = np.vstack([u_bar[self.free], factor_bar])
+        multiplier = np.zeros_like(u_bar)
+        multiplier[self.free] = self.factors(case)[0].solve(weights, trans="T")[:-1]
+        return multiplier
 
 
 class LoadPathEngine(StaticsEngine):
-    """Every point with factors of its own."""
+    """Gradient engine of load paths, with separate factors at every point."""
 
     row = LoadPathGradient

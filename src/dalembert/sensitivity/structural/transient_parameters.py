@@ -1,4 +1,4 @@
-"""How parameters enter the equations of motion of a structure, both ways.
+"""Tangent and adjoint of the equations of motion of a structure by the parameters.
 
 ``g = M a + C v + ∂W/∂u(u)`` with ``C = α M + β K``; loads and support motions depend on time too.
 """
@@ -12,62 +12,62 @@ import numpy as np
 
 from dalembert.analysis.structural.instant import Instant
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions
+from dalembert.structures.evaluation.block import ElementKind
 from dalembert.structures.evaluation.columns import Products, Pulls, Pushes
 from dalembert.structures.evaluation.inertia import from_rest
-from dalembert.structures.evaluation.kind import ElementKind
 
-ENTRIES = 4_000_000
-"""Numbers of elements, over states and responses, that are gathered at once."""
+MAX_ENTRIES = 4_000_000
+"""Upper limit of gathered element entries, times states and responses."""
 
 
 class Timed(Protocol):
-    """Numbers that depend on parameters and time."""
+    """Array that depends on parameters and time."""
 
     depends_on_time: bool
 
     def push(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
-        """Their change with the parameters."""
+        """Change along a direction of the parameters."""
 
     def pull(self, p: np.ndarray, weights: np.ndarray, time: float = 0.0) -> np.ndarray:
         """Weights of the parameters."""
 
 
 class TimedPull:
-    """Weights of the parameters from those of numbers at many times.
+    """Weights of the parameters from weights of an array at many times.
 
     Parameters
     ----------
-    source : the numbers
-    p : (np,) values of the parameters
+    source : the array
+    p : (np,) parameters
     """
 
     def __init__(self, source: Timed, p: np.ndarray):
         self.source, self.p = source, p
         self._sum: np.ndarray | None = None
-        self._found: np.ndarray | float = 0.0
+        self._total: np.ndarray | float = 0.0
 
     def add(self, weights: np.ndarray, time: float) -> None:
         """Add weights (n, rows) at a time."""
         if not weights.any():
             return
         if self.source.depends_on_time:
-            self._found = self._found + self._pulled(weights, time)
+            self._total = self._total + self._pull(weights, time)
         else:
             self._sum = weights.copy() if self._sum is None else self._sum + weights
 
     @property
     def total(self) -> np.ndarray | float:
         """(np, rows) weights of the parameters."""
-        return self._found if self._sum is None else self._pulled(self._sum, 0.0)
+        return self._total if self._sum is None else self._pull(self._sum, 0.0)
 
-    def _pulled(self, weights: np.ndarray, time: float) -> np.ndarray:
+    def _pull(self, weights: np.ndarray, time: float) -> np.ndarray:
         columns = [self.source.pull(self.p, w, time) for w in weights.T]
         return np.stack(columns, axis=1)
 
 
 @dataclass
-class Weighed:
-    """Weights (n, rows) of the equations at an instant, and of the applied forces there."""
+class InstantWeights:
+    """Weights (n, rows) of the equations and of the applied forces at one instant."""
 
     motion: Motions
     time: float
@@ -97,35 +97,37 @@ class ParameterWeights:
         self._supports = [TimedPull(array, e.p) for array in e.supports]
         self._damping = np.zeros((2, rows))
         self._own = np.zeros((e.p.size, rows))
-        self._kept: list[Weighed] = []
+        self._pending: list[InstantWeights] = []
         largest = max((b.degrees.size for b in e.assembly.blocks), default=1)
-        self._most = max(1, ENTRIES // (largest * rows))
+        self._capacity = max(1, MAX_ENTRIES // (largest * rows))
 
     def own(self, weights: np.ndarray) -> None:
         """Add weights (np, rows) of the parameters themselves."""
         self._own += weights
 
     def pull(self, source: Timed, weights: np.ndarray) -> None:
-        """Add weights (n, rows) of numbers that depend on parameters."""
+        """Add weights (n, rows) of an array that depends on parameters."""
         self.own(np.stack([source.pull(self.equation.p, w) for w in weights.T], axis=1))
 
     def equations(self, at: Instant, weights: np.ndarray) -> None:
         """Add ``ηᵀ ∂r/∂p`` of the equations at an instant with weights (n, rows)."""
-        there = self._there(at)
-        there.equations += weights
-        there.loads -= weights
+        accumulated = self._accumulated(at)
+        accumulated.equations += weights
+        accumulated.loads -= weights
 
     def loads(self, at: Instant, weights: np.ndarray) -> None:
         """Add weights (n, rows) of the applied forces alone."""
-        self._there(at).loads += weights
+        self._accumulated(at).loads += weights
 
-    def _there(self, at: Instant) -> Weighed:
-        """What is kept of an instant, which is taken to the parameters once."""
-        if not self._kept or self._kept[-1].motion is not at.motion:
-            if len(self._kept) >= self._most:
+    def _accumulated(self, at: Instant) -> InstantWeights:
+        """Accumulated weights of an instant, pulled to the parameters together."""
+        if not self._pending or self._pending[-1].motion is not at.motion:
+            if len(self._pending) >= self._capacity:
                 self._flush()
-            self._kept.append(Weighed(at.motion, at.time, *np.zeros((2, *self._at_rest.shape))))
-        return self._kept[-1]
+            self._pending.append(
+                InstantWeights(at.motion, at.time, *np.zeros((2, *self._at_rest.shape)))
+            )
+        return self._pending[-1]
 
     def supports(self, weights: Motions, time: float) -> None:
         """Add weights (held, rows) of prescribed displacements, velocities, accelerations."""
@@ -142,25 +144,25 @@ class ParameterWeights:
         )
         self._small.products(self._springs, _pull_stiffness)
         if e.linear:
-            rest = np.zeros((e.assembly.size, 1))
-            self._small.forces(rest, self._at_rest[:, None, :])
+            zero = np.zeros((e.assembly.size, 1))
+            self._small.forces(zero, self._at_rest[:, None, :])
         pulls = self._exact, self._small, self._steady, self._turning, self._heated
         timed = self._loads, self._expansion, *self._supports
-        found = self._own + sum(pull.total for pull in pulls) + sum(pull.total for pull in timed)
+        total = self._own + sum(pull.total for pull in pulls) + sum(pull.total for pull in timed)
         damping = [e.damping.pull(e.p, w) for w in self._damping.T]
-        return found + np.stack(damping, axis=1)
+        return total + np.stack(damping, axis=1)
 
     def _flush(self) -> None:
-        if not self._kept:
+        if not self._pending:
             return
         e = self.equation
-        for there in self._kept:
-            self._loads.add(there.loads, there.time)
-            self._expansion.add(-there.equations, there.time)
-        motions = zip(*(there.motion for there in self._kept), strict=True)
+        for w in self._pending:
+            self._loads.add(w.loads, w.time)
+            self._expansion.add(-w.equations, w.time)
+        motions = zip(*(w.motion for w in self._pending), strict=True)
         u, v, a = (np.stack(columns, axis=1) for columns in motions)
-        eta = np.stack([there.equations for there in self._kept], axis=1)
-        self._kept = []
+        eta = np.stack([w.equations for w in self._pending], axis=1)
+        self._pending = []
         driven = a + e.alpha * v
         self._inertia.add(driven, eta)
         self._turning.inertia((u, v, driven), eta, e.lumped)
@@ -177,7 +179,7 @@ class ParameterWeights:
 
 
 class ParameterChanges:
-    """Changes of the equations of motion with many parameters at once.
+    """Changes of the equations of motion along several directions of the parameters.
 
     Parameters
     ----------
@@ -198,10 +200,10 @@ class ParameterChanges:
         self._stiffness = small.matrices(_push_stiffness)
         self._at_rest = small.forces(np.zeros(e.assembly.size))
         self._damping = self.each(e.damping)
-        self._known: dict[int, np.ndarray] = {}
+        self._constant: dict[int, np.ndarray] = {}
 
     def each(self, source: Timed, time: float = 0.0) -> np.ndarray:
-        """(n, c) changes of numbers that depend on parameters and time."""
+        """(n, c) changes of an array that depends on parameters and time."""
         e = self.equation
         return np.stack([source.push(e.p, dp, time) for dp in self.directions.T], axis=1)
 
@@ -209,27 +211,27 @@ class ParameterChanges:
         """(n, c) changes of ``g`` at a motion (n,)."""
         e, count = self.equation, self.directions.shape[1]
         driven = m.a + e.alpha * m.v
-        found = (self._mass @ driven).reshape(count, -1).T
+        change = (self._mass @ driven).reshape(count, -1).T
         if e.turns:
-            found = found + self._turning.inertia((m.u, m.v, driven), e.lumped)
+            change = change + self._turning.inertia((m.u, m.v, driven), e.lumped)
         strained = m.u + e.beta * m.v if e.linear else e.beta * m.v
         if e.linear or e.beta:
-            found = found + (self._stiffness @ strained).reshape(count, -1).T
+            change = change + (self._stiffness @ strained).reshape(count, -1).T
         if e.linear:
-            found = found + self._at_rest
+            change = change + self._at_rest
         else:
-            found = found + self._exact.forces(m.u) + self._heated.forces(m.u)
+            change = change + self._exact.forces(m.u) + self._heated.forces(m.u)
         if self._damping.any():
-            found = found + np.outer(e.momentum(m.u, m.v), self._damping[0])
-            found = found + np.outer(e.stiffness @ m.v, self._damping[1])
-        return found
+            change = change + np.outer(e.momentum(m.u, m.v), self._damping[0])
+            change = change + np.outer(e.stiffness @ m.v, self._damping[1])
+        return change
 
     def loads(self, time: float) -> np.ndarray:
         """(n, c) changes of the applied forces."""
         return self._timed(self.equation.load_case, time)
 
     def expansion(self, time: float) -> np.ndarray:
-        """(n, c) changes of the forces of hindered expansion."""
+        """(n, c) changes of the forces of restrained thermal expansion."""
         return self._timed(self.equation.expansion, time)
 
     def supports(self, time: float) -> Motions:
@@ -239,16 +241,16 @@ class ParameterChanges:
     def _timed(self, source: Timed, time: float) -> np.ndarray:
         if source.depends_on_time:
             return self.each(source, time)
-        if id(source) not in self._known:
-            self._known[id(source)] = self.each(source)
-        return self._known[id(source)]
+        if id(source) not in self._constant:
+            self._constant[id(source)] = self.each(source)
+        return self._constant[id(source)]
 
 
 def _pull_stiffness(kind: ElementKind, x, data, weights) -> np.ndarray:
-    """Weights of the data in ``wᵀ K x``; forces of small displacements less those at rest."""
+    """Weights of the data in ``wᵀ K x``, the forces of small displacements minus those at rest."""
     return kind.pull(x, data, weights) - kind.pull(np.zeros_like(x), data, weights)
 
 
 def _push_stiffness(kind: ElementKind, x, data, change) -> np.ndarray:
-    """Change of ``K x`` with the data."""
+    """Change of ``K x`` along a change of the data."""
     return kind.push(x, data, change) - kind.push(np.zeros_like(x), data, change)

@@ -21,7 +21,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from dalembert.errors import FileError, UnsupportedError
-from dalembert.files.atomic import atomic_path
+from dalembert.files import atomic_path
 from dalembert.symbolic.native.toolchain import Call, Toolchain
 
 MAX_SIZE = 1 << 30

@@ -1,1 +1,0 @@
-"""CVODES and IDAS of the SUNDIALS suite."""
