@@ -95,7 +95,8 @@ def _check_linear_in_speeds(d: Description) -> None:
     for entity, slip in speeds:
         if slip.numel() and ca.depends_on(ca.jacobian(slip, twists), twists):
             raise ModelError(
-                "an equation of speeds must be linear in them; divide by a speed or write its root",
+                "an equation of speeds must be linear in the speeds; divide by a speed, or write "
+                "its root",
                 entity,
             )
 

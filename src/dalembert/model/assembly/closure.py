@@ -124,9 +124,9 @@ class Closure:
     def _raise_conditions(self, count: int, freedom: int) -> None:
         """Raise the error for more conditions on speeds than degrees of freedom."""
         raise ModelError(
-            f"{count} conditions on speeds hold at the start, where joints and drivers leave "
-            f"{freedom} free; leave some out, or give relaxed=False to a beam, which else starts "
-            "free of strain",
+            f"{count} conditions on speeds are prescribed at the start, but joints and drivers "
+            f"leave {freedom} degrees of freedom; remove some, or give relaxed=False to a beam, "
+            "which otherwise starts free of strain",
             self.description.name,
         )
 

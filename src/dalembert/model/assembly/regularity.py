@@ -140,7 +140,8 @@ class Definedness:
                     raise ModelError(f"at the start {left}", element.name)
                 raise ModelError(
                     "has no defined direction or value at the assembled position (two points that "
-                    "coincide, a root or a division by zero?); move its points or mend its formula",
+                    "coincide, a root or a division by zero?); move its points or correct its "
+                    "formula",
                     element.name,
                 )
 

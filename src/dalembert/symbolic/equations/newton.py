@@ -121,10 +121,10 @@ class Ending(StrEnum):
     """Termination reasons of the iteration."""
 
     CONVERGED = "converged"
-    STANDSTILL = "no step makes the residual smaller"
+    STANDSTILL = "no step reduces the residual"
     DIVERGED = "the residual grows"
     NOT_FINITE = "the residual is not finite"
-    SINGULAR = "the equations have no single step to their root"
+    SINGULAR = "the linearised equations are singular"
     ITERATIONS = "too many iterations"
 
 

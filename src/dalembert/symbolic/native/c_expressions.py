@@ -41,7 +41,7 @@ class Expressions(Instructions):
         """The truth of an expression as one flag."""
         name, lanes = self.test(node)
         if lanes:
-            raise NotTranslated("lanes do not agree on a choice")
+            raise NotTranslated("control flow that depends on lanes")
         return name
 
     def test(self, node: Any) -> tuple[str, bool]:
