@@ -16,7 +16,7 @@ OTHERS = {
     "files.py": "the one place",
     "design/studies/folder.py:open": "the lock of a study, which is empty",
     "design/optimize/evaluation_log.py:open": "a log, which grows by lines; half a line is skipped",
-    "results/files/netcdf.py:File": "writes to the path that `store` gives it",
+    "results/files/store.py:File": "writes to the temporary path of the same module",
     "results/files/inspection.py:open": "appends the checksum to a file that `store` writes",
     "symbolic/native/llvm.py:write_bytes": "called by `code_cache.build`, inside `atomic_path`",
     "cli/compare.py:to_csv": "the method of Comparison, which is atomic itself",
