@@ -92,7 +92,7 @@ def _partial(step: Step) -> Kernel:
 
 @once
 def _by_length(corrected: Step) -> Kernel:
-    step = corrected.moving
+    step = corrected.exact_in_h
     s, p = ca.MX.sym("s"), ca.MX.sym("p", step.parameter_count)
     t, x = ca.MX.sym("t"), ca.MX.sym("x", step.size)
     new = step.function(t, s, x, p)
