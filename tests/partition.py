@@ -9,9 +9,8 @@ import numpy as np
 from registry import model_of
 from spatial_twins import moved
 
-from dalembert.model.change import speeds_by_partition
 from dalembert.model.equations import Equations
-from dalembert.model.transformation import Transformation
+from dalembert.model.transformation import Transformation, speeds_by_partition
 
 
 def independent_speeds(name: str) -> list[int]:

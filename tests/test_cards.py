@@ -10,7 +10,7 @@ from test_structure_pictures import cantilever
 
 import dalembert as da
 from dalembert import planar
-from dalembert.report.inline import InlinePage
+from dalembert.report.page import InlinePage
 
 HOSTILE = "<img src=x onerror=alert(1)>"
 

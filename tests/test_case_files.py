@@ -87,7 +87,7 @@ def test_an_event_of_a_case_is_one_of_its_own_analysis(tmp_path, capsys):
         ),
         ('load = "bearing"', 'load = "beering"', "cases.post.given.load: unknown response"),
         ('load = "bearing"', 'loud = "bearing"', "unknown parameter 'loud'"),
-        ('load = "bearing"', 'load = "stress"', "responses.stress: needs itself"),
+        ('load = "bearing"', 'load = "stress"', "responses.stress: depends on itself"),
         ("mass - 60*reach", "moss + 2", "combined.cost: 'moss + 2' names no response"),
         ('model = "rod.toml"\n', "", "cases.post: give model, another file, or analysis"),
     ],

@@ -198,7 +198,7 @@ def test_bars_are_sorted_and_told(gradient):
     assert "[%] for 1 % more" in first.get_xlabel()
     texts = " ".join(t.get_text() for ax in axes for t in ax.texts)
     assert "no influence: idle" in texts
-    assert "zero, of which 1 % is nothing: side" in texts  # x moves with side alone
+    assert "zero, without relative change: side" in texts  # x moves with side alone
     colours = {tuple(bar.get_facecolor()) for ax in axes for bar in ax.patches}
     assert len(colours) == 1  # everything rises
 

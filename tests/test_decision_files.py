@@ -16,7 +16,7 @@ from dalembert.cli.pareto import _show as show_front
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.optimize.problem import DesignProblem
 from dalembert.design.pareto.front import Front
-from dalembert.design.synthesis.problem import Polish
+from dalembert.design.synthesis.linkage_fit import LinkageFit
 from dalembert.io.decisions.designs import make_design
 from dalembert.io.model_file import load_model_file
 
@@ -196,7 +196,7 @@ def test_histories(tmp_path, capsys):
     ("task", "old", "new", "words"),
     [
         ("pareto", '"mass"]', '"moss"]', "pareto.minimize[1]: unknown response 'moss'"),
-        ("pareto", '"stress", "mass"', '"stress"', "give two aims or more"),
+        ("pareto", '"stress", "mass"', '"stress"', "give two or more objectives"),
         ("pareto", "points = 4", "points = 1", "pareto.points: is 1; give two or more"),
         ("pareto", "points = 4", 'method = "nsga"', "did you mean 'nsga"),
         ("reliability", '"load"\ntype', '"lod"\ntype', "random[0].parameter: unknown parameter"),
@@ -250,7 +250,7 @@ def test_saved_and_read_again(task, tmp_path, capsys):
         ("pareto", DesignProblem, "_run", 6),
         ("tolerance", DesignProblem, "_run", 9),
         ("reliability", DesignProblem, "_run", 40),
-        ("synthesize", Polish, "__call__", 2),
+        ("synthesize", LinkageFit, "__call__", 2),
     ],
 )
 def test_interrupted(task, owner, name, call, tmp_path, capsys, monkeypatch):

@@ -112,7 +112,7 @@ def test_files_mirror_python(tmp_path):
 WRONG = {
     ('["a", "b"]', '["a", "d"]'): "elements.bar.connect[1]: unknown node 'd'; known: a, b, c",
     ('["a", "b"]', '["a", "car"]'): "elements.bar.connect[1]: 'car' is no node; give it type",
-    ('["b", "c"]', '["a", "c"]'): "elements.beam: turns its node a, a point; take planar.Node",
+    ('["b", "c"]', '["a", "c"]'): "elements.beam: rotates its node a, a point; use planar.Node",
     ('nodes = "c"', 'nodes = "car"'): "supports[1].nodes: 'car' is no node",
     ('nodes = "flag"', 'nodes = "flga"'): "supports[0].nodes: unknown node 'flga' (did you mean",
     ('nodes = "flag"', 'nodes = "flag.top"'): "supports[0].nodes: has no group 'top'",

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from dalembert.design.optimize.evaluation_log import EvaluationLog
-from dalembert.files.atomic import atomic_path, clear_left_over
+from dalembert.files import atomic_path, clear_left_over
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs signals")
@@ -61,11 +61,11 @@ def test_a_log_that_ends_within_a_line_goes_on(tmp_path):
     begin = path.stat().st_size
     designs = [np.array([k / 7]) for k in range(4)]
     for k, x in enumerate(designs[:3]):
-        log.keep(x, terms=[1.5 * k])
+        log.append(x, terms=[1.5 * k])
     content = path.read_bytes()
     for cut in range(begin, len(content), 5):
         path.write_bytes(content[:cut])
-        EvaluationLog(path, {"problem": 1}).keep(designs[3], terms=[9.0])
+        EvaluationLog(path, {"problem": 1}).append(designs[3], terms=[9.0])
         again = EvaluationLog(path, {"problem": 1})
         whole = content[begin:cut].count(b"}")
         known = [again.find(x) is not None for x in designs]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import dalembert as da
-from dalembert.design.identification.table import read_table
+from dalembert.design.identification.data_table import read_table
 
 ezc3d = pytest.importorskip("ezc3d")
 RATE = 60.0

@@ -10,15 +10,15 @@ from hypothesis import given, strategies as st
 from report_payload import four_bar
 from test_report_page import data_of
 
-from dalembert.report.packing import BITS, EXACT_BITS, ROUGH_BITS, packed, unpacked
+from dalembert.report.packing import BITS, EXACT_BITS, ROUGH_BITS, pack, unpack
 from dalembert.report.page import render_page
 
 T = np.linspace(0, 10, 20_000)
 
 
 def read_back(column: np.ndarray) -> np.ndarray:
-    made = json.loads(json.dumps(packed({"x": column.tolist()})))
-    return np.array(unpacked(made)["x"], dtype=float)
+    made = json.loads(json.dumps(pack({"x": column.tolist()})))
+    return np.array(unpack(made)["x"], dtype=float)
 
 
 @given(
@@ -56,8 +56,8 @@ def test_gaps_and_constants_stay():
 
 def test_packing_twice_is_packing_once():
     payload = four_bar(frames=500)
-    assert packed(packed(payload)) == packed(payload)
-    assert len({json.dumps(h) for h in packed(payload)["columns"]["heads"]}) > 10
+    assert pack(pack(payload)) == pack(payload)
+    assert len({json.dumps(h) for h in pack(payload)["columns"]["heads"]}) > 10
 
 
 def test_a_long_report_is_small():

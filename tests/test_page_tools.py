@@ -14,9 +14,8 @@ from report_payload import four_bar, gallery
 import dalembert as da
 from dalembert import spatial
 from dalembert.errors import FileError
-from dalembert.report.compared import compared
-from dalembert.report.inline import InlinePage
-from dalembert.report.page import render_page
+from dalembert.report.overlay import overlay
+from dalembert.report.page import InlinePage, render_page
 
 
 def convoy(distance: float = 40.0) -> dict[str, Any]:
@@ -111,7 +110,7 @@ def test_time_is_zoomed_in_all_plots(show: Any) -> None:
 def test_a_plot_runs_over_another_series(show: Any) -> None:
     found = show(four_bar())
     before = found.picture(".plot .base")
-    found.page.click(".plot [aria-label='Choose what runs to the right']")
+    found.page.click(".plot [aria-label='Choose the x-axis']")
     found.page.fill("#search", "rocker.angle rad")
     found.page.locator(".choice:visible").first.click()
     found.page.keyboard.press("Escape")
@@ -154,7 +153,7 @@ def test_a_plot_is_saved_with_its_legend(show: Any) -> None:
 
 def test_two_runs_on_one_page(show: Any) -> None:
     other = four_bar(frames=121, duration=1.0)
-    page = compared(four_bar(), other, "other.nc")
+    page = overlay(four_bar(), other, "other.nc")
     at = page["series"][0]["other"]
     expected = np.interp(page["time"], other["time"], other["series"][0]["values"])
     assert np.allclose(at, expected)
@@ -169,7 +168,7 @@ def test_two_runs_on_one_page(show: Any) -> None:
 
 def test_what_cannot_be_compared_is_refused() -> None:
     with pytest.raises(FileError, match="mechanism and spatial"):
-        compared(four_bar(), four_bar() | {"kind": "spatial"}, "x")
+        overlay(four_bar(), four_bar() | {"kind": "spatial"}, "x")
 
 
 def test_every_control_has_a_name(show: Any) -> None:

@@ -112,7 +112,9 @@ def stop_at(monkeypatch, number: int) -> list:
     return calls
 
 
-@pytest.mark.parametrize(("number", "rounds"), [(3, "0 whole rounds"), (9, "0"), (14, "1 whole")])
+@pytest.mark.parametrize(
+    ("number", "rounds"), [(3, "0 complete rounds"), (9, "0"), (14, "1 complete")]
+)
 def test_goes_on_from_its_history(number, rounds, tmp_path, capsys, monkeypatch):
     """Ctrl-C in the first search of a design, and while a worst point is looked for."""
     path, kept = written(tmp_path, ROD + RELIABLE), tmp_path / "h.jsonl"

@@ -38,29 +38,29 @@ def test_one_name_for_one_meaning(bar):
 @pytest.mark.parametrize(
     ("solve", "cure"),
     [
-        (da.linearize, "take solve_modes"),
-        (da.solve_kinematics, "take solve_statics"),
-        (da.solve_inverse_dynamics, "take solve_transient"),
-        (da.solve_assembly, "take solve_statics"),
+        (da.linearize, "use solve_modes"),
+        (da.solve_kinematics, "use solve_statics"),
+        (da.solve_inverse_dynamics, "use solve_transient"),
+        (da.solve_assembly, "use solve_statics"),
     ],
 )
 def test_those_of_mechanisms_name_that_of_structures(solve, cure, bar):
-    with pytest.raises(da.AnalysisError, match=f"of mechanisms, 'bar' is a structure; .*{cure}"):
+    with pytest.raises(da.AnalysisError, match=f"for mechanisms, 'bar' is a structure; .*{cure}"):
         solve(bar)
 
 
 @pytest.mark.parametrize(
     ("solve", "cure"),
     [
-        (da.solve_statics, "take solve_equilibrium"),
-        (da.solve_transient, "take solve_dynamics"),
-        (da.solve_modes, "take linearize"),
-        (da.solve_buckling, "take linearize"),
-        (da.solve_load_path, "take solve_equilibrium"),
+        (da.solve_statics, "use solve_equilibrium"),
+        (da.solve_transient, "use solve_dynamics"),
+        (da.solve_modes, "use linearize"),
+        (da.solve_buckling, "use linearize"),
+        (da.solve_load_path, "use solve_equilibrium"),
     ],
 )
 def test_those_of_structures_name_that_of_mechanisms(solve, cure, ball):
-    with pytest.raises(da.AnalysisError, match=f"of structures, 'ball' is a mechanism; {cure}"):
+    with pytest.raises(da.AnalysisError, match=f"for structures, 'ball' is a mechanism; {cure}"):
         solve(ball)
 
 

@@ -201,7 +201,7 @@ def test_elements_of_the_plane_refuse_what_is_in_space(name):
 
     system = System("s")
     body = system.add(spatial.Body("b", mass=1, inertia=(1, 1, 1)))
-    with pytest.raises(ModelError, match=rf"A: .* is in space, and {name} is an element"):
+    with pytest.raises(ModelError, match=rf"A: .* is in space, and {name} is a planar element"):
         REFUSED[name](system.ground, body)
 
 

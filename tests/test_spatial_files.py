@@ -144,7 +144,7 @@ def test_every_element_can_be_written(section, name, tmp_path, schema):
 WRONG = {
     "no dimension": (
         "[joints.new]\ntype = 'Spherical'\n" + POINTS,
-        "as dimension = 3 it can be read; write that if it is meant",
+        "as dimension = 3 it is valid; write that if it is intended",
     ),
     "an element of the plane": (
         "[joints.new]\ntype = 'planar.Revolute'\nconnect = ['ground', { body = 'a', at = [0, 0] }]",

@@ -12,10 +12,10 @@ from test_structure_pictures import BUILDERS, cantilever
 
 import dalembert as da
 from dalembert import structures
-from dalembert.report.compared import compared
+from dalembert.report.overlay import overlay
 from dalembert.report.page import write_page
 from dalembert.results.files.store import report_of
-from dalembert.results.pictures.film import write_film
+from dalembert.results.pictures.animation import write_film
 from dalembert.results.structural import payload as payload_module
 
 
@@ -239,7 +239,7 @@ def test_structures_are_filmed(tmp_path: Path, make, frames: int, state: str | N
 def test_two_structures_are_on_one_page(show) -> None:
     """The second one is twice as strong and moves half as far, pale behind the first."""
     runs = [da.solve_statics(truss(area).build()).page() for area in (1e-4, 2e-4)]
-    page = show(compared(*runs, "other.nc"))
+    page = show(overlay(*runs, "other.nc"))
     moved = page.js("[dalembert.structure, dalembert.structure.ghost].map((s) => s.moved[0][4])")
     assert moved[1] == pytest.approx(moved[0] / 2, rel=1e-6)
     chip = page.page.locator("#show-ghost")
@@ -248,8 +248,8 @@ def test_two_structures_are_on_one_page(show) -> None:
     chip.click()
     page.frames()
     assert page.picture("#scene") != before
-    with pytest.raises(da.FileError, match="of one name"):
-        compared(runs[0], runs[1] | {"cases": ["snow"]}, "x")
+    with pytest.raises(da.FileError, match="no common"):
+        overlay(runs[0], runs[1] | {"cases": ["snow"]}, "x")
 
 
 def test_chosen_units_are_shown(show) -> None:

@@ -74,7 +74,7 @@ def test_designs():
         (lambda: da.Design.grid({}), "at least one parameter"),
         (lambda: da.Design.sobol({"a": (2, 1)}, 4), "a: a range"),
         (lambda: da.Design.sobol({"a": (1, 2)}, 0), "number of designs"),
-        (lambda: da.Design.table({"a": [1, 2], "b": [1]}), "one length"),
+        (lambda: da.Design.table({"a": [1, 2], "b": [1]}), "same length"),
         (lambda: da.Design.table({"a": [1, float("nan")]}), "design 1: a is nan"),
         (lambda: study(da.Design.grid({"lenght": [1]})), "length"),
         (lambda: study(da.Design.grid({"length": [1]}), workers=0), "workers"),
@@ -141,7 +141,7 @@ def test_dead_workers(tmp_path):
     whole = Chunk(np.arange(8), design.names, design.values)
     chunks = [Chunk(np.r_[[2 * k, 2 * k + 1]], design.names, design.values[2 * k : 2 * k + 2])
               for k in range(4)]  # fmt: skip
-    assert whole.parted()[3].numbers.tolist() == [3]
+    assert whole.split()[3].numbers.tolist() == [3]
     found = [a for answers in Processes(lambda: task, task, 2).answers(chunks) for a in answers]
     assert sorted(a.number for a in found) == list(range(8))
     assert [a.number for a in found if a.reason] == [3]

@@ -167,7 +167,7 @@ def test_cluster(model, tmp_path, cluster, capsys):
 
 def test_no_scheduler(model, capsys, monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr("dalembert.design.studies.cluster.WAIT", 0.5)
+    monkeypatch.setattr("dalembert.design.studies.workers.WAIT", 0.5)
     address = "tcp://127.0.0.1:9"
     assert main(["sweep", str(model), "--scheduler", address, "--json"]) == 1
     assert "dask scheduler" in told(capsys)["error"]["message"]

@@ -11,7 +11,7 @@ from test_decision_files import run, written
 
 import dalembert as da
 from dalembert.cli import main
-from dalembert.design.synthesis.mechanism_search import MechanismSearch
+from dalembert.design.synthesis.synthesize_mechanism import MechanismSearch
 
 SIX = """
 format = 1
@@ -138,7 +138,7 @@ def test_the_mechanism_of_the_file(tmp_path, capsys):
     ("text", "old", "new", "words"),
     [
         (SIX, '"watt II"', '"wat II"', "did you mean 'watt II'"),
-        (SIX, "G = [9, 3]", "H = [9, 3]", "synthesis: where is the joint 'G'?"),
+        (SIX, "G = [9, 3]", "H = [9, 3]", "synthesis: the joint 'G' has no position"),
         (SIX, '"upper.P"', '"upper.Q"', "upper.Q"),
         (SIX, 'point = "upper.P"\n', "", "the target needs point="),
         (SIX, "reach = 0.3\n", "", "nothing to vary"),
@@ -161,15 +161,15 @@ def test_slips(text, old, new, words, tmp_path, capsys):
 
 def test_interrupted(tmp_path, capsys, monkeypatch):
     """Ctrl-C in the second start keeps what the first has found."""
-    honest, calls = MechanismSearch.solved, []
+    original, calls = MechanismSearch.solve, []
 
     def stopped(self, q, motion):
         calls.append(1)
         if len(calls) == 2:
             raise KeyboardInterrupt
-        return honest(self, q, motion)
+        return original(self, q, motion)
 
-    monkeypatch.setattr(MechanismSearch, "solved", stopped)
+    monkeypatch.setattr(MechanismSearch, "solve", stopped)
     x = 0.1 * np.cos(ANGLES) + np.sqrt(0.4**2 - (0.1 * np.sin(ANGLES)) ** 2)
     text = filled(OWN, angles=ANGLES, outputs=x).replace("starts = 1", "starts = 4")
     path = written(tmp_path, text)

@@ -57,7 +57,7 @@ def test_least_force(tmp_path, capsys):
     saved = str(out / "model.trajectory.nc"), "--output", str(tmp_path / "p.html")
     assert main(["report", *saved]) == 0
     for page in (out / "model.trajectory.report.html", tmp_path / "p.html"):
-        assert "Beginning" in page.read_text(encoding="utf-8")
+        assert "Initial position" in page.read_text(encoding="utf-8")
 
 
 def test_shooting_with_strategies_of_a_run(tmp_path, capsys):
@@ -112,7 +112,7 @@ def test_slips(old, new, words, tmp_path, capsys):
     text = BLOCK.replace(old, new)
     if words is None:
         text = text.replace('minimize = "effort"', 'minimize = "fastest"')
-        words = "trajectory.minimize: fastest: trajectories know"
+        words = "trajectory.minimize: fastest: trajectories support"
     path = written(tmp_path, text)
     for command in ("check", "trajectory"):
         assert main([command, str(path)]) == 2
@@ -122,17 +122,17 @@ def test_slips(old, new, words, tmp_path, capsys):
 
 def test_interrupted(tmp_path, capsys, monkeypatch):
     """Ctrl-C keeps, tells and writes the plan of the last iteration."""
-    honest, seen = Programme.solved, []
+    original, seen = Programme.solve, []
 
-    def stopped(self, x0, method, told=None):
+    def stopped(self, x0, method, report=None):
         def tell(number, objective):
             seen.append(number)
             if number == 2:
                 raise KeyboardInterrupt
 
-        return honest(self, x0, method, tell)
+        return original(self, x0, method, tell)
 
-    monkeypatch.setattr(Programme, "solved", stopped)
+    monkeypatch.setattr(Programme, "solve", stopped)
     path = written(tmp_path, BLOCK.replace("1.0, 0.0", "1.0"))
     code = main(["trajectory", str(path), "--output", str(tmp_path / "o")])
     told = capsys.readouterr()

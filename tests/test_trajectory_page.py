@@ -31,7 +31,7 @@ def test_a_trajectory_beside_its_beginning(show, tmp_path):  # noqa: F811
     page = show(best, still=True)
     drawn(page, best)
     before = page.picture("#scene")
-    assert "Beginning" in page.page.inner_text("#ghosts")
+    assert "Initial position" in page.page.inner_text("#ghosts")
     page.page.click("#ghosts")
     page.frames(3)
     assert page.picture("#scene") != before

@@ -17,9 +17,9 @@ import dalembert as da
 from dalembert import planar, spatial, t, u
 from dalembert.elements.base import Constraint, Element
 from dalembert.elements.body import BodyElement
+from dalembert.elements.component import Component
 from dalembert.elements.curves import Curve, FormulaCurve
 from dalembert.elements.frame import Frame
-from dalembert.elements.ingredient import Ingredient
 from dalembert.elements.laws.base import Law
 from dalembert.elements.springs import SpringDamper
 from dalembert.symbolic.formulas.expression import Expression
@@ -106,7 +106,7 @@ class _Translation:
         body = self.bodies[point.body.name]
         if isinstance(point, Frame):
             made = body.frame(local)
-            made.local_axes, made.complete = point.local_axes, point.complete
+            made.local_axes, made.has_x_axis = point.local_axes, point.has_x_axis
             return made
         return body.center if not body.rotates else body.point(*local)
 
@@ -139,7 +139,7 @@ class _Translation:
         value, unit = getattr(element, field.name), field.metadata.get("unit", "")
         if isinstance(value, Expression):
             linear, _, angular = unit.partition(" | ")
-            unit = angular if getattr(element, "sliding_unit", "m") == "rad" else linear
+            unit = angular if getattr(element, "free_unit", "m") == "rad" else linear
             unit = element.unit if isinstance(element, planar.UserConstraint) else unit
             if isinstance(element, planar.Stop) and field.name == "stiffness":
                 power = float(element.exponent.sx) if element.exponent.sx.is_constant() else 1.5
@@ -158,7 +158,7 @@ class _Translation:
             return self.made.elements[value.name]
         if isinstance(value, Law):
             return self.formula(Expression(value.value(t.sx)), element.units()[0])
-        if isinstance(value, Ingredient):
+        if isinstance(value, Component):
             return type(value)(**{f.name: self.value(value, f) for f in dataclasses.fields(value)})
         if isinstance(value, Curve):
             x, y, *z = map(Expression, ca.vertsplit(self.units.length * value.position(u.sx)))

@@ -87,9 +87,12 @@ PARTS: dict[str, tuple[str, list[str]]] = {
     ),
     "gap that nothing moves": (
         floor(distance="1.0"),
-        ["forces.floor", "no position", "a body's y"],
+        ["forces.floor", "does not depend on any position", "a body's y"],
     ),
-    "slip of no speed": (floor(slip='"disc.x"'), ["forces.floor", "no speed", "a body's vx"]),
+    "slip of no speed": (
+        floor(slip='"disc.x"'),
+        ["forces.floor", "does not depend on any speed", "a body's vx"],
+    ),
     "friction of no slip": (floor(friction="0.3"), ["forces.floor", "friction is 0.3", "slip="]),
     "gap of a speed": (floor(distance='"disc.vy"'), ["forces.floor", "disc.dy", "positions"]),
     "no structure": (

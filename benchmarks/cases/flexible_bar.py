@@ -25,7 +25,7 @@ from benchmarks.solvers import ours
 from benchmarks.solvers.base import Contestant, installed
 from benchmarks.solvers.exudyn import settings_for
 from dalembert import spatial, structures
-from dalembert.structures.reduction.rigid import node_places
+from dalembert.structures.reduction.rigid import node_positions
 
 LENGTH, SIDE, MODULUS, POISSON, DENSITY = 1.0, 0.05, 5e8, 0.3, 1000.0
 GRAVITY, DURATION, MODES, ERROR, MANY = 9.81, 0.5, 6, 1e-5, 16_000
@@ -74,7 +74,7 @@ def reduced():
     shapes = body().shapes
     made, p = shapes.structure, shapes.p
     order = made.degrees.table[:, :3].ravel()
-    places = node_places(made.blocks, made.degrees, p) - shapes.origin
+    places = node_positions(made.blocks, made.degrees, p) - shapes.origin
     whole = made.assembly
     fem = FEMinterface()
     fem.nodes = {"Position": places}

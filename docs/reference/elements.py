@@ -23,8 +23,10 @@ from dalembert.elements.springs import ForceLaw
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
+from dalembert.integrators.contact.contact_solver import ContactSolver
+from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.io import fields
-from dalembert.io.fields import FROM_FILE, connected, written
+from dalembert.io.fields import FROM_FILE, connected_fields, keyed_fields
 from dalembert.model.coordinates import Coordinates
 from reference.markdown import field_texts, summary, table
 
@@ -54,6 +56,7 @@ HOLDS: dict[object, str] = {
     Orientation: "orientation",
     Law: "law",
     Shape: "shape, or name of a point",
+    fields.Shapes: "list of shapes",
     NormalLaw: "contact law",
     Friction: "friction",
     fields.Places: "list of points",
@@ -63,6 +66,8 @@ HOLDS: dict[object, str] = {
     Formulation: "formulation",
     Stabilization: "stabilisation",
     Integrator: "integrator",
+    ContactScheme: "contact scheme",
+    ContactSolver: "contact solver",
     Events: "table of events",
     Distribution: "distribution",
 }
@@ -124,12 +129,12 @@ def shown_default(field: dataclasses.Field, needed: bool) -> str:
 def record(name: str, cls: type, heading: str = "###") -> str:
     """Heading, text and keys of one class of the registry."""
     parts = [f"{heading} {name}", summary(cls)]
-    ties = connected(cls)
+    ties = connected_fields(cls)
     if ties:
         listed = ", ".join(f.name for f in ties)
         parts.append(f"`connect = [{listed}]`")
     texts, from_file, rows = field_texts(cls), FROM_FILE.get(name, ()), []
-    for field in written(cls):
+    for field in keyed_fields(cls):
         if field.name in REFUSED.get(name, ()):
             continue
         meta = field.field.metadata

@@ -3,12 +3,7 @@
 from __future__ import annotations
 
 from dalembert.io import orientations, schema, tables
-from dalembert.io.decisions import (
-    synthesis_tables,
-    tables as decision_tables,
-    task_tables,
-    trajectory_tables,
-)
+from dalembert.io.decisions import design_tables, task_tables
 from reference.markdown import table
 
 ABOUT = "text for people"
@@ -97,7 +92,7 @@ FIXED = {
         {"type": '`"Grid"`, `"LatinHypercube"`, `"MonteCarlo"`, `"Sobol"` or `"Table"`'},
     ),
     "optimize": (
-        decision_tables.OptimizeTable,
+        design_tables.OptimizeTable,
         {
             "minimize": "name of the response to make small; this or `maximize`",
             "maximize": "name of the response to make large",
@@ -108,7 +103,7 @@ FIXED = {
         },
     ),
     "limit": (
-        decision_tables.LimitTable,
+        design_tables.LimitTable,
         {
             "response": "name of a response",
             "lower": "it must not be below",
@@ -133,10 +128,10 @@ FIXED = {
         },
     ),
     "case": (schema.CaseTable, {}),
-    "combined": (decision_tables.CombinedTable, {}),
-    "robust": (decision_tables.RobustTable, {"response": "name of a response of this run"}),
+    "combined": (design_tables.CombinedTable, {}),
+    "robust": (design_tables.RobustTable, {"response": "name of a response of this run"}),
     "pareto": (
-        decision_tables.ParetoTable,
+        design_tables.ParetoTable,
         {
             "method": "how it is searched for, see [several aims](optimization.md#several-aims)",
             "gradient": "method of the gradients",
@@ -145,24 +140,24 @@ FIXED = {
         },
     ),
     "reliability": (
-        decision_tables.ReliabilityTable,
+        design_tables.ReliabilityTable,
         {
             "method": '`"sqp"`, `"improved-hlrf"` or `"hlrf"`',
             "tolerance": "on residual and distance of the design point",
             "max_iterations": "of each search",
         },
     ),
-    "tolerance": (decision_tables.ToleranceTable, {}),
+    "tolerance": (design_tables.ToleranceTable, {}),
     "allot": (
-        decision_tables.AllotTable,
+        design_tables.AllotTable,
         {
             "exponent": "of the tolerance in its cost",
             "worst_case": "all tolerances used up at once; statistical by default",
         },
     ),
-    "synthesis": (synthesis_tables.SynthesisTable, {}),
+    "synthesis": (design_tables.SynthesisTable, {}),
     "trajectory": (
-        trajectory_tables.TrajectoryTable,
+        task_tables.TrajectoryTable,
         {"method": "name, or a table with `type` and keys, see [trajectories](trajectories.md)"},
     ),
     "history": (task_tables.HistoryTable, {}),

@@ -3,7 +3,7 @@
 >>> import dalembert as da
 >>> from dalembert import planar
 
-The public names stand in ``__init__.pyi``; each is imported when it is first used.
+The public names are listed in ``__init__.pyi``; each is imported on first use.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from types import ModuleType
 __version__ = "0.1.0"
 
 
-def _listed() -> dict[str, tuple[str, str]]:
-    """Public name → module and name there."""
+def _public_names() -> dict[str, tuple[str, str]]:
+    """Public name → module and name in it."""
     stub = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
     return {
         str(alias.asname): (str(line.module), alias.name)
@@ -28,7 +28,7 @@ def _listed() -> dict[str, tuple[str, str]]:
     }
 
 
-_PUBLIC = _listed()
+_PUBLIC = _public_names()
 __all__ = list(_PUBLIC)
 
 
@@ -36,11 +36,11 @@ def __getattr__(name: str) -> object:
     if name not in _PUBLIC:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, original = _PUBLIC[name]
-    found = vars(import_module(module)).get(original)
-    if found is None:  # not made by the module, but a package in it
-        found = import_module(f"{module}.{original}")
-    globals()[name] = found
-    return found
+    value = vars(import_module(module)).get(original)
+    if value is None:  # a package, not a name in the module
+        value = import_module(f"{module}.{original}")
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:
@@ -48,11 +48,11 @@ def __dir__() -> list[str]:
 
 
 class _Front(ModuleType):
-    """A function is not hidden by the package it comes from, as ``sensitivity`` would be."""
+    """Module whose public functions are not shadowed by packages, such as ``sensitivity``."""
 
     def __setattr__(self, name: str, value: object) -> None:
-        home, _ = _PUBLIC.get(name, (__name__, name))
-        if home == __name__ or not isinstance(value, ModuleType):
+        module, _ = _PUBLIC.get(name, (__name__, name))
+        if module == __name__ or not isinstance(value, ModuleType):
             super().__setattr__(name, value)
 
 

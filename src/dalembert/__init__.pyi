@@ -39,8 +39,10 @@ from dalembert.analysis.structural.load_path import (
 )
 from dalembert.analysis.structural.modal import Modal as Modal, solve_modes as solve_modes
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics as NonlinearStatics
-from dalembert.analysis.structural.solve_statics import solve_statics as solve_statics
-from dalembert.analysis.structural.statics import Statics as Statics
+from dalembert.analysis.structural.statics import (
+    Statics as Statics,
+    solve_statics as solve_statics,
+)
 from dalembert.analysis.structural.transient import (
     Transient as Transient,
     solve_transient as solve_transient,
@@ -54,17 +56,17 @@ from dalembert.design.ecosystem.openmdao_implicit import (
 )
 from dalembert.design.ecosystem.pymoo_problem import pymoo_problem as pymoo_problem
 from dalembert.design.identification.experiment import Experiment as Experiment
-from dalembert.design.identification.identified import Identification as Identification
+from dalembert.design.identification.identification import Identification as Identification
 from dalembert.design.identification.identify import identify as identify
 from dalembert.design.inverse.history import History as History, history as history
+from dalembert.design.inverse.inversion import Inversion as Inversion
 from dalembert.design.inverse.invert import invert as invert
-from dalembert.design.inverse.inverted import Inversion as Inversion
 from dalembert.design.limit import Limit as Limit
+from dalembert.design.methods.branch_and_bound import BranchAndBound as BranchAndBound
 from dalembert.design.methods.cma_es import CmaEs as CmaEs
 from dalembert.design.methods.differential_evolution import (
     DifferentialEvolution as DifferentialEvolution,
 )
-from dalembert.design.methods.discrete import BranchAndBound as BranchAndBound
 from dalembert.design.methods.enumeration import Enumeration as Enumeration
 from dalembert.design.methods.ipopt import Ipopt as Ipopt
 from dalembert.design.methods.least_squares import LeastSquares as LeastSquares
@@ -88,7 +90,7 @@ from dalembert.design.reliability.distributions import (
 )
 from dalembert.design.reliability.optimize_reliable import optimize_reliable as optimize_reliable
 from dalembert.design.reliability.reliability import reliability as reliability
-from dalembert.design.reliability.reliable import Reliability as Reliability
+from dalembert.design.reliability.reliability_result import Reliability as Reliability
 from dalembert.design.reliability.reliable_optimum import ReliableOptimum as ReliableOptimum
 from dalembert.design.robust import Robust as Robust, robust as robust
 from dalembert.design.studies.design import Design as Design
@@ -149,9 +151,11 @@ from dalembert.elements.curves import (
     SplineCurve as SplineCurve,
     u as u,
 )
-from dalembert.elements.laws.base import Formula as Formula
-from dalembert.elements.laws.harmonic import Harmonic as Harmonic
-from dalembert.elements.laws.polynomial import Polynomial as Polynomial
+from dalembert.elements.laws.base import (
+    Formula as Formula,
+    Harmonic as Harmonic,
+    Polynomial as Polynomial,
+)
 from dalembert.elements.laws.rise import (
     CycloidalRise as CycloidalRise,
     HarmonicRise as HarmonicRise,
@@ -246,7 +250,7 @@ from dalembert.responses.integrals import (
 from dalembert.responses.values import At as At, Final as Final, at as at, final as final
 from dalembert.results.batch.batch import Batch as Batch
 from dalembert.results.comparison.result import Comparison as Comparison
-from dalembert.results.files.open_mechanism import assembly_report as assembly_report
+from dalembert.results.files.assembly_report import assembly_report as assembly_report
 from dalembert.results.files.store import load_results as load_results
 from dalembert.results.motion import Motion as Motion
 from dalembert.results.pictures.tornado import tornado as tornado

@@ -1,4 +1,4 @@
-"""``python -m dalembert``."""
+"""Entry point of ``python -m dalembert``."""
 
 import sys
 

@@ -1,8 +1,7 @@
-"""What a task may take: an absurd number is refused before memory or time is taken.
+"""Limits of memory and work for a single task, checked before the task starts.
 
-Everything is counted before it begins: bytes that are kept or that graphs need, and rounds of work
-that Python does one after the other. ``DALEMBERT_BUDGET=10`` in the environment gives ten times
-both.
+Estimates count the bytes of stored data and of expression graphs, and the rounds of work that
+Python does in sequence. ``DALEMBERT_BUDGET=10`` in the environment multiplies both limits by ten.
 """
 
 from __future__ import annotations
@@ -13,43 +12,43 @@ import os
 from dalembert.errors import BudgetError
 
 MEMORY = 4e9
-"""Bytes that one task may take."""
+"""Upper limit of the memory of one task [bytes]."""
 ROUNDS = 1e6
-"""Rounds of one task, such as load steps, iterations or repeated runs."""
+"""Upper limit of the rounds of one task, such as load steps, iterations or repeated runs."""
 LARGEST = 1e100
-"""Size of a number beyond which products of a few overflow."""
+"""Upper limit of the magnitude of a number; products of a few larger ones overflow."""
 STEP = 48
-"""Bytes of a time step beside its state: its time, length, marks, and copies of these."""
+"""Memory of a time step beside its state: time, length, flags, and copies of these [bytes]."""
 VARIABLE = "DALEMBERT_BUDGET"
 
 
-def afford(
-    what: str, *, memory: float = 0.0, rounds: float = 0.0, cure: str, doubt: float = 1.0
+def check_budget(
+    subject: str, *, memory: float = 0.0, rounds: float = 0.0, cure: str, margin: float = 1.0
 ) -> None:
-    """Go on only where a task takes no more than it is given.
+    """Refuse a task whose estimated cost exceeds the limits.
 
     Parameters
     ----------
-    what : the number at fault and what it makes, e.g. ``"outputs = 1e12"``
-    memory : bytes it would take
-    rounds : rounds it would take
-    cure : what to give instead
-    doubt : how many times too much an estimate may be
+    subject : the option at fault and its value, e.g. ``"outputs = 1e12"``
+    memory : estimated memory [bytes]
+    rounds : estimated number of rounds
+    cure : what to change
+    margin : factor by which the estimate may exceed the limits
 
     Raises
     ------
     BudgetError
-        It would take more; tells how much, and how to allow it.
+        A limit is exceeded; states the cost and the setting that allows it.
     """
     factor, memory, rounds = _factor(), _float(memory), _float(rounds)
     share = max(memory / MEMORY, rounds / ROUNDS)
-    if share <= factor * doubt:
+    if share <= factor * margin:
         return
     by_memory = share == memory / MEMORY
     cost = f"{_size(memory)} of memory" if by_memory else f"{rounds:.3g} rounds"
-    given = _size(factor * MEMORY) if by_memory else f"{factor * ROUNDS:.3g}"
+    limit = _size(factor * MEMORY) if by_memory else f"{factor * ROUNDS:.3g}"
     raise BudgetError(
-        f"{what} would take about {cost}, and {given} are given; {cure}, or allow it by "
+        f"{subject} would take about {cost}, and the limit is {limit}; {cure}, or allow it by "
         f"{VARIABLE}={share * 1.01:.3g} in the environment"
     )
 
@@ -66,7 +65,7 @@ def _factor() -> float:
 
 
 def numeral(number: float) -> str:
-    """A number in few characters, however large it is."""
+    """A number in few characters, whatever its magnitude."""
     if isinstance(number, int) and abs(number) >= 10**15:
         return f"{'-' if number < 0 else ''}1e{math.log10(abs(number)):.0f}"
     return f"{number:.6g}" if isinstance(number, float) else str(number)

@@ -1,4 +1,4 @@
-"""Exceptions: every message names the entity, the value and a cure."""
+"""Exceptions. Every message names the entity, the value and a fix."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from copy import copy
 from typing import Any, Self
 
 LONGEST, BEGIN, END = 2000, 1400, 400
-"""Characters of a message; of a longer one, those that stay."""
+"""Upper limit of the length of a message; characters kept at both ends of a longer one."""
 
 
 def brief(message: str) -> str:
-    """A message of reasonable length, whatever input it quotes."""
+    """A message shortened to a readable length, whatever input it quotes."""
     if len(message) <= LONGEST:
         return message
     return f"{message[:BEGIN]} … ({len(message)} characters) … {message[-END:]}"
@@ -27,7 +27,7 @@ class DalembertError(Exception):
     >>> body = system.add(planar.Body("plate", mass=-1.0, inertia=1.0))
     >>> try:
     ...     model = system.build()
-    ... except da.DalembertError as error:  # whatever it is
+    ... except da.DalembertError as error:  # any error of dalembert
     ...     print(type(error).__name__)
     ModelError
     """
@@ -42,7 +42,7 @@ class ModelError(DalembertError):
     Parameters
     ----------
     message : str
-        What is wrong and how to mend it.
+        What is wrong and how to fix it.
     entity : str, optional
         Element, parameter or field at fault, e.g. ``"crank.mass"``.
 
@@ -79,11 +79,11 @@ class ExpressionError(ModelError):
 
 
 class KeywordError(ModelError, TypeError):
-    """Nothing takes this keyword, or an argument is missing; tells the nearest, or all needed."""
+    """Unknown keyword or missing argument; names the nearest keyword, or all required ones."""
 
 
 class UnknownNameError(ExpressionError, KeyError):
-    """Nothing has this name; tells the nearest names that there are.
+    """Unknown name; lists the nearest known names.
 
     Examples
     --------
@@ -103,7 +103,7 @@ class UnknownNameError(ExpressionError, KeyError):
         self.name = name
         super().__init__(message)
 
-    def __str__(self) -> str:  # a KeyError would show its message in quotes
+    def __str__(self) -> str:  # KeyError would quote the message
         return str(self.args[0])
 
 
@@ -122,7 +122,7 @@ class FileError(DalembertError):
 
 
 class AnalysisError(DalembertError):
-    """A numerical task failed; carries the residual that proves it.
+    """A numerical task failed; ``residual`` is the evidence.
 
     Examples
     --------
@@ -141,19 +141,19 @@ class AnalysisError(DalembertError):
         self.residual = residual
         super().__init__(message)
 
-    def retold(self, message: str) -> Self:
-        """The same error in other words."""
-        made = copy(self)
-        made.args = (message,)
-        return made
+    def with_message(self, message: str) -> Self:
+        """A copy of the error with another message."""
+        error = copy(self)
+        error.args = (message,)
+        return error
 
 
 class AssemblyError(AnalysisError):
     """The mechanism cannot be assembled from the given guesses and lengths.
 
-    ``position`` is the best position found, for ``assembly_report``; None where there is none.
-    ``others`` is the number of other assemblies that exist at these values of the parameters, where
-    the branch of the nominal assembly ends before them; 0 where a search found none.
+    ``position`` is the best position reached, for ``assembly_report``, or None. ``others`` is the
+    number of other assembly configurations that exist at these parameter values when the branch of
+    the nominal assembly ends before them; 0 if a search detects none.
 
     Examples
     --------
@@ -182,7 +182,7 @@ class AssemblyError(AnalysisError):
 
 
 class SolverFailure(AnalysisError):
-    """A solver inside a compiled function gave up; ``reason`` is its own word for it."""
+    """A solver inside a compiled function failed; ``reason`` is the solver's own message."""
 
     def __init__(self, reason: str):
         self.reason = reason
@@ -192,12 +192,12 @@ class SolverFailure(AnalysisError):
 
 
 class UnsolvedPart(SolverFailure):
-    """The equations of a part of a step, in which a change is looked for, were not solved.
+    """A partial step, taken while locating an event, did not converge.
 
     Parameters
     ----------
-    number : of the step among those looked at
-    time : at which it begins [s]
+    number : index of the step among those examined
+    time : start of the step [s]
     """
 
     def __init__(self, number: int, time: float):
@@ -226,11 +226,11 @@ class SingularityError(AnalysisError):
 
 
 class BudgetError(DalembertError):
-    """A number asks for more memory or work than a task is given; tells what it would cost."""
+    """A task exceeds the limit of memory or work; states the estimated cost."""
 
 
 class UnsupportedError(DalembertError):
-    """A combination of choices that cannot work; names one that does.
+    """An unsupported combination of options; names one that works.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Ctrl-C: an exception during a search, a note while the result of the search is completed.
+"""Ctrl-C: an exception during a search, a deferred signal while its result is completed.
 
 Compiled code may swallow the ``KeyboardInterrupt`` that Python raises inside it, or raise another
 exception instead, and an interrupt after the last iteration would discard a finished result. Tasks
@@ -57,8 +57,8 @@ _active: list[CtrlC] = []
 
 
 def _received(number: int, frame: FrameType | None) -> None:
-    for one in _active:
-        one.count += 1
+    for signals in _active:
+        signals.count += 1
     if not _active or _active[-1].must_end:
         raise KeyboardInterrupt
 
@@ -69,24 +69,24 @@ def ctrl_c(is_command: bool = False) -> Iterator[CtrlC]:
 
     Signals are not counted outside of the main thread, nor where the program handles them itself.
     """
-    current, one = signal.getsignal(signal.SIGINT), CtrlC(is_command)
+    current, signals = signal.getsignal(signal.SIGINT), CtrlC(is_command)
     in_main = threading.current_thread() is threading.main_thread()
     if not in_main or current not in (signal.default_int_handler, _received):
-        yield one
+        yield signals
         return
-    _active.append(one)
+    _active.append(signals)
     signal.signal(signal.SIGINT, _received)
     try:
-        yield one
+        yield signals
     finally:
         if len(_active) > 1 and _active[-2].is_command:
-            _active[-2].deferring |= one.deferring
+            _active[-2].deferring |= signals.deferring
         _active.pop()
         signal.signal(signal.SIGINT, current)
 
 
 def check_ctrl_c() -> None:
-    """Raise ``KeyboardInterrupt`` where the innermost task has received a signal to end by."""
+    """Raise ``KeyboardInterrupt`` if the innermost task has received a signal that ends it."""
     if _active and _active[-1].must_end:
         raise KeyboardInterrupt
 
@@ -99,7 +99,7 @@ def defer_ctrl_c() -> None:
 
 @contextmanager
 def raising_ctrl_c() -> Iterator[None]:
-    """Ctrl-C ends as ``KeyboardInterrupt``, whatever compiled code makes of it."""
+    """Convert Ctrl-C to ``KeyboardInterrupt``, whatever exception compiled code raises."""
     try:
         yield
         check_ctrl_c()
@@ -120,7 +120,7 @@ def searching() -> Iterator[None]:
 
 
 def interruptible(task: Callable[P, R]) -> Callable[P, R]:
-    """A task with a signal count of its own; its result reports an interrupt of any moment."""
+    """Decorator of tasks: counts signals during a task; its result reports any interrupt."""
 
     @wraps(task)
     def counted(*args: P.args, **kwargs: P.kwargs) -> R:

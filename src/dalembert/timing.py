@@ -1,4 +1,4 @@
-"""Where the time of a task goes."""
+"""Wall time of the parts of a task."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from time import perf_counter
 
 ENDING = " time [s]"
-"""What statistics call a time."""
+"""Suffix of times in statistics."""
 
 
 class Timing:
@@ -15,7 +15,7 @@ class Timing:
 
     Attributes
     ----------
-    parts : name → seconds, in the order in which they came first
+    parts : name → seconds, in the order of first use
     """
 
     def __init__(self) -> None:
@@ -23,14 +23,14 @@ class Timing:
         self._since = perf_counter()
 
     def lap(self, name: str) -> None:
-        """What was done since the last lap was this part."""
+        """Add the time since the last lap to a part."""
         now = perf_counter()
         self.parts[name] = self.parts.get(name, 0.0) + now - self._since
         self._since = now
 
     @contextmanager
     def part(self, name: str) -> Iterator[None]:
-        """What is done inside is this part."""
+        """Add the time of the block to a part."""
         self._since = perf_counter()
         try:
             yield
@@ -39,10 +39,10 @@ class Timing:
 
     @property
     def total(self) -> float:
-        """Seconds of all parts."""
+        """Time of all parts [s]."""
         return sum(self.parts.values())
 
     @property
     def statistics(self) -> dict[str, float]:
-        """The same as results tell it."""
+        """Name → time [s], as in the statistics of results."""
         return {f"{name}{ENDING}": round(seconds, 6) for name, seconds in self.parts.items()}

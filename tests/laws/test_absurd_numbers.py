@@ -12,7 +12,7 @@ from absurd_numbers import PARTS, beam, driven
 
 import dalembert as da
 from dalembert import planar, structures
-from dalembert.budget import VARIABLE, afford
+from dalembert.budget import VARIABLE, check_budget
 from dalembert.errors import BudgetError
 
 SCRIPT = Path(__file__).parents[1] / "absurd_numbers.py"
@@ -82,12 +82,12 @@ def test_runs_that_would_never_end_keep_what_they_had():
 
 def test_the_budget_can_be_raised(monkeypatch):
     with pytest.raises(BudgetError):
-        afford("a copy of everything", memory=1e12, cure="take less")
+        check_budget("a copy of everything", memory=1e12, cure="take less")
     monkeypatch.setenv(VARIABLE, "1000")
-    afford("a copy of everything", memory=1e12, cure="take less")
+    check_budget("a copy of everything", memory=1e12, cure="take less")
     monkeypatch.setenv(VARIABLE, "much")
     with pytest.raises(BudgetError, match=r"DALEMBERT_BUDGET is 'much'"):
-        afford("nothing", cure="take less")
+        check_budget("nothing", cure="take less")
 
 
 @pytest.mark.parametrize(

@@ -180,15 +180,15 @@ def test_a_run_that_changes_branch_says_so():
     """Steps whose end is put into the other assembly, with its speeds; without that, silence."""
     from dataclasses import replace
 
-    from dalembert.analysis.kinematics.branch_jumps import BranchJumps
+    from dalembert.analysis.dynamics.step_length_checks import BranchJumps
 
     model = four_bar(0.6)
     motion = da.solve_dynamics(model, 0.1, step=0.01, stabilization=da.Projection())
     record = motion.record
-    assert BranchJumps(record.kernel, record.steps).doubts == []
+    assert BranchJumps(record.kernel, record.steps).warnings == []
     _, other = da.solve_assembly(model, all=True, count=2)
     x = np.array(record.steps.x)
     x[:9, 6:], x[9:18, 6:] = other.y[:, None], other.v[:, None]
-    (told,) = BranchJumps(record.kernel, replace(record.steps, x=x)).doubts
+    (told,) = BranchJumps(record.kernel, replace(record.steps, x=x)).warnings
     assert told.startswith("at t = 0.05 s rocker.angle jumps by")
     assert "another assembly" in told

@@ -7,10 +7,10 @@ from test_joint_coordinates import mechanism
 from test_short_corrections import ladder
 
 import dalembert as da
-from dalembert.analysis.dynamics.merits import merits_of
+from dalembert.analysis.dynamics.formulation_cost import cost_and_error
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.automatic_formulation import CANDIDATES, LONG
-from dalembert.formulations.base import Merits
+from dalembert.formulations.base import Performance
 
 AUTOMATIC = da.AutomaticFormulation()
 VIEWS = [da.AbsoluteCoordinates(), da.JointCoordinates()]
@@ -25,7 +25,9 @@ def analysis(formulation, **more):
 def test_fewest_operations_of_those_that_are_accurate(name, coordinates):
     model = mechanism(name)
     chosen = analysis(AUTOMATIC, coordinates=coordinates).kernel(model)
-    merits = [merits_of(analysis(f, coordinates=coordinates).kernel(model)) for f in CANDIDATES]
+    merits = [
+        cost_and_error(analysis(f, coordinates=coordinates).kernel(model)) for f in CANDIDATES
+    ]
     assert max(m.error for m in merits) < 1e-10
     assert chosen.operations == min(m.operations for m in merits)
     assert chosen.formulation in CANDIDATES
@@ -83,9 +85,9 @@ def test_accuracy_comes_before_operations(merits, kind):
         name = type(formulation).__name__
         if name not in merits:
             raise UnsupportedError("not on this mechanism")
-        return Merits(*merits[name])
+        return Performance(*merits[name])
 
-    assert isinstance(AUTOMATIC.chosen(told, False), kind)
+    assert isinstance(AUTOMATIC.select(told, False), kind)
 
 
 def test_it_is_told_where_no_choice_is_made():

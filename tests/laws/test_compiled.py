@@ -188,7 +188,7 @@ def test_every_operation_gives_the_same_number(kind):
 
 def assert_columns_agree(function: ca.Function, *given, toolchain=None) -> None:
     text, count = source.c_source(function), given[0].shape[-1]
-    native = NativeColumns(function, code_cache.made(text, toolchain or Llvm()), "LLVM")
+    native = NativeColumns(function, code_cache.compiled_loop(text, toolchain or Llvm()), "LLVM")
     for found, expected in zip(
         native(count, *given), VirtualColumns(function)(count, *given), strict=True
     ):
@@ -215,7 +215,7 @@ def test_graphs_of_matrices_give_the_same_numbers():
     rng = np.random.default_rng(6)
     given = rng.normal(size=(4, 20)), rng.normal(size=(4, 15)), rng.normal(size=(1, 5))
     text = source.c_source(function)
-    native = NativeColumns(function, code_cache.made(text, Llvm()), "LLVM")
+    native = NativeColumns(function, code_cache.compiled_loop(text, Llvm()), "LLVM")
     for found, expected in zip(native(5, *given), VirtualColumns(function)(5, *given), strict=True):
         np.testing.assert_array_equal(found, expected)
 
@@ -241,7 +241,7 @@ def test_a_matrix_that_is_singular_stops_all_alike(backend):
 def test_what_is_too_large_stays_on_the_virtual_machine_and_says_so(backend, monkeypatch, cache):
     """A model of few equal parts, whose code is as long as its list of operations."""
     monkeypatch.setattr(Compiler, "longest", 1000)
-    monkeypatch.setattr(translation, "MOST", 100)
+    monkeypatch.setattr(translation, "MAX_OPERATIONS", 100)
     model = four_bar()
     expected, found = run(model, "vm"), run(model, backend)
     assert re.fullmatch(
@@ -349,7 +349,7 @@ def test_a_broken_file_is_made_again(backend, cache, compilations, damage):
 def test_what_stands_in_place_of_machine_code_is_replaced(kind, cache):
     text = source.c_source(ca.Function("f", [X], [X + 3]))
     code_cache.build(text, Llvm())
-    path = code_cache.kept_path(text, Llvm())
+    path = code_cache.cache_path(text, Llvm())
     path = path.with_suffix(code_cache.SEAL) if "checksum" in kind else path
     path.unlink()
     if "pipe" in kind:
@@ -359,9 +359,9 @@ def test_what_stands_in_place_of_machine_code_is_replaced(kind, cache):
         (path / "more").touch()
     else:
         path.symlink_to(path.name)
-    assert code_cache.kept(text, Llvm()) is None
-    code_cache.made(text, Llvm())
-    assert code_cache.is_whole(code_cache.kept_path(text, Llvm()))
+    assert code_cache.cached_loop(text, Llvm()) is None
+    code_cache.compiled_loop(text, Llvm())
+    assert code_cache.is_whole(code_cache.cache_path(text, Llvm()))
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs the permissions of Unix")
@@ -369,7 +369,7 @@ def test_machine_code_is_not_taken_from_where_others_may_write(cache):
     text = source.c_source(ca.Function("f", [X], [X + 4]))
     code_cache.build(text, Llvm())
     cache.chmod(0o777)
-    assert code_cache.kept(text, Llvm()) is None
+    assert code_cache.cached_loop(text, Llvm()) is None
     with pytest.raises(da.UnsupportedError, match=r"others may write in .*mode 777.*chmod 700"):
         run(four_bar(), "jit")
     assert run(four_bar(), "auto").status.success
@@ -395,23 +395,23 @@ X = ca.SX.sym("x")
 
 @needs_compiler
 def test_another_text_or_compiler_makes_another_library(cache):
-    compiler = c_compiler.needed_compiler()
-    first = code_cache.kept_path("int f;", compiler)
+    compiler = c_compiler.require_compiler()
+    first = code_cache.cache_path("int f;", compiler)
     assert first.parent == cache
-    assert code_cache.kept_path("int f;", compiler) == first
-    assert code_cache.kept_path("int g;", compiler) != first
+    assert code_cache.cache_path("int f;", compiler) == first
+    assert code_cache.cache_path("int g;", compiler) != first
     for change in ({"version": "another 1.0"}, {"command": (*compiler.command, "-m64")}):
-        assert code_cache.kept_path("int f;", dataclasses.replace(compiler, **change)) != first
+        assert code_cache.cache_path("int f;", dataclasses.replace(compiler, **change)) != first
 
 
 def test_machine_code_is_filed_under_processor_version_and_lanes(monkeypatch):
     import llvmlite.binding
 
-    first = code_cache.kept_path("int f;", Llvm())
-    assert code_cache.kept_path("int f;", Llvm()) == first
-    assert code_cache.kept_path("int f;", Llvm(lanes=4)) != first
+    first = code_cache.cache_path("int f;", Llvm())
+    assert code_cache.cache_path("int f;", Llvm()) == first
+    assert code_cache.cache_path("int f;", Llvm(lanes=4)) != first
     monkeypatch.setattr(llvmlite.binding, "get_host_cpu_name", lambda: "another")
-    assert code_cache.kept_path("int f;", Llvm()) != first
+    assert code_cache.cache_path("int f;", Llvm()) != first
 
 
 def test_clearing_the_cache_deletes_what_was_compiled(cache):
@@ -429,10 +429,10 @@ def test_what_was_unused_for_longest_goes_first(cache, monkeypatch):
     for text in texts:
         code_cache.build(text, Llvm())
         time.sleep(0.02)
-    monkeypatch.setattr(code_cache, "KEPT", 2.5 * files(cache)[0].stat().st_size)
-    assert code_cache.kept(texts[0], Llvm()) is not None
+    monkeypatch.setattr(code_cache, "MAX_SIZE", 2.5 * files(cache)[0].stat().st_size)
+    assert code_cache.cached_loop(texts[0], Llvm()) is not None
     code_cache.build(source.c_source(ca.Function("f", [x], [x + 9])), Llvm())
-    assert [code_cache.is_whole(code_cache.kept_path(text, Llvm())) for text in texts] == [1, 0, 0]
+    assert [code_cache.is_whole(code_cache.cache_path(text, Llvm())) for text in texts] == [1, 0, 0]
 
 
 def _final_angle(backend: str) -> float:
@@ -462,8 +462,8 @@ def test_auto_is_the_default_and_changes_over_while_it_runs(monkeypatch):
     """Nobody announces how often short runs are repeated."""
     assert da.Dynamics(1.0).backend == "auto"
     monkeypatch.setattr(switching, "Compilation", background.Compilation)
-    monkeypatch.setattr(Llvm, "effort", lambda self, text: 0.1)
-    monkeypatch.setattr(Llvm, "least_effort", lambda self, text: 0.1)
+    monkeypatch.setattr(Llvm, "compile_time", lambda self, text: 0.1)
+    monkeypatch.setattr(Llvm, "least_compile_time", lambda self, text: 0.1)
     model, seen = four_bar(), []
     for _ in range(2000):
         motion = da.solve_dynamics(model, 0.5, step=0.002, outputs=[0.5])

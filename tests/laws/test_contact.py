@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.elements.contact.pairing import known_pairs
+from dalembert.elements.contact.contact import supported_pairs
 from dalembert.elements.registry import SHAPES
 
 kit, solid = planar.contact, spatial.contact
@@ -263,7 +263,7 @@ def test_gradients_over_touching_and_parting(exponent, exact):
 # refusals ------------------------------------------------------------------------------------
 def test_every_shape_meets_another():
     for dimension, shapes in SHAPES.items():
-        named = {end for pair in known_pairs(dimension) for end in pair.split("–")}
+        named = {end for pair in supported_pairs(dimension) for end in pair.split("–")}
         assert set(shapes) <= named
 
 

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.timeline import FEW, Pace
+from dalembert.analysis.timeline import MIN_STEPS, Pace
 
 G, E = 9.81, 0.8
 INTEGRATORS = {
@@ -202,9 +202,9 @@ def test_few_short_steps_tell_nothing_about_the_rest():
     """Of 1e-14 of the run at first; later they do."""
     pace = Pace(0.0, 5.0, 100.0)
     assert not pace.exceeds(np.array([0, 1e-14, 2e-14]))
-    times = 1e-12 * np.arange(2 * FEW)
+    times = 1e-12 * np.arange(2 * MIN_STEPS)
     refused = [pace.exceeds(times[a : b + 1]) for a, b in pairwise(range(0, times.size, 50))]
-    assert any(refused) and not any(refused[: FEW // 50 - 1])
+    assert any(refused) and not any(refused[: MIN_STEPS // 50 - 1])
     assert "at the pace of the last" in pace.excess
 
 

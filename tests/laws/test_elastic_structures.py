@@ -189,7 +189,7 @@ def test_wrong_nodes_supports_and_loads_are_told():
     turned = da.System("turned")
     turned.add(a), turned.add(b)
     turned.add(structures.Frame("beam", a, b, second_moment=1e-8, **numbers))
-    with pytest.raises(da.ModelError, match=r"beam: turns its node a, a point; take planar\.Node"):
+    with pytest.raises(da.ModelError, match=r"beam: rotates its node a, a point; use planar\.Node"):
         turned.build()
     mixed = da.System("mixed")
     mixed.add(a)

@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from dalembert.formulations.orthogonal import HouseholderBasis
+from dalembert.formulations.orthogonal_bases import HouseholderBasis
 from dalembert.symbolic.equations.factor import LdlFactor, QrFactor
 
 POWERS = pytest.mark.parametrize("power", [20, 80, 154, 158, 161, 163, 200])

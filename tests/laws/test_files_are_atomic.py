@@ -13,7 +13,7 @@ WRITERS = {
 }
 """Methods and functions that write a file, but for ``open`` and ``save`` of a film."""
 OTHERS = {
-    "files/atomic.py": "the one place",
+    "files.py": "the one place",
     "design/studies/folder.py:open": "the lock of a study, which is empty",
     "design/optimize/evaluation_log.py:open": "a log, which grows by lines; half a line is skipped",
     "results/files/netcdf.py:File": "writes to the path that `store` gives it",

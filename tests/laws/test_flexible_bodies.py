@@ -11,7 +11,7 @@ import dalembert as da
 from dalembert import planar, spatial
 from dalembert.results.pictures.picture import pose_of
 from dalembert.results.pictures.scene import motion_scene
-from dalembert.structures.reduction.rigid import node_places
+from dalembert.structures.reduction.rigid import node_positions
 
 SPACES = pytest.mark.parametrize("dimension", [2, 3])
 BOTH = pytest.mark.parametrize("stiffening", [False, True])
@@ -42,7 +42,7 @@ def nodal_velocities(body, y, v):
     )
     (axes,) = values(body, y, v, body.frame_axes)
     spin = np.array([0, 0, v[2]]) if d == 2 else v[3:6]
-    places = node_places(model.blocks, model.degrees, shapes.p) - shapes.origin
+    places = node_positions(model.blocks, model.degrees, shapes.p) - shapes.origin
     u, w = shapes.displacements @ a, shapes.displacements @ grown
     for row, place in zip(model.degrees.table, places, strict=True):
         arm = np.zeros(3)
@@ -263,10 +263,10 @@ WRONG = [
     ({"reference": "middle"}, "unknown frame 'middle'"),
     ({"reference": "mean", "stiffening": True}, "second-order displacements need a frame"),
     ({"parameters": {"F": 1.0}}, "F"),
-    ({"modes": -1}, "modes is a count; got -1"),
-    ({"up_to": 0.0}, "up_to is a frequency"),
+    ({"modes": -1}, "modes must be a number of modes; got -1"),
+    ({"up_to": 0.0}, "up_to must be a frequency"),
     ({"reference": 3}, "name of an interface or 'mean'"),
-    ({"structure": "beam"}, "must be a structure that was built"),
+    ({"structure": "beam"}, "must be a built structural model"),
 ]
 
 

@@ -13,7 +13,7 @@ from hypothesis import assume, given, settings, strategies as st
 from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import parse_formula
-from dalembert.symbolic.once import MOST, once
+from dalembert.symbolic.once import CACHE_SIZE, once
 
 X, Y = Expression(ca.SX.sym("x")), Expression(ca.SX.sym("y"))
 NAMES = {"x": X, "y": Y, "body.x": Y}
@@ -215,10 +215,12 @@ def test_kept_results_are_bounded_and_go_with_their_owner():
 
     owner = Owner()
     assert [owner.square(3), owner.square(3), owner.made] == [9, 9, 1]
-    for number in range(MOST + 10):
+    for number in range(CACHE_SIZE + 10):
         owner.square(number)
-    assert owner.square(3) == 9 and owner.made == MOST + 11  # 3 was kept longer than the others
-    assert sum(len(kept) for kept in vars(owner)["_once"].values()) == MOST
+    assert (
+        owner.square(3) == 9 and owner.made == CACHE_SIZE + 11
+    )  # 3 was kept longer than the others
+    assert sum(len(kept) for kept in vars(owner)["_once"].values()) == CACHE_SIZE
     seen = weakref.ref(owner)
     del owner
     assert seen() is None

@@ -196,7 +196,7 @@ def test_an_equilibrium_has_one_instant():
     rest = da.solve_equilibrium(system.build())
     here = da.sensitivity(rest, da.at(0.0, "bar.end.y"))
     assert here.values == da.sensitivity(rest, da.final("bar.end.y")).values
-    with pytest.raises(da.AnalysisError, match="one instant, t = 0 s, and t = 1 s was asked for"):
+    with pytest.raises(da.AnalysisError, match="one instant, t = 0 s, and t = 1 s was requested"):
         da.sensitivity(rest, da.at(1.0, "bar.end.y"))
 
 

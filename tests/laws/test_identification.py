@@ -201,7 +201,7 @@ def test_what_the_data_cannot_tell(oscillator):
     deviation = found.deviation
     assert np.isinf(deviation["k1"]) and np.isinf(deviation["k2"]) and np.isfinite(deviation["c"])
     assert found.x["k1"] + found.x["k2"] == pytest.approx(120, rel=0.02)
-    assert "not seen at all" in found._repr_html_()
+    assert "not determined" in found._repr_html_()
 
 
 def test_residuals_that_are_no_noise_are_told(oscillator):
@@ -232,14 +232,14 @@ def test_advice_prefers_what_tells_more(oscillator):
         ({"clock": [0, 1], "slider.x": [0, 1]}, {}, "no column 'time' or 't'"),
         ({"time": [0, 1], "slide.x": [0, 1]}, {}, "matches no measure"),
         ({"time": [0, 1], "x": [0, 1]}, {"measures": {"y": "slider.x"}}, "no column 'y'"),
-        ({"time": [0, 1], "slider.x": [np.nan] * 2}, {}, "no number at all"),
+        ({"time": [0, 1], "slider.x": [np.nan] * 2}, {}, "holds no numbers"),
         ({"time": [0, 1], "slider.x": [np.inf, 1]}, {}, "infinite"),
         ({"time": [0, np.nan], "slider.x": [0, 1]}, {}, "not all numbers"),
         ({"time": [0, 1], "slider.x": [0, 1, 2]}, {}, "differ in length"),
         ({"time": [0, 1], "slider.x": [0, 1]}, {}, "2 sample.s. for 3 unknowns"),
         ({"time": [0, 9, 10], "slider.x": [0, 1, 2]}, {}, "outside the run"),
         ({"time": [0, 1, 2], "slider.position": [0, 1, 2]}, {}, "2 components"),
-        ("nowhere.csv", {}, "no such file"),
+        ("nowhere.csv", {}, "does not exist"),
         (3.0, {}, "give a DataFrame"),
     ],
 )

@@ -12,7 +12,7 @@ from scipy.signal import cont2discrete
 import dalembert as da
 from dalembert import planar
 from dalembert.design.inverse.history import History
-from dalembert.design.inverse.invert import _covariance, _Smoothed
+from dalembert.design.inverse.invert import _covariance, _RegularisedProblem
 
 TIMES = np.linspace(0, 2, 101)
 KNOTS = np.linspace(0, 2, 17)
@@ -75,9 +75,9 @@ def coverage(matrix, exact, wanted, noise, order=2, seen=None, **more) -> tuple[
         known = more.get("known", False)
         level = noise if known else 1e-3
         problem = Linear(matrix / level, data / level)
-        chosen = _Smoothed(problem, rough, more.get("smoothing", "likelihood"), known)
+        chosen = _RegularisedProblem(problem, rough, more.get("smoothing", "likelihood"), known)
         try:
-            fit, mu, _ = chosen.solved(np.zeros(matrix.shape[1]))
+            fit, mu, _ = chosen.solve(np.zeros(matrix.shape[1]))
         except da.AnalysisError as error:
             failed.append(error)
             continue

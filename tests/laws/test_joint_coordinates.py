@@ -31,7 +31,7 @@ from dalembert.io.decisions.tasks import make_analysis
 from dalembert.io.model_file import load_model_file
 from dalembert.model.tree.joint_coordinates import JointCoordinates
 from dalembert.model.tree.joint_view import JointView
-from dalembert.model.tree.planar_link import planar_link
+from dalembert.model.tree.link import planar_link
 from dalembert.model.tree.spanning_tree import Edge, spanning_tree
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

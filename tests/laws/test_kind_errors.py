@@ -112,7 +112,7 @@ def test_a_response_without_bounds_is_no_limit(bare):
     _, _, model = pendulum()
     response = da.final("bob.angle")
     limits = response if bare else [response]
-    with pytest.raises(da.AnalysisError, match=r"got final\(bob.angle\); say what it may be"):
+    with pytest.raises(da.AnalysisError, match=r"got final\(bob.angle\); give its bounds"):
         da.optimize(model, minimize=response, subject_to=limits, analysis=da.Dynamics(duration=0.1))
 
 

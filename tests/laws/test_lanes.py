@@ -14,7 +14,7 @@ from dalembert.symbolic.evaluation.backends import Compiled, VirtualMachine
 from dalembert.symbolic.evaluation.lane_tangents import LaneTangents, LinearStep
 from dalembert.symbolic.evaluation.lanes import LaneColumns
 from dalembert.symbolic.native import llvm
-from dalembert.symbolic.native.llvm import lane_count, needed_llvm
+from dalembert.symbolic.native.llvm import lane_count, require_llvm
 
 LANES = lane_count()
 LAST = 4 * np.finfo(float).eps
@@ -148,7 +148,7 @@ def test_directions_of_a_step(count):
     step = LinearStep(
         ca.Function("entries", [t, h, x, q], [entries]), ca.Function("along", [dx, e, dq], [along])
     )
-    lanes = LaneTangents.of(step, Compiled(needed_llvm), 10, count)
+    lanes = LaneTangents.of(step, Compiled(require_llvm), 10, count)
     rng = np.random.default_rng(1)
     given = [rng.normal(size=(n, 2 * LANES + 3)) for n in (1, 1, 2)]
     changes, rates = rng.normal(size=(2, count)), rng.normal(size=(1, count))

@@ -16,10 +16,10 @@ from dalembert import planar, spatial
 from dalembert.elements import look, registry
 from dalembert.elements.base import Look
 from dalembert.elements.point import Point
-from dalembert.results.pictures.planar_sketch import PlanarSketch
+from dalembert.results.pictures.planar_scene import PlanarSketch
 from dalembert.results.pictures.scene import motion_scene
 from dalembert.results.pictures.sketch import Sketch
-from dalembert.results.pictures.spatial_sketch import SpatialSketch
+from dalembert.results.pictures.spatial_scene import SpatialSketch
 
 ELEMENTS = {n: c for table in registry.PLANAR.sections.values() for n, c in table.items()}
 PRIMITIVES = {c for _, c in inspect.getmembers(look, inspect.isclass) if issubclass(c, Look)}
@@ -51,7 +51,7 @@ def test_every_element_looks_like_something(name):
     for element in made:
         shown = element.look()
         assert all(isinstance(part, Look) for part in shown)
-        assert shown or made[0].unseen, "it draws nothing and does not say why"
+        assert shown or made[0].not_drawn, "it draws nothing and does not say why"
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -95,7 +95,7 @@ def test_every_element_of_space_looks_like_something(section, name, tmp_path):
         pytest.importorskip("trimesh")
     made = written(section, name, tmp_path)
     shown, joint = made.look(), vars(made).get("joint")
-    assert shown or made.unseen, "it draws nothing and does not say why"
+    assert shown or made.not_drawn, "it draws nothing and does not say why"
     drawn = [vars(kind)["draw"].dispatcher.dispatch for kind in (SpatialSketch, Sketch)]
     for part in shown:
         assert any(d(type(part)) is not d(Look) for d in drawn)

@@ -116,8 +116,8 @@ def test_derivatives_of_constraints_by_either_way(model):
     from dataclasses import replace
 
     e = model.all_equations
-    assert e.known is not None
-    plain = replace(e, known=None)
+    assert e.kinematics is not None
+    plain = replace(e, kinematics=None)
     inputs = [e.t, e.y, e.v, e.p]
     y, v = random_state(model, 7)
     values = [

@@ -200,5 +200,5 @@ def test_kinematics_says_that_positions_depend_on_the_way():
         far = float(np.linalg.norm(np.array(base) - local - [0, 0, R]))
         ends = system.ground.point(*base), body.point(*local)
         system.add(da.planar.DistanceDriver(f"d{k}", *ends, far))
-    with pytest.raises(da.UnsupportedError, match="roll: positions depend on the way"):
+    with pytest.raises(da.UnsupportedError, match="roll: positions depend on the path"):
         da.solve_kinematics(system.build(), 1.0)

@@ -15,7 +15,7 @@ from dalembert.symbolic.evaluation.columns import NativeColumns, VirtualColumns
 from dalembert.symbolic.evaluation.lanes import SideBySide
 from dalembert.symbolic.native import code_cache, source, straight_line, translation
 from dalembert.symbolic.native.llvm import Llvm
-from dalembert.symbolic.native.loop import ENTRY
+from dalembert.symbolic.native.toolchain import ENTRY
 
 REPEATING = partial(Llvm, short=300)
 """Cuts bodies up that are compiled as a whole else."""
@@ -71,7 +71,7 @@ def repeated(count: int) -> ca.Function:
 
 
 def native(function: ca.Function, toolchain: Llvm, **how) -> NativeColumns:
-    loop = code_cache.made(source.c_source(function), toolchain)
+    loop = code_cache.compiled_loop(source.c_source(function), toolchain)
     return NativeColumns(function, loop, "LLVM", **how)
 
 
@@ -122,7 +122,7 @@ def test_steps_of_a_row_of_mechanisms():
 
 def test_code_does_not_grow_with_the_number_of_equal_mechanisms():
     few, many = (
-        translation.different_operations(source.c_source(step_of(four_bars(n))[0]), ENTRY, 300)
+        translation.distinct_operations(source.c_source(step_of(four_bars(n))[0]), ENTRY, 300)
         for n in (15, 45)
     )
     assert many < 2 * few  # rows end where they end, which three times as many do alike
@@ -134,7 +134,7 @@ def test_lanes_go_the_same_way():
     values = q * rng.uniform(0.98, 1.02, (lanes, q.size))
     steps = [np.tile(v, (lanes, 1)) for v in (x, 0.01 * np.arange(5.0), np.full(5, 0.01))]
     given = [*steps, np.ones((lanes, 5)), values]
-    loop = code_cache.made(source.c_source(function), Llvm(lanes, short=300))
+    loop = code_cache.compiled_loop(source.c_source(function), Llvm(lanes, short=300))
     found = SideBySide(lanes, function, loop, "LLVM", True, (4,)).group(5, given)[0]
     alone = VirtualColumns(function, True, (4,))
     for lane in range(lanes):

@@ -11,7 +11,7 @@ from dalembert import structures
 from dalembert.sparse import factorise, pardiso
 from dalembert.sparse.factorise import SuperLUFactors
 from dalembert.sparse.pardiso import PardisoFactors
-from dalembert.structures.evaluation.iterative import better_iterative
+from dalembert.structures.evaluation.stiffness_solvers import better_iterative
 
 PARDISO = pytest.param(
     "PARDISO",
@@ -195,7 +195,9 @@ def test_what_floats_is_told_by_every_solver(solver, held, monkeypatch):
     monkeypatch.setattr(factorise, "PARDISO_ROWS", 1)
     monkeypatch.setattr(pardiso, "available", lambda: solver == "PARDISO")
     option = "iterative" if solver == "iterative" else "direct"
-    with pytest.raises(da.SingularityError, match=r"mechanism: n.* can move without straining"):
+    with pytest.raises(
+        da.SingularityError, match=r"mechanism: n.* can move without significant strain"
+    ):
         da.solve_statics(plate(held).build(), solver=option)
 
 
@@ -206,7 +208,7 @@ def test_a_part_that_moves_alone_is_told_by_conjugate_gradients(height):
     end, far = structure.node("end", 5.0, 0.0), structure.node("far", 6.0, height)
     structure.add(structures.Truss("loose", end, far, area=1e-4, modulus=2e11))
     structure.support(far)
-    with pytest.raises(da.SingularityError, match="end can move without straining"):
+    with pytest.raises(da.SingularityError, match="end can move without significant strain"):
         da.solve_statics(structure.build(), solver="iterative")
 
 

@@ -190,7 +190,7 @@ def test_constant_loads_take_their_share():
         (lambda m: da.solve_modes(m)["n1.fx"], "a mode has no n1.fx"),
         (lambda m: da.solve_modes(m)["n1.uq"], "n1.uq"),
         (lambda m: da.solve_modes(m).at(np.array([9.0])), "there is no mode 9"),
-        (lambda m: da.solve_modes(m, about=da.solve_statics(m)), "pick one with"),
+        (lambda m: da.solve_modes(m, about=da.solve_statics(m)), "select one with"),
     ],
 )
 def test_wrong_questions_are_refused(ask, message):

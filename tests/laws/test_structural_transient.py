@@ -377,7 +377,7 @@ def test_displacements_with_neither_mass_nor_stiffness_are_told():
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"integrator": da.RK4()}, da.UnsupportedError, "take Newmark"),
+        ({"integrator": da.RK4()}, da.UnsupportedError, "accept Newmark"),
         ({"damping": 0.1}, da.AnalysisError, "give Rayleigh"),
         ({"start": "moving"}, da.AnalysisError, "'rest' or 'statics'"),
         ({"start": "statics"}, da.ModelError, "drop one"),

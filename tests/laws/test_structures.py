@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import dalembert as da
 from dalembert import structures
-from dalembert.analysis.structural.solve_statics import solve_statics
+from dalembert.analysis.structural.statics import solve_statics
 from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.structures.evaluation.inertia import from_rest
 
@@ -388,7 +388,7 @@ def test_mechanisms_name_their_nodes():
     structure.support(a)
     structure.support(c)
     structure.load(b, fy=1.0)
-    with pytest.raises(da.SingularityError, match="b can move without straining"):
+    with pytest.raises(da.SingularityError, match="b can move without significant strain"):
         solve_statics(structure.build())
 
 

@@ -13,7 +13,7 @@ import dalembert as da
 from dalembert import planar
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.functions import maximum, minimum, sign, where
-from dalembert.symbolic.formulas.switches import hold
+from dalembert.symbolic.formulas.switches import freeze_branches
 
 INTEGRATORS = {
     "Dormand-Prince": (da.DormandPrince, da.RangeSpace()),
@@ -236,7 +236,7 @@ def test_switches_that_crowd_are_told():
 
 
 def held(expression: ca.SX, x: ca.SX):
-    (formula,), switches = hold([expression], x)
+    (formula,), switches = freeze_branches([expression], x)
     return ca.Function("held", [x, switches.sides], [formula, switches.functions]), switches
 
 
@@ -250,7 +250,7 @@ def test_held_formulas_are_the_formulas_on_their_sides():
         ),
         ca.diag(ca.vertcat(ca.fabs(x[1]), p, ca.fmax(p, 3))),
     ]
-    found, switches = hold(formulas, x)
+    found, switches = freeze_branches(formulas, x)
     assert switches.count == 3  # those of x₀ are one, that of p is none
     plain = ca.Function("plain", [x, p], [*formulas, switches.actual])
     seen = ca.Function("seen", [x, switches.sides, p], found)

@@ -168,7 +168,7 @@ def test_look_ups_among_many_operations_are_compiled():
     assert instructions(function) > SHORT
     begins, sizes = RNG.uniform(0, 1, (5, 1, 8)), RNG.uniform(0.5, 1, (5, 1, 8))
     usual = [VirtualColumns(function)(8, a, b) for a, b in zip(begins, sizes, strict=True)]
-    code = BACKENDS["jit"]()._made(function, False, ())
+    code = BACKENDS["jit"]()._compile(function, False, ())
     lanes = LaneColumns(function)
     assert code.compiled
     side_by_side = lanes(8, begins, sizes)

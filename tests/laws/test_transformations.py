@@ -12,16 +12,17 @@ from registry import CASES, CONSTRAINED, PLANAR, RELATED, SPATIAL, model_of
 from thorough import sampled
 
 import dalembert as da
-from dalembert.model.change import (
+from dalembert.model.equations import Equations
+from dalembert.model.inertia import BlockInertia
+from dalembert.model.transformation import (
+    Transformation,
     change_coordinates,
     change_speeds,
+    consistent_speeds,
     coordinates_by,
     speeds_by_basis,
     speeds_by_partition,
 )
-from dalembert.model.equations import Equations
-from dalembert.model.inertia import BlockInertia
-from dalembert.model.transformation import Transformation, consistent_speeds
 
 TOLERANCE = 1e-9
 

@@ -16,7 +16,7 @@ from dalembert import planar, sin, spatial, t
 from dalembert.analysis.equilibrium import equilibrium
 from dalembert.analysis.kinematics.run import KinematicsRun
 from dalembert.analysis.model_residuals import ModelResiduals
-from dalembert.formulations.levels import Level
+from dalembert.formulations.base import Level
 from dalembert.results.status import Outcome
 
 EVERY = tuple(Level)

@@ -9,9 +9,9 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.dynamics.energy_balance import EnergyBalance
+from dalembert.analysis.dynamics.residual_check import EnergyBalance
 from dalembert.analysis.model_residuals import ModelResiduals
-from dalembert.formulations.levels import Level
+from dalembert.formulations.base import Level
 from dalembert.results.status import Outcome
 
 
@@ -156,7 +156,7 @@ def test_the_longest_step_for_a_spring_or_a_stop_is_told(name, held):
     longest = 2 * np.sqrt(2) / omega
     for share, told in ((1.02, True), (0.98, False)):
         warnings = da.solve_dynamics(model, 5.0, step=share * longest).warnings
-        found = [text for text in warnings if text.startswith(f"{name} alone swings at")]
+        found = [text for text in warnings if text.startswith(f"{name} alone oscillates at")]
         assert bool(found) == told, warnings
         if found:
             below = float(found[0].split("use steps below ")[1].split(" s")[0])

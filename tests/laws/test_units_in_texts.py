@@ -10,7 +10,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.design.identification.table import read_table
+from dalembert.design.identification.data_table import read_table
 from dalembert.elements.base import Element
 from dalembert.elements.registry import SPACES
 from dalembert.io.analyses import make_analysis
@@ -61,7 +61,7 @@ def test_a_number_with_its_unit(text):
     ("text", "message"),
     [
         ("3 mmm", "unknown unit 'mmm' .did you mean 'mm'"),
-        ("20 degC", "has a zero of its own"),
+        ("20 degC", "has an offset"),
         ("1 m + 1", "1 m and 1 cannot be added"),
         ("1 m + 1 s", "1 m and 1 s cannot be added"),
         ("sin(3 mm)", "sin takes a plain number or an angle"),

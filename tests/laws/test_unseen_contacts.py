@@ -12,8 +12,8 @@ def floor_of(system: da.System, kind: str, body: planar.Body) -> None:
     if kind == "constraint":
         system.add(planar.UnilateralConstraint("floor", body.y - 0.1, restitution=0.5))
     else:
-        wall = (system.ground.point(0.0, 0.0), (0.0, 1.0))
-        system.add(planar.Collisions("floor", [(body, 0.1)], [wall]))
+        wall = planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (0.0, 1.0))
+        system.add(planar.Collisions("floor", [planar.contact.Circle(body, 0.1), wall]))
 
 
 def hung(kind: str, peg: float) -> da.Model:
@@ -65,7 +65,7 @@ CASES += [(moved, pressed, 0.05, 1.0), (efforts, pressed, 0.05, 1.0)]
 def test_a_gap_that_is_negative_is_told_and_an_open_one_is_not(analysis, made, low, high, kind):
     told = [text for text in analysis(made(kind, low)) if "floor" in text]
     assert len(told) == 1 and "the gap of floor is -" in told[0]
-    assert told[0].endswith(f"does not see rigid contacts; {SEEING[kind]} does")
+    assert told[0].endswith(f"this analysis ignores rigid contacts; use {SEEING[kind]}")
     assert analysis(made(kind, high)) == []
 
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import dalembert as da
-from dalembert.analysis.structural.solve_statics import solve_statics
+from dalembert.analysis.structural.statics import solve_statics
 from dalembert.io.spring_deck import load_deck
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -145,7 +145,7 @@ def test_difference_step_study(bridge):
         (1, "3, 2, 2", ":1: the line of counts needs 4 values"),
         (2, "3, x, 0.", ":2: element 1: 'x' is not a whole number"),
         (3, "1, 9, 0.", ":3: there is no node 9; there are 3"),
-        (2, "3, 3, 1.", ":2: element 1 ties node 3 to itself"),
+        (2, "3, 3, 1.", ":2: element 1 connects node 3 to itself"),
         (5, "3, 2.", ":5: node 3 has a prescribed displacement and a force"),
         (8, "'string', 1, 1.0", ":8: unknown type 'string'"),
         (9, "'spring', 7, 2.0", ":9: there is no spring 7; there are 2"),

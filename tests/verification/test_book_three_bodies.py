@@ -13,10 +13,14 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.model.change import change_coordinates, coordinates_by, speeds_by_basis
 from dalembert.model.derivation import appell_function, gibbs_appell, kane
 from dalembert.model.equations import Equations
-from dalembert.model.transformation import Transformation
+from dalembert.model.transformation import (
+    Transformation,
+    change_coordinates,
+    coordinates_by,
+    speeds_by_basis,
+)
 
 G, K, FREE = 9.81, 60.0, 0.5
 M1, M2, M3, J1, J2, J3 = 2.0, 0.8, 1.1, 0.12, 0.01, 0.05

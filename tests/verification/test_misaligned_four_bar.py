@@ -110,5 +110,5 @@ def test_flexible_bars_give_way():
 
 
 def test_all_bars_cannot_start_free_of_strain():
-    with pytest.raises(da.ModelError, match=r"hold at the start, .* relaxed=False"):
+    with pytest.raises(da.ModelError, match=r"prescribed at the start, .* relaxed=False"):
         flexible(relaxed=tuple(BARS))

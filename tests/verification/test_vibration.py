@@ -7,7 +7,7 @@ import pytest
 
 import dalembert as da
 from dalembert import structures
-from dalembert.results.structural.vibration_modes import VibrationModes
+from dalembert.results.structural.modes import VibrationModes
 from dalembert.structures.model import StructuralModel
 
 E, A, INERTIA, LENGTH, DENSITY = 210e9, 2e-3, 4e-6, 2.5, 7850.0

@@ -1,1 +1,1 @@
-"""Analyses: every verb of the package that solves something."""
+"""Analyses of mechanisms and structures."""

@@ -8,11 +8,10 @@ from typing import Any, Literal, overload
 
 import numpy as np
 
-from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.requirements import need_mechanism
 from dalembert.errors import AnalysisError, AssemblyError
-from dalembert.model.assembly.assembled_state import AssembledState
-from dalembert.model.assembly.assemblies import Assemblies
-from dalembert.model.assembly.completeness import Completeness
+from dalembert.model.assembly.assemblies import Assemblies, Completeness
+from dalembert.model.assembly.guesses import AssembledState
 from dalembert.model.model import Model
 from dalembert.options import is_number, is_whole, random_generator
 from dalembert.text.spelling import spelled
@@ -25,9 +24,9 @@ class Assembly:
     Attributes
     ----------
     y, v : (n,) coordinates and speeds
-    residual : largest violation left
-    corrections : coordinate → change made to a given guess
-    velocity_corrections : speed → change made to inconsistent initial speeds
+    residual : largest remaining violation
+    corrections : coordinate → correction of its guess
+    velocity_corrections : speed → correction of its inconsistent initial value
     """
 
     model: Model
@@ -40,16 +39,16 @@ class Assembly:
 
     def pose(self, body: str) -> dict[str, float]:
         """Coordinates of one body by name: x, y, angle."""
-        found = {
+        coordinates = {
             name.rpartition(".")[2]: float(value)
             for name, value, owner in zip(
                 self.model.guesses.names, self.y, self.model.guesses.pose_owners, strict=True
             )
             if owner == body
         }
-        if not found:
+        if not coordinates:
             raise KeyError(f"no body {body!r}; known: {', '.join(self.model.diagnosis.bodies)}")
-        return found
+        return coordinates
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, for JSON."""
@@ -60,15 +59,16 @@ class Assembly:
 
 @dataclass(frozen=True, eq=False)
 class AllAssemblies(Sequence[Assembly]):
-    """Assembly configurations of a mechanism at one time, with what may be missing.
+    """Assembly configurations of a mechanism at one time, with an estimate of completeness.
 
-    A sequence of ``Assembly``: the one on the branch of the given poses, then the nearest to it.
+    A sequence of ``Assembly``: the configuration on the branch of the initial guesses, then the
+    others by their distance from it.
 
     Attributes
     ----------
     found : tuple of Assembly
-    completeness : Completeness, how often random starts reached each, and what may be missing
-    note : remark on the branch of the given poses, where it ends; empty otherwise
+    completeness : Completeness, hits of random starts per configuration, estimated missing share
+    note : remark where the branch of the initial guesses ends; empty otherwise
 
     Examples
     --------
@@ -114,7 +114,7 @@ class AllAssemblies(Sequence[Assembly]):
             "count": len(self.found),
             "completeness": self.completeness.to_dict(),
             "note": self.note,
-            "assemblies": [one.to_dict() for one in self.found],
+            "assemblies": [assembly.to_dict() for assembly in self.found],
         }
 
 
@@ -152,27 +152,27 @@ def solve_assembly(
 ) -> Assembly | AllAssemblies:
     """Consistent positions and speeds at one time, ``Φ(y, t) = 0`` and ``C v = −Φ_t``.
 
-    What the joints and drivers leave free stays where it was given. With ``all`` every other
-    assembly configuration is searched for, too, by Newton's method from random positions. The one
-    on the branch of the given poses comes first. Each leaves residuals below 1e-10 of their
-    natural sizes. Numbers cannot prove that none is missing; ``completeness`` states how often
-    each was reached and estimates what may be missing (A. Chao 1984).
+    Free coordinates keep their guesses. With ``all`` the other assembly configurations are searched
+    for by Newton's method from random positions; the configuration on the branch of the initial
+    guesses comes first. Residuals are below 1e-10 of their natural sizes. Numerical search cannot
+    prove completeness; ``completeness`` states how often each configuration was reached and
+    estimates the missing share (A. Chao 1984).
 
     Parameters
     ----------
     model : Model
     parameters : new values of parameters, without rebuilding
     time : [s]
-    all : find all assemblies; returns ``AllAssemblies``, a sequence of ``Assembly``
-    count : stop at so many
-    rng : of the random starts, or its seed
+    all : search for all assemblies; returns ``AllAssemblies``, a sequence of ``Assembly``
+    count : number of assemblies after which the search stops
+    rng : random generator of the starts, or its seed
 
     Raises
     ------
     AssemblyError
-        It cannot be assembled; names the worst joint and its residual.
+        The mechanism cannot be assembled; names the worst joint and its residual.
     AnalysisError
-        ``time`` is no finite number, ``count`` no whole number of 1 or more.
+        ``time`` is not finite, or ``count`` is not a positive whole number.
 
     Examples
     --------
@@ -183,11 +183,11 @@ def solve_assembly(
     >>> wall = system.add(planar.PinInSlot("wall", system.ground.center, ladder.start, axis=(0, 1)))
     >>> floor = system.add(planar.PinInSlot("floor", system.ground.center, ladder.end))
     >>> foot = system.add(planar.CoordinateDriver("foot", ladder.end, 3.0))
-    >>> found = da.solve_assembly(system.build(), all=True, count=2, rng=1)
-    >>> sorted(round(float(one.y[1]), 6) for one in found)  # its middle, 2 above the floor or below
+    >>> assemblies = da.solve_assembly(system.build(), all=True, count=2, rng=1)
+    >>> sorted(round(float(a.y[1]), 6) for a in assemblies)  # midpoint below or above the floor
     [-2.0, 2.0]
     """
-    need_mechanism(model, "solve_assembly", "it needs no assembly, take solve_statics")
+    need_mechanism(model, "solve_assembly", "it needs no assembly; use solve_statics")
     _check_options(time, count)
     p = model.values(parameters)
     if not all:
@@ -202,7 +202,7 @@ def solve_assembly(
     search = Assemblies(model.closure, time, p)
     seed = random_generator(0 if rng is None else rng)
     completeness = search.search(None if first is None else first.y, count, seed)
-    states = [model.closure.state(y, p, time) for y in search.known]
+    states = [model.closure.state(y, p, time) for y in search.positions]
     if first is not None:
         states[0] = first
     return AllAssemblies(
@@ -217,5 +217,7 @@ def _check_options(time: Any, count: Any) -> None:
         raise AnalysisError(f"count = {count!r:.60}: give a whole number of 1 or more, or None")
 
 
-def _assembly(model: Model, time: float, s: AssembledState) -> Assembly:
-    return Assembly(model, time, s.y, s.v, s.residual, s.corrections, s.velocity_corrections)
+def _assembly(model: Model, time: float, state: AssembledState) -> Assembly:
+    return Assembly(
+        model, time, state.y, state.v, state.residual, state.corrections, state.velocity_corrections
+    )

@@ -22,20 +22,19 @@ from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.structures.evaluation.assembly import Assembly
-from dalembert.structures.evaluation.factors import factors_of
-from dalembert.structures.reduction.interface import interfaces_of
-from dalembert.structures.reduction.rigid import node_places
+from dalembert.structures.evaluation.stiffness_solvers import factors_of, free_displacements
+from dalembert.structures.reduction.rigid import interfaces_of, node_positions
 from dalembert.symbolic.once import once
 
 STRAIN = 0.1
-"""Strain above which a linear elastic law is announced; laws differ by half of it."""
+"""Strain above which a linear elastic law is reported; nonlinear laws differ by half of it."""
 MODERATE = 0.1
-"""Rotation [rad] up to which displacements of second order suffice."""
+"""Upper limit of the rotation for which second-order displacements suffice [rad]."""
 SPLIT = "split it into several flexible bodies welded in a row, or use planar.Beam or spatial.Beam"
 
 
-def elastic_doubts(model: Model, s: Trajectory, p: np.ndarray) -> list[str]:
-    """Warnings about flexible bodies and beams beyond the range in which their equations hold.
+def elastic_warnings(model: Model, s: Trajectory, p: np.ndarray) -> list[str]:
+    """Warnings about flexible bodies and beams beyond the validity range of their equations.
 
     Parameters
     ----------
@@ -45,12 +44,12 @@ def elastic_doubts(model: Model, s: Trajectory, p: np.ndarray) -> list[str]:
     if not finite.size:
         return []
     times, y = s.t[finite], s.y[:, finite]
-    found = []
+    warnings = []
     bodies = [b for b in model.bodies if isinstance(b, Flexible) and b.shapes.count]
     for body, function in zip(bodies, coordinates_of(model), strict=True):
         q = function.map(times.size)(y).full()
-        found += FlexibleRange(model, body, p).doubts(times, q)
-    return found + _strained(model, times, y, p)
+        warnings += FlexibleRange(model, body, p).warnings(times, q)
+    return warnings + _strain_warnings(model, times, y, p)
 
 
 @once
@@ -62,9 +61,9 @@ def coordinates_of(model: Model) -> tuple[ca.Function, ...]:
 
 
 class FlexibleRange:
-    """Displacements of a flexible body against nonlinear statics of its structure.
+    """Displacements of a flexible body, compared with nonlinear statics of its structure.
 
-    The forces are those that the shapes balance, in the axes of the frame.
+    The applied forces are those balanced by the shapes, in the axes of the floating frame.
 
     Parameters
     ----------
@@ -75,31 +74,31 @@ class FlexibleRange:
     def __init__(self, model: Model, body: Flexible, p: np.ndarray):
         self.body, self.shapes = body, model.shapes(body, p)
 
-    def doubts(self, times: np.ndarray, q: np.ndarray) -> list[str]:
-        """The worst of a few instants, if it is beyond the range.
+    def warnings(self, times: np.ndarray, q: np.ndarray) -> list[str]:
+        """Warning about the worst of a few instants if it is beyond the validity range.
 
         Parameters
         ----------
         q : (m, K) coordinates
         """
-        worst, told = RELATIVE, ""
+        worst, warning = RELATIVE, ""
         for k in self._largest(q):
             frame = ShapesInFrame(self.body, self.shapes, q[:, k])
             error, text = frame.error
             if error > worst:
-                worst, told = error, f"{self.body.name} at t = {times[k]:.6g} s: {text}"
-        return [told] if told else []
+                worst, warning = error, f"{self.body.name} at t = {times[k]:.6g} s: {text}"
+        return [warning] if warning else []
 
     def _largest(self, q: np.ndarray) -> list[int]:
         """Instants of the largest strain energy and of the largest displacement."""
         energy = np.einsum("ik,ij,jk->k", q, self.shapes.stiffness, q)
         size = np.abs(self.shapes.displacements[:, : len(q)]).max(axis=0) @ np.abs(q)
-        chosen = {int(np.argmax(energy)), int(np.argmax(size))}
-        return sorted(k for k in chosen if energy[k] > 0)
+        candidates = {int(np.argmax(energy)), int(np.argmax(size))}
+        return sorted(k for k in candidates if energy[k] > 0)
 
 
 class ShapesInFrame:
-    """Displacements by shapes at one instant.
+    """Displacements from the shapes of a body at one instant.
 
     Parameters
     ----------
@@ -108,72 +107,72 @@ class ShapesInFrame:
 
     def __init__(self, body: Flexible, shapes: FloatingShapes, q: np.ndarray):
         self.body, self.shapes, self.q = body, shapes, q
-        held = _held(shapes, body)
-        self.assembly, self.rest = held, np.zeros(held.size)
+        assembly = _held_assembly(shapes, body)
+        self.assembly, self.rest = assembly, np.zeros(assembly.size)
         a = np.append(q, [q[k] * q[l] for k, l in shapes.pairs])
         floating = body.reference == MEAN
-        given = shapes.structure, shapes.p, shapes.displacements @ a, held.prescribed
-        self.range = LinearRange(*given, self._solve, floating)
+        arguments = shapes.structure, shapes.p, shapes.displacements @ a, assembly.prescribed
+        self.range = LinearRange(*arguments, self._solve, floating)
 
     @property
     def error(self) -> tuple[float, str]:
-        """Relative to the largest displacement, with what is said about it."""
-        near = self.range
+        """Error relative to the largest displacement, and the text of the warning."""
+        linear_range = self.range
         if self.body.stiffening:
-            if near.turned[0] < MODERATE:
+            if linear_range.largest_rotation[0] < MODERATE:
                 return 0.0, ""
         elif self._in_range:
             return 0.0, ""
-        error = near.measured(self.forces)
-        turn, where = near.turned
-        size = near.displacement / max(near.extent, 1e-300)
-        told = (
+        error = linear_range.nonlinear_error(self.forces)
+        turn, where = linear_range.largest_rotation
+        size = linear_range.displacement / max(linear_range.extent, 1e-300)
+        text = (
             f"its displacements against the frame reach {size:.2g} of its size (rotation or "
             f"strain of element {where}: {turn:.2g})"
         )
         if not np.isfinite(error):
             return error, (
-                f"{told}; nonlinear statics of its elements has no stable equilibrium under these "
+                f"{text}; nonlinear statics of its elements has no stable equilibrium under these "
                 f"forces (buckling), so that linear shapes do not hold; {self._cure}"
             )
-        by = error * near.displacement
+        by = error * linear_range.displacement
         return error, (
-            f"{told}; by nonlinear statics of its elements under the same forces they err by about "
+            f"{text}; by nonlinear statics of its elements under the same forces they err by about "
             f"{by:.3g} m, {percent(error)} of the largest; {self._cure}"
         )
 
     @property
     def forces(self) -> np.ndarray:
-        """(n,) of the elements, whose work on the shapes is that of the linear stiffness."""
+        """(n,) forces on the elements, with the work of the linear stiffness on the shapes."""
         count = self.shapes.count
         linear = self.shapes.displacements[:, :count]
-        along = linear.copy()
+        rates = linear.copy()
         for column, (k, l) in enumerate(self.shapes.pairs, start=count):
-            along[:, k] += self.shapes.displacements[:, column] * self.q[l]
-            along[:, l] += self.shapes.displacements[:, column] * self.q[k]
+            rates[:, k] += self.shapes.displacements[:, column] * self.q[l]
+            rates[:, l] += self.shapes.displacements[:, column] * self.q[k]
         strained = self._stiffness @ linear
-        work = along.T @ strained
+        work = rates.T @ strained
         return strained @ np.linalg.lstsq(work, self.shapes.stiffness @ self.q, rcond=None)[0]
 
     @property
     def _cure(self) -> str:
-        small = self.range.turned[0] < 3 * MODERATE
+        small = self.range.largest_rotation[0] < 3 * MODERATE
         if small and not self.body.stiffening:
             return "use stiffening=True with reference= an interface, or " + SPLIT
         return SPLIT
 
     @property
     def _in_range(self) -> bool:
-        """Whether linear shapes suffice, by their error of second order and by buckling."""
-        stressed = self._stressed
-        if self.range.turned[0] < QUIET and np.abs(stressed).max(initial=0.0) < QUIET:
+        """Whether linear shapes suffice: second-order error and buckling."""
+        stiffening = self._stress_stiffening
+        if self.range.largest_rotation[0] < QUIET and np.abs(stiffening).max(initial=0.0) < QUIET:
             return True
-        return bool(self.range.estimate < RELATIVE and stressed.min(initial=0.0) > -1.0)
+        return bool(self.range.estimate < RELATIVE and stiffening.min(initial=0.0) > -1.0)
 
     @property
-    def _stressed(self) -> np.ndarray:
-        """(m,) change of the stiffness of each shape by the stresses, −1 where it buckles."""
-        share = SHORT / max(self.range.turned[0], 1e-300)
+    def _stress_stiffening(self) -> np.ndarray:
+        """(m,) relative change of the stiffness of each shape by the stresses; −1 at buckling."""
+        share = SHORT / max(self.range.largest_rotation[0], 1e-300)
         u, stiffness = share * self.range.u, self.range.model.assembly.stiffness
         shapes = self.shapes.displacements[:, : self.shapes.count]
         changed = (stiffness(u, self.shapes.p) - stiffness(-u, self.shapes.p)) / (2 * share)
@@ -182,11 +181,9 @@ class ShapesInFrame:
         return np.divide(geometric, own, out=np.zeros_like(own), where=own > 0)
 
     def _solve(self, forces: np.ndarray) -> np.ndarray:
-        found, free = np.zeros_like(forces), self.assembly.free
+        free = self.assembly.free
         factor = factors_of(self.assembly.inner(self._stiffness), self._degrees, free)
-        if factor is not None:
-            found[free] = factor.solve(forces[free])
-        return found
+        return free_displacements(factor, free, forces)
 
     @cached_property
     def _stiffness(self) -> Any:
@@ -198,44 +195,44 @@ class ShapesInFrame:
 
 
 @once
-def _held(shapes: FloatingShapes, body: Flexible) -> Assembly:
-    """Sums over the elements with the frame at rest: in its interface, or where it just is."""
+def _held_assembly(shapes: FloatingShapes, body: Flexible) -> Assembly:
+    """Assembly with the frame at rest: fixed in its interface, or isostatically."""
     structure = shapes.structure
     degrees, whole = structure.degrees, structure.assembly
-    places = node_places(whole.blocks, degrees, shapes.p)
-    interfaces = {i.name: i for i in interfaces_of(body.interface, degrees, places)}
+    positions = node_positions(whole.blocks, degrees, shapes.p)
+    interfaces = {i.name: i for i in interfaces_of(body.interface, degrees, positions)}
     if body.reference in interfaces:
         held = interfaces[body.reference].degrees
     else:
         nodes = np.unique(np.concatenate([i.nodes for i in interfaces.values()]))
-        held = isostatic(structure, places, nodes)
+        held = isostatic(structure, positions, nodes)
     return Assembly(whole.blocks, whole.size, held, whole.pattern)
 
 
-def _strained(model: Model, times: np.ndarray, y: np.ndarray, p: np.ndarray) -> list[str]:
-    """Beams whose strains are beyond those of a linear elastic law."""
-    found = []
+def _strain_warnings(model: Model, times: np.ndarray, y: np.ndarray, p: np.ndarray) -> list[str]:
+    """Warnings about beams whose strains exceed those of a linear elastic law."""
+    warnings = []
     for beam, function in strains_of(model):
         parameters = np.tile(p[:, None], times.size)
         values = function.map(times.size)(times, y, parameters).full().max(axis=0)
         k = int(np.argmax(values))
         if values[k] > STRAIN:
-            found.append(
+            warnings.append(
                 f"{beam.name} at t = {times[k]:.6g} s: strain {values[k]:.2g} (outer fibre of a "
                 f"solid section with these rigidities); its linear law of small strains errs by "
                 f"about {percent(values[k] / 2)} there; use a stiffer or longer beam, or take its "
                 "forces as estimates"
             )
-    return found
+    return warnings
 
 
 @once
 def strains_of(model: Model) -> list[tuple[Beam, ca.Function]]:
-    """``(t, y, p) → (points,)`` sizes of strains at the outer fibre of each beam."""
-    e, found = model.all_equations, []
+    """``(t, y, p) → (points,)`` magnitudes of strains at the outer fibre of each beam."""
+    e, functions = model.all_equations, []
     for beam in (part for part in model.parts.elements.values() if isinstance(part, Beam)):
         sizes = [ca.norm_2(beam.fibre_strain(strain)) for strain, _ in beam.strains]
         column = model.at_ground(ca.vertcat(*sizes))
         function = ca.Function("strain", [e.t, e.y, e.p], [column])
-        found.append((beam, function))
-    return found
+        functions.append((beam, function))
+    return functions

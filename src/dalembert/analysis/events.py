@@ -20,12 +20,12 @@ AGAIN = NewtonSettings(tolerance=1e-15, slack=1e6, max_iterations=20)
 
 @options
 class Event:
-    """Something that happens when a measure crosses zero.
+    """Zero crossing of a measure during a run.
 
     Parameters
     ----------
     measure : name, formula or Expression
-    terminal : the run ends there
+    terminal : whether the run ends there
     direction : +1 rising, −1 falling, 0 both
 
     Examples
@@ -63,12 +63,12 @@ class Event:
 
 @dataclass(frozen=True)
 class Occurrence:
-    """The n-th time an event happens.
+    """The n-th occurrence of an event.
 
     Parameters
     ----------
-    event : name of one that was declared with the analysis, or an Event
-    number : 1 for the first time
+    event : name of an event declared with the analysis, or an Event
+    number : 1 for the first occurrence
     """
 
     event: str | Event
@@ -79,7 +79,7 @@ class Occurrence:
             raise AnalysisError(f"{self}: occurrence is {self.number!r}; the first one is 1")
 
     def declared(self, known: Mapping[str, Event]) -> Event:
-        """The event itself, looked up if it is meant by its name.
+        """The event, looked up where it is given by name.
 
         Raises
         ------
@@ -96,32 +96,32 @@ class Occurrence:
         return known[self.event]
 
     def __str__(self) -> str:
-        given = self.event.measure if isinstance(self.event, Event) else self.event
-        return given if isinstance(given, str) else given.name or "event"
+        measure = self.event.measure if isinstance(self.event, Event) else self.event
+        return measure if isinstance(measure, str) else measure.name or "event"
 
-    def among(self, found: Sequence[T]) -> T:
-        """The one meant of all times the event happened.
+    def among(self, occurrences: Sequence[T]) -> T:
+        """This occurrence out of all occurrences of the event.
 
         Raises
         ------
         AnalysisError
-            It did not happen so often.
+            The event did not happen so often.
         """
-        if self.number > len(found):
+        if self.number > len(occurrences):
             often = {0: "never happened", 1: "happened once"}
-            told = often.get(len(found), f"happened {len(found)} times")
+            times = often.get(len(occurrences), f"happened {len(occurrences)} times")
             raise AnalysisError(
-                f"event {str(self)!r} {told} in this run, and occurrence {self.number} was asked "
-                "for; ask for an earlier one, check the event's direction, or run longer"
+                f"event {str(self)!r} {times} in this run, and occurrence {self.number} was "
+                "requested; use an earlier one, check the event's direction, or run longer"
             )
-        return found[self.number - 1]
+        return occurrences[self.number - 1]
 
 
 Events = Mapping[str, Event | str | Expression]
 
 
 def as_events(events: Events | None) -> dict[str, Event]:
-    """Plain formulas become recording events."""
+    """Events by name; plain formulas become events that are recorded only."""
     return {
         plain_text(name, "event"): event if isinstance(event, Event) else Event(event)
         for name, event in (events or {}).items()
@@ -147,25 +147,26 @@ def locate_again(
     name: str,
     span: float,
 ) -> float:
-    """Root of ``value`` next to one that parameters have moved a little, by Newton's method.
+    """Root of ``value`` after a small change of parameters, by Newton's method.
 
     Parameters
     ----------
-    span : of times among which they are told apart [s]
+    near : root before the change [s]
+    span : time span that scales the residual [s]
 
     Raises
     ------
     AnalysisError
-        There is none.
+        No root was found.
     """
-    found = solve(_Crossing(value, rate, span), np.array([near]), AGAIN)
-    if not found.accepted:
+    solution = solve(_Crossing(value, rate, span), np.array([near]), AGAIN)
+    if not solution.accepted:
         raise AnalysisError(f"event {name!r} does not happen again near where it happened before")
-    return float(found.x[0])
+    return float(solution.x[0])
 
 
 class _Crossing(Equations[np.ndarray]):
-    """A measure of time that is to vanish, compared with how far it goes in a span of time."""
+    """``m(t) = 0``; the residual is scaled by the change of ``m`` over a span of time."""
 
     def __init__(
         self, value: Callable[[float], float], rate: Callable[[float], float], span: float

@@ -1,6 +1,6 @@
-"""Keywords of the verbs, with their types, for editors and checkers.
+"""Typed keywords of the solve functions, for editors and type checkers.
 
-They are the fields of the analyses, whose docstrings say what they mean.
+They are the fields of the analyses, which document them.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class OverTimeKeywords(TypedDict, total=False):
-    """Of ``Kinematics`` and ``InverseDynamics``."""
+    """Keywords of ``Kinematics`` and ``InverseDynamics``."""
 
     step: Time | None
     outputs: Times | None
@@ -32,7 +32,7 @@ class OverTimeKeywords(TypedDict, total=False):
 
 
 class DynamicsKeywords(OverTimeKeywords, total=False):
-    """Of ``Dynamics``."""
+    """Keywords of ``Dynamics``."""
 
     coordinates: Coordinates
     formulation: Formulation
@@ -46,7 +46,7 @@ class DynamicsKeywords(OverTimeKeywords, total=False):
 
 
 class NonsmoothKeywords(OverTimeKeywords, total=False):
-    """Of ``Nonsmooth``."""
+    """Keywords of ``Nonsmooth``."""
 
     integrator: ContactScheme
     solver: ContactSolver
@@ -54,7 +54,7 @@ class NonsmoothKeywords(OverTimeKeywords, total=False):
 
 
 class EquilibriumKeywords(TypedDict, total=False):
-    """Of ``Equilibrium``."""
+    """Keywords of ``Equilibrium``."""
 
     time: Time
     tolerance: float
@@ -62,14 +62,14 @@ class EquilibriumKeywords(TypedDict, total=False):
 
 
 class LinearizationKeywords(TypedDict, total=False):
-    """Of ``Linearization``."""
+    """Keywords of ``Linearization``."""
 
     time: Time
     equilibrium: bool
 
 
 class TransientKeywords(TypedDict, total=False):
-    """Of ``Transient``."""
+    """Keywords of ``Transient``."""
 
     step: Time | None
     outputs: Times | None
@@ -82,7 +82,7 @@ class TransientKeywords(TypedDict, total=False):
 
 
 class NonlinearStaticsKeywords(TypedDict, total=False):
-    """Of ``NonlinearStatics``."""
+    """Keywords of ``NonlinearStatics``."""
 
     steps: int
     tolerance: float
@@ -90,13 +90,13 @@ class NonlinearStaticsKeywords(TypedDict, total=False):
 
 
 class StaticsKeywords(NonlinearStaticsKeywords, total=False):
-    """Of ``Statics``, and of ``NonlinearStatics`` with ``nonlinear=True``."""
+    """Keywords of ``Statics``, and of ``NonlinearStatics`` with ``nonlinear=True``."""
 
     solver: str
 
 
 class ModalKeywords(TypedDict, total=False):
-    """Of ``Modal``."""
+    """Keywords of ``Modal``."""
 
     lumped: bool
     shift: float
@@ -104,14 +104,14 @@ class ModalKeywords(TypedDict, total=False):
 
 
 class BucklingKeywords(TypedDict, total=False):
-    """Of ``Buckling``."""
+    """Keywords of ``Buckling``."""
 
     constant: str | None
     negative: bool
 
 
 class ArcLengthKeywords(TypedDict, total=False):
-    """Of ``ArcLength``."""
+    """Keywords of ``ArcLength``."""
 
     case: str
     first: float

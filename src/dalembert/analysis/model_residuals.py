@@ -1,8 +1,8 @@
-"""What a motion leaves open of the model's own equations.
+"""Residuals of the model's own equations along a motion.
 
     Φ(y, t) = 0,      Ψ = C v + Φ_t = 0,      C v̇ = ξ,      M v̇ + d = f − Cᵀ λ
 
-with all constraint equations and in the coordinates of the bodies, whatever a run has used.
+with all constraint equations and in body coordinates, independent of the strategies of the run.
 """
 
 from __future__ import annotations
@@ -14,27 +14,26 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.formulations.levels import Level
+from dalembert.formulations.base import Level
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
-from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
-from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.kernel import SELDOM, Kernel, condensed
 from dalembert.symbolic.once import once
 
-LOOKED = 50
-"""Outputs, evenly spread, at which all equations are looked at; positions are at every one."""
+CHECKED = 50
+"""Number of outputs, evenly spread, at which all equations are checked; positions at every one."""
 STILL = 1e-3
-"""Of the natural speed and acceleration: a mechanism whose terms are smaller is at rest."""
+"""Share of the natural speed and acceleration below which a mechanism counts as at rest."""
 
 
 @dataclass(frozen=True)
-class Gap:
-    """The equation that is open furthest, relative to the size of its terms.
+class Violation:
+    """The equation with the largest residual, relative to the size of its terms.
 
     Attributes
     ----------
-    share : residual over terms, infinite where it is not a number
-    text : which equation, by how much, and when
+    share : residual over terms, infinite where it is not finite
+    text : the equation, its residual and the time
     """
 
     share: float
@@ -44,13 +43,13 @@ class Gap:
 class ModelResiduals:
     """Residuals along a trajectory.
 
-    Terms count by their magnitudes, with the mechanism's own scales: what is at rest is not judged
-    by its rounding.
+    Residuals are compared with the magnitudes of the terms plus the natural scales of the
+    mechanism, so that rounding at rest does not count.
 
     Parameters
     ----------
     model : Model
-    trajectory : of all bodies and multipliers
+    trajectory : states of all bodies, and multipliers
     p : (np,) parameters
     """
 
@@ -72,17 +71,17 @@ class ModelResiduals:
         return mapped(s.t, s.y, s.v, np.tile(self.p[:, None], s.t.size))[0]
 
     @cached_property
-    def looked(self) -> Trajectory:
-        """The states at which all equations are looked at; the worst position is among them."""
+    def checked(self) -> Trajectory:
+        """The states at which all equations are checked, the worst position among them."""
         count = self.s.t.size
-        spread = looked_at(count)
+        spread = checked_outputs(count)
         worst = np.argsort(np.nan_to_num(self.violations, nan=np.inf))[-1:]
         return self.s.some(np.union1d(spread, worst))
 
     @cached_property
     def _constraints(self) -> tuple[np.ndarray, np.ndarray]:
         """Rows of Φ, Ψ and ``C v̇ − ξ``; magnitudes of their terms."""
-        s = self.looked
+        s = self.checked
         mapped, p = (
             _mapped(self.model, constraint_rows, s.t.size),
             np.tile(self.p[:, None], s.t.size),
@@ -93,22 +92,22 @@ class ModelResiduals:
     @cached_property
     def _motion(self) -> tuple[np.ndarray, np.ndarray]:
         """Rows of the equations of motion; magnitudes of their terms."""
-        s = self.looked
+        s = self.checked
         mapped, p = _mapped(self.model, motion_rows, s.t.size), np.tile(self.p[:, None], s.t.size)
         forces = s.forces(self.model.all_equations.transmitted.numel())
         residuals, terms = mapped(s.t, s.y, s.v, s.a, forces, p)
         return residuals, terms
 
-    # the worst of each ------------------------------------------------------------------
-    def of_level(self, level: Level, drifts: bool = False) -> Gap:
-        """The constraint that is violated most.
+    # largest violations -----------------------------------------------------------------
+    def of_level(self, level: Level, drifts: bool = False) -> Violation:
+        """The largest violation of a constraint at a level.
 
-        What drifts is compared with the largest term of any constraint at any time: stiff springs
-        make the natural speeds fast, whatever moves.
+        With ``drifts`` violations are compared with the largest term of any constraint at any time:
+        stiff springs make the natural speeds fast, whatever the speed of the motion.
         """
         m = self.model.all_equations.constraint_count
         if not (m and self.s.t.size):
-            return Gap(0.0)
+            return Violation(0.0)
         scales = self.model.scales
         residuals, terms = (table[level * m : (level + 1) * m] for table in self._constraints)
         units, natural = scales.rows[:, None], scales.time**-level
@@ -120,20 +119,20 @@ class ModelResiduals:
         constraint, k = self.model.closure.owners[row]
         unit = constraint.units()[k] + ("", "/s", "/s²")[level]
         name = self.model.equation_names[row]
-        return Gap(share, f"{name} is violated by {value:.3g} {unit} at t = {time:.9g} s")
+        return Violation(share, f"{name} is violated by {value:.3g} {unit} at t = {time:.9g} s")
 
     @property
-    def of_motion(self) -> Gap:
-        """The equation of motion that is open furthest."""
+    def of_motion(self) -> Violation:
+        """The largest violation of an equation of motion."""
         if not (self.s.y.size and self.s.t.size):
-            return Gap(0.0)
+            return Violation(0.0)
         residuals, terms = self._motion
         size = terms + self.model.scales.efforts[:, None]
         row, share, value, time = self._worst(residuals, size)
         unit = "N" if self.model.guesses.speed_units[row] == "m" else "N m"
         name = self.model.guesses.speed_names[row]
         text = f"the equation of motion of {name} is open by {value:.3g} {unit} at t = {time:.9g} s"
-        return Gap(share, text)
+        return Violation(share, text)
 
     def _worst(self, residuals: np.ndarray, size: np.ndarray) -> tuple[int, float, float, float]:
         """Row, share of the size, residual and time."""
@@ -142,18 +141,18 @@ class ModelResiduals:
             shares = residuals / size
         shares = np.where(np.isfinite(shares), shares, np.inf)
         row, k = np.unravel_index(int(np.argmax(shares)), shares.shape)
-        time = self.looked.t[k]
+        time = self.checked.t[k]
         return int(row), float(shares[row, k]), float(residuals[row, k]), float(time)
 
 
-def looked_at(count: int) -> np.ndarray:
-    """Numbers of the outputs at which all equations are looked at."""
-    return np.linspace(0, count - 1, min(count, LOOKED)).astype(int)
+def checked_outputs(count: int) -> np.ndarray:
+    """Indices of the outputs at which all equations are checked."""
+    return np.linspace(0, count - 1, min(count, CHECKED)).astype(int)
 
 
 @once
 def _mapped(model: Model, function_of: Callable[[Model], ca.Function], count: int) -> Kernel:
-    """One of the functions below for so many columns."""
+    """One of the functions below, mapped over ``count`` columns."""
     return Kernel(function_of(model).map(count))
 
 
@@ -170,8 +169,8 @@ def violation(model: Model) -> ca.Function:
 def energies(model: Model) -> ca.Function:
     """``(t, y, v, p) → [T; V]``."""
     e = model.all_equations
-    wanted = ca.densify(ca.vertcat(e.kinetic_energy, e.potential))
-    return condensed("energies", [e.t, e.y, e.v, e.p], [wanted], SELDOM)
+    outputs = ca.densify(ca.vertcat(e.kinetic_energy, e.potential))
+    return condensed("energies", [e.t, e.y, e.v, e.p], [outputs], SELDOM)
 
 
 @once

@@ -7,21 +7,21 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 PATIENCE = 1.0
-"""Time without a bar [s]: most runs are over by then."""
+"""Delay before a bar appears [s]; most runs are shorter."""
 Reported = bool | Callable[[float], None]
-"""True for a bar, or a function of the fraction done."""
+"""True for a progress bar, or a function of the completed fraction."""
 
 
 @contextmanager
 def progress_reporter(progress: Reported, text: str) -> Iterator[Callable[[float], None]]:
-    """A function of the fraction done: the user's own, a bar on the terminal, or nothing."""
+    """Callback for the completed fraction: the user's own, a bar on the terminal, or none."""
     if callable(progress) or not progress:
         yield progress or (lambda fraction: None)
         return
     from rich.console import Console
     from rich.progress import Progress
 
-    # as on a terminal in notebooks too: their own bars need a package that may be missing
+    # notebooks show the terminal bar, too: the bars of Jupyter need a further package
     with Progress(console=Console(stderr=True, force_jupyter=False), transient=True) as bar:
         task = bar.add_task(text, total=1.0, visible=False)
         begin = time.monotonic()

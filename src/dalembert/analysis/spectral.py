@@ -1,4 +1,4 @@
-"""What analyses of modes share, of mechanisms and of structures: a spectrum, and modes of it."""
+"""Base of modal analyses of mechanisms and structures."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 
 from dalembert.results.numbered import Numbered
-from dalembert.results.result import Analysis, Given
+from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import eigenpairs_status
 from dalembert.timing import Timing
 
@@ -18,23 +18,23 @@ E = TypeVar("E", bound=Numbered)
 class SpectralAnalysis(Analysis[M, E]):
     """Modes of a spectrum, numbered from 1.
 
-    A spectrum has ``eigenvalues`` and ``displacements`` of some positions, those ``wanted`` and
-    those ``following`` earlier ones, and tells what is ``left`` of its equation.
+    A spectrum has ``eigenvalues`` and the ``displacements`` at positions, the positions ``wanted``
+    and those ``following`` an earlier spectrum, and the residual ``left`` of its equation.
     """
 
-    makes: ClassVar[type[Numbered]]
-    """The modes."""
+    modes_class: ClassVar[type[Numbered]]
+    """Class of the modes."""
 
     def spectrum(self, model: M, p: np.ndarray) -> Any:
         """Eigenvalues and vectors at parameter values."""
         raise NotImplementedError
 
     def again(self, result: E, p: np.ndarray) -> Any:
-        """The same at other ones."""
+        """The spectrum of the model of a result at other parameter values."""
         return self.spectrum(result.model, p)
 
-    def run(self, model: M, parameters: Given = None, progress: Any = False) -> E:
-        """The modes."""
+    def run(self, model: M, parameters: ParameterValues = None, progress: Any = False) -> E:
+        """The wanted modes at parameter values."""
         timing, p = Timing(), model.values(parameters)  # type: ignore[attr-defined]
         modes = self.modes(self.spectrum(model, p))
         timing.lap("computation")
@@ -44,30 +44,30 @@ class SpectralAnalysis(Analysis[M, E]):
 
     def replay(self, result: E, p: np.ndarray) -> E:
         """The same modes at other parameter values."""
-        found = self.again(result, p)
-        positions = found.following(result.record, result.positions)
-        return self.modes(found, positions, result.numbers[: positions.size])
+        spectrum = self.again(result, p)
+        positions = spectrum.following(result.record, result.positions)
+        return self.modes(spectrum, positions, result.numbers[: positions.size])
 
     def modes(
         self,
-        found: Any,
+        spectrum: Any,
         positions: np.ndarray | None = None,
         numbers: np.ndarray | None = None,
     ) -> E:
-        """Modes of a spectrum, at first all that are wanted."""
-        positions = found.wanted() if positions is None else positions
+        """Modes at positions of a spectrum, by default at all wanted ones."""
+        positions = spectrum.wanted() if positions is None else positions
         numbers = np.arange(1, positions.size + 1) if numbers is None else numbers
         text = f"{self.spoken}: {positions.size} mode(s)"
-        return self.makes(  # type: ignore[return-value]
-            found.model,
+        return self.modes_class(  # type: ignore[return-value]
+            spectrum.model,
             self,
-            found.p,
+            spectrum.p,
             numbers,
-            found.eigenvalues[positions],
-            found.displacements(positions),
-            eigenpairs_status(text, found.left, found.time, found.residual),
+            spectrum.eigenvalues[positions],
+            spectrum.displacements(positions),
+            eigenpairs_status(text, spectrum.left, spectrum.time, spectrum.residual),
             positions,
-            found,
-            found.statistics,
-            found.doubts,
+            spectrum,
+            spectrum.statistics,
+            spectrum.doubts,
         )

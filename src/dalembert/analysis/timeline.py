@@ -1,24 +1,28 @@
-"""Times of a run: checked spans, steps and outputs."""
+"""Analyses over a span of time: checked spans, steps and outputs, and their base class."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, Protocol
 
 import casadi as ca
 import numpy as np
 
-from dalembert.budget import STEP, afford, numeral
+from dalembert.analysis.times import evaluate_times
+from dalembert.budget import STEP, check_budget, numeral
 from dalembert.elements.driver import Driver
 from dalembert.errors import AnalysisError, BudgetError
 from dalembert.model.model import Model
+from dalembert.options import inherit_texts, options
+from dalembert.results.result import Analysis, R
 
 OUTPUT = 400
-"""Bytes of an output at least, whatever the model."""
-HASTE = 1000.0
-"""Factor by which the steps of a run may grow beyond their present length."""
-FEW = 2000
-"""Steps of a run below which the rest is not estimated."""
+"""Minimum memory of an output of any model [bytes]."""
+GROWTH = 1000.0
+"""Factor by which the steps of a run may grow later."""
+MIN_STEPS = 2000
+"""Threshold of the number of steps above which the rest of a run is estimated."""
 
 
 def checked_span(duration: float | None, t_span: tuple[float, float] | None) -> tuple[float, float]:
@@ -27,7 +31,7 @@ def checked_span(duration: float | None, t_span: tuple[float, float] | None) -> 
     Raises
     ------
     AnalysisError
-        Neither or both given, no numbers, not finite, or the end not after the start.
+        Neither or both given, not numbers, not finite, or the end not after the start.
     """
     if (duration is None) == (t_span is None):
         raise AnalysisError("give either duration or t_span")
@@ -38,12 +42,12 @@ def checked_span(duration: float | None, t_span: tuple[float, float] | None) -> 
     if not math.isfinite(end - start):
         raise AnalysisError(f"the time span {start}…{end} s is not finite")
     if end <= start:
-        what = (
+        span = (
             f"duration is {duration}"
             if t_span is None
             else f"t_span ends at {end}, starts at {start}"
         )
-        raise AnalysisError(f"{what}; the end must come after the start")
+        raise AnalysisError(f"{span}; the end must come after the start")
     return start, end
 
 
@@ -57,14 +61,14 @@ def checked_step(step: float | None, start: float, end: float) -> float:
 
 
 def step_count(start: float, end: float, step: float) -> int:
-    """Steps from start to end.
+    """Number of steps from start to end.
 
     Raises
     ------
     AnalysisError
-        Steps that times do not resolve.
+        The step is below the rounding of the times.
     BudgetError
-        More than a task may take.
+        More steps than the budget allows.
     """
     if start + step == start or end - step == end:
         raise AnalysisError(
@@ -73,56 +77,59 @@ def step_count(start: float, end: float, step: float) -> int:
         )
     ratio = (end - start) / step
     cure = "use a longer step or a shorter run"
-    afford(f"{ratio:.3g} steps of {step:g} s", memory=STEP * ratio, cure=cure)
+    check_budget(f"{ratio:.3g} steps of {step:g} s", memory=STEP * ratio, cure=cure)
     return max(1, math.ceil(ratio - 1e-9))
 
 
 class Pace:
-    """Memory that a run with error control needs, which shows only as it goes on.
+    """Memory estimate of a run with error control, updated as the run proceeds.
 
-    The steps taken count as they are. The rest is estimated from the newer half of them, and only
-    of many: first steps may be short by any factor, at a contact or from a cautious first guess.
+    Accepted steps count as they are. The remaining ones are estimated from the newer half of the
+    accepted steps, once these are many: first steps may be short by any factor, at a contact or
+    from a cautious first step length.
 
     Parameters
     ----------
     start, end : of the run [s]
-    each : bytes that a step takes
+    step_bytes : memory of a step
     """
 
-    def __init__(self, start: float, end: float, each: float):
-        self.end, self.each = end, each
-        self.taken = 0
+    def __init__(self, start: float, end: float, step_bytes: float):
+        self.end, self.step_bytes = end, step_bytes
+        self.accepted = 0
         self.excess = ""
         self._marks = [(0, start), (0, start)]
 
     def exceeds(self, ends: np.ndarray) -> bool:
-        """Whether the steps, of which these are the last ends, lead to more than can be kept."""
-        self.taken += ends.size - 1
+        """Whether the run will exceed the budget; ``ends`` are the ends of the latest steps."""
+        self.accepted += ends.size - 1
         now = float(ends[-1])
-        if self.taken >= 2 * max(self._marks[1][0], FEW // 2):
-            self._marks = [self._marks[1], (self.taken, now)]
-        before, then = self._marks[0]
+        if self.accepted >= 2 * max(self._marks[1][0], MIN_STEPS // 2):
+            self._marks = [self._marks[1], (self.accepted, now)]
+        before, earlier = self._marks[0]
         cure = "use looser tolerances or a shorter run"
         try:
-            afford(f"a run of {self.taken} steps", memory=self.each * self.taken, cure=cure)
-            if self.taken >= FEW and now > then:
-                recent = self.taken - before
-                expected = self.taken + recent * (self.end - now) / (now - then)
+            check_budget(
+                f"a run of {self.accepted} steps", memory=self.step_bytes * self.accepted, cure=cure
+            )
+            if self.accepted >= MIN_STEPS and now > earlier:
+                recent = self.accepted - before
+                expected = self.accepted + recent * (self.end - now) / (now - earlier)
                 pace = f"at the pace of the last {recent} steps the run of {expected:.3g}"
-                afford(pace, memory=self.each * expected, cure=cure, doubt=HASTE)
+                check_budget(pace, memory=self.step_bytes * expected, cure=cure, margin=GROWTH)
         except BudgetError as error:
             self.excess = str(error)
         return bool(self.excess)
 
 
 def afford_states(count: int, numbers: int) -> None:
-    """Refuse more outputs than can be kept, each with so many numbers."""
-    cure = "ask for fewer, e.g. outputs=1001"
-    afford(f"{count} outputs of {numbers} numbers", memory=8.0 * count * numbers, cure=cure)
+    """Raise if ``count`` outputs of ``numbers`` values exceed the budget."""
+    cure = "request fewer, e.g. outputs=1001"
+    check_budget(f"{count} outputs of {numbers} numbers", memory=8.0 * count * numbers, cure=cure)
 
 
 def uniform_grid(start: float, end: float, step: float) -> np.ndarray:
-    """Times from start to end in steps of ``step``; the last one may be shorter."""
+    """Times from start to end in steps of ``step``; the last step may be shorter."""
     count = step_count(start, end, step)
     times = start + step * np.arange(count + 1)
     times[-1] = end
@@ -130,7 +137,7 @@ def uniform_grid(start: float, end: float, step: float) -> np.ndarray:
 
 
 def check_driver_laws(model: Model, times: np.ndarray, p: np.ndarray) -> None:
-    """Drivers of a distance must never be asked for zero or less.
+    """Raise where the law of a distance driver is zero or negative.
 
     Raises
     ------
@@ -141,13 +148,15 @@ def check_driver_laws(model: Model, times: np.ndarray, p: np.ndarray) -> None:
         if isinstance(driver, Driver) and driver.positive:
             e = model.equations
             law = ca.Function("law", [e.t, e.p], [ca.densify(driver.law.value(e.t))])
-            looked = times[:: max(1, times.size // 2000)]
-            values = law.map(looked.size)(looked, np.tile(p[:, None], looked.size)).full().ravel()
+            samples = times[:: max(1, times.size // 2000)]
+            values = (
+                law.map(samples.size)(samples, np.tile(p[:, None], samples.size)).full().ravel()
+            )
             if np.any(~(values > 0)):
                 k = int(np.argmin(values > 0))
                 raise AnalysisError(
-                    f"{driver.name}: its law asks for a distance of {values[k]:g} m at "
-                    f"t = {looked[k]:g} s; a distance must stay above 0"
+                    f"{driver.name}: its law gives a distance of {values[k]:g} m at "
+                    f"t = {samples[k]:g} s; a distance must stay above 0"
                 )
 
 
@@ -159,9 +168,9 @@ def output_times(
         return None
     if isinstance(outputs, (int, np.integer)) and not isinstance(outputs, bool):
         if outputs < 1:
-            raise AnalysisError(f"outputs is {numeral(outputs)}; ask for at least one")
-        what = f"outputs = {numeral(outputs)}"
-        afford(what, memory=OUTPUT * outputs, cure="ask for fewer outputs")
+            raise AnalysisError(f"outputs is {numeral(outputs)}; request at least one")
+        entity = f"outputs = {numeral(outputs)}"
+        check_budget(entity, memory=OUTPUT * outputs, cure="request fewer outputs")
         return np.linspace(start, end, int(outputs)) if outputs > 1 else np.array([end])
     try:
         times = np.asarray([] if isinstance(outputs, bool) else outputs, dtype=float).ravel()
@@ -183,13 +192,74 @@ def check_times(
     step: float | None,
     outputs: int | Sequence[float] | None,
 ) -> None:
-    """Span, step and outputs of an analysis over time fit each other.
+    """Raise unless span, step and outputs of an analysis over time are consistent.
 
     Raises
     ------
     AnalysisError
-        They do not.
+        They are not.
     """
     start, end = checked_span(duration, t_span)
     checked_step(step, start, end)
     output_times(outputs, start, end)
+
+
+class Execution(Protocol):
+    """One execution of an analysis."""
+
+    def __init__(self, analysis: Any, model: Model, parameters: Any): ...
+
+    def execute(self, progress: Any) -> Any:
+        """The result."""
+
+
+@options
+class OverTime(Analysis[Model, R]):
+    """An analysis from one time to another.
+
+    Parameters
+    ----------
+    duration : length of the run from t = 0 [s]; this or ``t_span``. Times given as formulas follow
+        the parameters of each run, and so do gradients
+    t_span : (start, end) of the run [s]
+    step : step length, by default a thousandth of the run [s]
+    outputs : number of equally spaced times, or the times [s]; by default every step, under error
+        control also instants inside steps, so that straight lines between outputs follow the motion
+    """
+
+    execution: ClassVar[type[Execution]]
+    """Class whose objects execute one run."""
+
+    duration: float | None = None
+    step: float | None = None
+    outputs: int | Sequence[float] | None = None
+    t_span: tuple[float, float] | None = None
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        inherit_texts(cls)
+
+    def checks(self, model: Model) -> dict[str, Callable[[], object]]:
+        """Checks by the name of the option."""
+        return {
+            "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs)
+        }
+
+    def run(
+        self,
+        model: Model,
+        parameters: Mapping[str, float] | np.ndarray | None = None,
+        progress: bool | Callable[[float], None] = False,
+    ) -> R:
+        """Run from start to end; a failed run keeps its states, and its status says when and why.
+
+        Raises
+        ------
+        AnalysisError
+            Wrong step, duration or outputs, or nothing to compute.
+        AssemblyError, SingularityError, UnsupportedError
+            The run cannot begin.
+        """
+        analysis = evaluate_times(self, model, parameters)
+        result: R = self.execution(analysis, model, parameters).execute(progress)
+        return result

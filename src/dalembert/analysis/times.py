@@ -9,7 +9,7 @@ from typing import Any, Self, TypeVar
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.served import need_model
+from dalembert.analysis.requirements import need_model
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.results.batch.designs import are_designs
 from dalembert.results.result import Analysis
@@ -22,24 +22,24 @@ Time = float | str | Expression
 Times = int | Sequence[Time] | np.ndarray
 """A count, or times."""
 TIMES = ("duration", "step", "outputs", "t_span", "time")
-"""Options that hold times."""
+"""Options whose values are times."""
 
 
 A = TypeVar("A", bound=Analysis[Any, Any])
 
 
 class FollowingTime(float):
-    """A time that follows parameters: its number in a run, and the formula it comes from.
+    """A time that follows parameters: its value in a run, and its formula.
 
-    In another process it is a number.
+    Pickled, it becomes a plain number.
     """
 
     formula: Expression
 
     def __new__(cls, seconds: float, formula: Expression) -> Self:
-        made = super().__new__(cls, seconds)
-        made.formula = formula
-        return made
+        time = super().__new__(cls, seconds)
+        time.formula = formula
+        return time
 
     def __repr__(self) -> str:
         return f"{float(self)!r} = {self.formula.sx}"
@@ -51,57 +51,57 @@ class FollowingTime(float):
         return float, (float(self),)
 
 
-def retimed(analysis: A, model: ParametricModel, parameters: Any) -> A:
-    """The analysis with times that follow parameters as they are at these.
+def evaluate_times(analysis: A, model: ParametricModel, parameters: Any) -> A:
+    """The analysis with the times that follow parameters evaluated at these values.
 
     Raises
     ------
     AnalysisError
-        A formula has no finite value there.
+        A formula has no finite value.
     """
-    made = {name: _formulas(getattr(analysis, name, None)) for name in TIMES}
-    follows = {name: given for name, given in made.items() if given is not None}
+    formulas = {name: _formulas(getattr(analysis, name, None)) for name in TIMES}
+    follows = {name: formula for name, formula in formulas.items() if formula is not None}
     if not follows:
         return analysis
     return replace(analysis, **in_seconds(follows, model, parameters, type(analysis).__name__))  # type: ignore[type-var]
 
 
 def follow_parameters(analysis: Analysis[Any, Any]) -> bool:
-    """Whether some of its times follow parameters."""
+    """Whether any time of the analysis follows parameters."""
     return any(_formulas(getattr(analysis, name, None)) is not None for name in TIMES)
 
 
 def slopes(time: Any, model: ParametricModel, p: np.ndarray) -> np.ndarray:
-    """(n,) derivatives of a time by all parameters; zero where it follows none."""
-    found = np.zeros(len(model.parameters))
+    """(n,) derivatives of a time by all parameters; zero for a plain number."""
+    gradient = np.zeros(len(model.parameters))
     if isinstance(time, FollowingTime):
         symbols = ca.vertcat(*(parameter.sx for parameter in model.parameters.values()))
         jacobian = ca.Function("slopes", [symbols], [ca.jacobian(time.formula.sx, symbols)])
-        found[:] = jacobian(p[: found.size]).full().ravel()
-    return found
+        gradient[:] = jacobian(p[: gradient.size]).full().ravel()
+    return gradient
 
 
 def _formulas(value: Any) -> Any:
-    """Formulas in place of numbers that come from them; None where there is none."""
+    """Formulas in place of the numbers they define; None if no number follows parameters."""
     if isinstance(value, FollowingTime):
         return value.formula
     if not isinstance(value, (list, tuple)):
         return None
-    made = [_formulas(one) for one in value]
-    if all(one is None for one in made):
+    formulas = [_formulas(item) for item in value]
+    if all(item is None for item in formulas):
         return None
-    return type(value)(a if b is None else b for a, b in zip(value, made, strict=True))
+    return type(value)(a if b is None else b for a, b in zip(value, formulas, strict=True))
 
 
 def analysis_of(
     kind: type[A], verb: str, model: ParametricModel, parameters: Any, **options: Any
 ) -> A:
-    """The analysis that a verb was asked for, with its times in seconds.
+    """The analysis with the options of a call, its times in seconds.
 
     Raises
     ------
     AnalysisError
-        It has no such option, tells the nearest; or a time that is none.
+        Unknown option (names the nearest one), or a value that is no time.
     """
     return kind.of(verb, **in_seconds(options, model, parameters, verb))
 
@@ -111,23 +111,23 @@ def in_seconds(
 ) -> dict[str, Any]:
     """Options of an analysis with numbers in place of texts and formulas of time.
 
-    Numbers that come from formulas of parameters know it: see ``FollowingTime``.
+    Times from formulas of parameters are ``FollowingTime`` objects.
 
     Raises
     ------
     AnalysisError
-        Another dimension than time, or what is known in a motion only.
+        Another dimension than time, or a formula of measures.
     """
     return {
-        name: _settled(value, name, model, parameters, verb) if name in TIMES else value
+        name: _seconds(value, name, model, parameters, verb) if name in TIMES else value
         for name, value in options.items()
     }
 
 
-def _settled(value: Any, name: str, model: ParametricModel, parameters: Any, verb: str) -> Any:
+def _seconds(value: Any, name: str, model: ParametricModel, parameters: Any, verb: str) -> Any:
     if isinstance(value, (list, tuple)):
-        made = [_settled(one, name, model, parameters, verb) for one in value]
-        return tuple(made) if isinstance(value, tuple) else made
+        items = [_seconds(item, name, model, parameters, verb) for item in value]
+        return tuple(items) if isinstance(value, tuple) else items
     if not isinstance(value, (str, Expression)):
         return value
     need_model(model, verb)

@@ -12,8 +12,8 @@ INTERRUPTED = 130
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code; Ctrl-C may come while it is being imported."""
-    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)  # all is written by then
+    """Run one command and return its exit code; Ctrl-C during the import is handled as well."""
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)  # all files are complete by then
     try:
         from dalembert.cli.app import main as run_command
 

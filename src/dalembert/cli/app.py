@@ -1,4 +1,4 @@
-"""The ``dalembert`` command: reads the arguments, calls one command, turns errors into exit codes.
+"""The ``dalembert`` command: argument parsing, dispatch to one command, exit codes.
 
 Exit codes: 0 done, 1 the analysis failed, 2 wrong input, 130 interrupted.
 """
@@ -18,23 +18,23 @@ from dalembert.interrupts import ctrl_c
 
 COMMANDS = {
     "examples": "List the example models, or copy one here.",
-    "check": "Explain a model: its freedom, parts, parameters, and what is doubtful about it.",
+    "check": "Explain a model: degrees of freedom, parts, parameters and warnings.",
     "run": "Run the analysis of a model file; writes results and an interactive report.",
     "sensitivity": "Derivatives of the responses of a model file by its parameters.",
     "compare": "Compare formulations and integrators on a model: cost, violations, errors.",
-    "optimize": "Find the parameter values that make a response of a model file best.",
-    "pareto": "Find the designs of a model file of which none is better in all aims.",
-    "reliability": "Find how probable it is that random parameters break a limit.",
-    "tolerance": "Find how a response scatters within the tolerances of dimensions.",
+    "optimize": "Find the parameter values that optimise a response of a model file.",
+    "pareto": "Find the Pareto-optimal designs of a model file.",
+    "reliability": "Find the probability that random parameters violate a limit.",
+    "tolerance": "Find the scatter of a response within the tolerances of dimensions.",
     "synthesize": "Find linkages, or dimensions of a mechanism, for a path, a motion, a function.",
-    "trajectory": "Find the best motion of a model file and the controls that make it.",
+    "trajectory": "Find the optimal motion of a model file and its controls.",
     "identify": "Find the parameter values that explain measured time series.",
     "invert": "Find the forces and drives that explain measured motion.",
-    "sweep": "Run the analysis of a model file at many designs; goes on where it was ended.",
-    "report": "Write the interactive report of a result file, or of two beside each other.",
-    "film": "Write the motion of a result file as a film, GIF or MP4.",
-    "cache": "Show the compiled functions that are kept on disk, or delete them.",
-    "completion": "Print what a shell needs to complete commands: bash, zsh or fish.",
+    "sweep": "Run the analysis of a model file at many designs; resumes an interrupted study.",
+    "report": "Write the interactive report of a result file, or of two for comparison.",
+    "film": "Write the motion of a result file as an animation, GIF or MP4.",
+    "cache": "Show the compiled functions cached on disk, or delete them.",
+    "completion": "Print the completion script of a shell: bash, zsh or fish.",
     "schema": "Print the JSON Schema of model files, for editors.",
 }
 
@@ -49,7 +49,7 @@ EXAMPLES = {
     "invert": "model.toml --data run_3.csv --output results",
     "sweep": "four_bar.toml --workers 2 --output results",
 }
-"""Command → arguments of an example; ``model.toml`` is one's own, the other files are there."""
+"""Command → arguments of an example; ``model.toml`` is the user's file, the others are supplied."""
 
 HELP = """Analysis and design optimisation of constrained mechanical systems.
 
@@ -64,25 +64,25 @@ Exit codes: 0 done, 1 the analysis failed, 2 wrong input, 130 interrupted.
 
 
 def make_app() -> App:
-    """The application; each command's module is imported when it is called."""
+    """The application; the module of a command is imported when the command is called."""
     app = App(name="dalembert", help=HELP, version=_version, help_format="markdown")
     for name, summary in COMMANDS.items():
         example = EXAMPLES.get(name)
-        told = f"{summary}\n\nExample: dalembert {name} {example}" if example else summary
-        app.command(f"dalembert.cli.{name}:{name}", name=name, help=told)
+        text = f"{summary}\n\nExample: dalembert {name} {example}" if example else summary
+        app.command(f"dalembert.cli.{name}:{name}", name=name, help=text)
     return app
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; never a traceback for wrong input."""
-    given = list(sys.argv[1:] if arguments is None else arguments)
-    as_json = "--json" in given
+    arguments_list = list(sys.argv[1:] if arguments is None else arguments)
+    as_json = "--json" in arguments_list
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):  # a terminal may not know every letter
+        if isinstance(stream, TextIOWrapper):  # a terminal may lack characters
             stream.reconfigure(errors="backslashreplace")
     try:
-        code = _run(given)
-        sys.stdout.flush()  # what a pipe refuses is noticed here
+        code = _run(arguments_list)
+        sys.stdout.flush()  # a broken pipe is detected here
         return code
     except WrongInput as error:
         return fail(error.cause, WRONG_INPUT, as_json)
@@ -95,32 +95,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return fail(DalembertError(f"{error}\n{hint}"), WRONG_INPUT, as_json)
     except KeyboardInterrupt:
         return fail(DalembertError("interrupted"), INTERRUPTED, as_json)
-    except BrokenPipeError:  # the reader of our output, such as ``head``, has gone
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the last flush
+    except BrokenPipeError:  # the process that reads the output, such as ``head``, has ended
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the flush at exit
         return DONE
 
 
-def _run(given: list[str]) -> int:
+def _run(arguments: list[str]) -> int:
     app = make_app()
     app.suppress_keyboard_interrupt = False
     with ctrl_c(is_command=True) as signals:
         try:
-            code = app(
-                given,
+            returned = app(
+                arguments,
                 exit_on_error=False,
                 print_error=False,
                 help_on_error=False,
                 result_action="return_value",
             )
         except Exception as error:
-            if signals.pressed:  # compiled code raises others in its place
+            if signals.pressed:  # compiled code replaces the exception
                 raise KeyboardInterrupt from error
             raise
-    ended = code if isinstance(code, int) else DONE
-    if signals.pressed and ended == DONE:  # an import may have lost the exception
+    code = returned if isinstance(returned, int) else DONE
+    if signals.pressed and code == DONE:  # an import may have swallowed the exception
         print("Error: interrupted; what is written is complete", file=sys.stderr)
         return INTERRUPTED
-    return ended
+    return code
 
 
 def _version() -> str:

@@ -1,4 +1,4 @@
-"""``dalembert cache``: the machine code that is kept on disk."""
+"""``dalembert cache``: the machine code cached on disk."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import DONE, AsJson, emit, tell
+from dalembert.cli.console import DONE, AsJson, print_json, print_line
 
 
 def cache(
@@ -14,12 +14,12 @@ def cache(
     clear: Annotated[bool, Parameter(negative=())] = False,
     as_json: AsJson = False,
 ) -> int:
-    """Show where compiled functions are kept, how many and how large; or delete them.
+    """Show location, number and size of the cached compiled functions, or delete them.
 
     Parameters
     ----------
     clear
-        Delete them; they are made again when needed.
+        Delete them; they are compiled again when needed.
     """
     from dalembert.symbolic.native.code_cache import cache_folder, cache_size, clear_cache
 
@@ -27,10 +27,12 @@ def cache(
     if clear:
         count = clear_cache()
     if as_json:
-        emit({"ok": True, "folder": str(folder), "functions": count, "bytes": size, "clear": clear})
+        print_json(
+            {"ok": True, "folder": str(folder), "functions": count, "bytes": size, "clear": clear}
+        )
     else:
-        tell(
+        print_line(
             f"{count} compiled functions, {size / 1e6:.1f} MB, {'deleted from' if clear else 'in'}"
         )
-        tell(f"  {folder}")
+        print_line(f"  {folder}")
     return DONE

@@ -7,8 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import DONE, AsJson, Settings, emit, head, tell, wrong_input
-from dalembert.cli.loading import is_deck, loaded, teller_of
+from dalembert.cli.console import (
+    DONE,
+    AsJson,
+    Settings,
+    print_heading,
+    print_json,
+    print_line,
+    wrong_input,
+)
+from dalembert.cli.loading import is_deck, load_model, model_printer
 
 if TYPE_CHECKING:
     from dalembert.analysis.assembly import AllAssemblies
@@ -16,7 +24,7 @@ if TYPE_CHECKING:
 
 Assemblies = Annotated[
     bool,
-    Parameter(negative=(), help="Search for all assembly configurations, too."),
+    Parameter(negative=(), help="Also search for all assembly configurations."),
 ]
 
 
@@ -28,10 +36,10 @@ def check(
     assemblies: Assemblies = False,
     as_json: AsJson = False,
 ) -> int:
-    """Explain a model: its freedom, parts, parameters, and what is doubtful about it.
+    """Explain a model: degrees of freedom, parts, parameters and warnings.
 
-    Nothing is simulated. A mechanism is assembled, so that wrong lengths show here; where it
-    cannot be, a page draws why (.assembly.html).
+    Nothing is simulated. A mechanism is assembled, which reveals wrong lengths; if assembly fails,
+    a page with a drawing is written (.assembly.html).
 
     Parameters
     ----------
@@ -40,33 +48,33 @@ def check(
     """
     from dalembert.io.decisions.tasks import check_tasks
 
-    if (alone := _synthesis_alone(model)) is not None:
-        return _tell_synthesis(alone, as_json)
-    file, built = loaded(model, settings, Path())
-    teller = teller_of(built)
+    if (synthesis_file := _synthesis_file(model)) is not None:
+        return _print_synthesis(synthesis_file, as_json)
+    file, built = load_model(model, settings, Path())
+    printer = model_printer(built)
     with wrong_input():
         check_tasks(file, built)
-    found = _all_assemblies(built) if assemblies else None
+    configurations = _all_assemblies(built) if assemblies else None
     if as_json:
-        extra = {} if found is None else {"assemblies": found.to_dict()}
-        emit({"ok": True, "name": file.name, **teller.description, **extra})
+        entries = {} if configurations is None else {"assemblies": configurations.to_dict()}
+        print_json({"ok": True, "name": file.name, **printer.description, **entries})
     else:
-        teller.explain()
-        if found is not None:
-            tell(f"  {found}")
+        printer.explain()
+        if configurations is not None:
+            print_line(f"  {configurations}")
     return DONE
 
 
 def _all_assemblies(model: Any) -> AllAssemblies:
-    """All assembly configurations of a mechanism at its start."""
+    """All assembly configurations of a mechanism at its initial time."""
     from dalembert.analysis.assembly import solve_assembly
 
     with wrong_input():
         return solve_assembly(model, all=True)
 
 
-def _synthesis_alone(path: Path) -> ModelFile | None:
-    """The file where it asks for linkages and has no model of its own."""
+def _synthesis_file(path: Path) -> ModelFile | None:
+    """The file if it contains a synthesis task but no bodies."""
     from dalembert.io.model_file import load_model_file
 
     if is_deck(path):
@@ -74,19 +82,19 @@ def _synthesis_alone(path: Path) -> ModelFile | None:
     with wrong_input():
         file = load_model_file(path)
     document: Any = file.document
-    asked = getattr(document, "synthesis", None) is not None
-    return file if asked and not document.bodies else None
+    has_synthesis = getattr(document, "synthesis", None) is not None
+    return file if has_synthesis and not document.bodies else None
 
 
-def _tell_synthesis(file: ModelFile, as_json: bool) -> int:
+def _print_synthesis(file: ModelFile, as_json: bool) -> int:
     from dalembert.io.decisions.synthesis import make_synthesis
 
     with wrong_input():
         target = make_synthesis(file).args[0]
-    asked: Any = file.document.synthesis  # type: ignore[union-attr]
-    kind, count = asked.linkage, len(target)
+    synthesis: Any = file.document.synthesis  # type: ignore[union-attr]
+    kind, count = synthesis.linkage, len(target)
     if as_json:
-        emit({"ok": True, "name": file.name, "linkage": kind, "entries": count})
+        print_json({"ok": True, "name": file.name, "linkage": kind, "entries": count})
     else:
-        head(file.name, f"a {kind} for a {asked.type} of {count} entries")
+        print_heading(file.name, f"a {kind} for a {synthesis.type} of {count} entries")
     return DONE

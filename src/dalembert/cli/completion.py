@@ -1,10 +1,10 @@
-"""``dalembert completion``: what shells need to complete commands and options."""
+"""``dalembert completion``: completion scripts for shells."""
 
 from __future__ import annotations
 
 from typing import Literal
 
-from dalembert.cli.console import DONE, AsJson, emit
+from dalembert.cli.console import DONE, AsJson, print_json
 
 
 def completion(shell: Literal["bash", "zsh", "fish"], /, *, as_json: AsJson = False) -> int:
@@ -25,7 +25,7 @@ def completion(shell: Literal["bash", "zsh", "fish"], /, *, as_json: AsJson = Fa
 
     script = make_app().generate_completion(shell=shell)
     if as_json:
-        emit({"ok": True, "shell": shell, "script": script})
+        print_json({"ok": True, "shell": shell, "script": script})
     else:
         print(script)
     return DONE

@@ -1,4 +1,4 @@
-"""What all commands share: exit codes, plain or JSON output."""
+"""Exit codes, terminal output and JSON output of all commands."""
 
 from __future__ import annotations
 
@@ -27,10 +27,11 @@ Settings = Annotated[
     Parameter(name="--set", negative=(), help="New value of a parameter: l1=0.25; repeatable."),
 ]
 Quiet = Annotated[bool, Parameter(name=["--quiet", "-q"], negative=(), help="Print errors only.")]
+Open = Annotated[bool, Parameter(name="--open", negative=(), help="Open the page in the browser.")]
 
 
 class WrongInput(Exception):
-    """An error met before anything was computed: the input is at fault, not the analysis."""
+    """Error in the input, raised before anything is computed."""
 
     def __init__(self, cause: DalembertError):
         self.cause = cause
@@ -39,7 +40,7 @@ class WrongInput(Exception):
 
 @contextmanager
 def wrong_input() -> Iterator[None]:
-    """Errors inside are due to what the user gave."""
+    """Convert errors in the block into ``WrongInput``."""
     try:
         yield
     except DalembertError as error:
@@ -47,46 +48,55 @@ def wrong_input() -> Iterator[None]:
 
 
 def console() -> Console:
-    """Terminal output; without colours where it is not a terminal."""
+    """Rich console; without colours if standard output is not a terminal."""
     from rich.console import Console
 
     return Console(highlight=False, soft_wrap=True)
 
 
-def tell(text: str, style: str | None = None) -> None:
-    """A line on standard output, whatever is in it."""
+def print_line(text: str, style: str | None = None) -> None:
+    """Print a line on standard output, with control characters made visible."""
     from rich.text import Text
 
     console().print(Text(visible(text), style or ""))
 
 
-def head(name: str, text: str) -> None:
-    """The first line of what is told: a name, and what it is."""
+def print_heading(name: str, text: str) -> None:
+    """Print the heading of a report: a name and its description."""
     from rich.text import Text
 
     console().print(Text.assemble((visible(name), "bold"), ": ", visible(text)))
 
 
-def written(files: Iterable[Path]) -> None:
-    """Which files there are now."""
+def print_files(files: Iterable[Path]) -> None:
+    """Print the paths of the written files."""
     for path in files:
-        tell(f"  written {path}")
+        print_line(f"  written {path}")
 
 
-def emit(data: Any) -> None:
-    """One JSON document on standard output; null where a number is not finite."""
+def open_pages(files: Iterable[Path], enabled: bool) -> None:
+    """Open the HTML pages among the files in the browser, if enabled."""
+    import webbrowser
+
+    for path in files:
+        if enabled and path.suffix == ".html":
+            webbrowser.open(path.resolve().as_uri())
+
+
+def print_json(data: Any) -> None:
+    """Print a JSON document on standard output; numbers that are not finite become null."""
     print(as_document(data))
 
 
-def shown(value: Any) -> str:
-    """A number or text for people."""
+def format_value(value: Any) -> str:
+    """A number with six digits, or the text of another value."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def fail(error: Exception, code: int, as_json: bool) -> int:
-    """Tell an error on standard error, or as JSON on standard output; returns the exit code."""
+    """Print an error on standard error, or as JSON on standard output; returns the exit code."""
     if as_json:
-        emit(
+        print_json(
             {
                 "ok": False,
                 "exit_code": code,

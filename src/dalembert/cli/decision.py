@@ -1,4 +1,4 @@
-"""What all commands of decisions share: the file, the run, what is written, how it ends."""
+"""Common sequence of all design commands: read the file, run the task, write files, report."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from dalembert.cli.console import (
     AsJson,
     Quiet,
     Settings,
-    emit,
-    tell,
-    written,
+    print_files,
+    print_json,
+    print_line,
     wrong_input,
 )
-from dalembert.cli.loading import is_deck, loaded, output_folder, pairs
+from dalembert.cli.loading import is_deck, load_model, output_folder, parse_settings
 from dalembert.errors import FileError
 from dalembert.interrupts import ctrl_c, defer_ctrl_c
 
@@ -31,86 +31,86 @@ if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
 
 Run = Callable[[bool], "Decision"]
-"""Does the task; true shows how far it is."""
+"""Runs the task; the argument enables progress output."""
 
 
 @dataclass(frozen=True)
-class Common:
-    """Options that all commands of decisions share."""
+class CommonOptions:
+    """Options of all design commands."""
 
     settings: Settings | None = None
-    quiet: Annotated[Quiet, Parameter(help="Do not show how far it is.")] = False
+    quiet: Annotated[Quiet, Parameter(help="Do not show progress.")] = False
     as_json: AsJson = False
 
 
-Options = Annotated[Common, Parameter(name="*")]
-PLAIN = Common()
-"""Where none of them is given."""
+Options = Annotated[CommonOptions, Parameter(name="*")]
+NO_OPTIONS = CommonOptions()
+"""Default options."""
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What every command of a decision is given.
+class DecisionCommand:
+    """A design command with its arguments.
 
     Attributes
     ----------
     path : the model file
-    output : folder for the results; none are written without
-    options : ``--set``, and what is told
+    output : folder for the results; None writes no files
+    options : ``--set``, and the options of the output
     """
 
     path: Path
     output: Path | None
-    options: Common
+    options: CommonOptions
 
-    def decide(
+    def execute(
         self,
         read: Callable[[ModelFile, Any], Run],
         show: Callable[[dict[str, Any]], None],
         assembled: bool = True,
         write: Callable[[Any], list[Path]] | None = None,
     ) -> int:
-        """Read the file, do the task, write and tell what was found; returns the exit code.
+        """Read the file, run the task, write and print the result; returns the exit code.
 
         Parameters
         ----------
-        read : ``(file, model) →`` what does the task; errors in it are those of the input
-        show : prints the numbers found
-        assembled : whether the task is on the file's model
-        write : writes what was found; by default data, numbers and page into ``output``
+        read : ``(file, model) →`` function that runs the task; its errors are input errors
+        show : prints the summary
+        assembled : whether the task needs the model of the file
+        write : writes the result; by default data, numbers and page into ``output``
         """
         file, model = (
-            loaded(self.path, self.options.settings) if assembled else (self._read(), None)
+            load_model(self.path, self.options.settings) if assembled else (self._read(), None)
         )
         with wrong_input():
             run, first_view = read(file, model), self._first_view(file, model)
         folder = output_folder(self.output) if self.output and write is None else None
-        with ctrl_c(is_command=True) as signals:  # what there is by then is written
-            found = run(not (self.options.quiet or self.options.as_json))
+        with ctrl_c(is_command=True) as signals:  # partial results are written
+            decision = run(not (self.options.quiet or self.options.as_json))
             defer_ctrl_c()
-            files = [] if write is None else write(found)
+            files = [] if write is None else write(decision)
             if folder is not None:
-                files = found.write(folder / file.path.stem, **first_view)
-            interrupted = found.interrupted or signals.pressed
-            made = {"name": file.name, **found.summary(), "files": [str(f) for f in files]}
-            made["interrupted"] = interrupted
+                files = decision.write(folder / file.path.stem, **first_view)
+            interrupted = decision.interrupted or signals.pressed
+            summary = {"name": file.name, **decision.summary(), "files": [str(f) for f in files]}
+            summary["interrupted"] = interrupted
             if self.options.as_json:
-                emit(made)
+                print_json(summary)
             else:
-                self._tell(file.name, found, interrupted)
-                for text in made["warnings"]:
-                    tell(f"  warning: {text}", "yellow")
-                show(made)
-                written(files)
+                self._print_sentence(file.name, decision, interrupted)
+                for text in summary["warnings"]:
+                    print_line(f"  warning: {text}", "yellow")
+                show(summary)
+                print_files(files)
             if interrupted or signals.pressed:
                 return INTERRUPTED
-            return DONE if found.ok else FAILED
+            return DONE if decision.ok else FAILED
 
     @staticmethod
-    def _tell(name: str, found: Decision, interrupted: bool) -> None:
-        late = interrupted and "interrupted" not in found.sentence
-        note = "; interrupted" if late else ""
-        tell(f"{name}: {found.sentence}{note}", "green" if found.ok else "red")
+    def _print_sentence(name: str, decision: Decision, interrupted: bool) -> None:
+        unmentioned = interrupted and "interrupted" not in decision.sentence
+        note = "; interrupted" if unmentioned else ""
+        print_line(f"{name}: {decision.sentence}{note}", "green" if decision.ok else "red")
 
     def _read(self) -> ModelFile:
         from dalembert.io.model_file import load_model_file
@@ -118,7 +118,7 @@ class Asked:
         with wrong_input():
             if is_deck(self.path):
                 raise FileError(f"{self.path}: is a deck; this command takes a model file")
-            return load_model_file(self.path).with_parameters(pairs(self.options.settings))
+            return load_model_file(self.path).with_parameters(parse_settings(self.options.settings))
 
     @staticmethod
     def _first_view(file: ModelFile, model: Any) -> dict[str, Any]:
@@ -128,11 +128,11 @@ class Asked:
 
 
 def iterations(show: bool) -> Callable[[int, float], None] | bool:
-    """Prints each iteration of a search on standard error, or nothing."""
+    """Function that prints each iteration on standard error; False without progress output."""
     if not show:
         return False
 
-    def told(number: int, value: float) -> None:
+    def print_iteration(number: int, value: float) -> None:
         print(f"iteration {number}: {value:.8g}", file=sys.stderr)
 
-    return told
+    return print_iteration

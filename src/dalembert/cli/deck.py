@@ -5,9 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dalembert.cli.console import DONE, emit, head, tell, written, wrong_input
-from dalembert.cli.loading import output_folder, pairs
-from dalembert.cli.opening import opened
+from dalembert.cli.console import (
+    DONE,
+    open_pages,
+    print_files,
+    print_heading,
+    print_json,
+    print_line,
+    wrong_input,
+)
+from dalembert.cli.loading import output_folder, parse_settings
 from dalembert.errors import ModelError
 
 if TYPE_CHECKING:
@@ -24,33 +31,33 @@ def run_deck(
     as_json: bool,
     open_page: bool = False,
 ) -> int:
-    """Solve the structure, write its results, and print what the book's program prints."""
-    result = solved_deck(path, settings)
+    """Solve the structure, write its results, and print the output of the book's program."""
+    result = solve_deck(path, settings)
     files = result.write(output_folder(output) / path.stem, report, csv)
-    made = _summary(result) | {"files": [str(f) for f in files]}
+    summary = _summary(result) | {"files": [str(f) for f in files]}
     if as_json:
-        emit(made)
+        print_json(summary)
     elif not quiet:
-        _print(made)
-    opened(files, open_page)
+        _print(summary)
+    open_pages(files, open_page)
     return DONE
 
 
-def solved_deck(path: Path, settings: list[str] | None) -> StructuralResult:
-    """The structure of a deck under its loads, with the values of ``--set``.
+def solve_deck(path: Path, settings: list[str] | None) -> StructuralResult:
+    """Static solution of a deck, with the parameter values of ``--set``.
 
     Raises
     ------
     WrongInput
-        Anything wrong with the deck, the structure or the settings.
+        The deck, the structure or a setting is invalid.
     """
-    from dalembert.analysis.structural.solve_statics import solve_statics
+    from dalembert.analysis.structural.statics import solve_statics
     from dalembert.io.spring_deck import load_deck
 
     with wrong_input():
         model = load_deck(path).build()
-        given = {name: _number(name, text) for name, text in pairs(settings).items()}
-        return solve_statics(model, parameters=given)
+        parameters = {name: _number(name, text) for name, text in parse_settings(settings).items()}
+        return solve_statics(model, parameters=parameters)
 
 
 def _number(name: str, text: str) -> float:
@@ -65,7 +72,7 @@ def _summary(result: StructuralResult) -> dict[str, Any]:
 
     model = result.model
     springs = [name for block in model.blocks for name in block.names.names]
-    made: dict[str, Any] = {
+    summary: dict[str, Any] = {
         "ok": True,
         "name": model.name,
         "status": str(result.status),
@@ -77,19 +84,21 @@ def _summary(result: StructuralResult) -> dict[str, Any]:
     }
     if model.parameters:
         gradient = da.sensitivity(result, da.final("compliance")).values[0]
-        made["compliance gradient"] = dict(zip(model.parameters, map(float, gradient), strict=True))
-    return made
+        summary["compliance gradient"] = dict(
+            zip(model.parameters, map(float, gradient), strict=True)
+        )
+    return summary
 
 
-def _print(made: dict[str, Any]) -> None:
-    head(made["name"], made["status"])
-    for what, unit in (
+def _print(summary: dict[str, Any]) -> None:
+    print_heading(summary["name"], summary["status"])
+    for quantity, unit in (
         ("displacements", "m"),
         ("reactions", "N"),
         ("spring forces", "N"),
         ("compliance gradient", "J per unit"),
     ):
-        for name, value in made.get(what, {}).items():
-            tell(f"  {what:<20} {name:<6} {value:12.6g} {unit}")
-    tell(f"  compliance                  {made['compliance']:12.6g} J")
-    written(made["files"])
+        for name, value in summary.get(quantity, {}).items():
+            print_line(f"  {quantity:<20} {name:<6} {value:12.6g} {unit}")
+    print_line(f"  compliance                  {summary['compliance']:12.6g} J")
+    print_files(summary["files"])

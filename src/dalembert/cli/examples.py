@@ -1,4 +1,4 @@
-"""``dalembert examples``: model files, scripts and notebooks to begin with."""
+"""``dalembert examples``: example model files, scripts and notebooks."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ import shutil
 from importlib import resources
 from pathlib import Path
 
-from dalembert.cli.console import DONE, AsJson, emit, tell, wrong_input
+from dalembert.cli.console import DONE, AsJson, print_json, print_line, wrong_input
 from dalembert.errors import FileError
 
-OTHERS = ("*.py", "notebooks/*.ipynb", "*.dat")
-"""Examples beside model files."""
+OTHER_KINDS = ("*.py", "notebooks/*.ipynb", "*.dat")
+"""Patterns of examples that are not model files."""
 STYLE = "style.py"
-"""What pictures of examples share; copied along."""
+"""Plot settings that the examples import; not an example itself."""
 
 
 def examples(
@@ -32,37 +32,37 @@ def examples(
     name
         Example to copy, e.g. four_bar, robot_arm.py or start.ipynb.
     output
-        Folder to copy to; this one by default.
+        Folder to copy to; the current folder by default.
     force
-        Replace a file that is there already.
+        Replace an existing file.
     """
-    known = _known()
+    available = _examples()
     if name is None:
         if as_json:
-            emit({"ok": True, "examples": {n: about(p) for n, p in known.items()}})
+            print_json({"ok": True, "examples": {n: about(p) for n, p in available.items()}})
         else:
-            for n, path in known.items():
-                tell(f"{n:<26} {about(path)}")
-            tell("\n'dalembert examples NAME' copies one here, with what it needs")
+            for n, path in available.items():
+                print_line(f"{n:<26} {about(path)}")
+            print_line("\n'dalembert examples NAME' copies one here, with the files it needs")
         return DONE
     with wrong_input():
-        files = _copied(known, name.removesuffix(".toml"), output or Path(), force)
+        files = _copy(available, name.removesuffix(".toml"), output or Path(), force)
     if as_json:
-        emit({"ok": True, "files": [str(path) for path in files]})
+        print_json({"ok": True, "files": [str(path) for path in files]})
     else:
         for path in files:
-            tell(f"written {path}")
-        tell(f"now try: {_next(files[0])}")
+            print_line(f"written {path}")
+        print_line(f"now try: {_next_command(files[0])}")
     return DONE
 
 
 def example_folder() -> Path:
-    """Where the examples lie: in the installed package, or beside ``src`` in a checkout.
+    """Folder of the examples: in the installed package, or beside ``src`` in a checkout.
 
     Raises
     ------
     FileError
-        They were not installed.
+        The examples are not installed.
     """
     package = Path(str(resources.files("dalembert")))
     for folder in (package / "examples", package.parents[1] / "examples"):
@@ -71,55 +71,55 @@ def example_folder() -> Path:
     raise FileError("the example files are missing from this installation; reinstall dalembert")
 
 
-def _known() -> dict[str, Path]:
-    """Name → file: model files by their stem, all others by their whole name."""
+def _examples() -> dict[str, Path]:
+    """Name → file: model files by stem, other examples by file name."""
     folder = example_folder()
     models = {path.stem: path for path in sorted(folder.glob("*.toml"))}
-    others = [p for kind in OTHERS for p in sorted(folder.glob(kind)) if p.name != STYLE]
-    return models | {path.name: path for path in others}
+    other_files = [p for kind in OTHER_KINDS for p in sorted(folder.glob(kind)) if p.name != STYLE]
+    return models | {path.name: path for path in other_files}
 
 
-def _copied(known: dict[str, Path], name: str, folder: Path, force: bool) -> list[Path]:
-    """The example and the files beside it that it names."""
-    from dalembert.files.atomic import atomic_path
+def _copy(available: dict[str, Path], name: str, folder: Path, force: bool) -> list[Path]:
+    """Copy the example and the files that it refers to; returns the copies."""
+    from dalembert.files import atomic_path
     from dalembert.text.wording import unknown
 
-    if name not in known and f"{name}.py" in known:
+    if name not in available and f"{name}.py" in available:
         name = f"{name}.py"
-    if name not in known:
-        raise FileError(unknown("example", name, known))
-    made: list[Path] = []
-    for source in [known[name], *_needed(known[name])]:
+    if name not in available:
+        raise FileError(unknown("example", name, available))
+    copies: list[Path] = []
+    for source in [available[name], *_dependencies(available[name])]:
         target = folder / source.name
         if target.exists() and not force:
-            if made:  # of an earlier example
+            if copies:  # copied with an earlier example
                 continue
             raise FileError(f"{target}: exists already; use --force to replace it")
-        made.append(target)
+        copies.append(target)
         with atomic_path(target) as temporary:
             shutil.copyfile(source, temporary)
-    return made
+    return copies
 
 
-def _needed(path: Path) -> list[Path]:
-    """Files beside an example that its text names."""
+def _dependencies(path: Path) -> list[Path]:
+    """Files in the folder of an example that its text refers to."""
     text, folder = path.read_text(encoding="utf-8"), example_folder()
-    beside = [
+    neighbours = [
         p for kind in ("*.toml", "*.dat", "*.csv") for p in sorted(folder.glob(kind)) if p != path
     ]
-    imported = [folder / f"{found}.py" for found in re.findall(r"^import (\w+)$", text, re.M)]
-    named = [p for p in beside if re.search(rf"[\"'/]{re.escape(p.name)}[\"']", text)]
-    return [p for p in (*imported, *named) if p.exists()]
+    imported = [folder / f"{module}.py" for module in re.findall(r"^import (\w+)$", text, re.M)]
+    mentioned = [p for p in neighbours if re.search(rf"[\"'/]{re.escape(p.name)}[\"']", text)]
+    return [p for p in (*imported, *mentioned) if p.exists()]
 
 
-def _next(path: Path) -> str:
-    """What one does with an example."""
+def _next_command(path: Path) -> str:
+    """Command that runs an example."""
     verbs = {".py": "python", ".ipynb": "jupyter lab", ".dat": "dalembert run"}
     return f"{verbs.get(path.suffix, 'dalembert check')} {path}"
 
 
 def about(path: Path) -> str:
-    """The first line that says what the example is: a comment, a docstring, a heading."""
+    """First line of the description of an example: a comment, a docstring or a heading."""
     text = path.read_text(encoding="utf-8")
     if path.suffix == ".ipynb":
         first = "".join(json.loads(text)["cells"][0]["source"])

@@ -1,11 +1,11 @@
-"""``dalembert film``: the motion of a result file as GIF or MP4."""
+"""``dalembert film``: the motion of a result file as an animation, GIF or MP4."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from dalembert.cli.console import DONE, AsJson, emit, tell, wrong_input
-from dalembert.cli.loading import refuse_replacing, shown_warnings
+from dalembert.cli.console import DONE, AsJson, print_json, print_line, wrong_input
+from dalembert.cli.loading import print_warnings, refuse_replacing
 
 
 def film(
@@ -19,37 +19,37 @@ def film(
     state: str | None = None,
     as_json: AsJson = False,
 ) -> int:
-    """Write the motion of a result file (.nc) as a film, GIF or MP4.
+    """Write the motion of a result file (.nc) as an animation, GIF or MP4.
 
     Parameters
     ----------
     results
         Result file written by 'dalembert run'.
     output
-        Name of the film, .gif or .mp4 (which needs ffmpeg); by default a GIF beside the results.
+        File name, .gif or .mp4 (which needs ffmpeg); by default a GIF beside the results.
     fps
-        Frames a second.
+        Frames per second.
     seconds
-        How long the film runs, whatever the motion takes.
+        Duration of the animation, independent of the duration of the motion.
     width
-        In pixels.
+        Width in pixels.
     state
-        Load case or mode of a structure that swings; by default the first, or, of a motion, all of
-        them one after the other.
+        Load case or mode of a structure that is animated; by default the first, or, for a motion,
+        all of them in sequence.
     """
     import matplotlib
 
     matplotlib.use("Agg")
     from dalembert.results.files.store import load_results, report_of
-    from dalembert.results.pictures.film import write_film
+    from dalembert.results.pictures.animation import write_film
 
-    with wrong_input(), shown_warnings():
+    with wrong_input(), print_warnings():
         page = report_of(load_results(results))
-        made = output or results.with_suffix(".gif")
-        refuse_replacing(results, [made])
-        write_film(page, made, fps=fps, seconds=seconds, width=width, state=state)
+        target = output or results.with_suffix(".gif")
+        refuse_replacing(results, [target])
+        write_film(page, target, fps=fps, seconds=seconds, width=width, state=state)
     if as_json:
-        emit({"ok": True, "files": [str(made)]})
+        print_json({"ok": True, "files": [str(target)]})
     else:
-        tell(f"written {made}")
+        print_line(f"written {target}")
     return DONE

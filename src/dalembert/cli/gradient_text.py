@@ -1,4 +1,4 @@
-"""How gradients are told: on the terminal, and as one JSON document."""
+"""Gradients as tables on the terminal and as a JSON document."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.cli.console import console, tell
+from dalembert.cli.console import console, print_line
 from dalembert.results.pictures.influence import by_influence, relative_influence
 
 if TYPE_CHECKING:
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
 
     from dalembert.sensitivity.checks.certificate import Certificate
 
-MOST = 30
-"""Parameters, or entries of a certificate, on the terminal; the files have all."""
+MAX_ROWS = 30
+"""Upper limit of parameters, or entries of a certificate, on the terminal; files contain all."""
 
 
 def document(gradient: xr.DataArray) -> dict[str, Any]:
-    """Everything, for programs."""
+    """Values, gradients, influence, notes and certificate, for JSON."""
     relative = relative_influence(gradient)
     parameters = [str(p) for p in gradient["parameter"].values]
 
     def row(table: xr.DataArray, response: str) -> dict[str, float]:
         return dict(zip(parameters, table.sel(response=response).values.tolist(), strict=True))
 
-    made: dict[str, Any] = {
+    data: dict[str, Any] = {
         "method": gradient.attrs["method"],
         "parameters": {
             name: {
@@ -54,11 +54,11 @@ def document(gradient: xr.DataArray) -> dict[str, Any]:
         "notes": gradient.attrs["notes"],
     }
     if "certificate" in gradient.attrs:
-        made["certificate"] = _certified(gradient.attrs["certificate"])
-    return made
+        data["certificate"] = _certificate_data(gradient.attrs["certificate"])
+    return data
 
 
-def _certified(certificate: Certificate) -> dict[str, Any]:
+def _certificate_data(certificate: Certificate) -> dict[str, Any]:
     tests = certificate.data[["taylor_slope", "taylor_verdict"]].to_dataframe()
     return {
         "passed": certificate.passed,
@@ -68,32 +68,32 @@ def _certified(certificate: Certificate) -> dict[str, Any]:
 
 
 def show(name: str, gradient: xr.DataArray) -> None:
-    """Tables, the most influential parameter first, and notes."""
+    """Print tables, sorted by influence, and notes."""
     parameters = by_influence(gradient)
-    ordered = gradient.sel(parameter=parameters[:MOST])
+    ordered = gradient.sel(parameter=parameters[:MAX_ROWS])
     _print_table(f"{name}: derivatives by {gradient.attrs['method']}", ordered, _number)
-    shares = relative_influence(gradient).sel(parameter=parameters[:MOST])
+    shares = relative_influence(gradient).sel(parameter=parameters[:MAX_ROWS])
     _print_table(f"{name}: percent of the response per percent of the parameter", shares, _share)
-    if len(parameters) > MOST:
-        _tell(f"… and {len(parameters) - MOST} parameters more; --output writes them all")
+    if len(parameters) > MAX_ROWS:
+        _print_indented(f"… and {len(parameters) - MAX_ROWS} more parameters; --output writes all")
     for note in gradient.attrs["notes"]:
-        _tell(f"note: {note}", "yellow")
+        _print_indented(f"note: {note}", "yellow")
     if "certificate" in gradient.attrs:
         _show_certificate(gradient.attrs["certificate"])
 
 
-def _print_table(title: str, table: xr.DataArray, text: Any) -> None:
-    """Parameters as rows where they are at least as many as the responses."""
-    along = table.sizes["parameter"] >= table.sizes["response"]
-    rows, columns = ("parameter", "response") if along else ("response", "parameter")
+def _print_table(title: str, table: xr.DataArray, format_entry: Any) -> None:
+    """Print a table with parameters as rows if there are at least as many as responses."""
+    parameters_as_rows = table.sizes["parameter"] >= table.sizes["response"]
+    rows, columns = ("parameter", "response") if parameters_as_rows else ("response", "parameter")
     table = table.transpose(rows, columns)
-    heads = [_head(table.isel({columns: k}), columns) for k in range(table.sizes[columns])]
+    column_heads = [_head(table.isel({columns: k}), columns) for k in range(table.sizes[columns])]
     lines = [
-        [*_head(table.isel({rows: k}), rows), *(text(x) for x in line)]
+        [*_head(table.isel({rows: k}), rows), *(format_entry(x) for x in line)]
         for k, line in enumerate(table.values)
     ]
-    headings = [rows, "value", *("\n".join(part for part in head if part) for head in heads)]
-    _boxed(title, headings, lines)
+    headings = [rows, "value", *("\n".join(part for part in head if part) for head in column_heads)]
+    _print_box(title, headings, lines)
 
 
 def _head(entry: xr.DataArray, dimension: str) -> tuple[str, str]:
@@ -112,14 +112,14 @@ def _share(value: float) -> str:
     return "0" if abs(value) < 5e-13 else f"{value:+.4g}"
 
 
-def _boxed(title: str, headings: list[str], lines: list[list[str]]) -> None:
+def _print_box(title: str, headings: list[str], lines: list[list[str]]) -> None:
     from rich import box
     from rich.table import Table
     from rich.text import Text
 
-    out = console()
-    if not (out.is_terminal or "COLUMNS" in os.environ):
-        out.width = 1000  # a file has no edge
+    terminal = console()
+    if not (terminal.is_terminal or "COLUMNS" in os.environ):
+        terminal.width = 1000  # unlimited width in files and pipes
     table = Table(
         title=Text(title),
         title_justify="left",
@@ -131,7 +131,7 @@ def _boxed(title: str, headings: list[str], lines: list[list[str]]) -> None:
         table.add_column(Text(heading), justify="right" if k else "left", no_wrap=k == 0)
     for line in lines:
         table.add_row(*map(Text, line))
-    out.print(table)
+    terminal.print(table)
 
 
 def _show_certificate(certificate: Certificate) -> None:
@@ -146,15 +146,15 @@ def _show_certificate(certificate: Certificate) -> None:
             f"{row.error:.0e}",
             row.verdict,
         ]
-        for row in table.head(MOST).itertuples()
+        for row in table.head(MAX_ROWS).itertuples()
     ]
     headings = ["certificate", "adjoint", "− direct", "difference", "step", "error", "verdict"]
-    _boxed("", headings, lines)
-    if len(table) > MOST:
-        _tell(f"… and {len(table) - MOST} entries more, with smaller errors")
+    _print_box("", headings, lines)
+    if len(table) > MAX_ROWS:
+        _print_indented(f"… and {len(table) - MAX_ROWS} more entries, with smaller errors")
     for line in certificate.summary():
-        _tell(line, "green" if certificate.passed else "red")
+        _print_indented(line, "green" if certificate.passed else "red")
 
 
-def _tell(text: str, style: str | None = None) -> None:
-    tell(f"  {text}", style)
+def _print_indented(text: str, style: str | None = None) -> None:
+    print_line(f"  {text}", style)

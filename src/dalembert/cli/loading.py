@@ -1,4 +1,4 @@
-"""From the arguments of a command to a model."""
+"""Loading of model files, settings and output folders for the commands."""
 
 from __future__ import annotations
 
@@ -11,37 +11,37 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from dalembert.cli.console import wrong_input
-from dalembert.cli.teller import Teller
 from dalembert.errors import AssemblyError, FileError, ModelError
 from dalembert.text.wording import visible
 
 if TYPE_CHECKING:
+    from dalembert.cli.model_printer import ModelPrinter
     from dalembert.io.model_file import ModelFile
 
 
 @contextmanager
-def shown_warnings() -> Iterator[None]:
-    """Warnings inside go to standard error, unless it ends in an error."""
-    with warnings.catch_warnings(record=True) as caught:
+def print_warnings() -> Iterator[None]:
+    """Print warnings of the block on standard error, unless it raises an error."""
+    with warnings.catch_warnings(record=True) as caught_warnings:
         warnings.simplefilter("always", UserWarning)
         yield
-    for warning in caught:
+    for warning in caught_warnings:
         print(f"Warning: {visible(str(warning.message))}", file=sys.stderr)
 
 
-def loaded(
+def load_model(
     path: Path, settings: list[str] | None, pages: Path | None = None
 ) -> tuple[ModelFile, Any]:
-    """The file, with the values of ``--set``, and its assembled model.
+    """The file with the values of ``--set``, and its assembled model.
 
     Parameters
     ----------
-    pages : folder for the drawing of a mechanism that cannot be assembled, if wanted
+    pages : folder for the drawing of a mechanism that cannot be assembled; None for no drawing
 
     Raises
     ------
     WrongInput
-        Anything wrong with the file, the mechanism or the settings.
+        The file, the mechanism or a setting is invalid.
     """
     from dalembert.io.model_file import load_model_file
 
@@ -51,53 +51,52 @@ def loaded(
                 f"{path}: is the deck of a spring structure, which only 'dalembert run' and "
                 "'dalembert sensitivity' read; this command takes a model file, .toml or .json"
             )
-        file = load_model_file(path).with_parameters(pairs(settings))
-        with failure_drawn(path, pages):
+        file = load_model_file(path).with_parameters(parse_settings(settings))
+        with draw_assembly_failure(path, pages):
             return file, file.model()
 
 
 @contextmanager
-def failure_drawn(path: Path, pages: Path | None) -> Iterator[None]:
-    """Where a mechanism cannot be assembled, a page shows why; its path joins the message."""
+def draw_assembly_failure(path: Path, pages: Path | None) -> Iterator[None]:
+    """Draw a mechanism that cannot be assembled on a page; its path is appended to the message."""
     try:
         yield
     except AssemblyError as error:
         if pages is None or error.position is None:
             raise
-        from dalembert.results.files.open_mechanism import assembly_report
+        from dalembert.results.files.assembly_report import assembly_report
 
         page = assembly_report(error, output_folder(pages) / f"{path.stem}.assembly.html")
-        raise error.retold(f"{error}; drawn in {page}") from None
+        raise error.with_message(f"{error}; drawn in {page}") from None
 
 
-def teller_of(model: Any) -> Teller:
-    """What the commands write and tell of a mechanism, or of a structure."""
-    from dalembert.cli.mechanisms import MechanismTeller
-    from dalembert.cli.structures import StructureTeller
+def model_printer(model: Any) -> ModelPrinter[Any]:
+    """The printer of a mechanism or a structure."""
+    from dalembert.cli.model_printer import MechanismPrinter, StructurePrinter
     from dalembert.structures.model import StructuralModel
 
-    kind = StructureTeller if isinstance(model, StructuralModel) else MechanismTeller
+    kind = StructurePrinter if isinstance(model, StructuralModel) else MechanismPrinter
     return kind(model)
 
 
 def is_deck(path: Path) -> bool:
-    """Whether the name is that of a text deck."""
+    """Whether a file name is that of a text deck."""
     return path.suffix.lower() in (".dat", ".deck")
 
 
-def pairs(settings: list[str] | None) -> dict[str, str]:
-    """Name → text of the values given by ``--set``."""
-    made = {}
+def parse_settings(settings: list[str] | None) -> dict[str, str]:
+    """Parameter → value as text, from ``--set`` options."""
+    values = {}
     for setting in settings or []:
         name, equals, value = setting.partition("=")
         if not (equals and name.strip() and value.strip()):
             raise ModelError("write --set name=value, e.g. --set l1=0.25", f"--set {setting[:60]}")
-        made[name.strip()] = value.strip()
-    return made
+        values[name.strip()] = value.strip()
+    return values
 
 
 def refuse_replacing(source: Path, files: Iterable[Path]) -> None:
-    """What is read is not written over.
+    """Prevent a command from overwriting its input.
 
     Raises
     ------
@@ -106,16 +105,16 @@ def refuse_replacing(source: Path, files: Iterable[Path]) -> None:
     """
     for path in files:
         if path.exists() and path.samefile(source):
-            raise FileError(f"{path}: is what was read, and would be replaced; give another name")
+            raise FileError(f"{path}: is the input file, and would be replaced; give another name")
 
 
 def output_folder(folder: Path | None) -> Path:
-    """The folder for results; made if missing, tried before anything is computed.
+    """The folder for results, created if missing; write access is checked before the run.
 
     Raises
     ------
     WrongInput
-        It cannot be written.
+        The folder cannot be written to.
     """
     folder = folder or Path()
     with wrong_input():
@@ -123,7 +122,7 @@ def output_folder(folder: Path | None) -> Path:
             folder.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=folder):
                 pass
-        except (OSError, ValueError) as error:  # ValueError: a name with a null character
+        except (OSError, ValueError) as error:  # ValueError: null character in the name
             reason = getattr(error, "strerror", None) or error
             raise FileError(
                 f"{folder}: cannot be written ({reason}); choose another folder with --output"

@@ -1,12 +1,19 @@
-"""``dalembert report``: the interactive page of a result file, drawn again."""
+"""``dalembert report``: the interactive page of a result file."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from dalembert.cli.console import DONE, AsJson, emit, tell, wrong_input
-from dalembert.cli.loading import refuse_replacing, shown_warnings
-from dalembert.cli.opening import Open, opened
+from dalembert.cli.console import (
+    DONE,
+    AsJson,
+    Open,
+    open_pages,
+    print_json,
+    print_line,
+    wrong_input,
+)
+from dalembert.cli.loading import print_warnings, refuse_replacing
 
 
 def report(
@@ -18,7 +25,7 @@ def report(
     open_page: Open = False,
     as_json: AsJson = False,
 ) -> int:
-    """Write the interactive report of a result file (.nc), with a second run on it if given.
+    """Write the interactive report of a result file (.nc), optionally with a second run.
 
     Parameters
     ----------
@@ -29,21 +36,21 @@ def report(
     output
         Name of the page; by default beside the results.
     """
-    from dalembert.report.compared import compared
+    from dalembert.report.overlay import overlay
     from dalembert.report.page import write_page
     from dalembert.results.files.store import load_results, report_of
 
-    with wrong_input(), shown_warnings():
+    with wrong_input(), print_warnings():
         payload = report_of(load_results(results))
         if other is not None:
-            payload = compared(payload, report_of(load_results(other)), str(other))
+            payload = overlay(payload, report_of(load_results(other)), str(other))
         page = output or results.with_suffix(".report.html")
-        for read in (results, *([] if other is None else [other])):
-            refuse_replacing(read, [page])
+        for source in (results, *([] if other is None else [other])):
+            refuse_replacing(source, [page])
         write_page(payload, page)
     if as_json:
-        emit({"ok": True, "files": [str(page)]})
+        print_json({"ok": True, "files": [str(page)]})
     else:
-        tell(f"written {page}")
-    opened([page], open_page)
+        print_line(f"written {page}")
+    open_pages([page], open_page)
     return DONE

@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from dalembert.cli.console import DONE, AsJson, emit, tell, wrong_input
+from dalembert.cli.console import DONE, AsJson, print_json, print_line, wrong_input
 
-JSON = "With --output, tell what was written as JSON; the schema itself always is JSON."
+JSON = "With --output, report the written file as JSON; the schema itself is always JSON."
 
 
 def schema(
@@ -24,21 +24,21 @@ def schema(
     Parameters
     ----------
     kind
-        Of mechanisms or structures only; both by default.
+        Only mechanisms or only structures; both by default.
     output
         Write it to this file instead.
     """
-    from dalembert.files.atomic import atomic_path
+    from dalembert.files import atomic_path
     from dalembert.io.json_schema import json_schema
 
-    made = json_schema(kind)
+    document = json_schema(kind)
     if output is None:
-        emit(made)
+        print_json(document)
         return DONE
     with wrong_input(), atomic_path(output) as temporary:
-        temporary.write_text(json.dumps(made, indent=2) + "\n", encoding="utf-8")
+        temporary.write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
     if as_json:
-        emit({"ok": True, "files": [str(output)]})
+        print_json({"ok": True, "files": [str(output)]})
     else:
-        tell(f"written {output}")
+        print_line(f"written {output}")
     return DONE

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.cli.console import tell, wrong_input
-from dalembert.cli.decision import PLAIN, Asked, Options, Run
-from dalembert.cli.loading import loaded, output_folder
+from dalembert.cli.console import print_line, wrong_input
+from dalembert.cli.decision import NO_OPTIONS, DecisionCommand, Options, Run
+from dalembert.cli.loading import load_model, output_folder
 
 if TYPE_CHECKING:
     from dalembert.design.studies.study import Study
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FileTask:
-    """Makes the task of a model file, here or on a worker that sees the same file."""
+    """Builds the study of a model file, in this process or on a worker with access to the file."""
 
     path: Path
     settings: tuple[str, ...]
@@ -30,7 +30,7 @@ class FileTask:
         from dalembert.io.analyses import make_analysis
         from dalembert.io.decisions.tasks import make_sweep
 
-        file, built = loaded(self.path, list(self.settings))
+        file, built = load_model(self.path, list(self.settings))
         with wrong_input():
             return StudyTask(built, make_analysis(file, built), make_sweep(file, built)[1])
 
@@ -43,24 +43,24 @@ def sweep(
     workers: int = 0,
     scheduler: str | None = None,
     chunk: int | None = None,
-    options: Options = PLAIN,
+    options: Options = NO_OPTIONS,
 ) -> int:
-    """Run the analysis of a model file at many designs and keep its responses.
+    """Run the analysis of a model file at many designs and store its responses.
 
     Parameters
     ----------
     model
         Model file with [analysis], [responses] and [sweep].
     output
-        Folder of the study: answers are written there as they come, and a study that was ended
-        goes on there. The whole is table.parquet (table.csv without pyarrow), its page report.html.
-        By default the name of the file and '.study'.
+        Folder of the study: responses are written as they are computed, and an interrupted study
+        is resumed. The result is table.parquet (table.csv without pyarrow), its page report.html.
+        By default the name of the file with '.study'.
     workers
-        Processes; 0 for all cores.
+        Number of processes; 0 for all cores.
     scheduler
-        Address of a Dask scheduler, such as tcp://host:8786, whose workers see the same file.
+        Address of a Dask scheduler, such as tcp://host:8786, whose workers can read the file.
     chunk
-        Designs that a worker is given at once.
+        Number of designs sent to a worker at once.
     """
     folder = output or model.with_name(f"{model.stem}.study")
     make = FileTask(model.resolve(), tuple(options.settings or ()))
@@ -72,25 +72,27 @@ def sweep(
         design, _ = make_sweep(file, built)
         check_counts(workers or None, chunk)
         output_folder(folder)
-        how = {"workers": workers or None, "scheduler": scheduler, "chunk": chunk}
-        return lambda show: run_study(make, design, folder, progress=show, **how)  # type: ignore[arg-type]
+        schedule = {"workers": workers or None, "scheduler": scheduler, "chunk": chunk}
+        return lambda show: run_study(make, design, folder, progress=show, **schedule)  # type: ignore[arg-type]
 
-    def write(found: Study) -> list[Path]:
-        return [found.report(folder / "report.html")]
+    def write(study: Study) -> list[Path]:
+        return [study.report(folder / "report.html")]
 
-    return Asked(model, folder, options).decide(read, _show, write=write)
+    return DecisionCommand(model, folder, options).execute(read, _show, write=write)
 
 
-def _show(made: dict[str, Any]) -> None:
-    if made["reused"]:
-        tell(f"  {made['reused']} were there already")
-    for name, numbers in made["responses"].items():
-        told = ", ".join(f"{key} {value:.6g}" for key, value in numbers.items() if key != "unit")
+def _show(summary: dict[str, Any]) -> None:
+    if summary["reused"]:
+        print_line(f"  {summary['reused']} were there already")
+    for name, numbers in summary["responses"].items():
+        statistics = ", ".join(
+            f"{key} {value:.6g}" for key, value in numbers.items() if key != "unit"
+        )
         unit = "" if numbers["unit"] in ("", "1") else f" [{numbers['unit']}]"
-        tell(f"  {name}{unit}: {told}")
-    reasons, counts = np.unique(list(made["failed"].values()), return_counts=True)
+        print_line(f"  {name}{unit}: {statistics}")
+    reasons, counts = np.unique(list(summary["failed"].values()), return_counts=True)
     for k in np.argsort(-counts)[:3]:
-        tell(f"  {counts[k]} failed: {reasons[k]}", "red")
-    tell(f"  written {made['table']}")
-    if made["note"]:
-        tell(f"  note: {made['note']}", "yellow")
+        print_line(f"  {counts[k]} failed: {reasons[k]}", "red")
+    print_line(f"  written {summary['table']}")
+    if summary["note"]:
+        print_line(f"  note: {summary['note']}", "yellow")

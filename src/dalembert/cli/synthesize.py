@@ -1,17 +1,18 @@
-"""``dalembert synthesize``: mechanisms that do what a file asks for."""
+"""``dalembert synthesize``: dimensional synthesis of linkages and mechanisms."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dalembert.cli.console import tell
-from dalembert.cli.decision import PLAIN, Asked, Options, Run
+from dalembert.cli.console import print_line
+from dalembert.cli.decision import NO_OPTIONS, DecisionCommand, Options, Run
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
 
-SHOWN = 5
+MAX_SOLUTIONS = 5
+"""Upper limit of solutions printed on the terminal."""
 
 
 def synthesize(
@@ -20,44 +21,44 @@ def synthesize(
     *,
     starts: int | None = None,
     output: Path | None = None,
-    options: Options = PLAIN,
+    options: Options = NO_OPTIONS,
 ) -> int:
     """Find linkages, or dimensions of the file's mechanism, for a path, a motion or a function.
 
     Parameters
     ----------
     file
-        File with [synthesis]; it needs no bodies where a linkage is named.
+        File with [synthesis]; bodies are optional if a linkage is named.
     starts
-        How many are polished, instead of the file's.
+        Number of starts of the local search, instead of the file's.
     output
-        Folder for the candidates (.synthesis.nc, .synthesis.json) and the page on which to choose
+        Folder for the candidates (.synthesis.nc, .synthesis.json) and the page for choosing
         one (.synthesis.report.html); none are written by default.
     """
-    from dalembert.io.decisions.changes import changed
+    from dalembert.io.model_file import with_keys
 
-    def read(given: ModelFile, _: Any) -> Run:
+    def read(model_file: ModelFile, _: Any) -> Run:
         from dalembert.io.decisions.synthesis import make_synthesis
 
-        search = make_synthesis(changed(given, "synthesis", {"starts": starts}))
+        search = make_synthesis(with_keys(model_file, "synthesis", {"starts": starts}))
 
         def run(show: bool) -> Any:
-            with given.located("synthesis"):
-                found = search(progress=show)
-            found.name = given.name
-            return found
+            with model_file.located("synthesis"):
+                synthesis = search(progress=show)
+            synthesis.name = model_file.name
+            return synthesis
 
         return run
 
-    return Asked(file, output, options).decide(read, _show, assembled=False)
+    return DecisionCommand(file, output, options).execute(read, _show, assembled=False)
 
 
-def _show(made: dict[str, Any]) -> None:
-    for k, one in enumerate(made["solutions"][:SHOWN], start=1):
-        sizes = ", ".join(f"{n} = {v:.5g}" for n, v in one["dimensions"].items() if v)
-        turns = "turns" if one["crank_turns"] else "rocks"
-        tell(f"  {k}. error {one['error']:.4g}, crank {turns}: {sizes}")
-    left = len(made["solutions"]) - SHOWN
+def _show(summary: dict[str, Any]) -> None:
+    for k, solution in enumerate(summary["solutions"][:MAX_SOLUTIONS], start=1):
+        sizes = ", ".join(f"{n} = {v:.5g}" for n, v in solution["dimensions"].items() if v)
+        turns = "turns" if solution["crank_turns"] else "rocks"
+        print_line(f"  {k}. error {solution['error']:.4g}, crank {turns}: {sizes}")
+    left = len(summary["solutions"]) - MAX_SOLUTIONS
     if left > 0:
-        tell(f"  and {left} more")
-    tell(f"  {made['starts']} starts")
+        print_line(f"  and {left} more")
+    print_line(f"  {summary['starts']} starts")

@@ -1,12 +1,12 @@
-"""``dalembert tolerance``: how a response scatters within the tolerances of a drawing."""
+"""``dalembert tolerance``: tolerance analysis of a response."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from dalembert.cli.console import tell
-from dalembert.cli.decision import PLAIN, Asked, Options, Run
+from dalembert.cli.console import print_line
+from dalembert.cli.decision import NO_OPTIONS, DecisionCommand, Options, Run
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -18,57 +18,61 @@ def tolerance(
     *,
     samples: int | None = None,
     output: Path | None = None,
-    options: Options = PLAIN,
+    options: Options = NO_OPTIONS,
 ) -> int:
-    """Find how a response of a model file scatters within the tolerances of its dimensions.
+    """Find the scatter of a response of a model file within the tolerances of its dimensions.
 
     Parameters
     ----------
     model
         Model file with [analysis], [responses] and [tolerance].
     samples
-        Of Monte Carlo beside the first and second order.
+        Number of Monte Carlo samples in addition to the first and second order.
     output
         Folder for the numbers (.tolerance.nc, .tolerance.json) and the page
         (.tolerance.report.html); none are written by default.
     """
-    from dalembert.io.decisions.changes import changed
+    from dalembert.io.model_file import with_keys
 
     def read(file: ModelFile, built: Any) -> Run:
-        from dalembert.design.tolerance.tolerance import tolerance as tolerance_of
+        from dalembert.design.tolerance.tolerance import tolerance as analyse_tolerances
         from dalembert.io.analyses import make_analysis
         from dalembert.io.decisions.reliability import make_tolerance
 
-        asked, allot = make_tolerance(changed(file, "tolerance", {"samples": samples}), built)
-        task = make_analysis(file, built)
+        arguments, allotment = make_tolerance(
+            with_keys(file, "tolerance", {"samples": samples}), built
+        )
+        analysis = make_analysis(file, built)
 
         def run(show: bool) -> Any:
-            found = tolerance_of(built, **asked, analysis=task, progress=show)
-            if allot is not None:
+            decision = analyse_tolerances(built, **arguments, analysis=analysis, progress=show)
+            if allotment is not None:
                 with file.located("tolerance", "allot"):
-                    found.allotted = found.allot(**allot)
-            return found
+                    decision.allotted = decision.allot(**allotment)
+            return decision
 
         return run
 
-    return Asked(model, output, options).decide(read, _show)
+    return DecisionCommand(model, output, options).execute(read, _show)
 
 
-def _show(made: dict[str, Any]) -> None:
-    unit = made["unit"]
-    spread = made["sigmas"] * made["std"]
-    tell(f"  ± {made['sigmas']:g} σ, first order   {spread:.6g} {unit}".rstrip())
-    if made["second_order"]:
-        second = made["second_order"]
-        spread = made["sigmas"] * second["std"]
-        tell(f"  mean {second['mean']:.8g}, second order ± {spread:.6g} {unit}".rstrip())
-    if made["worst_case"]:
-        low, high = made["worst_case"]
-        tell(f"  worst case {low:.8g} … {high:.8g} {unit}".rstrip())
-    for name, width in made["tolerances"].items():
-        share, effect = 100 * made["contributions"][name], made["effects"][name]
-        enough = f"   enough: ± {made['allotted'][name]:.4g}" if made["allotted"] else ""
-        tell(f"  {name:<10} ± {width:.4g}   {effect:+.4g} {unit}   {share:5.1f} %{enough}")
-    if made["sampled"]:
-        sampled = made["sampled"]
-        tell(f"  {made['samples']} samples: {sampled['mean']:.8g}, σ = {sampled['std']:.4g}")
+def _show(summary: dict[str, Any]) -> None:
+    unit = summary["unit"]
+    spread = summary["sigmas"] * summary["std"]
+    print_line(f"  ± {summary['sigmas']:g} σ, first order   {spread:.6g} {unit}".rstrip())
+    if summary["second_order"]:
+        second = summary["second_order"]
+        spread = summary["sigmas"] * second["std"]
+        print_line(f"  mean {second['mean']:.8g}, second order ± {spread:.6g} {unit}".rstrip())
+    if summary["worst_case"]:
+        low, high = summary["worst_case"]
+        print_line(f"  worst case {low:.8g} … {high:.8g} {unit}".rstrip())
+    for name, width in summary["tolerances"].items():
+        share, effect = 100 * summary["contributions"][name], summary["effects"][name]
+        enough = f"   enough: ± {summary['allotted'][name]:.4g}" if summary["allotted"] else ""
+        print_line(f"  {name:<10} ± {width:.4g}   {effect:+.4g} {unit}   {share:5.1f} %{enough}")
+    if summary["sampled"]:
+        sampled = summary["sampled"]
+        print_line(
+            f"  {summary['samples']} samples: {sampled['mean']:.8g}, σ = {sampled['std']:.4g}"
+        )

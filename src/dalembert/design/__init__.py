@@ -1,1 +1,1 @@
-"""Decisions out of gradients."""
+"""Design tasks: optimisation, identification, synthesis, reliability, studies."""

@@ -1,4 +1,4 @@
-"""One of the runs by which a design is judged: a model and an analysis of it."""
+"""Case of a design: a model and the analysis that is run of it."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ from dalembert.text.wording import unknown
 class Case(Spelled):
     """A model and an analysis: ``case[response]`` is an objective or a limit of a design.
 
-    Parameters of the same name in several cases are one and the same variable.
+    Parameters of the same name in several cases are one variable.
 
     Parameters
     ----------
     model : mechanism or structure
     analysis : a strategy object, as ``Dynamics(...)`` or ``Statics()``
-    given : parameter of this model → quantity of another case that sets it, as the load of a
-        member by a joint's force; gradients follow the chain
+    given : parameter of this model → quantity of another case that sets it, such as the load of
+        a member from the force of a joint; gradients follow the chain rule
 
     Examples
     --------
     >>> import dalembert as da
     >>> from dalembert import structures
     >>> def spring(name):
-    ...     made = da.Structure(name)
-    ...     k, load = made.parameter("k", 50.0, bounds=(1, 1e3)), made.parameter("load", 1.0)
-    ...     end = made.node("end", 0)
-    ...     part = made.add(structures.GroundSpring("spring", end, stiffness_x=k))
-    ...     made.load(end, fx=load)
-    ...     return made.build()
+    ...     model = da.Structure(name)
+    ...     k, load = model.parameter("k", 50.0, bounds=(1, 1e3)), model.parameter("load", 1.0)
+    ...     end = model.node("end", 0)
+    ...     part = model.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    ...     model.load(end, fx=load)
+    ...     return model.build()
     >>> first = da.Case(spring("first"), da.Statics())
     >>> second = da.Case(spring("second"), da.Statics(), given={"load": first[da.final("end.ux")]})
-    >>> least = da.combined("k + 4e6*u", k=first[da.final("k")], u=second[da.final("end.ux")])
-    >>> round(da.optimize(minimize=least).x["k"], 1)  # of k + 4e6/k²: (8e6)^(1/3)
+    >>> cost = da.combined("k + 4e6*u", k=first[da.final("k")], u=second[da.final("end.ux")])
+    >>> round(da.optimize(minimize=cost).x["k"], 1)  # of k + 4e6/k²: (8e6)^(1/3)
     200.0
     """
 
@@ -72,15 +72,15 @@ class Case(Spelled):
 
     @property
     def needs(self) -> list[Case]:
-        """The cases that set some of its parameters."""
+        """Cases whose quantities set parameters of this one."""
         return [term.case for quantity in self.given.values() for term in quantity.terms]
 
 
-def in_order(cases: list[Case]) -> list[Case]:
-    """These cases and those that they need, each once and after what it needs."""
-    listed: list[Case] = []
+def evaluation_order(cases: list[Case]) -> list[Case]:
+    """Cases and the cases they depend on, each once, in order of evaluation."""
+    ordered: list[Case] = []
     for case in cases:
-        for one in (*in_order(case.needs), case):
-            if one not in listed:
-                listed.append(one)
-    return listed
+        for required in (*evaluation_order(case.needs), case):
+            if required not in ordered:
+                ordered.append(required)
+    return ordered

@@ -1,4 +1,4 @@
-"""What tasks of design end with: numbers for people and programs, a page, and files."""
+"""Base class of the results of design tasks: summary, data, page and files."""
 
 from __future__ import annotations
 
@@ -15,22 +15,38 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+def axis_label(name: str, unit: str) -> str:
+    """Name with its unit in brackets, if it has one."""
+    return f"{name} [{unit}]" if unit else name
+
+
+def plot_axes(ax: Any, figsize: tuple[float, float]) -> Any:
+    """Matplotlib axes with a light grid: ``ax``, or new ones if it is None."""
+    import matplotlib.pyplot as plt
+
+    if ax is None:
+        _, ax = plt.subplots(figsize=figsize, layout="constrained")
+    ax.grid(alpha=0.25)
+    ax.spines[["top", "right"]].set_visible(False)
+    return ax
+
+
 class Decision(ABC):
-    """The end of a task of design.
+    """Result of a design task.
 
     Attributes
     ----------
-    success : whether it came to what was asked for
+    success : whether the task reached its goal
     message : how it ended
-    interrupted : by Ctrl-C; what there was by then is kept
-    name : of what was decided on
-    warnings : doubts about the result, each with the number that shows it
+    interrupted : ended by Ctrl-C; the results until then are kept
+    name : of the model
+    warnings : reasons to doubt the result, each with the number that shows it
     """
 
     word: ClassVar[str]
-    """In names of files, such as ``pump.pareto.nc``."""
-    drawn: ClassVar[str]
-    """Of ``design.pages``: module and function of its page and views, without these words."""
+    """Part of file names, such as ``pump.pareto.nc``."""
+    page_functions: ClassVar[str]
+    """``module:prefix`` in ``design.pages``: its ``prefix_page`` and ``prefix_views``."""
     success: bool
     message: str
     name: str
@@ -39,61 +55,61 @@ class Decision(ABC):
 
     @property
     def ok(self) -> bool:
-        """Whether there is something to decide by; of a study, any design."""
+        """Whether there is a usable result; of a study, at least one design."""
         return bool(np.any(self.success))
 
     def interrupt(self) -> None:
-        """Record that Ctrl-C ended the task."""
+        """Mark the result as interrupted by Ctrl-C."""
         self.interrupted = True
 
     @property
     def sentence(self) -> str:
-        """What was found, in a line."""
+        """Result in one line."""
         return self.message
 
     def summary(self) -> dict[str, Any]:
-        """Everything found, as plain data."""
-        ended = {"ok": self.ok, "message": self.message, "interrupted": self.interrupted}
-        return ended | {"warnings": list(self.warnings)} | self.findings()
+        """All results as plain data."""
+        ending = {"ok": self.ok, "message": self.message, "interrupted": self.interrupted}
+        return ending | {"warnings": list(self.warnings)} | self.findings()
 
     @abstractmethod
     def findings(self) -> dict[str, Any]:
-        """What ``summary`` tells beside how it ended."""
+        """Entries of ``summary`` beyond how the task ended."""
 
     @property
     @abstractmethod
     def data(self) -> xr.Dataset:
-        """Everything found, with names and units."""
+        """All results with names and units."""
 
     def views(self) -> list[dict[str, Any]]:
-        """What its page shows beside a mechanism or structure."""
-        made: list[dict[str, Any]] = self._drawn_by("views")(self)
-        return made
+        """Views of its page beside the mechanism or structure."""
+        views: list[dict[str, Any]] = self._page_function("views")(self)
+        return views
 
     def table_of_designs(self) -> dict[str, Any] | None:
-        """Designs that its page lets choose from, where there are some."""
+        """Table of the designs that can be selected on its page; None without any."""
         return None
 
     def page(self, **first_view: Any) -> dict[str, Any]:
-        """What its page shows, as plain data: the mechanism or structure where there is one."""
-        made: dict[str, Any] = self._drawn_by("page")(self, **first_view)
-        return made
+        """Payload of its page as plain data, with the mechanism or structure if there is one."""
+        page: dict[str, Any] = self._page_function("page")(self, **first_view)
+        return page
 
-    def _drawn_by(self, what: str) -> Callable[..., Any]:
-        return resolve_name(f"dalembert.design.pages.{self.drawn}_{what}")  # type: ignore[no-any-return]
+    def _page_function(self, kind: str) -> Callable[..., Any]:
+        return resolve_name(f"dalembert.design.pages.{self.page_functions}_{kind}")  # type: ignore[no-any-return]
 
     # files ---------------------------------------------------------------------------------
     def to_dataframe(self) -> pd.DataFrame:
-        """A table of ``data``."""
+        """``data`` as a table."""
         return self.data.to_dataframe()
 
     def save(self, path: str | Path, **first_view: Any) -> Path:
-        """Write it to a file, whole or not at all.
+        """Write to a file, atomically.
 
-        ``.nc`` has ``data`` and the page, ``load_results`` reads it back; ``.json`` has the
+        ``.nc`` holds ``data`` and the page and is read by ``load_results``; ``.json`` holds the
         ``summary``, ``.csv`` and ``.parquet`` the table.
         """
-        from dalembert.files.atomic import atomic_path
+        from dalembert.files import atomic_path
         from dalembert.report.page import as_json
         from dalembert.results.files.store import save_dataset
         from dalembert.text.wording import as_document
@@ -112,13 +128,13 @@ class Decision(ABC):
         return save_dataset(self.data.assign(report=((), page)), path)
 
     def report(self, path: str | Path, **first_view: Any) -> Path:
-        """Write its page, one self-contained HTML file."""
+        """Write its page as one self-contained HTML file."""
         from dalembert.report.page import write_page
 
         return write_page(self.page(**first_view), path)
 
     def write(self, base: Path, **first_view: Any) -> list[Path]:
-        """Data and page (.nc), numbers (.json), and the page (.report.html) beside each other."""
+        """Write data and page (.nc), summary (.json) and page (.report.html) side by side."""
         from dalembert.report.page import as_json, write_page
         from dalembert.results.files.store import save_dataset
 
@@ -133,18 +149,18 @@ class Decision(ABC):
 
     # for notebooks ---------------------------------------------------------------------------
     def table_html(self) -> str:
-        """A few lines of HTML where pages cannot be shown."""
+        """Short HTML for notebooks that cannot show pages."""
         from html import escape
 
         return f"<p>{escape(repr(self))}</p>{self.warnings_html()}"
 
     def warnings_html(self) -> str:
-        """The warnings, one below the other."""
-        from dalembert.text.cards import messages
+        """HTML of the warnings."""
+        from dalembert.text.wording import messages
 
         return messages(("warning", text) for text in self.warnings)
 
     def _repr_html_(self) -> str:
-        from dalembert.design.pages.plain import framed
+        from dalembert.design.pages.decision import page_frame
 
-        return self.table_html() + framed(self)
+        return self.table_html() + page_frame(self)

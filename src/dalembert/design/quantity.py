@@ -1,4 +1,4 @@
-"""What a design is judged by: responses of one or several analyses, and formulas of them."""
+"""Objectives and constraints: responses of one or several analyses, and formulas of them."""
 
 from __future__ import annotations
 
@@ -19,46 +19,46 @@ from dalembert.text.spelling import Spelled, spelled
 
 
 class Quantity(ABC):
-    """A number drawn from runs, ``q(r_1 … r_n)`` of responses of cases."""
+    """A number ``q(r_1 … r_n)`` of responses of cases."""
 
     label: str
 
     @property
     @abstractmethod
     def terms(self) -> list[CaseResponse]:
-        """The responses it is made of."""
+        """Responses that it depends on."""
 
     @abstractmethod
     def value(self, values: np.ndarray) -> float:
-        """The number, from the values of its terms."""
+        """Value at the values of its terms."""
 
     @abstractmethod
     def slope(self, values: np.ndarray) -> np.ndarray:
-        """(n,) its derivatives by the values of its terms."""
+        """(n,) derivatives by the values of its terms."""
 
     def unit(self, units: Sequence[str]) -> str:
-        """Its unit, from those of its terms."""
+        """Unit, from the units of its terms."""
         return ""
 
     def of(self, case: Any) -> Quantity:
-        """The same, with responses that name no case taken of this one."""
+        """Copy whose responses without a case belong to ``case``."""
         return self
 
     def varying(self, names: Sequence[str]) -> Quantity:
-        """The same where these parameters vary, so that what scatters about them moves along."""
+        """Copy for a design that varies these parameters: random ones scatter about the design."""
         return self
 
 
 @dataclass(frozen=True, eq=False)
 class CaseResponse(Quantity):
-    """A response of one case."""
+    """Response of one case."""
 
     case: Any
     response: Response
 
     @property
     def label(self) -> str:  # type: ignore[override]
-        """That of the response."""
+        """Label of the response."""
         return self.response.label
 
     @property
@@ -77,7 +77,7 @@ class CaseResponse(Quantity):
 
 @dataclass(frozen=True, eq=False)
 class Constant(Quantity):
-    """A number that no run changes."""
+    """Constant number."""
 
     number: float
 
@@ -98,11 +98,11 @@ class Constant(Quantity):
 
 @dataclass(frozen=True, eq=False)
 class Combined(Quantity):
-    """A formula of responses, also of different analyses: ``"mass + 0.1*peak"``.
+    """Formula of responses, also of different analyses: ``"mass + 0.1*peak"``.
 
     Parameters
     ----------
-    formula : of the names that follow
+    formula : of the names of ``parts``
     name : label; the formula if empty
     parts : name → response, response of a case, or another combination
     """
@@ -114,7 +114,7 @@ class Combined(Quantity):
 
     @property
     def label(self) -> str:  # type: ignore[override]
-        """The name, or the formula."""
+        """Name, or the formula if there is none."""
         return self.name or self.formula
 
     @cached_property
@@ -125,13 +125,12 @@ class Combined(Quantity):
     def function(self) -> ca.Function:
         """Value and derivatives of the formula by its names."""
         symbols = {name: Expression(ca.SX.sym(name), name) for name in self.parts}
-        found = parse_formula(self.formula, symbols.get, lambda: list(symbols))
+        formula = parse_formula(self.formula, symbols.get, lambda: list(symbols))
         inputs = ca.vertcat(*(s.sx for s in symbols.values()))
-        return ca.Function("formula", [inputs], [found.sx, ca.gradient(found.sx, inputs)])
+        return ca.Function("formula", [inputs], [formula.sx, ca.gradient(formula.sx, inputs)])
 
     def _split(self, values: np.ndarray) -> list[np.ndarray]:
-        sizes = [len(part.terms) for part in self.parts.values()]
-        return np.split(values, np.cumsum(sizes)[:-1])
+        return split_terms(list(self.parts.values()), values)
 
     def _inner(self, values: np.ndarray) -> np.ndarray:
         parts = zip(self.parts.values(), self._split(values), strict=True)
@@ -149,10 +148,10 @@ class Combined(Quantity):
         return self.given_unit
 
     def of(self, case: Any) -> Quantity:
-        parts = {name: bound(part, case) for name, part in self.parts.items()}
-        made = Combined(self.formula, parts, self.name, self.given_unit)
-        made.function  # noqa: B018 - tells of names that are unknown
-        return made
+        parts = {name: with_case(part, case) for name, part in self.parts.items()}
+        combination = Combined(self.formula, parts, self.name, self.given_unit)
+        combination.function  # noqa: B018 - refuses unknown names
+        return combination
 
     def varying(self, names: Sequence[str]) -> Quantity:
         parts = {name: part.varying(names) for name, part in self.parts.items()}
@@ -161,12 +160,12 @@ class Combined(Quantity):
 
 @spelled
 def combined(formula: str, name: str = "", unit: str = "", **parts: Any) -> Combined:
-    """A formula of responses as one objective or limit.
+    """Combine responses by a formula into one objective or constraint.
 
     Parameters
     ----------
     formula : of the names of ``parts``
-    name, unit : shown in results
+    name, unit : label and unit in results
     **parts : responses, responses of cases (``case[response]``), other combinations
 
     Examples
@@ -194,7 +193,7 @@ class SumOfSquares(Spelled, Quantity):
     ----------
     responses : responses or responses of cases
     targets : numbers, zero by default
-    scales : what a residual is measured in, one by default
+    scales : of the residuals, one by default
     name : label
 
     Examples
@@ -207,8 +206,8 @@ class SumOfSquares(Spelled, Quantity):
     >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
     >>> for name, load in (("a", 10.0), ("b", 30.0)):
     ...     spring.load(end, case=name, fx=load)
-    >>> seen = [da.at(0, "end.ux"), da.at(1, "end.ux")]
-    >>> aim = da.SumOfSquares(seen, targets=[0.11, 0.29])
+    >>> measured = [da.at(0, "end.ux"), da.at(1, "end.ux")]
+    >>> aim = da.SumOfSquares(measured, targets=[0.11, 0.29])
     >>> best = da.optimize(spring.build(), aim, analysis=da.Statics())
     >>> round(best.x["k"], 3)  # Σ F²/Σ F u
     102.041
@@ -221,14 +220,14 @@ class SumOfSquares(Spelled, Quantity):
 
     def __post_init__(self) -> None:
         size = len(self.responses)
-        for what in ("targets", "scales"):
-            value = np.asarray(getattr(self, what), dtype=float)
+        for argument in ("targets", "scales"):
+            value = np.asarray(getattr(self, argument), dtype=float)
             if value.ndim and value.size != size:
                 raise AnalysisError(
-                    f"{self.name}: {value.size} {what} for {size} responses; give one each"
+                    f"{self.name}: {value.size} {argument} for {size} responses; give one for each"
                 )
         if not np.all(np.asarray(self.scales, dtype=float) > 0):
-            raise AnalysisError(f"{self.name}: scales are above zero, got {self.scales}")
+            raise AnalysisError(f"{self.name}: scales must be above zero, got {self.scales}")
 
     @property
     def label(self) -> str:  # type: ignore[override]
@@ -240,7 +239,7 @@ class SumOfSquares(Spelled, Quantity):
         return [term for part in self.responses for term in part.terms]
 
     def residuals(self, values: np.ndarray) -> np.ndarray:
-        """(n,) differences to the targets, scaled."""
+        """(n,) scaled differences from the targets."""
         return (values - np.asarray(self.targets)) / np.asarray(self.scales)
 
     def value(self, values: np.ndarray) -> float:
@@ -250,26 +249,31 @@ class SumOfSquares(Spelled, Quantity):
         return 2 * self.residuals(values) / np.asarray(self.scales)
 
     def of(self, case: Any) -> Quantity:
-        parts = [bound(part, case) for part in self.responses]
+        parts = [with_case(part, case) for part in self.responses]
         if any(not isinstance(part, CaseResponse) for part in parts):
-            raise AnalysisError(f"{self.name}: give responses, no formulas of them")
+            raise AnalysisError(f"{self.name}: give responses, not formulas of responses")
         return SumOfSquares(parts, self.targets, self.scales, self.name)
 
 
-def bound(given: Any, case: Any) -> Quantity:
-    """A response or quantity with its case.
+def split_terms(parts: Sequence[Quantity], values: np.ndarray) -> list[np.ndarray]:
+    """Values of the terms of each part, from the values of all terms."""
+    return np.split(values, np.cumsum([len(part.terms) for part in parts])[:-1])
+
+
+def with_case(response: Any, case: Any) -> Quantity:
+    """Quantity of a response or quantity whose terms without a case belong to ``case``.
 
     Raises
     ------
     AnalysisError
-        Neither, or a response that belongs to no case.
+        It is neither, or a response that belongs to no case.
     """
-    if isinstance(given, Quantity):
-        return given.of(case)
-    if not isinstance(given, Response):
-        raise AnalysisError(f"{given!r} is not a response; give one such as da.final(measure)")
+    if isinstance(response, Quantity):
+        return response.of(case)
+    if not isinstance(response, Response):
+        raise AnalysisError(f"{response!r} is not a response; give one such as da.final(measure)")
     if case is None:
         raise AnalysisError(
-            f"response {given.label}: of which run? give model and analysis=, or case[response]"
+            f"response {response.label} has no case; give model and analysis=, or case[response]"
         )
-    return case[given]
+    return case[response]

@@ -1,8 +1,8 @@
-"""A response with its scatter: mean and standard deviation over random parameters, as one aim.
+"""Robust response: mean and standard deviation over random parameters as one quantity.
 
-By reduction to one variable at a time (Rahman and Xu 2004): ``r ≈ Σ r_k(u_k) − (n−1) r(0)`` in
-independent standard normal variables, each by three points of Gauss and Hermite. ``2n + 1`` runs;
-exact where a response is a sum of cubics of them, its deviation where it is a sum of parabolas.
+Univariate dimension reduction (Rahman and Xu 2004): ``r ≈ Σ r_k(u_k) − (n−1) r(0)`` in
+independent standard normal variables, each by three Gauss–Hermite points: ``2n + 1`` runs. The mean
+is exact for sums of cubics of single variables, the deviation for sums of quadratics.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ import numpy as np
 from dalembert.design.case import Case
 from dalembert.design.quantity import CaseResponse, Quantity
 from dalembert.design.reliability.distribution import Distribution
-from dalembert.design.reliability.moved import case_at
 from dalembert.design.reliability.nataf import Correlation, Nataf
+from dalembert.design.reliability.shifted import case_at
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 
@@ -32,13 +32,13 @@ class Robust(Quantity):
 
     Parameters
     ----------
-    response : that scatters
-    random : parameter → distribution; where the parameter varies, its mean is the design
-    deviations : how many are added; less than zero for what is to be large
+    response : random response
+    random : parameter → distribution; of a design variable, the mean is the design
+    deviations : number of standard deviations added; negative for a quantity to be maximised
     correlation : as of ``reliability``
     name : label
-    case : whose run scatters, put in where a design is judged
-    runs : the response in the runs about it
+    case : of the response; set when a design problem is built
+    runs : the response at the integration points
 
     Examples
     --------
@@ -58,9 +58,11 @@ class Robust(Quantity):
 
     def __post_init__(self) -> None:
         if not isinstance(self.response, Response):
-            raise AnalysisError(f"{self.response!r:.60} is not a response; give one of one run")
+            raise AnalysisError(
+                f"{self.response!r:.60} is not a response; give a response of one analysis"
+            )
         if not self.random:
-            raise AnalysisError("nothing is random; give parameter → distribution")
+            raise AnalysisError("nothing is random; give {parameter: distribution}")
 
     @property
     def label(self) -> str:  # type: ignore[override]
@@ -71,20 +73,20 @@ class Robust(Quantity):
         return list(self.runs)
 
     def _graph(self, values: Any) -> Any:
-        """The number, of the responses at the centre and at both sides of each variable."""
+        """Expression of the responses at the centre and on both sides of each variable."""
         centre, mean, variance = values[0], values[0], 0
         for k in range((values.numel() - 1) // 2):
-            seen = ca.vertcat(centre, values[1 + 2 * k], values[2 + 2 * k])
+            samples = ca.vertcat(centre, values[1 + 2 * k], values[2 + 2 * k])
             weights = ca.DM(WEIGHTS)
-            own = ca.dot(weights, seen)
-            mean += own - centre
-            variance += ca.dot(weights, (seen - own) ** 2)
+            marginal_mean = ca.dot(weights, samples)
+            mean += marginal_mean - centre
+            variance += ca.dot(weights, (samples - marginal_mean) ** 2)
         return mean + self.deviations * ca.sqrt(variance + 1e-30)
 
     def _function(self, size: int) -> ca.Function:
         values = ca.SX.sym("values", size)
-        found = self._graph(values)
-        return ca.Function("robust", [values], [found, ca.gradient(found, values)])
+        robust_value = self._graph(values)
+        return ca.Function("robust", [values], [robust_value, ca.gradient(robust_value, values)])
 
     def value(self, values: np.ndarray) -> float:
         return float(self._function(values.size)(values)[0])
@@ -96,20 +98,20 @@ class Robust(Quantity):
         return units[0]
 
     def of(self, case: Any) -> Quantity:
-        """The same, drawn from runs about those of a case."""
+        """Copy with the integration points of a case."""
         if self.case is not None:
             return self
         if not isinstance(case, Case):
-            raise AnalysisError(f"{self.label}: of which run? give model and analysis=")
+            raise AnalysisError(f"{self.label} has no case; give model and analysis=")
         return replace(self, case=case).varying(())
 
     def varying(self, names: Sequence[str]) -> Robust:
         if self.case is None:
             return self
         nataf = Nataf(self.random, self.correlation)
-        ends = [s * POINTS * row for row in np.eye(nataf.size) for s in (1, -1)]
-        places = [nataf.values(u) for u in (np.zeros(nataf.size), *ends)]
-        runs = [case_at(self.case, self.random, x, names)[self.response] for x in places]
+        offsets = [s * POINTS * row for row in np.eye(nataf.size) for s in (1, -1)]
+        points = [nataf.values(u) for u in (np.zeros(nataf.size), *offsets)]
+        runs = [case_at(self.case, self.random, x, names)[self.response] for x in points]
         return replace(self, runs=runs)
 
 
@@ -121,15 +123,15 @@ def robust(
     correlation: Correlation = None,
     name: str = "",
 ) -> Robust:
-    """Mean of a response over random parameters, and so many standard deviations more.
+    """Mean of a response over random parameters plus a multiple of its standard deviation.
 
-    An objective or a limit of ``optimize`` and ``pareto``, with exact gradients.
+    An objective or constraint of ``optimize`` and ``pareto`` with exact gradients.
 
     Parameters
     ----------
-    response : that scatters
-    random : parameter → distribution; where the parameter varies, its mean is the design
-    deviations : how many are added; less than zero for what is to be large
+    response : random response
+    random : parameter → distribution; of a design variable, the mean is the design
+    deviations : number of standard deviations added; negative for a quantity to be maximised
     correlation : pair of names → linear correlation, or the whole matrix
     name : label
 

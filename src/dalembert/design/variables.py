@@ -1,4 +1,4 @@
-"""What varies: parameters within bounds, whole numbers, sizes out of catalogues."""
+"""Design variables: parameters within bounds, integers, catalogue sizes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from dalembert.units.measured import check_measured, measured
 
 @dataclass(frozen=True)
 class Integer(Spelled):
-    """A parameter that takes whole numbers within its bounds, as a number of teeth.
+    """Integer parameter within its bounds, such as a number of teeth.
 
     Examples
     --------
@@ -39,27 +39,27 @@ class Integer(Spelled):
     name: str
 
     def sizes(self, parameters: Mapping[str, Parameter]) -> dict[str, np.ndarray]:
-        """Parameter → its values, in rising order."""
+        """Parameter → its values in ascending order."""
         lower, upper = parameters[self.name].bounds
         if not (math.isfinite(lower) and math.isfinite(upper)):
             raise AnalysisError(f"{self.name} takes whole numbers: give it two finite bounds")
-        whole = np.arange(math.ceil(lower), math.floor(upper) + 1, dtype=float)
-        if not whole.size:
+        integers = np.arange(math.ceil(lower), math.floor(upper) + 1, dtype=float)
+        if not integers.size:
             raise AnalysisError(f"{self.name}: no whole number lies in [{lower}, {upper}]")
-        return {self.name: whole}
+        return {self.name: integers}
 
 
 @dataclass(frozen=True)
 class Catalogue(Spelled):
-    """Sizes that can be bought: one parameter, or several that come together.
+    """Catalogue of standard sizes: values of one parameter, or of several that belong together.
 
-    Between two sizes the relaxed problem takes the others from the first parameter by a monotone
-    cubic (Fritsch & Carlson 1980).
+    Between two sizes the relaxed problem interpolates the other parameters over the first by a
+    monotone cubic (Fritsch & Carlson 1980).
 
     Parameters
     ----------
-    columns : parameter → its values, row by row, or texts such as ``"12 mm"``; the first has no
-        value twice
+    columns : parameter → its values, row by row, or texts such as ``"12 mm"``; values of the
+        first are unique
 
     Examples
     --------
@@ -82,26 +82,26 @@ class Catalogue(Spelled):
 
     @property
     def name(self) -> str:
-        """The parameter that tells the sizes apart."""
+        """First parameter, which identifies the size."""
         return next(iter(self.columns))
 
     def sizes(self, parameters: Mapping[str, Parameter]) -> dict[str, np.ndarray]:
-        """Parameter → its values, in rising order of the first, within its bounds."""
-        made, parameter = dict[str, np.ndarray](), parameters[self.name]
+        """Parameter → its values, sorted by the first and within its bounds."""
+        columns, lead_parameter = dict[str, np.ndarray](), parameters[self.name]
         for name, values in self.columns.items():
-            read = [measured(value) for value in values]
-            check_measured(read, parameters[name].unit, f"catalogue of {self.name}: {name}")
-            made[name] = np.asarray(read, dtype=float)
-        lead = made[self.name]
-        if any(values.shape != lead.shape or values.ndim != 1 for values in made.values()):
+            numbers = [measured(value) for value in values]
+            check_measured(numbers, parameters[name].unit, f"catalogue of {self.name}: {name}")
+            columns[name] = np.asarray(numbers, dtype=float)
+        lead = columns[self.name]
+        if any(values.shape != lead.shape or values.ndim != 1 for values in columns.values()):
             raise AnalysisError(f"catalogue of {self.name}: give columns of the same length")
         if len(set(lead)) < lead.size or not np.all(np.isfinite(lead)):
-            raise AnalysisError(f"catalogue of {self.name}: each size once, finite")
-        lower, upper = parameter.bounds
+            raise AnalysisError(f"catalogue of {self.name}: sizes must be finite and unique")
+        lower, upper = lead_parameter.bounds
         order = [k for k in np.argsort(lead) if lower <= lead[k] <= upper]
         if not order:
             raise AnalysisError(f"catalogue of {self.name}: no size lies in [{lower}, {upper}]")
-        return {name: values[order] for name, values in made.items()}
+        return {name: values[order] for name, values in columns.items()}
 
 
 @dataclass
@@ -112,9 +112,9 @@ class Variables:
     ----------
     names : of the variables
     lower, upper, start : (n,)
-    units, given_units : SI units, and those in which the parameters were declared
-    sizes : number of a variable → its discrete values
-    followers : (parameter, number of its variable, interpolant)
+    units, given_units : SI units, and units in which the parameters were declared
+    sizes : index of a variable → its discrete values
+    followers : (parameter, index of its variable, interpolant)
     """
 
     names: list[str]
@@ -128,83 +128,83 @@ class Variables:
 
     @property
     def parameter_names(self) -> list[str]:
-        """All parameters that vary."""
+        """Names of all parameters that vary."""
         return [*self.names, *(name for name, _, _ in self.followers)]
 
     @property
     def width(self) -> np.ndarray:
-        """(n,) what each is scaled by: its range, or its size where that is open."""
+        """(n,) scale of each variable: its range, or its magnitude if it is unbounded."""
         width = self.upper - self.lower
         usable = np.isfinite(width) & (width > 0)
         return np.where(usable, width, np.maximum(abs(self.start), 1.0))
 
     def parameters(self, x: np.ndarray) -> dict[str, float]:
         """Values of all parameters that vary."""
-        made = dict(zip(self.names, map(float, x), strict=True))
-        return made | {name: float(curve(x[k])) for name, k, curve in self.followers}
+        values = dict(zip(self.names, map(float, x), strict=True))
+        return values | {name: float(curve(x[k])) for name, k, curve in self.followers}
 
     def slopes(self, x: np.ndarray) -> np.ndarray:
         """(parameters, n) derivatives of these parameters by the variables."""
-        made = np.zeros((len(self.parameter_names), len(self.names)))
-        made[: len(self.names)] = np.eye(len(self.names))
+        jacobian = np.zeros((len(self.parameter_names), len(self.names)))
+        jacobian[: len(self.names)] = np.eye(len(self.names))
         for row, (_, k, curve) in enumerate(self.followers, len(self.names)):
-            made[row, k] = curve(x[k], 1)
-        return made
+            jacobian[row, k] = curve(x[k], 1)
+        return jacobian
 
     def snapped(self, x: np.ndarray) -> np.ndarray:
-        """The design with each discrete variable at its nearest size."""
-        made = np.array(x, dtype=float)
+        """Design with each discrete variable rounded to its nearest size."""
+        rounded = np.array(x, dtype=float)
         for k, sizes in self.sizes.items():
-            made[k] = sizes[np.argmin(abs(sizes - made[k]))]
-        return made
+            rounded[k] = sizes[np.argmin(abs(sizes - rounded[k]))]
+        return rounded
 
 
 def make_variables(
     parameters: Mapping[str, Parameter], vary: Iterable[Any] | None, start: Mapping[str, float]
 ) -> Variables:
-    """Variables out of names, ``Integer`` and ``Catalogue``.
+    """Variables of names, ``Integer`` and ``Catalogue`` entries.
 
     Raises
     ------
     ModelError
-        A name that is unknown or varied twice.
+        A name that is unknown or listed twice.
     AnalysisError
-        Nothing to vary, or sizes that cannot be.
+        Nothing to vary, or invalid sizes.
     """
-    listed = _listed(parameters, vary)
-    if not listed:
+    entries = _entries(parameters, vary)
+    if not entries:
         raise AnalysisError("nothing to vary: name parameters, or give some of them bounds")
-    _refuse_names(parameters, [n for one in listed for n in _names(one)])
-    names = [_names(one)[0] for one in listed]
+    _refuse_names(parameters, [n for entry in entries for n in _names(entry)])
+    names = [_names(entry)[0] for entry in entries]
     bounds = np.array([parameters[n].bounds for n in names], dtype=float)
-    begin = [start.get(n, parameters[n].value) for n in names]
+    values = [start.get(n, parameters[n].value) for n in names]
     units = [parameters[n].unit for n in names]
-    own = [parameters[n].given_unit for n in names]
-    sides = bounds[:, 0].copy(), bounds[:, 1].copy()
-    made = Variables(names, *sides, np.array(begin, float), units, own)
-    for k, one in enumerate(listed):
-        if not isinstance(one, str):
-            _add_sizes(made, k, one.sizes(parameters))
-    _refuse_start(made, {n: v for n, v in start.items() if n in names})
-    made.start = np.clip(made.start, made.lower, made.upper)
-    return made
+    declared = [parameters[n].given_unit for n in names]
+    columns = bounds[:, 0].copy(), bounds[:, 1].copy()
+    variables = Variables(names, *columns, np.array(values, float), units, declared)
+    for k, entry in enumerate(entries):
+        if not isinstance(entry, str):
+            _add_sizes(variables, k, entry.sizes(parameters))
+    _refuse_start(variables, {n: v for n, v in start.items() if n in names})
+    variables.start = np.clip(variables.start, variables.lower, variables.upper)
+    return variables
 
 
-def _refuse_start(made: Variables, start: Mapping[str, float]) -> None:
-    """Refuse a start that is asked for where it may not be."""
-    for name, lower, upper in zip(made.names, made.lower, made.upper, strict=True):
+def _refuse_start(variables: Variables, start: Mapping[str, float]) -> None:
+    """Refuse start values outside of their bounds."""
+    for name, lower, upper in zip(variables.names, variables.lower, variables.upper, strict=True):
         if name in start and not lower <= start[name] <= upper:
             raise ModelError(
                 f"{name} starts at {start[name]:g}, outside of its bounds [{lower:g}, {upper:g}]"
             )
 
 
-def _add_sizes(made: Variables, k: int, columns: dict[str, np.ndarray]) -> None:
-    lead, *others = columns.items()
-    made.sizes[k] = lead[1]
-    made.lower[k], made.upper[k] = lead[1][0], lead[1][-1]
-    for name, values in others:
-        made.followers.append((name, k, _curve(lead[1], values)))
+def _add_sizes(variables: Variables, k: int, columns: dict[str, np.ndarray]) -> None:
+    lead, *followers = columns.items()
+    variables.sizes[k] = lead[1]
+    variables.lower[k], variables.upper[k] = lead[1][0], lead[1][-1]
+    for name, values in followers:
+        variables.followers.append((name, k, _curve(lead[1], values)))
 
 
 def _curve(x: np.ndarray, y: np.ndarray) -> Any:
@@ -216,34 +216,34 @@ def _curve(x: np.ndarray, y: np.ndarray) -> Any:
     return PchipInterpolator(x, y)
 
 
-def _listed(parameters: Mapping[str, Parameter], vary: Any) -> list[Any]:
-    """What varies, by default all with two bounds."""
+def _entries(parameters: Mapping[str, Parameter], vary: Any) -> list[Any]:
+    """Entries of ``vary``; by default all parameters with two bounds."""
     if vary is None:
         return [n for n, p in parameters.items() if np.all(np.isfinite(p.bounds))]
     return [vary] if isinstance(vary, (str, Integer, Catalogue)) else list(vary)
 
 
 def varied_names(parameters: Mapping[str, Parameter], vary: Any) -> list[str]:
-    """All parameters that ``vary`` of ``optimize`` names."""
-    return [name for one in _listed(parameters, vary) for name in _names(one)]
+    """Names of all parameters in the argument ``vary`` of ``optimize``."""
+    return [name for entry in _entries(parameters, vary) for name in _names(entry)]
 
 
-def _names(one: Any) -> list[str]:
-    if isinstance(one, Catalogue):
-        if not one.columns:
+def _names(entry: Any) -> list[str]:
+    if isinstance(entry, Catalogue):
+        if not entry.columns:
             raise AnalysisError("a catalogue has no columns; give {parameter: sizes}")
-        return list(one.columns)
-    if isinstance(one, (str, Integer)):
-        return [one if isinstance(one, str) else one.name]
-    raise AnalysisError(f"vary: give names, da.Integer or da.Catalogue, got {one!r:.60}")
+        return list(entry.columns)
+    if isinstance(entry, (str, Integer)):
+        return [entry if isinstance(entry, str) else entry.name]
+    raise AnalysisError(f"vary: give names, da.Integer or da.Catalogue, got {entry!r:.60}")
 
 
 def _refuse_names(parameters: Mapping[str, Parameter], names: list[str]) -> None:
     for k, name in enumerate(names):
         if name not in parameters:
-            known = ", ".join(parameters) or "none"
+            listed = ", ".join(parameters) or "none"
             raise ModelError(
-                f"unknown parameter {name!r} to vary{nearest(name, parameters)} (known: {known})"
+                f"unknown parameter {name!r} to vary{nearest(name, parameters)} (known: {listed})"
             )
         if name in names[:k]:
-            raise ModelError(f"the parameter {name!r} is to vary twice; name it once")
+            raise ModelError(f"parameter {name!r} is listed twice in vary; name it once")

@@ -1,1 +1,1 @@
-"""Bodies, joints, drivers and forces: each states its position-level equation or its work."""
+"""Bodies, joints, drivers and forces, stated by position-level equations or virtual power."""

@@ -1,15 +1,14 @@
-"""What every element is made of.
+"""Base classes of elements, and the contract of a new one.
 
-How to write a new one:
-
-1. An element is a dataclass with ``name`` first, then what it ties, then its quantities.
+1. An element is a dataclass with ``name`` first, then the bodies or points it connects, then its
+   quantities.
 2. A **constraint** states ``residual()``, its position-level equations in the symbols of its
    bodies. Jacobian, velocity and acceleration equations, reactions and design derivatives follow by
-   differentiation; nobody types them. Equations are physical: metres and radians, so that
-   multipliers are newtons and newton metres.
+   differentiation. Equations are physical, in metres and radians, so that multipliers are in
+   newtons and newton metres.
 3. A **force** states ``powers(rate)``: pairs of a velocity ``u``, linear in the twists, and the
-   effort ``Q`` that does the power ``Qᵀu`` on it. Optionally its ``potential()``.
-4. Elements see poses and twists only. They do not know which coordinates the model chooses.
+   effort ``Q`` with the power ``Qᵀu``. Optionally it states its ``potential()``.
+4. Elements see poses and twists only, not the coordinates that the model chooses.
 """
 
 from __future__ import annotations
@@ -24,9 +23,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.brief import brief, fields_of
 from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.representation import brief, fields_of
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, stack
@@ -39,9 +38,9 @@ Rows = Sequence[Any] | np.ndarray
 Rate = Callable[[ca.SX], ca.SX]
 """Time derivative of an expression of positions."""
 Condition = tuple[ca.SX, str] | tuple[ca.SX, str, ca.SX]
-"""What must not be negative, what is wrong if it is, and numbers for the ``{}`` of that text."""
+"""Expression that must not be negative, message if it is, numbers for the ``{}`` of that text."""
 Powers = list[tuple[ca.SX, ca.SX]]
-"""Pairs (velocity ``u``, effort ``Q``), numbers or columns, of power ``Qᵀu``."""
+"""Pairs (velocity ``u``, effort ``Q``), scalars or columns, with the power ``Qᵀu``."""
 
 
 def quantity(
@@ -55,13 +54,14 @@ def quantity(
     above: float = -math.inf,
     keyword: bool = False,
 ) -> Any:
-    """Field that holds a number (or ``size`` numbers) or a formula.
+    """Field for a number (or ``size`` numbers) or a formula.
 
-    Fewer numbers, ``least``, are enough in a file where the class completes them.
-
-    ``keyword`` makes a field without default one that must be given by name.
-
-    ``minimum`` is allowed itself, ``above`` is not; both are checked at the parameters' values.
+    Parameters
+    ----------
+    least : smallest number of entries in a file, for classes that complete them
+    minimum : inclusive lower limit
+    above : exclusive lower limit; limits are checked at the values of the parameters
+    keyword : a field without default must be passed by keyword
     """
     metadata = {
         "kind": "quantity",
@@ -78,25 +78,25 @@ def quantity(
 def option(description: str, *, default: Any = dataclasses.MISSING, keyword: bool = False) -> Any:
     """Field that is not a number: a switch, a law, a curve, a formula with own variables.
 
-    A point or frame so described may be left out; a file gives it by its own key.
+    A point or frame declared as an option may be omitted; a file states it by its own key.
     """
     metadata = {"kind": "option", "description": description}
     return dataclasses.field(default=default, metadata=metadata, kw_only=keyword)
 
 
 class Look:
-    """A primitive that pictures are made of; the file ``look`` has them."""
+    """Base of the graphical primitives in ``look``."""
 
 
 @dataclass(eq=False)
 class Element(Spelled):
-    """Anything with a name that can be added to a system."""
+    """A named part that can be added to a system."""
 
     name: str
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        if "__repr__" not in vars(cls):  # dataclasses would write all fields of all parts
+        if "__repr__" not in vars(cls):  # dataclasses would print all fields of all parts
             cls.__repr__ = Element.__repr__  # type: ignore[method-assign]
 
     def __repr__(self) -> str:
@@ -108,25 +108,25 @@ class Element(Spelled):
             value = getattr(self, field)
             if value is None:
                 if self._defaults().get(field) is not None:
-                    told = "is None; give a number, or leave it out"
-                    raise ModelError(told, f"{self.name}.{field}")
+                    message = "is None; give a number, or leave it out"
+                    raise ModelError(message, f"{self.name}.{field}")
             else:
                 value = as_expression(value, f"{self.name}.{field}", meta["unit"], meta["size"])
                 setattr(self, field, value)
 
     def check_name(self) -> None:
-        """Names are what formulas can use.
+        """Check that the name can be used in formulas.
 
         Raises
         ------
         ModelError
-            Anything else.
+            The name is not an identifier, or too long.
         """
         if not isinstance(self.name, str) or not self.name:
             raise ModelError(f"the first argument is the name, a text; got {self.name!r}")
         if not self.name.isidentifier():
             raise ModelError(
-                "a name is made of letters, digits and '_', and starts with a letter; "
+                "a name consists of letters, digits and '_', and starts with a letter; "
                 f"got {self.name!r}"
             )
         check_length(self.name, type(self).__name__)
@@ -134,7 +134,7 @@ class Element(Spelled):
     @classmethod
     @functools.cache
     def _defaults(cls) -> dict[str, Any]:
-        """Numbers that stand where none is given; None where that is missing or optional."""
+        """Default values of the quantities; None for optional ones."""
         fields, missing = cls.quantity_fields(), dataclasses.MISSING
         return {f.name: f.default for f in fields if f.default is not missing}
 
@@ -143,12 +143,12 @@ class Element(Spelled):
         return [f for f in dataclasses.fields(cls) if f.metadata.get("kind") == "quantity"]
 
     def quantities(self):
-        """(field name, metadata) of every number this element is made of."""
+        """(field name, metadata) of the quantities of this element."""
         for field in self.quantity_fields():
             yield field.name, field.metadata
 
     def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
-        """(``element.field``, formula, metadata) of the numbers given, to be checked at build."""
+        """(``element.field``, formula, metadata) of the quantities, checked by the build."""
         return [
             (f"{self.name}.{field}", getattr(self, field), meta)
             for field, meta in self.quantities()
@@ -156,71 +156,70 @@ class Element(Spelled):
         ]
 
     def conditions(self) -> list[Condition]:
-        """What must hold at the values of the parameters."""
+        """Conditions that must hold at the values of the parameters."""
         return []
 
-    def doubts(self) -> list[Condition]:
-        """What had better hold at the values of the parameters, and is told where it does not."""
+    def warnings(self) -> list[Condition]:
+        """Conditions whose violation at the values of the parameters causes a warning."""
         return []
 
     def foreign_parameters(self) -> list[str]:
-        """Parameters of what it is made of that follow none of the mechanism, so far as is said."""
+        """Parameters of its parts, such as a structure, that no parameter of the mechanism sets."""
         return []
 
     def computed(self) -> list[ComputedNumbers]:
-        """Numbers in its graph that follow parameters and are computed outside of it."""
+        """Numbers in its equations that depend on parameters and are computed outside the graph."""
         return []
 
     def parts(self) -> list[Coordinates]:
-        """The bodies (and own coordinates) this element ties together."""
+        """The bodies (and own coordinates) that this element connects."""
         return []
 
     def own_coordinates(self) -> list[Coordinates]:
-        """Coordinates it brings along: nodes, the parameter of a curve."""
+        """Additional coordinates: nodes, the parameter of a curve."""
         return []
 
     def inertial_powers(self, rate: Rate) -> Powers:
-        """Velocities ``u`` and efforts ``Q``, linear in accelerations, of the power ``Qᵀu`` that
-        its mass takes, by d'Alembert; ``rate`` is that of speeds too. Bodies have their own way.
+        """Velocities ``u`` and efforts ``Q``, linear in accelerations, with the power ``Qᵀu`` of
+        its inertia, by d'Alembert; ``rate`` also applies to speeds. Bodies state theirs directly.
         """
         return []
 
     @property
     def own_mass(self) -> bool:
-        """Whether it has inertia beside that of bodies."""
+        """Whether it has inertia in addition to that of bodies."""
         return bool(self.inertial_powers(lambda s: s))
 
     def masses(self) -> list[tuple[ca.SX, ca.SX]]:
-        """(place, mass) of what gravity pulls at."""
+        """(position, mass) of the masses that gravity acts on."""
         return []
 
     def initial_conditions(self) -> list[tuple[Expression, Expression]]:
-        """(measure, value) that hold at the start."""
+        """(measure, value) pairs that hold at the start."""
         return []
 
     def own_constraints(self) -> list[Constraint]:
-        """Equations that what is no constraint itself brings along (the foot of a contact)."""
+        """Constraints of an element that is not one itself (the foot point of a contact)."""
         return []
 
-    unseen = ""
-    """Why pictures show nothing of its own, where they do not."""
+    not_drawn = ""
+    """The reason why pictures do not show it; empty if they do."""
 
     def look(self) -> list[Look]:
-        """What pictures show of it."""
+        """Primitives that represent it in pictures."""
         return []
 
 
 @dataclass(eq=False)
 class Constraint(Element):
-    """Equations ``Φ(poses, t) = 0`` of positions, and ``Ψ(poses, twists, t) = 0`` of speeds where
-    no equation of positions says the same (nonholonomic ones). Both are physical: metres or
-    radians, per second.
+    """Equations ``Φ(poses, t) = 0`` of positions, and nonholonomic equations
+    ``Ψ(poses, twists, t) = 0`` of speeds. Both are physical: metres or radians, per second.
 
     The multiplier follows (4.22), ``M v̇ + d = f − Cᵀλ``.
     """
 
     relative = False
-    """Its equations tell how its two bodies stand to each other, whatever moves both."""
+    """Whether its equations depend only on the relative position of its two bodies."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -230,18 +229,18 @@ class Constraint(Element):
         self.multiplier = stack(ca.SX.sym(f"{self.name}.lambda{k}") for k in range(count))
 
     @property
-    def spots(self) -> tuple[Any, Any] | None:
-        """The points of its two bodies between which it stands, if there are such."""
+    def end_points(self) -> tuple[Any, Any] | None:
+        """The points of its two bodies that it connects, or None."""
         return None
 
     def residual(self) -> ca.SX:
         """Equations ``Φ`` in the pose symbols of the parts and time."""
         raise NotImplementedError
 
-    def facing(self) -> ca.SX:
-        """What is positive where parts are put together the right way round; nothing by default.
+    def assembly_conditions(self) -> ca.SX:
+        """Expressions that are positive in the intended assembly; none by default.
 
-        An equation may be met by a hinge whose axis points backwards as well.
+        The equations alone may also permit a hinge whose axis is reversed.
         """
         return ca.SX(0, 1)
 
@@ -253,48 +252,48 @@ class Constraint(Element):
         """Unit of each equation: ``m`` or ``rad``; of speeds, per second."""
         return ["m"] * self.multiplier.numel()
 
-    def compared(self) -> tuple[ca.SX, ca.SX] | None:
-        """The length or angle that its equation measures, and what it asks for; None if none."""
+    def measured_and_target(self) -> tuple[ca.SX, ca.SX] | None:
+        """The length or angle in its equation and the prescribed value; None if there is none."""
         return None
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        """Named quantities of its own: name → (expression, unit)."""
+        """Measures: name → (expression, unit)."""
         return {}
 
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
-        """Relative motions the joint leaves free: name → (coordinate, unit)."""
+        """Free relative motions of the joint: name → (coordinate, unit)."""
         return {}
 
 
 @dataclass(eq=False)
 class ForceElement(Element):
-    """Applied force, stated through virtual power."""
+    """Applied force, stated by virtual power."""
 
     conservative = False
-    """All its work is its potential's, exactly."""
+    """Whether its potential accounts for all its work, exactly."""
     internal = False
-    """It acts within one body, and ties it to nothing."""
+    """Whether it acts within one body."""
 
     def powers(self, rate: Rate) -> Powers:
-        """Efforts with the velocities they do power on: ``rate(s)`` of a coordinate, ``ω`` …"""
+        """Pairs of a velocity, ``rate(s)`` of a coordinate or ``ω``, and the effort on it."""
         raise NotImplementedError
 
-    def touching(self, rate: Rate, energy: float) -> Powers:
-        """``powers``, of what is one-sided as if it touched and stored that energy [J]."""
+    def contact_powers(self, rate: Rate, energy: float) -> Powers:
+        """``powers``; for one-sided forces linearised in contact at a stored energy [J]."""
         return self.powers(rate)
 
     def coordinate(self) -> ca.SX:
-        """The coordinate it acts along, where that is a single one."""
+        """The coordinate it acts along, if there is a single one."""
         raise NotImplementedError
 
     def potential(self) -> ca.SX | None:
-        """Potential energy of the conservative part, None if there is none."""
+        """Potential energy of the conservative part, or None."""
         return None
 
     def dissipation(self, rate: Rate) -> Powers:
-        """The part of ``powers`` that dissipates (dampers, friction)."""
+        """The dissipative part of ``powers`` (dampers, friction)."""
         return []
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        """Named quantities of this element: name → (expression, unit)."""
+        """Measures: name → (expression, unit)."""
         return {}

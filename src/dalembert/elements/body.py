@@ -1,25 +1,43 @@
-"""What bodies of the plane and of space share: points, measures and the frame they carry."""
+"""Common base of planar and spatial bodies: named points, frames and measures."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, Unpack
 
 import casadi as ca
 
 from dalembert.elements.base import Element, ForceElement, Vector
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.frame import Frame
-from dalembert.elements.named import Named
 from dalembert.elements.point import Point
-from dalembert.errors import ModelError
+from dalembert.errors import ModelError, UnknownNameError
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import check_length, listed, nearest, unknown
 
+V = TypeVar("V")
+
+
+class Named(dict[str, V]):
+    """Named parts of an owner; an unknown name raises an error with the nearest one.
+
+    Parameters
+    ----------
+    owner : name of the owner
+    kind : kind of the parts, as in messages
+    """
+
+    def __init__(self, owner: str, kind: str):
+        super().__init__()
+        self.owner, self.kind = owner, kind
+
+    def __missing__(self, name: str) -> V:
+        raise UnknownNameError(f"{self.owner}: {unknown(self.kind, name, self)}", name)
+
 
 class Axes(TypedDict, total=False):
-    """How the axes of a frame are given."""
+    """Keywords that specify the axes of a frame."""
 
     axis: Vector | None
     x: Vector | None
@@ -28,21 +46,21 @@ class Axes(TypedDict, total=False):
 
 
 class BodyElement(Element, Coordinates):
-    """A body with named points; ``velocity``, ``x`` … become its measures once it is made.
+    """A body with named points; its measures, such as ``velocity`` and ``x``, are attributes.
 
-    To write a new kind, give ``locate`` and ``turned``, the wrench of a generalised force, and in
+    A new kind implements ``locate`` and ``turned``, the wrench of a generalised force, and in
     ``__post_init__`` its coordinates, their initial values and its measures.
     """
 
     rotates = True
     node = False
-    """A node of an element that is drawn by this."""
-    tangible = True
-    """Whether its frame is fixed in its matter, so that joints can hold on it."""
+    """Whether it is a node of an element, which draws it."""
+    has_material_frame = True
+    """Whether its frame is fixed in its material, so that joints can be attached to it."""
     dimension = 2
     """Number of coordinates of its points."""
     initial_fields: tuple[str, ...] = ("position", "velocity")
-    """Quantities that are initial values, in the order in which ``initial`` keeps them."""
+    """Quantities that are initial values, in the order of ``initial``."""
 
     mass: Expression
     mass_center: ca.SX
@@ -52,27 +70,27 @@ class BodyElement(Element, Coordinates):
     _measures: dict[str, tuple[ca.SX, str]]
 
     @property
-    def shown(self) -> str:
-        """Its name in drawings."""
+    def display_name(self) -> str:
+        """Its name in pictures."""
         return self.name
 
     def named(self, field: str) -> dict[str, Any]:
-        """Entries of a field that maps names to places; none where it is left out.
+        """Entries of a field that maps names to places; empty if it is omitted.
 
         Raises
         ------
         ModelError
-            No mapping of names.
+            The field is not a mapping of names.
         """
         entries = getattr(self, field) or {}
         if not isinstance(entries, Mapping) or not all(isinstance(key, str) for key in entries):
-            told = f"expected a mapping of names to places, got {entries!r:.60}"
-            raise ModelError(told, f"{self.name}.{field}")
+            message = f"expected a mapping of names to places, got {entries!r:.60}"
+            raise ModelError(message, f"{self.name}.{field}")
         return dict(entries)
 
-    # where things on it are -------------------------------------------------------------------
+    # geometry ---------------------------------------------------------------------------------
     def locate(self, local: ca.SX) -> ca.SX:
-        """Inertial position of a place in the body frame."""
+        """Inertial position of a point in the body frame."""
         raise NotImplementedError
 
     def turned(self, local: ca.SX) -> ca.SX:
@@ -90,49 +108,49 @@ class BodyElement(Element, Coordinates):
         raise NotImplementedError
 
     def velocity_at(self, place: ca.SX) -> ca.SX:
-        """(3,) velocity of the matter of the body at an inertial place."""
+        """(3,) velocity of the material of the body at an inertial position."""
         raise NotImplementedError
 
     def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
-        """Force, moment and where it is taken, of a generalised force by speeds; inertial axes."""
+        """Force, moment and reference point of a generalised force by speeds; inertial axes."""
         raise NotImplementedError
 
     def masses(self) -> list[tuple[ca.SX, ca.SX]]:
         return [(self.mass_center, self.mass.sx)]
 
     def undeformed(self, local: ca.SX) -> ca.SX:
-        """Where a place is in the frame of the owner's coordinates while nothing is deformed."""
+        """Undeformed position of a point in the frame of the owner's coordinates."""
         return local
 
     def own_forces(self) -> list[ForceElement]:
-        """Forces within it that it brings along."""
+        """Internal forces of the body."""
         return []
 
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            own = self.__dict__
-            if name.startswith("_") or "points" not in own:
+            attributes = self.__dict__
+            if name.startswith("_") or "points" not in attributes:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
             for kind in ("point", "frame"):
-                if name in own[f"{kind}s"]:
+                if name in attributes[f"{kind}s"]:
                     raise AttributeError(
-                        f"{own['name']} has a {kind} {name!r}: write {kind}({name!r})"
+                        f"{attributes['name']} has a {kind} {name!r}: write {kind}({name!r})"
                     )
-            known = [*own["points"], *own["frames"], *own["_measures"]]
+            known = [*attributes["points"], *attributes["frames"], *attributes["_measures"]]
             raise AttributeError(
-                f"{own['name']} has no point or measure {name!r}{nearest(name, known)}; "
-                f"points: {listed([*own['points'], *own['frames']])}"
+                f"{attributes['name']} has no point or measure {name!r}{nearest(name, known)}; "
+                f"points: {listed([*attributes['points'], *attributes['frames']])}"
             )
 
-    # names on it ------------------------------------------------------------------------------
-    def declare(self, named: dict[str, tuple[ca.SX, str]], given: Mapping[str, Vector]) -> None:
-        """Publish measures as attributes, and name the points given."""
-        self._measures = named
-        for name, (sx, unit) in named.items():
+    # named points and measures ----------------------------------------------------------------
+    def declare(self, measures: dict[str, tuple[ca.SX, str]], points: Mapping[str, Vector]) -> None:
+        """Publish measures as attributes and add named points."""
+        self._measures = measures
+        for name, (sx, unit) in measures.items():
             setattr(self, name, Expression(sx, f"{self.name}.{name}", unit))
         self.points, self.frames = Named(self.name, "point"), Named(self.name, "frame")
-        for name, local in given.items():
+        for name, local in points.items():
             self.add_point(name, local)
 
     def measures(self) -> dict[str, tuple[ca.SX, str]]:
@@ -141,13 +159,13 @@ class BodyElement(Element, Coordinates):
         return {**self._measures, "kinetic_energy": (kinetic, "J")}
 
     def add_point(self, name: str, local: Vector) -> Point:
-        """Name a point of the body, so that results list it."""
+        """Add a named point to the body; results list it."""
         self._claim("point", name)
         self.points[name] = Point(self, local, name)
         return self.points[name]
 
     def add_frame(self, name: str, place: Vector = (0.0, 0.0, 0.0), **axes: Unpack[Axes]) -> Frame:
-        """Name a frame of the body; it takes what ``frame`` takes."""
+        """Add a named frame to the body, with the arguments of ``frame``."""
         self._claim("frame", name)
         self.frames[name] = Frame(self, place, **axes, name=name)
         return self.frames[name]
@@ -170,10 +188,10 @@ class BodyElement(Element, Coordinates):
             if x not in self.points:
                 raise ModelError(unknown("point", x, self.points), self.name)
             return self.points[x]
-        given = (x, y) if z is None else (x, y, z)
-        if len(given) < self.dimension:
-            raise ModelError("a point of a body in space has three coordinates", self.name)
-        return Point(self, given)
+        coordinates = (x, y) if z is None else (x, y, z)
+        if len(coordinates) < self.dimension:
+            raise ModelError("a point of a spatial body has three coordinates", self.name)
+        return Point(self, coordinates)
 
     def frame(self, place: Vector | str = (0.0, 0.0, 0.0), **axes: Unpack[Axes]) -> Frame:
         """Frame fixed in the body; its z axis is the axis of a joint.
@@ -184,7 +202,7 @@ class BodyElement(Element, Coordinates):
         axis : (3,) its z axis; x and y are chosen
         x : (3,) its x axis, beside ``axis``
         axes : (3, 3) its axes as columns
-        rotation : its orientation, as that of a body
+        rotation : its orientation, specified like that of a body
         """
         if isinstance(place, str):
             if place not in self.frames:
@@ -198,14 +216,14 @@ class BodyElement(Element, Coordinates):
         return Point(self, (0.0,) * self.dimension)
 
     def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
-        given = dict(zip(self.initial_fields, self.initial, strict=True))
-        found = []
+        initial = dict(zip(self.initial_fields, self.initial, strict=True))
+        quantities = []
         for field, meta in self.quantities():
-            value = given[field] if field in given else getattr(self, field)
+            value = initial[field] if field in initial else getattr(self, field)
             if isinstance(value, Expression):
-                found.append((f"{self.name}.{field}", value, meta))
-        where = {"unit": "m", "minimum": -math.inf, "above": -math.inf}
-        return found + [(p.name, p.local, where) for p in self.places.values()]
+                quantities.append((f"{self.name}.{field}", value, meta))
+        limits = {"unit": "m", "minimum": -math.inf, "above": -math.inf}
+        return quantities + [(p.name, p.local, limits) for p in self.places.values()]
 
     def parts(self) -> list[Coordinates]:
         return [self]

@@ -1,4 +1,4 @@
-"""Numbers of a mechanism that are computed outside of its graph, from formulas of parameters."""
+"""Numbers computed outside the expression graph from formulas of parameters."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 
 
 class ComputedNumbers(ABC):
-    """Numbers ``r(s(p))``: symbols in the graph, and formulas ``s`` that they follow.
+    """Numbers ``r(s(p))``: symbols in the graph that depend on formulas ``s``.
 
     Attributes
     ----------
-    symbols : (n,) SX, by which the graph knows the numbers
+    symbols : (n,) SX symbols of the numbers in the graph
     arguments : (k,) SX formulas of parameters
     """
 
@@ -27,13 +27,13 @@ class ComputedNumbers(ABC):
         Raises
         ------
         ModelError, AnalysisError
-            There cannot be any at these values; they cannot be found.
+            The numbers do not exist or cannot be computed at these values.
         """
 
     @abstractmethod
     def push(self, arguments: np.ndarray, directions: np.ndarray) -> np.ndarray:
-        """(n, c) their changes along directions (k, c)."""
+        """(n, c) derivatives of the numbers along directions (k, c)."""
 
     @abstractmethod
     def pull(self, arguments: np.ndarray, weights: np.ndarray) -> np.ndarray:
-        """(k, c) weights of the arguments from weights (n, c) of the numbers."""
+        """(k, c) adjoints of the arguments from adjoints (n, c) of the numbers."""

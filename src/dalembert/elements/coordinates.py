@@ -1,12 +1,12 @@
-"""Groups of coordinates: what a body, or the parameter of a curve, brings along.
+"""Groups of coordinates with their speeds, of bodies, curve parameters and joints.
 
-They are points of a manifold, whose displacements are counted like speeds.
+The coordinates are a point of a manifold; displacements have as many entries as speeds.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import casadi as ca
@@ -17,19 +17,19 @@ from dalembert.symbolic.formulas.expression import stack
 class Coordinates:
     """A group of coordinates with their speeds: a body, or the parameter of a curve.
 
-    They are a manifold: ``pose`` has as many entries as are needed to say where something is,
-    ``twist`` as many as it has ways to move, ``ẏ_i = A_i(y_i) v_i``. A displacement δ is a short
-    motion and counted like a speed; positions are never added, they are reached by ``retract``.
+    They are a manifold: ``pose`` has one entry per coordinate, ``twist`` one per degree of freedom,
+    ``ẏ_i = A_i(y_i) v_i``. A displacement δ has as many entries as the twist; positions are never
+    added, ``retract`` applies a displacement.
 
     Attributes
     ----------
     pose : SX symbol column ``y_i``
     twist, acceleration_symbols : SX symbol columns ``v_i``, ``v̇_i``
     pose_rate : SX, ``A_i v_i``
-    followers : of a pose that is enriched, the symbols added and their values
-    rest : the pose in the origin
-    coordinate_names, coordinate_units : of the entries of the pose
-    speed_names, speed_units : of the entries of the twist; units are those of displacements
+    followers : the symbols added to an enriched pose, and their values
+    rest : the pose at the origin
+    coordinate_names, coordinate_units : names and units of the entries of the pose
+    speed_names, speed_units : names of the entries of the twist and units of displacements
     """
 
     name: str
@@ -47,11 +47,11 @@ class Coordinates:
 
     @property
     def owner(self) -> Coordinates:
-        """The group whose coordinates it has: its own, but for parts of a flexible body."""
+        """The group that holds the coordinates: itself, except for parts of a flexible body."""
         return self
 
     def make_symbols(self, names: tuple[str, ...], units: tuple[str, ...]) -> None:
-        """Coordinates whose rates are the speeds."""
+        """Create coordinates whose rates are the speeds."""
         self.coordinate_names, self.coordinate_units = names, units
         self.speed_names, self.speed_units = names, units
         self.rest = (0.0,) * len(names)
@@ -65,11 +65,11 @@ class Coordinates:
 
     @property
     def flat(self) -> bool:
-        """Speeds are the rates of the coordinates, and displacements are added to them."""
+        """Whether speeds are the rates of the coordinates and displacements can be added."""
         return True
 
     def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
-        """The pose that a displacement leads to: ``y + A(y) δ`` in first order, on the manifold."""
+        """The pose after a displacement: ``y + A(y) δ`` to first order, on the manifold."""
         return pose + displacement
 
     def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
@@ -77,29 +77,29 @@ class Coordinates:
         return other - pose
 
     def bounds(self, pose: ca.SX) -> ca.SX:
-        """What is zero on the manifold only, such as a length less one; nothing by default."""
+        """Expressions that vanish only on the manifold, e.g. a norm minus one; none by default."""
         return ca.SX(0, 1)
 
     @contextmanager
     def enriched(self) -> Iterator[tuple[ca.SX, ca.SX]]:
-        """While open, quantities that follow from the pose are symbols among its entries.
+        """Context in which quantities that depend on the pose are symbols among its entries.
 
-        They have rates of their own, which makes derivatives shorter. What is stated meanwhile
-        holds them; they are given with their values.
+        The symbols have rates of their own, which makes derivatives shorter. Equations stated in
+        the context contain them. Yields the symbols and their values.
         """
         yield ca.SX(0, 1), ca.SX(0, 1)
 
     def inertia_by_speeds(self) -> tuple[ca.SX, ca.SX]:
-        """``M_i`` and ``d_i`` by speeds, ``M v̇ + d``; zero where the coordinates carry no mass."""
+        """``M_i`` and ``d_i`` by speeds, ``M v̇ + d``; zero for coordinates without mass."""
         n = self.twist.numel()
         return ca.SX(n, n), ca.SX(n, 1)
 
     def guesses(self) -> tuple[list, list]:
-        """Initial values of pose and twist, None where nothing was given."""
+        """Initial values of pose and twist, None for unspecified entries."""
         return [None] * self.pose.numel(), [None] * self.twist.numel()
 
-    def guessed(self) -> list[bool]:
-        """By entry of the twist, whether the place along it was given."""
+    def specified(self) -> list[bool]:
+        """For each entry of the twist, whether the position along it was specified."""
         return [value is not None for value in self.guesses()[0]]
 
 
@@ -122,3 +122,64 @@ def motion_rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) ->
 def second_rate_of(expression: ca.SX, owners: list[Coordinates], time: ca.SX) -> ca.SX:
     """Second total time derivative of a position-level expression."""
     return motion_rate_of(rate_of(expression, owners, time), owners, time)
+
+
+class JointSpace(Coordinates):
+    """Coordinates of one joint, or of a group without a joint.
+
+    Parameters
+    ----------
+    names, units : full names and units of the coordinates
+    reading : SX of the poses of bodies, the value of the coordinates
+    like : group with the same manifold and speeds; flat by default
+
+    Attributes
+    ----------
+    reading : SX of the poses of bodies
+    """
+
+    def __init__(
+        self,
+        names: Sequence[str],
+        units: Sequence[str],
+        reading: ca.SX,
+        like: Coordinates | None = None,
+    ):
+        self.reading, self._like = reading, like or Coordinates()
+        self.coordinate_names, self.coordinate_units = tuple(names), tuple(units)
+        self.speed_names, self.speed_units = self.coordinate_names, self.coordinate_units
+        if like is not None:
+            self.speed_names = tuple(f"{like.name}.{n}" for n in like.speed_names)
+            self.speed_units = like.speed_units
+        self.pose = stack(ca.SX.sym(name) for name in names)
+        self.twist = stack(ca.SX.sym(_rate_name(name, "d")) for name in self.speed_names)
+        rates = (ca.SX.sym(_rate_name(name, "dd")) for name in self.speed_names)
+        self.acceleration_symbols = stack(rates)
+        self.pose_rate = self.twist
+        if like is not None:
+            substitution = ca.vertcat(like.pose, like.twist), ca.vertcat(self.pose, self.twist)
+            self.pose_rate = ca.substitute(like.pose_rate, *substitution)
+
+    @classmethod
+    def of(cls, group: Coordinates, reading: ca.SX | None = None) -> JointSpace:
+        """The coordinates of a group in new symbols."""
+        names = [f"{group.name}.{n}" for n in group.coordinate_names]
+        return cls(names, group.coordinate_units, group.pose if reading is None else reading, group)
+
+    @property
+    def flat(self) -> bool:
+        return self._like.flat
+
+    def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
+        return self._like.retract(pose, displacement)
+
+    def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
+        return self._like.displacement(pose, other)
+
+    def bounds(self, pose: ca.SX) -> ca.SX:
+        return self._like.bounds(pose)
+
+
+def _rate_name(name: str, mark: str) -> str:
+    owner, dot, coordinate = name.rpartition(".")
+    return f"{owner}{dot}{mark}{coordinate}"

@@ -1,14 +1,19 @@
-"""Curves fixed in a body, in the plane and in space: cam profiles and guides."""
+"""Planar and spatial curves fixed in a body, and points that follow them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Rows, Scalar, option, quantity
+from dalembert.elements.base import Constraint, Look, Rows, Scalar, option, quantity
+from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.look import Mark, Path
+from dalembert.elements.pair import Pair, need_body, need_point, refuse_same_body
+from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, as_sx
@@ -35,7 +40,7 @@ class Curve(Spelled):
         raise NotImplementedError
 
     def offset_position(self, parameter: ca.SX, distance: ca.SX) -> ca.SX:
-        """In the plane, a point to the right of the curve (outside, if it runs anticlockwise)."""
+        """A point to the right of a planar curve (outside, if it runs anticlockwise)."""
         symbol = ca.SX.sym("w")
         point = self.position(symbol)
         tangent = ca.jacobian(point, symbol)
@@ -45,7 +50,7 @@ class Curve(Spelled):
 
 @dataclass(eq=False)
 class SplineCurve(Curve):
-    """C² cubic spline through points, by chord length (so ``|c'| ≈ 1``).
+    """C² cubic spline through points, parametrised by chord length (so ``|c'| ≈ 1``).
 
     Parameters
     ----------
@@ -58,7 +63,7 @@ class SplineCurve(Curve):
     >>> import dalembert as da
     >>> corners = [(0.1, 0.0), (0.0, 0.08), (-0.1, 0.0), (0.0, -0.08)]
     >>> cam = da.SplineCurve(corners)
-    >>> start, end = cam.interval()  # it goes through them and closes
+    >>> start, end = cam.interval()  # a closed curve
     >>> [[round(float(x), 6) + 0.0 for x in cam.position(u).elements()] for u in (start, end)]
     [[0.1, 0.0], [0.1, 0.0]]
     """
@@ -89,7 +94,7 @@ class SplineCurve(Curve):
             if np.any(chords <= 0):
                 k = int(np.argmax(chords <= 0))
                 raise ModelError(f"points {k + 1} and {k + 2} coincide", "SplineCurve")
-        else:  # knots must be constants; equal spacing leaves the shape free
+        else:  # knots must be constants: equal spacing, whatever the formulas
             chords = np.ones(len(columns) - 1)
         knots = np.concatenate([[0.0], np.cumsum(chords)])
         self._range = (0.0, float(knots[-1]))
@@ -107,7 +112,7 @@ class SplineCurve(Curve):
 
 @dataclass(eq=False)
 class FormulaCurve(Curve):
-    """Curve ``(x(u), y(u))``, or ``(x, y, z)`` in space, by formulas in ``u`` and parameters.
+    """Curve ``(x(u), y(u))``, or ``(x, y, z)`` in space, from formulas in ``u`` and parameters.
 
     Parameters
     ----------
@@ -144,8 +149,8 @@ class FormulaCurve(Curve):
             raise ModelError(f"lower {self.lower} must be below upper {self.upper}", "FormulaCurve")
 
     def position(self, parameter: ca.SX) -> ca.SX:
-        given = (self.x, self.y) if self.z is None else (self.x, self.y, self.z)
-        return ca.substitute(ca.vertcat(*(c.sx for c in given)), u.sx, parameter)
+        coordinates = (self.x, self.y) if self.z is None else (self.x, self.y, self.z)
+        return ca.substitute(ca.vertcat(*(c.sx for c in coordinates)), u.sx, parameter)
 
     def interval(self) -> tuple[float, float]:
         return float(self.lower), float(self.upper)
@@ -154,3 +159,82 @@ class FormulaCurve(Curve):
 def _same(a: ca.SX, b: ca.SX) -> bool:
     difference = as_sx(a) - as_sx(b)
     return bool(difference.is_constant() and float(ca.norm_inf(difference)) == 0.0)
+
+
+class CurveParameter(Coordinates):
+    """Parameter of the contact point on a curve: one massless coordinate."""
+
+    def __init__(self, name: str, curve: Curve, guess: Expression | None):
+        self.name = f"{name}.contact"
+        self.interval = curve.interval()
+        self.guess = None if guess is None else guess.sx
+        self.make_symbols(("u",), ("",))
+
+    def guesses(self) -> tuple[list, list]:
+        return [self.guess], [None]
+
+
+class OnCurve(Pair, Constraint):
+    """Point of body j on a curve of body i, ``Φ = A_iᵀ (r_jP − r_i) − c(u) = 0``.
+
+    The curve parameter ``u`` is an additional massless coordinate, so that the contact transmits
+    no force along the curve.
+    """
+
+    name: str
+    body_i: Any
+    point_j: Point
+    curve: Curve
+    parameter: Any
+
+    def __post_init__(self) -> None:
+        self.body_i = need_body(self.body_i, self.name, "body_i")
+        self.point_j = need_point(self.point_j, self.name, "point_j")
+        refuse_same_body(self.body_i, self.point_j.body, self.name)
+        if not isinstance(self.curve, Curve):
+            raise ModelError(f"curve must be a Curve, got {self.curve!r}", self.name)
+        if self.curve.dimension != self.point_j.dimension:
+            raise ModelError(
+                f"points of the curve have {self.curve.dimension} coordinates, and the point of "
+                f"{self.point_j.body.name} has {self.point_j.dimension}; use the same number",
+                self.name,
+            )
+        self._contact = CurveParameter(self.name, self.curve, self._guess())
+        super().__post_init__()
+
+    def _guess(self) -> Expression | None:
+        guess = self.parameter
+        return guess if guess is None or isinstance(guess, Expression) else Expression(guess)
+
+    @property
+    def contact(self) -> ca.SX:
+        """The curve parameter."""
+        return self._contact.pose[0]
+
+    def target(self) -> ca.SX:
+        """Prescribed position of the point, in the axes of body i."""
+        return self.curve.position(self.contact)
+
+    def residual(self) -> ca.SX:
+        n = self.curve.dimension
+        axes = ca.horzcat(*(self.body_i.turned(ca.SX.eye(n)[:, k]) for k in range(n)))
+        relative = self.point_j.position.sx - self.body_i.locate(ca.SX.zeros(n))
+        return ca.mtimes(axes.T, relative) - self.target()
+
+    def own_coordinates(self) -> list[Coordinates]:
+        return [self._contact]
+
+    def look(self) -> list[Look]:
+        curve = self.curve
+        path = Path(self.body_i, curve.position, curve.interval(), curve.closed)
+        return [path, Mark(self.point_j, self.body_i)]
+
+    def ends(self) -> tuple[Any, Any]:
+        return self.body_i, self.point_j.body
+
+    def parts(self) -> list[Coordinates]:
+        return [*self.ends(), self._contact]
+
+    def place(self) -> ca.SX:
+        """The contact point on the curve."""
+        return self.body_i.locate(self.curve.position(self.contact))

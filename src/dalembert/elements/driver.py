@@ -1,7 +1,7 @@
 """Drivers: rheonomic constraints that prescribe a motion.
 
-Each prescribes a coordinate ``s`` by a law, ``Φ = s − f(t) = 0``. Its effort is the generalised
-force it exerts along the coordinate, ``−λ``: positive effort pushes the coordinate up.
+A driver prescribes a coordinate ``s`` by a law, ``Φ = s − f(t) = 0``. Its effort is the generalised
+force along the coordinate, ``−λ``: a positive effort increases the coordinate.
 """
 
 from __future__ import annotations
@@ -23,10 +23,11 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import t
 
 LEAST = float(np.finfo(float).tiny)
+"""Lower limit of the initial value of a law that must be positive."""
 
 
 class Driver(Constraint):
-    """Prescribes ``coordinate() = law(t)``."""
+    """Constraint ``coordinate() = law(t)``."""
 
     law: Any
     name: str
@@ -34,27 +35,27 @@ class Driver(Constraint):
     prescribes = "m"
     """Unit of the coordinate."""
     positive = False
-    """The law must stay above zero."""
+    """Whether the law must stay above zero."""
 
     def coordinate(self) -> ca.SX:
-        """The coordinate that is prescribed."""
+        """The prescribed coordinate."""
         raise NotImplementedError
 
     @property
     def measured(self) -> str:
-        """Name of the measure that the coordinate is."""
+        """Name of the measure of the coordinate."""
         return f"{self.name}.coordinate"
 
     def residual(self) -> ca.SX:
         self.law = as_law(self.law, f"{self.name}.law", self.prescribes)
-        return self.missed()
+        return self.deviation()
 
-    def missed(self) -> ca.SX:
-        """By how much the coordinate is off the law."""
-        coordinate, value = self.compared()
+    def deviation(self) -> ca.SX:
+        """Difference of the coordinate and the law."""
+        coordinate, value = self.measured_and_target()
         return coordinate - value
 
-    def compared(self) -> tuple[ca.SX, ca.SX]:
+    def measured_and_target(self) -> tuple[ca.SX, ca.SX]:
         return self.coordinate(), self.law.value(t.sx)
 
     def measures(self, rate) -> dict[str, tuple[ca.SX, str]]:
@@ -67,16 +68,16 @@ class Driver(Constraint):
         }
 
     def conditions(self) -> list[Condition]:
-        wanted = list(self.law.conditions())
+        conditions = list(self.law.conditions())
         if self.positive:
             start = ca.substitute(self.law.value(t.sx), t.sx, 0)
-            wanted.append((start - LEAST, "its law asks for no distance at the start"))
-        return wanted
+            conditions.append((start - LEAST, "its law is not positive at the start"))
+        return conditions
 
-    def doubts(self) -> list[Condition]:
-        """Accelerations are second derivatives of the law, which a table may not determine."""
-        found = dict.fromkeys(spline.end_doubt() for spline in self.law.splines())
-        return [(ca.SX(-1), text) for text in found if text]
+    def warnings(self) -> list[Condition]:
+        """Warnings of tables that do not determine the second derivative of the law."""
+        texts = dict.fromkeys(spline.end_warning() for spline in self.law.splines())
+        return [(ca.SX(-1), text) for text in texts if text]
 
     def checked_quantities(self):
         return [*super().checked_quantities(), *self.law.checked_quantities(f"{self.name}.law")]
@@ -84,7 +85,7 @@ class Driver(Constraint):
 
 @dataclass(eq=False)
 class DistanceDriver(Driver, PointJoint):
-    """Prescribes the distance of two points, ``Φ = |r_jP − r_iP| − f(t)`` (1.29), ``f > 0``.
+    """Prescribed distance of two points, ``Φ = |r_jP − r_iP| − f(t)`` (1.29), ``f > 0``.
 
     Parameters
     ----------
@@ -100,7 +101,7 @@ class DistanceDriver(Driver, PointJoint):
     >>> foot = system.ground.point(0.6, 0)
     >>> ram = system.add(planar.DistanceDriver("ram", foot, boom.end, 1.0))
     >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
-    >>> round(motion["boom.end.y"][0].item(), 6)  # 0.6, 0.8, 1: it stands upright
+    >>> round(motion["boom.end.y"][0].item(), 6)  # right triangle 0.6, 0.8, 1
     0.8
     """
 
@@ -115,7 +116,7 @@ class DistanceDriver(Driver, PointJoint):
 
 
 class AlongDirection(Driver):
-    """Prescribes how far a point is along a direction in inertial axes."""
+    """Prescribed coordinate of a point along a direction in inertial axes."""
 
     point: Point
     direction: Any
@@ -128,15 +129,15 @@ class AlongDirection(Driver):
         if len(self.direction) != self.point.dimension:
             raise ModelError(
                 f"its direction has {len(self.direction)} components and the point of "
-                f"{self.point.body.name} has {self.point.dimension} coordinates; take the driver "
-                "of the plane or of space",
+                f"{self.point.body.name} has {self.point.dimension} coordinates; use the driver "
+                "of the planar or the spatial elements",
                 self.name,
             )
         return super().residual()
 
     def coordinate(self) -> ca.SX:
-        along = unit(self.direction.sx, f"{self.name}.direction")
-        return ca.dot(along, self.point.position.sx)
+        direction = unit(self.direction.sx, f"{self.name}.direction")
+        return ca.dot(direction, self.point.position.sx)
 
     def look(self) -> list[Look]:
         return [Travel(self.point, None, self.direction.sx)]

@@ -1,4 +1,4 @@
-"""Frames fixed in bodies: a point with axes, which joints hold on."""
+"""Frames fixed in bodies: points with axes, to which joints are attached."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from dalembert.symbolic.formulas.expression import as_sx
 from dalembert.symbolic.rotation import across, from_matrix, product
 
 PARALLEL = 1e-9
+"""Threshold of the sine of two directions below which they are parallel."""
 Frames = Mapping[str, Mapping[str, Any]]
 """Name → keywords of a frame: ``place``, ``axis``, ``x``, ``axes``, ``rotation``."""
 
@@ -27,7 +28,7 @@ class Frame(Point):
     ----------
     body : the body
     place : (3,) its origin in the body frame [m]
-    axis, x : (3,) its z axis, and its x axis, perpendicular to it; if none is given, one is chosen
+    axis, x : (3,) its z axis, and its x axis, perpendicular to it, chosen by default
     axes : (3, 3) its axes as columns
     rotation : its orientation in the body frame
     name : str, optional
@@ -35,7 +36,7 @@ class Frame(Point):
     Raises
     ------
     ModelError
-        Axes that are no frame, or given twice.
+        Axes that are not a frame, or specified twice.
 
     Examples
     --------
@@ -59,22 +60,23 @@ class Frame(Point):
         name: str = "",
     ):
         super().__init__(body, place, name)
-        spoken = self.name or f"frame of {body.name}"
-        ways = [axis is not None or x is not None, axes is not None, rotation is not None]
-        if sum(ways) > 1:
-            raise ModelError("give axis=, axes= or rotation=, not several", spoken)
-        self._given: list[tuple[ca.SX, str, ca.SX]] = []
-        self.complete = x is not None or axis is None
-        """Whether its x axis was given, and not chosen."""
+        entity = self.name or f"frame of {body.name}"
+        specified = [axis is not None or x is not None, axes is not None, rotation is not None]
+        if sum(specified) > 1:
+            raise ModelError("give axis=, axes= or rotation=, not several", entity)
+        self._rotation_conditions: list[tuple[ca.SX, str, ca.SX]] = []
+        self.has_x_axis = x is not None or axis is None
+        """Whether its x axis was specified, not chosen."""
         if axes is not None:
-            self.local_axes = orthonormal(_matrix(axes, spoken), spoken)
+            self.local_axes = orthonormal(_matrix(axes, entity), entity)
         elif rotation is not None:
-            orientation = as_orientation(rotation, spoken)
-            self.local_axes, self._given = orientation.matrix, orientation.conditions()
+            orientation = as_orientation(rotation, entity)
+            self.local_axes = orientation.matrix
+            self._rotation_conditions = orientation.conditions()
         elif axis is not None:
-            self.local_axes = _about(as_expression(axis, spoken, "", 3).sx, x, spoken)
+            self.local_axes = _about(as_expression(axis, entity, "", 3).sx, x, entity)
         elif x is not None:
-            raise ModelError("x= is given without axis=", spoken)
+            raise ModelError("x= is given without axis=", entity)
         else:
             self.local_axes = ca.SX.eye(3)
 
@@ -84,13 +86,13 @@ class Frame(Point):
         return product(self.body.orientation, from_matrix(self.local_axes))
 
     def conditions(self) -> list[tuple[ca.SX, str, ca.SX]]:
-        """That its axes are some at the values of their parameters, as ``Element.conditions``."""
+        """That its axes are orthonormal at the values of parameters, as ``Element.conditions``."""
         off = off_orthonormal(self.local_axes)
         wrong = (
             f"the axes of a frame of {self.body.name} are off orthonormal ones by {{:.3g}}: "
             "an axis has no length, axis and x are parallel, or a matrix is no rotation"
         )
-        return [*self._given, *([within(off, wrong)] if off.numel() else [])]
+        return [*self._rotation_conditions, *([within(off, wrong)] if off.numel() else [])]
 
     @property
     def axes(self) -> ca.SX:
@@ -114,13 +116,13 @@ def _matrix(axes: Any, entity: str) -> ca.SX:
 
 
 def _about(axis: ca.SX, x: Vector | None, entity: str) -> ca.SX:
-    """Axes about z; without x any others."""
+    """Axes about z; the x axis is arbitrary if not specified."""
     z = unit(axis, entity)
     if x is not None:
-        given = unit(as_expression(x, entity, "", 3).sx, entity)
-        beside = given - ca.dot(given, z) * z
-        if beside.is_constant() and float(ca.norm_2(beside)) < PARALLEL:
+        direction = unit(as_expression(x, entity, "", 3).sx, entity)
+        normal = direction - ca.dot(direction, z) * z
+        if normal.is_constant() and float(ca.norm_2(normal)) < PARALLEL:
             raise ModelError("axis and x are parallel", entity)
-        beside = unit(beside, entity)
-        return ca.horzcat(beside, ca.cross(z, beside), z)
+        normal = unit(normal, entity)
+        return ca.horzcat(normal, ca.cross(z, normal), z)
     return ca.horzcat(across(z), z)

@@ -1,24 +1,51 @@
-"""What applied loads of the plane and of space share: a force at a point, a moment on a body."""
+"""Applied loads: gravity, a force at a point, a moment on a body."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import ForceElement, Look, Powers, Rate
+from dalembert.elements.base import Element, ForceElement, Look, Powers, Rate
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Arrow, Motor, Twist
 from dalembert.elements.pair import need_body, need_point, refuse_same_body
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression, stack
+
+
+class Gravity(ForceElement):
+    """Uniform field that acts on all masses; the system adds it for its ``gravity``."""
+
+    conservative = True
+
+    def __init__(self, vector: Expression, elements: Sequence[Element]):
+        self.name = "gravity"
+        self.vector, self.elements = vector, elements
+
+    def _weights(self) -> tuple[ca.SX, ca.SX]:
+        """Positions of all masses and their weights."""
+        field, positions, weights = self.vector.sx, [], []
+        for position, mass in (pair for element in self.elements for pair in element.masses()):
+            n = min(position.numel(), field.numel())
+            positions.append(position[:n])
+            weights.append(mass * field[:n])
+        return stack(positions), stack(weights)
+
+    def potential(self) -> ca.SX:
+        return -ca.dot(*self._weights())
+
+    def powers(self, rate: Rate) -> Powers:
+        positions, weights = self._weights()
+        return [(rate(positions), weights)]
 
 
 @dataclass(eq=False)
 class PointForce(ForceElement):
-    """Force at a point; its components are inertial or those of a body."""
+    """Force at a point; its components are in inertial axes or in those of a body."""
 
     point: Point
     vector: Expression
@@ -28,11 +55,11 @@ class PointForce(ForceElement):
         super().__post_init__()
 
     def axes(self) -> BodyElement | None:
-        """The body whose axes the components are in; None if they are inertial."""
+        """The body in whose axes the components are stated; None for inertial axes."""
         raise NotImplementedError
 
     def components(self) -> ca.SX:
-        """In inertial axes."""
+        """The force in inertial axes."""
         return in_inertial_axes(self.vector.sx, self.axes())
 
     def powers(self, rate: Rate) -> Powers:
@@ -45,11 +72,11 @@ class PointForce(ForceElement):
         return {"force": (self.components(), "N")}
 
     def parts(self) -> list[Coordinates]:
-        return known_once([self.point.body, self.axes()])
+        return distinct([self.point.body, self.axes()])
 
 
 class Couple(ForceElement):
-    """Moment on a body, with its reaction on a second one if given."""
+    """Moment on a body, with its reaction on an optional second one."""
 
     name: str
     body: BodyElement
@@ -68,9 +95,9 @@ class Couple(ForceElement):
 
     @property
     def turning(self) -> ca.SX:
-        """(3,) angular velocity of the body against what carries the reaction."""
-        carried = self.reaction_on
-        return self.body.turning - (carried.turning if carried is not None else 0)
+        """(3,) angular velocity relative to the body that carries the reaction."""
+        reaction = self.reaction_on
+        return self.body.turning - (reaction.turning if reaction is not None else 0)
 
     def components(self) -> ca.SX:
         """(3,) the moment in inertial axes."""
@@ -91,14 +118,14 @@ class Couple(ForceElement):
         }
 
     def parts(self) -> list[Coordinates]:
-        return known_once([self.body, self.reaction_on])
+        return distinct([self.body, self.reaction_on])
 
 
 def in_inertial_axes(vector: ca.SX, body: BodyElement | None) -> ca.SX:
-    """Components of a vector that are in the axes of a body, or inertial if there is none."""
+    """Inertial components of a vector stated in the axes of a body; unchanged without a body."""
     return vector if body is None else body.turned(vector)
 
 
-def known_once(bodies: list[BodyElement | None]) -> list[Coordinates]:
-    """The bodies there are, each once."""
+def distinct(bodies: list[BodyElement | None]) -> list[Coordinates]:
+    """The bodies without None and duplicates."""
     return list(dict.fromkeys(body for body in bodies if body is not None))

@@ -1,9 +1,8 @@
-"""What elements look like: the primitives that pictures of mechanisms are made of.
+"""Graphical primitives of elements.
 
-An element answers ``look()`` with some of them, tied to the points and bodies it ties. They say
-what is there and where, in as many dimensions as the points have, and nothing of pixels: how a pin
-is drawn is known to the page alone. Sizes are formulas of parameters, loads and travels of the
-motion too; directions are in the axes of a body.
+``look()`` of an element returns primitives attached to its points and bodies. They state kind and
+position, in the dimension of the points; the page decides how a primitive is drawn. Sizes are
+formulas of parameters, loads and travels also of the motion; directions are in the axes of a body.
 """
 
 from __future__ import annotations
@@ -18,14 +17,14 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.point import Point
 
 
-# where two bodies meet ---------------------------------------------------------------------
+# joints --------------------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class Mark(Look):
-    """A sign at a point, where a joint holds it on another body; as such, one of no special kind.
+    """Symbol at a joint; the base class is a generic one.
 
     Parameters
     ----------
-    point : where it is
+    point : its position
     base : the point of the other body, or that body
     """
 
@@ -34,11 +33,11 @@ class Mark(Look):
 
 
 class Pin(Mark):
-    """Turns about an axis."""
+    """Rotates about an axis."""
 
 
 class Socket(Mark):
-    """Turns about a point."""
+    """Rotates about a point."""
 
 
 class SlotPin(Mark):
@@ -46,27 +45,27 @@ class SlotPin(Mark):
 
 
 class Collar(SlotPin):
-    """A sleeve on a shaft, turns about it and slides along it."""
+    """A sleeve on a shaft, rotates about it and slides along it."""
 
 
 class Nut(SlotPin):
-    """A sleeve on a spindle, slides as it turns."""
+    """A nut on a spindle, slides as it rotates."""
 
 
 class Cross(Pin):
-    """Two arms, each an axis to turn about."""
+    """Two perpendicular axes of rotation."""
 
 
 class Table(Mark):
-    """Slides and turns on a plane."""
+    """Slides and rotates on a plane."""
 
 
 class Slider(Mark):
-    """Slides without turning."""
+    """Slides without rotation."""
 
 
 class Clamp(Mark):
-    """Held fast."""
+    """Rigidly attached."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +79,7 @@ class Mesh(Mark):
 
 @dataclass(frozen=True, eq=False)
 class Contact(Look):
-    """Two bodies touch at a place that wanders over both; inertial axes."""
+    """Contact point of two bodies; inertial axes."""
 
     place: ca.SX
 
@@ -119,7 +118,7 @@ class Block(Look):
 
 @dataclass(frozen=True, eq=False)
 class Rail(Look):
-    """A straight line through a point of a body, as long as the travel along it asks for."""
+    """A straight line through a point of a body; its length follows from the travel along it."""
 
     point: Point
     direction: ca.SX
@@ -139,18 +138,18 @@ class Path(Look):
 # between two points ------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class Link(Look):
-    """Something between two points, which may come closer or part."""
+    """A primitive between two points of variable distance."""
 
     point_i: Point
     point_j: Point
 
 
 class Rod(Link):
-    """Rigid, without mass."""
+    """A massless rigid link."""
 
 
 class Strand(Link):
-    """A piece of something that bends, between two of its nodes."""
+    """A segment of a flexible body between two nodes."""
 
 
 class Coil(Link):
@@ -162,7 +161,7 @@ class Dashpot(Link):
 
 
 class Cylinder(Link):
-    """Pushes its ends apart."""
+    """An actuator along the line of its ends."""
 
 
 class Sleeve(Link):
@@ -170,13 +169,13 @@ class Sleeve(Link):
 
 
 class Tie(Link):
-    """Two motions that go together in a fixed ratio, by whatever means."""
+    """Two motions coupled by a fixed ratio."""
 
 
 # about the axis of two bodies ---------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class Rotary(Look):
-    """Something about the axis on which two bodies turn against each other; None is the ground."""
+    """A primitive about the axis of relative rotation of two bodies; None is the ground."""
 
     body_i: BodyElement | None
     body_j: BodyElement
@@ -191,12 +190,12 @@ class Brake(Rotary):
 
 
 class Motor(Rotary):
-    """Turns the second body."""
+    """Drives the rotation of the second body."""
 
 
 @dataclass(frozen=True, eq=False)
 class Belt(Rotary):
-    """Couples the rotations of two wheels on a carrier, by radii in the ratio i to j."""
+    """Couples the rotations of two wheels on a carrier; ``ratio`` is that of the radii i to j."""
 
     ratio: ca.SX
     carrier: BodyElement | None
@@ -205,7 +204,7 @@ class Belt(Rotary):
 # motions and loads -------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class Travel(Look):
-    """A point is moved along a direction in the axes of a body; None is the ground."""
+    """Motion of a point along a direction in the axes of a body; None is the ground."""
 
     point: Point
     body: BodyElement | None
@@ -214,7 +213,7 @@ class Travel(Look):
 
 @dataclass(frozen=True, eq=False)
 class Limit(Look):
-    """A coordinate of the bodies that goes no further than a value, from below or from above."""
+    """Upper (``above``) or lower limit of a coordinate."""
 
     coordinate: ca.SX
     value: ca.SX
@@ -223,7 +222,7 @@ class Limit(Look):
 
 @dataclass(frozen=True, eq=False)
 class Arrow(Look):
-    """A force on a point, in inertial axes."""
+    """A force at a point, in inertial axes."""
 
     point: Point
     force: ca.SX
@@ -231,7 +230,7 @@ class Arrow(Look):
 
 @dataclass(frozen=True, eq=False)
 class Twist(Look):
-    """A moment on a body, about its axis; in space a vector in inertial axes."""
+    """A moment on a body; in space a vector in inertial axes."""
 
     body: BodyElement
     moment: ca.SX

@@ -1,4 +1,4 @@
-"""What ties two bodies: the points it holds on, and the reaction between them."""
+"""Connections of two bodies: end points, reactions, constant distance."""
 
 from __future__ import annotations
 
@@ -8,24 +8,24 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Element, Look
+from dalembert.elements.base import Constraint, Element, Look, Scalar, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates, rate_of
-from dalembert.elements.look import Mark
+from dalembert.elements.look import Mark, Rod
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression, t
 
 
 def need_point(value: Any, owner: str, field: str, dimension: int = 2) -> Point:
-    """Check that an element was given a point of a body; a body itself stands for its origin.
+    """Check that an argument is a point of a body; a body stands for its origin.
 
     Parameters
     ----------
-    dimension : of the point beside it, where there is one
+    dimension : number of coordinates of the other point, if any
     """
     if isinstance(value, BodyElement):
-        refuse_intangible(value, owner, field)
+        refuse_floating_frame(value, owner, field)
         return Point(value, (0.0,) * max(value.dimension, dimension))
     if not isinstance(value, Point):
         raise ModelError(
@@ -35,16 +35,16 @@ def need_point(value: Any, owner: str, field: str, dimension: int = 2) -> Point:
 
 
 def need_body(value: Any, owner: str, field: str) -> Any:
-    """Check that an element was given a body."""
+    """Check that an argument is a body."""
     if not isinstance(value, BodyElement):
         raise ModelError(f"{field} must be a body; got {value!r}", owner)
-    refuse_intangible(value, owner, field)
+    refuse_floating_frame(value, owner, field)
     return value
 
 
-def refuse_intangible(body: BodyElement, owner: str, field: str) -> None:
-    """Frames that follow the mean axes of a flexible body are not fixed in it."""
-    if not body.tangible and body.owner is body:
+def refuse_floating_frame(body: BodyElement, owner: str, field: str) -> None:
+    """Refuse the floating frame of a flexible body that follows its mean axes."""
+    if not body.has_material_frame and body.owner is body:
         raise ModelError(
             f"{field} is the frame of {body.name}, which follows its mean axes and is nowhere "
             f"fixed in it; take one of its sections, {body.name}.section(…), or give the body "
@@ -59,7 +59,7 @@ def refuse_same_body(body_i: BodyElement, body_j: BodyElement, owner: str) -> No
 
 
 def moment_of(arm: ca.SX, force: ca.SX) -> ca.SX:
-    """``arm × force``, a number in the plane."""
+    """``arm × force``, a scalar in the plane."""
     if force.numel() == 2:
         return arm[0] * force[1] - arm[1] * force[0]
     return ca.cross(arm, force)
@@ -67,7 +67,7 @@ def moment_of(arm: ca.SX, force: ca.SX) -> ca.SX:
 
 @dataclass(eq=False)
 class BetweenPoints(Element):
-    """Anything that holds on two points.
+    """An element between two points.
 
     Parameters
     ----------
@@ -82,10 +82,10 @@ class BetweenPoints(Element):
         self.point_i = need_point(self.point_i, self.name, "point_i", space)
         self.point_j = need_point(self.point_j, self.name, "point_j", space)
         refuse_same_body(self.point_i.body, self.point_j.body, self.name)
-        self._in_one_space()
+        self._check_dimension()
         super().__post_init__()
 
-    def _in_one_space(self) -> None:
+    def _check_dimension(self) -> None:
         i, j = self.point_i, self.point_j
         if i.dimension != j.dimension:
             planar = i if i.dimension == 2 else j
@@ -103,7 +103,7 @@ class BetweenPoints(Element):
         return list(self.ends())
 
     @property
-    def spots(self) -> tuple[Point, Point]:
+    def end_points(self) -> tuple[Point, Point]:
         return self.point_i, self.point_j
 
     @property
@@ -118,10 +118,10 @@ class BetweenPoints(Element):
 
 
 class Pair:
-    """Reaction of a two-body constraint, by the virtual work of its equations.
+    """Reaction of a two-body constraint from the virtual work of its equations.
 
-    Along a motion of its second body the joint has the power ``−λᵀ (Φ̇, Ψ)``: a generalised force
-    by speeds, and so a force, and a moment that is moved to the joint point.
+    For a motion of its second body the joint has the power ``−λᵀ (Φ̇, Ψ)``: a generalised force by
+    speeds, from which the force and the moment about the joint point follow.
     """
 
     equations: ca.SX
@@ -142,7 +142,7 @@ class Pair:
     def reaction(self) -> tuple[ca.SX, ca.SX]:
         """Force [N] and moment [N m] on the second body at the joint point."""
         first, second = self.ends()
-        if first.dimension > second.dimension:  # what moves in a plane feels not all of it
+        if first.dimension > second.dimension:  # the planar body carries the planar components only
             force, moment = self._action_on(first)
             return -force, -moment
         return self._action_on(second)
@@ -166,12 +166,36 @@ class PointJoint(BetweenPoints, Pair, Constraint):
 
 
 def initial_value(expression: ca.SX, bodies: Sequence[BodyElement]) -> Expression:
-    """A position-level expression at the bodies' given guesses, at rest where they are missing."""
+    """A position-level expression at the initial guesses of bodies, at the origin without one."""
     symbols, values = [], []
     for body in dict.fromkeys(b.owner for b in bodies):  # the carrier may be one of the ends
         expression = ca.substitute(expression, *body.followers)
-        own = ca.vertsplit(body.pose)[: len(body.rest)]
-        for symbol, guess, rest in zip(own, body.guesses()[0], body.rest, strict=True):
+        pose = ca.vertsplit(body.pose)[: len(body.rest)]
+        for symbol, guess, rest in zip(pose, body.guesses()[0], body.rest, strict=True):
             symbols.append(symbol)
             values.append(ca.SX(rest) if guess is None else guess)
     return Expression(ca.substitute(expression, ca.vertcat(*symbols), ca.vertcat(*values)))
+
+
+@dataclass(eq=False)
+class ConstantDistance(PointJoint):
+    """Constant distance between two points, ``Φ = |r_jP − r_iP| − length``.
+
+    The multiplier is the force in the link [N], positive in tension.
+
+    Parameters
+    ----------
+    length : distance of the points [m]
+    """
+
+    length: Scalar = quantity("m", "distance of the two points", above=0.0, keyword=True)
+
+    def residual(self) -> ca.SX:
+        distance, length = self.measured_and_target()
+        return distance - length
+
+    def look(self) -> list[Look]:
+        return [Rod(self.point_i, self.point_j)]
+
+    def measured_and_target(self) -> tuple[ca.SX, ca.SX]:
+        return self.distance, self.length.sx

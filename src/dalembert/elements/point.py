@@ -7,8 +7,8 @@ from typing import Any, Protocol
 import casadi as ca
 
 from dalembert.elements.base import Vector
-from dalembert.elements.brief import brief, short, spot
 from dalembert.elements.coordinates import rate_of, second_rate_of
+from dalembert.elements.representation import brief, short, spot
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, t
@@ -18,16 +18,16 @@ AXES = "xyz"
 
 
 class Carrier(Protocol):
-    """What points and frames are fixed in."""
+    """A body that points and frames are fixed in."""
 
     name: str
     dimension: int
 
     def locate(self, local: ca.SX) -> ca.SX:
-        """Inertial position of a place in its own frame."""
+        """Inertial position of a point in its frame."""
 
     def turned(self, local: ca.SX) -> ca.SX:
-        """Inertial components of a vector in its own frame."""
+        """Inertial components of a vector in its frame."""
 
 
 class Point(Spelled):
@@ -36,8 +36,8 @@ class Point(Spelled):
     Parameters
     ----------
     body : the body
-    local : (2,) or (3,) coordinates in the body frame [m]; three on a planar body make a point
-        beside its plane
+    local : (2,) or (3,) coordinates in the body frame [m]; a planar body accepts three for a point
+        outside its plane
     name : str, optional
 
     Examples
@@ -55,21 +55,21 @@ class Point(Spelled):
     def __init__(self, body: Carrier, local: Vector, name: str = ""):
         self.body: Any = body
         self.name = f"{body.name}.{name}" if name else ""
-        spoken = self.name or f"point of {body.name}"
-        self.local = as_expression(local, spoken, "m", _count(local, body.dimension))
+        entity = self.name or f"point of {body.name}"
+        self.local = as_expression(local, entity, "m", _count(local, body.dimension))
 
     def __repr__(self) -> str:
-        where = short(self.local)
+        coordinates = short(self.local)
         kind = type(self).__name__
-        return brief(kind, self.name, [where]) if self.name else f"<{kind} {spot(self)}>"
+        return brief(kind, self.name, [coordinates]) if self.name else f"<{kind} {spot(self)}>"
 
     @property
     def dimension(self) -> int:
         """Number of its coordinates."""
         return int(self.local.sx.numel())
 
-    def _named(self, sx: ca.SX, what: str, unit: str) -> Expression:
-        return Expression(sx, f"{self.name}.{what}" if self.name else "", unit)
+    def _measure(self, sx: ca.SX, name: str, unit: str) -> Expression:
+        return Expression(sx, f"{self.name}.{name}" if self.name else "", unit)
 
     @property
     def arm(self) -> ca.SX:
@@ -78,30 +78,30 @@ class Point(Spelled):
 
     @property
     def undeformed(self) -> ca.SX:
-        """Its place in the frame of its body while nothing is deformed."""
+        """Its undeformed position in the frame of the body."""
         return self.body.undeformed(self.local.sx)
 
     @property
     def position(self) -> Expression:
-        return self._named(self.body.locate(self.local.sx), "position", "m")
+        return self._measure(self.body.locate(self.local.sx), "position", "m")
 
     @property
     def velocity(self) -> Expression:
         rate = rate_of(self.position.sx, [self.body], t.sx)
-        return self._named(rate, "velocity", "m/s")
+        return self._measure(rate, "velocity", "m/s")
 
     @property
     def acceleration(self) -> Expression:
         second = second_rate_of(self.position.sx, [self.body], t.sx)
-        return self._named(second, "acceleration", "m/s^2")
+        return self._measure(second, "acceleration", "m/s^2")
 
     @property
     def x(self) -> Expression:
-        return self._named(self.position.sx[0], "x", "m")
+        return self._measure(self.position.sx[0], "x", "m")
 
     @property
     def y(self) -> Expression:
-        return self._named(self.position.sx[1], "y", "m")
+        return self._measure(self.position.sx[1], "y", "m")
 
     @property
     def z(self) -> Expression:
@@ -110,11 +110,11 @@ class Point(Spelled):
         Raises
         ------
         ModelError
-            The point is one of a plane.
+            The point is planar.
         """
         if self.dimension < 3:
-            raise ModelError("a point of the plane has no z", self.name or self.body.name)
-        return self._named(self.position.sx[2], "z", "m")
+            raise ModelError("a planar point has no z", self.name or self.body.name)
+        return self._measure(self.position.sx[2], "z", "m")
 
     def measures(self) -> dict[str, tuple[ca.SX, str]]:
         position, velocity = self.position.sx, self.velocity.sx
@@ -136,7 +136,7 @@ def components(letter: str, vector: ca.SX, unit: str) -> dict[str, tuple[ca.SX, 
 
 
 def _count(local: Vector, usual: int) -> int:
-    """How many coordinates were given, where that can be seen."""
+    """Number of coordinates of a point; ``usual`` if it cannot be determined."""
     size = local.sx.numel() if isinstance(local, Expression) else _length(local)
     return size if size in (2, 3) and size >= usual else usual
 

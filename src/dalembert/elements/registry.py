@@ -1,8 +1,8 @@
-"""The one list of everything a model can be made of: name → class.
+"""Registry of elements, laws, curves and shapes: name → class.
 
 A new element is one file, one row here and one line in the documentation. Model files, their
-schema, the laws tested over all elements and the reference pages are all made from these tables.
-Elements of the plane and of space have tables of their own, so that one name may stand in both.
+schema, the tests over all elements and the reference pages are generated from these tables.
+Planar and spatial elements have separate tables, so that both may use the same name.
 """
 
 from __future__ import annotations
@@ -11,9 +11,7 @@ from dataclasses import dataclass
 
 from dalembert.elements import planar, spatial
 from dalembert.elements.curves import FormulaCurve, SplineCurve
-from dalembert.elements.laws.base import Formula, Product, Sum
-from dalembert.elements.laws.harmonic import Harmonic
-from dalembert.elements.laws.polynomial import Polynomial
+from dalembert.elements.laws.base import Formula, Harmonic, Polynomial, Product, Sum
 from dalembert.elements.laws.rise import (
     CycloidalRise,
     HarmonicRise,
@@ -25,12 +23,12 @@ from dalembert.elements.laws.table import Table
 
 @dataclass(frozen=True, eq=False)
 class Space:
-    """The elements of mechanisms in the plane, or in space.
+    """The elements of planar or spatial mechanisms.
 
     Attributes
     ----------
     name : the module of its elements
-    dimension : how many coordinates a point has
+    dimension : number of coordinates of a point
     sections : section of a model file → name → class
     """
 
@@ -90,6 +88,7 @@ PLANAR = Space(
             planar.ClearanceRevolute,
             planar.Cable,
             planar.UnilateralConstraint,
+            planar.Collisions,
         ),
     },
 )
@@ -154,24 +153,25 @@ SPATIAL = Space(
             spatial.ClearanceSpherical,
             spatial.Cable,
             spatial.UnilateralConstraint,
+            spatial.Collisions,
         ),
     },
 )
 SPACES = {space.dimension: space for space in (PLANAR, SPATIAL)}
-"""Dimension → the elements there are in it."""
+"""Dimension → elements."""
 
 
 def elements_of(space: Space, section: str) -> dict[str, type]:
-    """The classes that a mechanism of this space may hold, by the names that its file gives them.
+    """Classes that a mechanism of this space may contain, by their names in model files.
 
-    Those of its own space go by their name alone or as ``planar.Revolute``, others by the latter.
+    Those of its own space are named ``Revolute`` or ``planar.Revolute``, others only the latter.
     """
-    found = {
-        f"{other.name}.{name}": cls
-        for other in SPACES.values()
-        for name, cls in other.sections[section].items()
+    qualified = {
+        f"{origin.name}.{name}": cls
+        for origin in SPACES.values()
+        for name, cls in origin.sections[section].items()
     }
-    return space.sections[section] | found
+    return space.sections[section] | qualified
 
 
 LAWS = named(
@@ -208,7 +208,7 @@ SHAPES = {
         spatial.contact.Corners,
     ),
 }
-"""Dimension → the shapes of bodies that touch."""
+"""Dimension → contact shapes."""
 CONTACT_LAWS = named(
     planar.contact.Hertz,
     planar.contact.HuntCrossley,

@@ -1,4 +1,4 @@
-"""Orientations in space as they are given: matrices, axes and angles, Euler and Bryant angles."""
+"""Orientations from matrices, axis and angle, Euler and Bryant angles."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from dalembert.text.spelling import spelled
 __all__ = ["Orientation", "axis_angle", "bryant", "euler", "from_matrix", "identity"]
 
 ORTHONORMAL = 1e-6
-"""Deviation of axes from orthonormal ones that is corrected; beyond, they are refused."""
+"""Upper limit of the deviation of axes from orthonormal ones; smaller ones are corrected."""
 NEAR = math.radians(2)
-"""Distance from the singular attitude of angles that is told."""
+"""Threshold of the distance from the singular attitude for a warning [rad]."""
 AXES = "xyz"
 
 
@@ -30,8 +30,8 @@ class Orientation(Expression):
 
     Attributes
     ----------
-    off : deviation of a matrix of formulas, from which it was made, from an orthonormal one
-    doubts : as ``Element.doubts``
+    off : deviation of the original matrix of formulas from an orthonormal one
+    warnings : as ``Element.warnings``
 
     Examples
     --------
@@ -39,28 +39,29 @@ class Orientation(Expression):
     >>> import dalembert as da
     >>> from dalembert import rotation
     >>> quarter = rotation.axis_angle((0, 0, 1), math.pi / 2)
-    >>> half = quarter @ quarter  # one turn, then the other
+    >>> half = quarter @ quarter  # two successive rotations
     >>> isinstance(half, rotation.Orientation), round(float(half.sx[3]), 6)
     (True, 1.0)
     """
 
-    def __init__(self, sx: ca.SX, off: ca.SX | None = None, doubts: Sequence[Condition] = ()):
+    def __init__(self, sx: ca.SX, off: ca.SX | None = None, warnings: Sequence[Condition] = ()):
         super().__init__(sx)
         self.off = ca.SX(0, 1) if off is None else off
-        self.doubts = list(doubts)
+        self.warnings = list(warnings)
 
     @property
     def matrix(self) -> ca.SX:
-        """(3, 3) axes of the turned frame as columns."""
+        """(3, 3) axes of the rotated frame as columns."""
         return turning.matrix(self.sx)
 
     def __matmul__(self, other: Orientation) -> Orientation:
-        """This turn, then the other in the turned frame."""
+        """This rotation, then the other one in the rotated frame."""
         off = ca.vertcat(self.off, other.off)
-        return Orientation(turning.product(self.sx, other.sx), off, [*self.doubts, *other.doubts])
+        warnings = [*self.warnings, *other.warnings]
+        return Orientation(turning.product(self.sx, other.sx), off, warnings)
 
     def conditions(self) -> list[tuple[ca.SX, str, ca.SX]]:
-        """That it is one at the values of its parameters, as ``Element.conditions``."""
+        """That it is a rotation at the values of the parameters, as ``Element.conditions``."""
         off = ca.vertcat(self.off, ca.sumsqr(self.sx) - 1)
         wrong = (
             "its rotation is none: an axis has no length, or a matrix is off orthonormal by {:.3g}"
@@ -69,7 +70,7 @@ class Orientation(Expression):
 
 
 def identity() -> Orientation:
-    """No turn.
+    """The identity.
 
     Examples
     --------
@@ -82,7 +83,7 @@ def identity() -> Orientation:
 
 @spelled
 def axis_angle(axis, angle) -> Orientation:
-    """Turn about an axis.
+    """Rotation about an axis.
 
     Parameters
     ----------
@@ -105,17 +106,17 @@ def axis_angle(axis, angle) -> Orientation:
 
 
 def euler(sequence: str, *angles) -> Orientation:
-    """Turns about body axes one after the other.
+    """Successive rotations about body axes.
 
     Parameters
     ----------
     sequence : axes such as ``"zxz"`` (Euler) or ``"xyz"`` (Bryant)
-    angles : as many [rad]
+    angles : one per axis [rad]
 
     Raises
     ------
     ModelError
-        Unknown axes, or not as many angles.
+        Unknown axes, or a different number of angles.
 
     Examples
     --------
@@ -123,36 +124,36 @@ def euler(sequence: str, *angles) -> Orientation:
     >>> import casadi as ca
     >>> from dalembert import rotation
     >>> turn = rotation.euler("zxz", math.pi / 2, math.pi / 6, 0.0)
-    >>> ca.DM(turn.matrix[:, 2]).full().ravel().round(6) + 0.0  # where the third axis points
+    >>> ca.DM(turn.matrix[:, 2]).full().ravel().round(6) + 0.0  # direction of the third axis
     array([0.5     , 0.      , 0.866025])
     """
     letters = list(sequence.lower()) if isinstance(sequence, str) else []
     if not letters or any(letter not in AXES for letter in letters):
-        raise ModelError(f"a sequence of axes is made of x, y and z; got {sequence!r}", "rotation")
+        raise ModelError(f"a sequence of axes consists of x, y and z; got {sequence!r}", "rotation")
     if len(letters) != len(angles):
         raise ModelError(f"{sequence!r} takes {len(letters)} angles, got {len(angles)}", "rotation")
-    made = identity()
+    orientation = identity()
     for letter, angle in zip(letters, angles, strict=True):
-        made = made @ axis_angle(np.eye(3)[AXES.index(letter)], angle)
-    return Orientation(made.sx, doubts=_attitude(letters, angles))
+        orientation = orientation @ axis_angle(np.eye(3)[AXES.index(letter)], angle)
+    return Orientation(orientation.sx, warnings=_singularity_warnings(letters, angles))
 
 
-def _attitude(letters: list[str], angles: Sequence) -> list[Condition]:
-    """Whether the first and the third turn are nearly about the same axis."""
+def _singularity_warnings(letters: list[str], angles: Sequence) -> list[Condition]:
+    """Warning of angles near the attitude in which the first and third axes coincide."""
     if len(letters) != 3 or letters[1] in (letters[0], letters[2]):
         return []
     middle = as_expression(angles[1], "angle", "rad").sx
-    apart = ca.fabs(ca.sin(middle) if letters[0] == letters[2] else ca.cos(middle))
+    sine = ca.fabs(ca.sin(middle) if letters[0] == letters[2] else ca.cos(middle))
     text = (
         f"its angles {''.join(letters)} are {{:.2g}}° from their singular attitude, where the "
         "first and the third turn about the same axis; another sequence has it elsewhere"
     )
-    return [(apart - math.sin(NEAR), text, ca.asin(apart) * 180 / math.pi)]
+    return [(sine - math.sin(NEAR), text, ca.asin(sine) * 180 / math.pi)]
 
 
 @spelled
 def bryant(x, y, z) -> Orientation:
-    """Bryant (Cardan) angles: turns about the body's x, y and z axes, one after the other [rad].
+    """Bryant (Cardan) angles: successive rotations about the body's x, y and z axes [rad].
 
     Parameters
     ----------
@@ -176,7 +177,7 @@ def bryant(x, y, z) -> Orientation:
 
 @spelled
 def from_matrix(rows) -> Orientation:
-    """By a rotation matrix, whose columns are the axes of the turned frame.
+    """Orientation from a rotation matrix, whose columns are the axes of the rotated frame.
 
     Parameters
     ----------
@@ -191,37 +192,37 @@ def from_matrix(rows) -> Orientation:
     --------
     >>> import numpy as np
     >>> from dalembert import rotation
-    >>> turn = rotation.from_matrix([[0, -1, 0], [1, 0, 0], [0, 0, 1]])  # columns: turned axes
+    >>> turn = rotation.from_matrix([[0, -1, 0], [1, 0, 0], [0, 0, 1]])  # columns: rotated axes
     >>> [round(float(e) * 2**0.5, 6) for e in turn.sx.elements()]
     [1.0, 0.0, 0.0, 1.0]
     """
     return as_orientation(rows, "rotation")
 
 
-def as_orientation(given: Any, entity: str) -> Orientation:
-    """An orientation from what people have.
+def as_orientation(value: Any, entity: str) -> Orientation:
+    """An orientation from an ``Orientation``, a matrix or a SciPy rotation.
 
     Raises
     ------
     ModelError
-        It is none.
+        The value is not an orientation.
     """
-    if isinstance(given, Orientation):
-        return given
-    if hasattr(given, "as_quat"):  # SciPy, whose scalar comes last
-        parts = np.asarray(given.as_quat(), dtype=float).ravel()
+    if isinstance(value, Orientation):
+        return value
+    if hasattr(value, "as_quat"):  # SciPy, scalar last
+        parts = np.asarray(value.as_quat(), dtype=float).ravel()
         if parts.size != 4:
             raise ModelError(f"one rotation is needed; got {parts.size // 4}", entity)
         x, y, z, w = parts
         return Orientation(ca.SX([w, x, y, z]))
     try:
-        rows = [as_sx(list(row)) for row in given]
+        rows = [as_sx(list(row)) for row in value]
     except (TypeError, ValueError):
         rows = []
     if len(rows) != 3 or any(row.numel() != 3 for row in rows):
         raise ModelError(
             "give da.rotation.axis_angle(axis, angle), .euler(…), .bryant(…), a 3×3 matrix or "
-            f"scipy.spatial.transform.Rotation; got {given!r}",
+            f"scipy.spatial.transform.Rotation; got {value!r}",
             entity,
         )
     matrix = orthonormal(ca.vertcat(*(r.T for r in rows)), entity)
@@ -229,12 +230,12 @@ def as_orientation(given: Any, entity: str) -> Orientation:
 
 
 def orthonormal(matrix: ca.SX, entity: str) -> ca.SX:
-    """Axes made orthonormal where they are nearly so.
+    """The nearest orthonormal axes, if the deviation is small.
 
     Raises
     ------
     ModelError
-        They are not, or left-handed.
+        The axes are not orthonormal, or left-handed.
     """
     if matrix.is_constant():
         numbers = np.array(ca.DM(matrix).full())
@@ -253,7 +254,7 @@ def orthonormal(matrix: ca.SX, entity: str) -> ca.SX:
 
 
 def off_orthonormal(matrix: ca.SX) -> ca.SX:
-    """How far formulas of axes are from right-handed orthonormal ones; nothing of numbers."""
+    """Deviation of formulas of axes from right-handed orthonormal ones; empty for numbers."""
     if matrix.is_constant():
         return ca.SX(0, 1)
     products = ca.mtimes(matrix.T, matrix) - ca.SX.eye(3)
@@ -261,18 +262,18 @@ def off_orthonormal(matrix: ca.SX) -> ca.SX:
 
 
 def within(off: ca.SX, wrong: str) -> tuple[ca.SX, str, ca.SX]:
-    """The condition that deviations are those of orthonormal axes."""
-    size = ca.sqrt(ca.sumsqr(off))  # no maximum, which passes over what is no number
+    """The condition that a deviation from orthonormal axes is within the limit."""
+    size = ca.sqrt(ca.sumsqr(off))  # a norm, because a maximum ignores NaN
     return ORTHONORMAL - size, wrong, size
 
 
 def unit(vector: ca.SX, entity: str) -> ca.SX:
-    """The vector at length one.
+    """The vector normalised.
 
     Raises
     ------
     ModelError
-        It has no length.
+        The vector is zero.
     """
     if vector.is_constant() and float(ca.norm_2(vector)) == 0.0:
         raise ModelError("a direction needs a length; (0, 0, 0) has none", entity)

@@ -1,7 +1,7 @@
-"""Cross-sections and materials: the numbers of elements from those that people choose.
+"""Cross-sections and materials, from which quantities of elements are computed.
 
-Widths are along the section's own z axis, heights along its y axis, as seen along the beam; every
-number may be a formula of parameters. Shear areas are those of Cowper's classical estimates
+Widths are along the section's z axis, heights along its y axis, viewed along the beam; every
+number may be a formula of parameters. Shear areas are Cowper's classical estimates
 (5/6 of a rectangle, 9/10 of a circle, the web of an I section); torsion constants by Roark,
 Formulas for Stress and Strain, table 10.7.
 """
@@ -28,9 +28,9 @@ class Section(Spelled):
     Parameters
     ----------
     area : [m²]
-    second_moment_y, second_moment_z : about its own axes [m⁴]
+    second_moment_y, second_moment_z : second moments of area about its axes [m⁴]
     torsion_constant : [m⁴]
-    shear_area_y, shear_area_z : for shear forces along its own axes [m²]
+    shear_area_y, shear_area_z : for shear forces along its axes [m²]
 
     Examples
     --------
@@ -53,9 +53,9 @@ class Section(Spelled):
         _read_fields(self, (area, bend, bend, bend, area, area))
 
     def of(self, cls: type[Element]) -> dict[str, Number]:
-        """The quantities of a class of elements; in the plane it bends about its z axis."""
-        plane = {"second_moment": self.second_moment_z, "shear_area": self.shear_area_y}
-        return _chosen(cls, {**vars(self), **plane}, "area", "section")
+        """Keyword arguments for a class of elements; planar elements bend about the z axis."""
+        planar = {"second_moment": self.second_moment_z, "shear_area": self.shear_area_y}
+        return _arguments_for(cls, {**vars(self), **planar}, "area", "section")
 
     def planar_beam(self, material: Material) -> dict[str, Number]:
         """Rigidities and masses of ``planar.Beam``, which bends about the section's z axis."""
@@ -119,16 +119,18 @@ class Material(Spelled):
         return self.modulus / (2 * (1 + self.poisson))
 
     def of(self, cls: type[Element]) -> dict[str, Number]:
-        """The quantities of a class of elements."""
-        known = {**vars(self), "shear_modulus": self.shear_modulus}
-        return _chosen(cls, known, "modulus", "material")
+        """Keyword arguments for a class of elements."""
+        values = {**vars(self), "shear_modulus": self.shear_modulus}
+        return _arguments_for(cls, values, "modulus", "material")
 
 
-def _chosen(cls, known: dict[str, Number], needed: str, what: str) -> dict[str, Number]:
+def _arguments_for(
+    cls: type[Element], values: dict[str, Number], required: str, kind: str
+) -> dict[str, Number]:
     fields = [field.name for field in cls.quantity_fields()]
-    if needed not in fields:
-        raise ModelError(f"has no {needed}, so it takes no {what}", cls.__name__)
-    return {name: known[name] for name in fields if name in known}
+    if required not in fields:
+        raise ModelError(f"has no {required}, so that a {kind} does not apply", cls.__name__)
+    return {name: values[name] for name in fields if name in values}
 
 
 @spelled
@@ -137,7 +139,7 @@ def rectangle(width: Number, height: Number) -> Section:
 
     Parameters
     ----------
-    width, height : along its z and its y axis [m], numbers or formulas
+    width, height : lengths along its z and y axes [m], numbers or formulas
 
     Examples
     --------
@@ -179,7 +181,7 @@ def circle(diameter: Number) -> Section:
 
 @spelled
 def tube(diameter: Number, wall: Number) -> Section:
-    """A circular tube by its outer diameter and its wall; shear areas of a thin one.
+    """A circular tube; shear areas of a thin wall.
 
     Parameters
     ----------
@@ -201,22 +203,22 @@ def tube(diameter: Number, wall: Number) -> Section:
 
 @spelled
 def i_section(width: Number, height: Number, flange: Number, web: Number) -> Section:
-    """Two flanges across a web in the direction of the height.
+    """An I section, with the web along the height.
 
     Parameters
     ----------
-    width, height : of the whole [m]
+    width, height : overall dimensions [m]
     flange, web : thicknesses [m]
 
     Examples
     --------
     >>> from dalembert import structures
     >>> ipe = structures.i_section(width=0.1, height=0.2, flange=0.01, web=0.006)
-    >>> round(float(ipe.area) * 1e4, 9)  # two flanges of 10 and a web of 18 by 0.6 cm
+    >>> round(float(ipe.area) * 1e4, 9)  # two flanges of 10 × 1 cm, a web of 18 × 0.6 cm
     30.8
     """
-    given = {"width": width, "height": height, "flange": flange, "web": web}
-    width, height, flange, web = _lengths("i_section", **given)
+    lengths = {"width": width, "height": height, "flange": flange, "web": web}
+    width, height, flange, web = _lengths("i_section", **lengths)
     clear = height - 2 * flange
     area = 2 * width * flange + web * clear
     bend_z = (width * height**3 - (width - web) * clear**3) / 12
@@ -226,7 +228,7 @@ def i_section(width: Number, height: Number, flange: Number, web: Number) -> Sec
 
 
 def _read(value: Number, unit: str, entity: str) -> Number:
-    """The number of a text such as ``"210 GPa"`` in SI units; others as they are."""
+    """The number of a text such as ``"210 GPa"`` in SI units; other values unchanged."""
     try:
         number = measured(value)
     except ExpressionError as error:
@@ -236,14 +238,14 @@ def _read(value: Number, unit: str, entity: str) -> Number:
     return number
 
 
-def _read_fields(one: Section | Material, units: tuple[str, ...]) -> None:
-    for name, unit in zip(vars(one), units, strict=True):
-        number = _read(getattr(one, name), unit, f"{type(one).__name__}.{name}")
-        object.__setattr__(one, name, number)
+def _read_fields(owner: Section | Material, units: tuple[str, ...]) -> None:
+    for name, unit in zip(vars(owner), units, strict=True):
+        number = _read(getattr(owner, name), unit, f"{type(owner).__name__}.{name}")
+        object.__setattr__(owner, name, number)
 
 
-def _lengths(function: str, **given: Number) -> list[Number]:
-    return [_read(value, "m", f"{function}: {name}") for name, value in given.items()]
+def _lengths(function: str, **lengths: Number) -> list[Number]:
+    return [_read(value, "m", f"{function}: {name}") for name, value in lengths.items()]
 
 
 def _formula(*numbers: Number) -> bool:

@@ -1,4 +1,4 @@
-"""Springs, dampers and actuators along the line of two points, in the plane and in space."""
+"""Springs, dampers and actuators between two points, and elastic bearings."""
 
 from __future__ import annotations
 
@@ -9,7 +9,16 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import ForceElement, Look, Powers, Rate, Scalar, option, quantity
+from dalembert.elements.base import (
+    ForceElement,
+    Look,
+    Powers,
+    Rate,
+    Scalar,
+    Vector,
+    option,
+    quantity,
+)
 from dalembert.elements.look import Coil, Cylinder, Dashpot
 from dalembert.elements.pair import BetweenPoints
 from dalembert.errors import DalembertError, ModelError
@@ -17,43 +26,41 @@ from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
 
 SMALLEST_LENGTH = 1e-30
+"""Regularisation of a length at zero [m]."""
 ForceLaw = Callable[[Expression, Expression], Any]
+"""Force as a function of the extension and its rate."""
 
 
-def called_law(law: ForceLaw, entity: str, extension: Expression, rate: Expression) -> Any:
-    """What a law of the user returns.
+def call_law(law: ForceLaw, entity: str, extension: Expression, rate: Expression) -> Any:
+    """The return value of a law of the user.
 
     Raises
     ------
     ModelError
-        It is no function of two arguments, or fails.
+        The law is not a function of two arguments, or fails.
     """
     if not callable(law):
-        shown = f"{law!r:.60}"
-        raise ModelError(f"expected a function of extension and rate, got {shown}", entity)
+        raise ModelError(f"expected a function of extension and rate, got {law!r:.60}", entity)
     try:
         inspect.signature(law).bind(extension, rate)
     except TypeError as error:
-        told = f"must take two arguments, extension and rate: {error}"
-        raise ModelError(told, entity) from None
-    except ValueError:  # compiled functions may not tell their arguments
+        message = f"must take two arguments, extension and rate: {error}"
+        raise ModelError(message, entity) from None
+    except ValueError:  # compiled functions may have no signature
         pass
     try:
         return law(extension, rate)
     except DalembertError:
         raise
     except Exception as error:
-        told = f"the law fails for extension and rate: {type(error).__name__}: {error!s:.200}"
-        raise ModelError(told, entity) from error
-
-
-"""Force of an extension and its rate."""
+        message = f"the law fails for extension and rate: {type(error).__name__}: {error!s:.200}"
+        raise ModelError(message, entity) from error
 
 
 class SpringDamper(ForceElement):
-    """What translational and rotational springs share: a force along one coordinate ``s``.
+    """Spring and damper along one coordinate ``s``, translational or rotational.
 
-    ``F = k (s − s0) + c ṡ``, or any ``law(s − s0, ṡ)``; it acts against the coordinate, so that
+    ``F = k (s − s0) + c ṡ``, plus ``law(s − s0, ṡ)``; it acts against the coordinate, so that
     a positive force pulls (tension).
     """
 
@@ -67,33 +74,33 @@ class SpringDamper(ForceElement):
     damping: Scalar
     law: ForceLaw | None
 
-    def relaxed(self) -> ca.SX:
+    def free_value(self) -> ca.SX:
         raise NotImplementedError
 
     def elastic(self) -> ca.SX:
         """Force of the spring alone."""
-        return self.stiffness.sx * (self.coordinate() - self.relaxed())
+        return self.stiffness.sx * (self.coordinate() - self.free_value())
 
     def force(self, rate: Rate) -> ca.SX:
         s = self.coordinate()
         linear = self.elastic() + self.damping.sx * rate(s)
         if self.law is None:
             return linear
-        extension = Expression(s - self.relaxed(), "extension", self.coordinate_unit)
-        value = called_law(self.law, f"{self.name}.law", extension, Expression(rate(s), "rate"))
+        extension = Expression(s - self.free_value(), "extension", self.coordinate_unit)
+        value = call_law(self.law, f"{self.name}.law", extension, Expression(rate(s), "rate"))
         return linear + as_expression(value, f"{self.name}.law", self.force_unit).sx
 
-    def drawn(self, spring: type[Look], damper: type[Look], *ends: Any) -> list[Look]:
-        """A damper if it damps, and a spring if it is one."""
+    def primitives(self, spring: type[Look], damper: type[Look], *ends: Any) -> list[Look]:
+        """Primitives for a nonzero damping and a nonzero stiffness or law."""
         elastic = not self.stiffness.sx.is_zero() or self.law is not None
-        shown = [] if self.damping.sx.is_zero() else [damper]
-        return [kind(*ends) for kind in (*shown, *([spring] if elastic else []))]
+        dampers = [] if self.damping.sx.is_zero() else [damper]
+        return [kind(*ends) for kind in (*dampers, *([spring] if elastic else []))]
 
     def powers(self, rate: Rate) -> Powers:
         return [(rate(self.coordinate()), -self.force(rate))]
 
     def potential(self) -> ca.SX:
-        return self.stiffness.sx * (self.coordinate() - self.relaxed()) ** 2 / 2
+        return self.stiffness.sx * (self.coordinate() - self.free_value()) ** 2 / 2
 
     def dissipation(self, rate: Rate) -> Powers:
         speed = rate(self.coordinate())
@@ -121,7 +128,7 @@ class AngularSpring(SpringDamper):
     force_name = "moment"
     force_unit = "N m"
 
-    def relaxed(self) -> ca.SX:
+    def free_value(self) -> ca.SX:
         return self.free_angle.sx
 
 
@@ -164,15 +171,15 @@ class Spring(SpringDamper, PointPair):
     law: ForceLaw | None = option("additional force, formula of extension and rate", default=None)
 
     def coordinate(self) -> ca.SX:
-        if self.free_length.sx.is_zero():  # its force has a limit at length zero
+        if self.free_length.sx.is_zero():  # the force has a limit at length zero
             return ca.sqrt(ca.sumsqr(self.between) + SMALLEST_LENGTH**2)
         return super().coordinate()
 
-    def relaxed(self) -> ca.SX:
+    def free_value(self) -> ca.SX:
         return self.free_length.sx
 
     def look(self) -> list[Look]:
-        return self.drawn(Coil, Dashpot, self.point_i, self.point_j)
+        return self.primitives(Coil, Dashpot, self.point_i, self.point_j)
 
 
 @dataclass(eq=False)
@@ -211,4 +218,50 @@ class Actuator(PointPair):
             "rate": (rate(s), "m/s"),
             "force": (self.force.sx, "N"),
             "power": (self.force.sx * rate(s), "W"),
+        }
+
+
+class ElasticBearing(ForceElement):
+    """``Q = −(k s + c ṡ)`` along every entry of a deformation ``s``: displacements, then rotations.
+
+    A new bearing implements ``deformation``.
+    """
+
+    stiffness: Vector
+    damping: Vector
+    rotational_stiffness: Scalar
+    rotational_damping: Scalar
+
+    def deformation(self) -> ca.SX:
+        """Displacements [m], one per entry of ``stiffness``, and rotations [rad]."""
+        raise NotImplementedError
+
+    def _stiffness(self) -> ca.SX:
+        return ca.vertcat(self.stiffness.sx, self.rotational_stiffness.sx)
+
+    def _damping(self) -> ca.SX:
+        return ca.vertcat(self.damping.sx, self.rotational_damping.sx)
+
+    def _efforts(self, rate: Rate) -> ca.SX:
+        s = self.deformation()
+        return self._stiffness() * s + self._damping() * rate(s)
+
+    def powers(self, rate: Rate) -> Powers:
+        return [(rate(self.deformation()), -self._efforts(rate))]
+
+    def potential(self) -> ca.SX:
+        return ca.dot(self._stiffness(), self.deformation() ** 2) / 2
+
+    def dissipation(self, rate: Rate) -> Powers:
+        speed = rate(self.deformation())
+        return [(speed, -self._damping() * speed)]
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        n = self.stiffness.sx.numel()
+        s, efforts = self.deformation(), self._efforts(rate)
+        return {
+            "deflection": (s[:n], "m"),
+            "turn": (s[n:], "rad"),
+            "force": (efforts[:n], "N"),
+            "moment": (efforts[n:], "N m"),
         }

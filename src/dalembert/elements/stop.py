@@ -1,4 +1,4 @@
-"""One-sided stops."""
+"""Unilateral spring stops."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from dalembert.errors import ModelError
 
 @dataclass(eq=False)
 class Stop(ForceElement):
-    """One-sided spring stops at the ends of a coordinate's range.
+    """Unilateral spring stops at the ends of a coordinate's range.
 
-    Beyond a limit by ``δ``: ``F = k δ^exponent (1 + c δ̇)``, never pulling (Hunt–Crossley damping,
-    which lets the force vanish with the penetration).
+    At a penetration ``δ`` of a limit ``F = k δ^exponent (1 + c δ̇) ≥ 0`` (Hunt–Crossley damping,
+    with which the force vanishes at zero penetration).
 
     Parameters
     ----------
@@ -52,14 +52,14 @@ class Stop(ForceElement):
             raise ModelError("give a lower or an upper limit", self.name)
 
     def penetrations(self) -> list[tuple[ca.SX, int]]:
-        """(penetration, sense of its growth along the coordinate) of each limit given."""
+        """(penetration, sign of its derivative by the coordinate) of each limit."""
         s = self.coordinate.sx
-        found = []
+        penetrations = []
         if self.lower is not None:
-            found.append((self.lower.sx - s, -1))
+            penetrations.append((self.lower.sx - s, -1))
         if self.upper is not None:
-            found.append((s - self.upper.sx, 1))
-        return found
+            penetrations.append((s - self.upper.sx, 1))
+        return penetrations
 
     def force(self, rate: Rate) -> ca.SX:
         """Generalised force along the coordinate."""
@@ -76,15 +76,15 @@ class Stop(ForceElement):
     def powers(self, rate: Rate) -> Powers:
         return [(rate(self.coordinate.sx), self.force(rate))]
 
-    def touching(self, rate: Rate, energy: float) -> Powers:
+    def contact_powers(self, rate: Rate, energy: float) -> Powers:
         s, k, e = self.coordinate.sx, self.stiffness.sx, self.exponent.sx
         depth = ((e + 1) * energy / k) ** (1 / (e + 1))
         elastic, viscous = e * k * depth ** (e - 1), self.damping.sx * k * depth**e
         return [(rate(s), -elastic * s - viscous * rate(s))]
 
     def look(self) -> list[Look]:
-        s, given = self.coordinate.sx, ((self.lower, False), (self.upper, True))
-        return [Limit(s, value.sx, above) for value, above in given if value is not None]
+        s, limits = self.coordinate.sx, ((self.lower, False), (self.upper, True))
+        return [Limit(s, value.sx, above) for value, above in limits if value is not None]
 
     def potential(self) -> ca.SX:
         e = self.exponent.sx + 1

@@ -1,4 +1,4 @@
-"""Constraint written by the user."""
+"""User-defined constraint."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from dalembert.symbolic.formulas.expression import stack
 
 @dataclass(eq=False)
 class UserConstraint(Constraint):
-    """Any formula of poses, ``t`` and parameters, set to zero.
+    """A formula of poses, ``t`` and parameters that must be zero.
 
     ``Φ = formula = 0``, or ``Ψ = formula = 0`` of speeds. Multipliers have the dual unit of the
-    formula: written in metres (or metres per second) they are newtons, in radians newton metres.
+    formula: newtons for metres (or metres per second), newton metres for radians.
 
     Parameters
     ----------
     formula : Expression of positions and angles, or one that is linear in speeds
-    unit : ``m`` or ``rad``; of a formula of speeds, what it is per second
-    speeds : it is a formula of speeds, which no formula of positions can replace
+    unit : ``m`` or ``rad``; the unit times seconds for a formula of speeds
+    speeds : the formula is nonholonomic, linear in speeds
 
     Examples
     --------
@@ -40,7 +40,7 @@ class UserConstraint(Constraint):
     unit: str = option("m or rad", default="m")
     speeds: bool = option("a formula of speeds, linear in them", default=False)
 
-    unseen = "a formula has no place"
+    not_drawn = "a formula has no place"
 
     def residual(self) -> ca.SX:
         return stack([] if self.speeds else [self.formula.sx])

@@ -11,26 +11,26 @@ from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.options import options
 
-DISTRUST = 300.0
-"""Per square of the violation by its natural size, ``m/α`` is at least this."""
-ENOUGH = 1e4
-"""Factor below which the violation does not push ``α``."""
+VIOLATION_GAIN = 300.0
+"""Decrease of ``α`` with the violation: ``m/α`` per squared violation in natural units [-]."""
+LEAST_FACTOR = 1e4
+"""Lower limit of ``factor`` when the violation reduces ``α`` [-]."""
 
 
 @options
 class AugmentedLagrangian(Formulation):
     """``(M + CᵀαC) v̇ = f − d + Cᵀ(α ξ − λ*)``, ``λ* ← λ* + α (C v̇ − ξ)`` (7.5–7.6).
 
-    Takes redundant constraints, passes through singular positions, and takes massless members
-    that are held by constraints. With redundant constraints ``v̇`` and all forces that are unique
-    are those of any formulation; of the multipliers that are not, the smallest are found: least
-    ``Σ λ²``, forces in newtons and moments in newton-metres alike. Gradients are exact for unique
-    quantities; those of single redundant multipliers are not.
+    Supports redundant constraints, singular positions, and massless members fixed by
+    constraints. With redundant constraints ``v̇`` and all unique forces agree with every other
+    formulation; multipliers that are not unique have minimum ``Σ λ²``, with forces in newtons and
+    moments in newton-metres. Gradients are exact for unique quantities, not for single redundant
+    multipliers.
 
     Parameters
     ----------
-    factor : ``α`` over the mean of the masses that the constraints see
-    iterations : of ``λ*``, with one factorisation
+    factor : ``α`` over the mean effective mass of the constraints [-]
+    iterations : number of updates of ``λ*``, with one factorisation
 
     Raises
     ------
@@ -44,10 +44,10 @@ class AugmentedLagrangian(Formulation):
     >>> system = da.System("door on two hinges", gravity=(0, -10))
     >>> door = system.add(planar.Bar("door", length=2.0, mass=3.0))
     >>> a = system.add(planar.Revolute("A", system.ground.center, door.start))
-    >>> b = system.add(planar.Weld("B", system.ground.center, door.start))  # holds it once more
+    >>> b = system.add(planar.Weld("B", system.ground.center, door.start))  # redundant
     >>> model = system.build()
     >>> motion = da.solve_dynamics(model, 0.1, step=0.1, formulation=da.AugmentedLagrangian())
-    >>> [round(motion[f"{name}.force.y"][0].item(), 6) for name in "AB"]  # they share the weight
+    >>> [round(motion[f"{name}.force.y"][0].item(), 6) for name in "AB"]  # equal shares
     [15.0, 15.0]
     """
 
@@ -70,13 +70,13 @@ class AugmentedLagrangian(Formulation):
         return {"augmented mass / mean mass": self.factor, "iterations of λ": self.iterations}
 
     def saddle(self, e: Equations) -> AugmentedLagrangianSolver:
-        """``α`` is smaller where the constraints are violated, in intermediate states of a step.
+        """Solver with a smaller ``α`` at violated constraints, in intermediate states of a step.
 
-        ``C`` is right there to the size of the violation only: redundant equations contradict
-        each other that much, and a large ``α`` would take them at their word.
+        ``C`` is accurate there to the size of the violation only: redundant equations contradict
+        each other by that much, and a large ``α`` would amplify the contradiction.
         """
-        least = min(self.factor, ENOUGH)
-        violation = DISTRUST * self.factor * ca.sumsqr(e.constraints / e.scales.rows)
+        least = min(self.factor, LEAST_FACTOR)
+        violation = VIOLATION_GAIN * self.factor * ca.sumsqr(e.constraints / e.scales.rows)
         factor = least + (self.factor - least) / (1 + violation)
         augmented = AugmentedMass(e.inertia, e.jacobian, e.massless, factor)
         return AugmentedLagrangianSolver(augmented, self.iterations)

@@ -1,4 +1,4 @@
-"""The choice of a formulation left to what it costs, among those that are accurate."""
+"""Automatic choice of the cheapest accurate formulation."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.errors import DalembertError, UnsupportedError
-from dalembert.formulations.base import Formulation, Merits, SaddleSolver
+from dalembert.formulations.base import Formulation, Performance, SaddleSolver
 from dalembert.formulations.kkt import Kkt
 from dalembert.formulations.null_space import NullSpace
 from dalembert.formulations.range_space import RangeSpace
@@ -17,19 +17,20 @@ from dalembert.model.inertia import Inertia
 
 CANDIDATES: tuple[Formulation, ...] = (RangeSpace(), NullSpace(), VelocityPartitioning())
 ACCURATE = 1e-8
-"""Relative error of accelerations at the start up to which operations alone decide."""
+"""Upper limit of the relative error of initial accelerations of an accurate formulation."""
 LONG = 40_000
-"""Operations of a step by the first candidate from which no other is made: that takes long, and
-sparse factors suit long mechanisms best."""
+"""Threshold of the operations per step of the first candidate above which no other is evaluated:
+building them takes long, and sparse factors suit long mechanisms best."""
 
 
 @dataclass(frozen=True)
 class AutomaticFormulation(Formulation):
-    """``RangeSpace``, ``NullSpace`` or ``VelocityPartitioning``, whichever needs fewest operations.
+    """``RangeSpace``, ``NullSpace`` or ``VelocityPartitioning`` with the fewest operations.
 
-    Counted are accelerations and corrections. Those whose accelerations at the start are
-    inaccurate, by an independent solution of (5.7), are out; where all are, it is ``Kkt`` if that
-    is better. Implicit integrators, which do the elimination themselves, get ``RangeSpace``.
+    The count includes accelerations and corrections. Formulations whose initial accelerations
+    differ from an independent solution of (5.7) are excluded; if all are, ``Kkt`` is used if it is
+    more accurate. Implicit integrators, which perform the elimination themselves, use
+    ``RangeSpace``.
 
     Examples
     --------
@@ -45,27 +46,29 @@ class AutomaticFormulation(Formulation):
     'RangeSpace'
     """
 
-    def chosen(self, merits: Callable[[Formulation], Merits], implicit: bool) -> Formulation:
+    def select(
+        self, performance: Callable[[Formulation], Performance], implicit: bool
+    ) -> Formulation:
         if implicit:
             return CANDIDATES[0]
-        found: dict[Formulation, Merits] = {}
+        evaluated: dict[Formulation, Performance] = {}
         for candidate in (*CANDIDATES, Kkt()):
-            if isinstance(candidate, Kkt) and any(m.error <= ACCURATE for m in found.values()):
+            if isinstance(candidate, Kkt) and any(e.error <= ACCURATE for e in evaluated.values()):
                 break
             try:
-                found[candidate] = merits(candidate)
-            except DalembertError:  # where all refuse, a run by the first one tells why
+                evaluated[candidate] = performance(candidate)
+            except DalembertError:  # if all candidates fail, the run by the first reports why
                 continue
-            if found[candidate].error <= ACCURATE and found[candidate].operations > LONG:
+            if evaluated[candidate].error <= ACCURATE and evaluated[candidate].operations > LONG:
                 break
-        if not found:
+        if not evaluated:
             return CANDIDATES[0]
-        least = max(min(m.error for m in found.values()), ACCURATE)
-        accurate = [f for f, m in found.items() if m.error <= least]
-        return min(accurate, key=lambda f: found[f].operations)
+        limit = max(min(e.error for e in evaluated.values()), ACCURATE)
+        accurate = [f for f, e in evaluated.items() if e.error <= limit]
+        return min(accurate, key=lambda f: evaluated[f].operations)
 
     def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> SaddleSolver:
         raise UnsupportedError(
-            "AutomaticFormulation() is chosen for runs of solve_dynamics; give RangeSpace() or "
+            "AutomaticFormulation() makes its choice in solve_dynamics; give RangeSpace() or "
             "another formulation here"
         )

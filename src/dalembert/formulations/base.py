@@ -1,24 +1,24 @@
-"""What a formulation is: a way to solve the saddle system of (5.7).
+"""Contract of formulations: methods that solve the saddle system of (5.7).
 
     ⎡M  Cᵀ⎤ ⎡v̇⎤   ⎡f − d⎤
     ⎣C  0 ⎦ ⎣λ ⎦ = ⎣  ξ  ⎦
 
-All formulations are algebraically equal; they differ in how they solve it and in what they can
-take. A formulation writes one file with a ``SaddleSolver``; the equation it satisfies, and with
-it the exact derivatives of its result, are common to all and stated here.
+All formulations are algebraically equivalent; they differ in the elimination and in the systems
+they support. A formulation is one file with a ``SaddleSolver``. The equation that it satisfies,
+and with it the exact derivatives of its result, are common to all and stated here.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.formulations.levels import Level
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.model.rigid_gaps import headings
@@ -26,26 +26,37 @@ from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit, Sizes
 
 
-class SaddleSolver:
-    """Solves ``M x + Cᵀ z = r1``, ``C x − ρ z = r2`` with factors that are computed once.
+class Level(IntEnum):
+    """Number of differentiations of ``Φ``: ``Φ = 0``, ``Ψ = 0``, ``C v̇ = ξ``."""
 
-    Made from ``M`` (n, n) and ``C`` (m, n).
+    POSITION = 0
+    SPEED = 1
+    ACCELERATION = 2
+
+
+NONE: frozenset[Level] = frozenset()
+
+
+class SaddleSolver:
+    """Solver of ``M x + Cᵀ z = r1``, ``C x − ρ z = r2`` for one factorisation.
+
+    Built from ``M`` (n, n) and ``C`` (m, n).
 
     Attributes
     ----------
-    softness : ``ρ``, zero where the constraints hold exactly
+    softness : ``ρ``, zero if the constraints hold exactly
     """
 
     speed_count: int
     softness: ca.SX | float = 0.0
 
     def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """``(x, z)``; the matrix is symmetric, so this is its transposed solve too."""
+        """``(x, z)``; the matrix is symmetric, so this is the transposed solve too."""
         raise NotImplementedError
 
     @property
     def corrector(self) -> SaddleSolver:
-        """The same factors with ``ρ = 0``, for corrections of a state; mostly the solver itself."""
+        """Solver with ``ρ = 0`` for corrections of a state; by default the solver itself."""
         return self
 
     def solve_stacked(self, rhs: ca.SX) -> ca.SX:
@@ -53,17 +64,17 @@ class SaddleSolver:
         return ca.vertcat(*self.solve(rhs[:n, :], rhs[n:, :]))
 
     def solve_transposed(self, rhs: ca.SX) -> ca.SX:
-        """``solve_stacked`` with the transposed matrix, which mostly is the same."""
+        """``solve_stacked`` with the transposed matrix; by default the matrix is symmetric."""
         return self.solve_stacked(rhs)
 
 
-class Merits(NamedTuple):
-    """What a formulation costs on a mechanism, and how accurate it is there.
+class Performance(NamedTuple):
+    """Cost and accuracy of a formulation for one mechanism.
 
     Attributes
     ----------
-    operations : of the accelerations and corrections of a step
-    error : of the accelerations at the start, relative
+    operations : number of operations of the accelerations and corrections of a step
+    error : relative error of the initial accelerations
     """
 
     operations: int
@@ -72,33 +83,33 @@ class Merits(NamedTuple):
 
 @dataclass(frozen=True)
 class Formulation:
-    """Strategy object: how accelerations and multipliers are found.
+    """Strategy that computes accelerations and multipliers.
 
-    To write a new one, give ``solver``; the rest has defaults.
+    A new formulation implements ``solver``; everything else has defaults.
     """
 
     @property
     def every_equation(self) -> bool:
-        """Takes redundant equations too, and passes through singular positions."""
+        """Whether redundant equations and singular positions are supported."""
         return False
 
     @property
     def needs_mass(self) -> bool:
-        """Divides by masses that were not zero when the model was built."""
+        """Whether it divides by masses that were nonzero when the model was built."""
         return True
 
     @property
     def gives_accelerations(self) -> bool:
-        """Can be integrated as ``ẋ = F(t, x, p)``, so by explicit methods."""
+        """Whether explicit methods can integrate it as ``ẋ = F(t, x, p)``."""
         return True
 
     @property
     def variables_per_row(self) -> int:
-        """Algebraic variables of implicit integrators for every constraint equation."""
+        """Number of algebraic variables per constraint equation in implicit integrators."""
         return 1
 
     def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> SaddleSolver:
-        """Factors of the saddle matrix."""
+        """The factored saddle matrix."""
         raise NotImplementedError
 
     def saddle(self, e: Equations) -> SaddleSolver:
@@ -110,50 +121,55 @@ class Formulation:
         return self.solver(inertia, jacobian, e.massless)
 
     def constraint_acceleration(self, e: Equations, xi: ca.SX) -> ca.SX:
-        """``ξ`` with what the formulation itself adds to it."""
+        """``ξ`` with the terms that the formulation adds."""
         return xi
 
     @property
     def feedback(self) -> tuple[float, float] | None:
-        """``(c₁, c₀)`` of ``Φ̈ + c₁Φ̇ + c₀Φ = 0`` where violations are fed back."""
+        """``(c₁, c₀)`` of ``Φ̈ + c₁Φ̇ + c₀Φ = 0`` if violations are fed back, else None."""
         return None
 
     @property
     def refuses_feedback(self) -> str:
-        """Why no violations can be fed back through ``ξ``; nothing where they can."""
+        """The reason why violations cannot be fed back through ``ξ``; empty if they can."""
         return ""
 
     @property
-    def held(self) -> frozenset[Level]:
-        """Levels at which every state satisfies the constraints, and not nearly so."""
+    def exact_levels(self) -> frozenset[Level]:
+        """Levels at which every state satisfies the constraints to round-off."""
         return frozenset({Level.ACCELERATION})
 
     @property
     def report(self) -> dict[str, float]:
-        """Numbers of this choice that belong to the statistics of a run."""
+        """Options that appear in the statistics of a run."""
         return {}
 
-    def chosen(self, merits: Callable[[Formulation], Merits], implicit: bool) -> Formulation:
-        """The one it stands for: itself, unless it is left to the ``merits`` of others.
+    def select(
+        self, performance: Callable[[Formulation], Performance], implicit: bool
+    ) -> Formulation:
+        """The formulation to run: itself, unless it chooses one by ``performance``.
 
-        ``implicit`` tells of an integrator that solves equations in every step.
+        Parameters
+        ----------
+        performance : evaluates a candidate
+        implicit : whether the integrator solves equations in every step
         """
         return self
 
-    # choices that a run may change ------------------------------------------------------
+    # choices that depend on the position -------------------------------------------------
     def choose(self, e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> Formulation:
-        """The formulation made definite for a position, e.g. with a partition of the speeds."""
+        """The formulation with its choices for a position, e.g. a partition of the speeds."""
         return self
 
     def conditioning(self, e: Equations) -> tuple[ca.SX, float] | None:
-        """Expression of (t, y, p) and the value above which ``choose`` is asked again."""
+        """Expression of (t, y, p) and the value above which ``choose`` is called again."""
         return None
 
     def consistent_speeds(self, e: Equations) -> Stage | None:
-        """Stage whose unknowns replace ``v``, where not all speeds are states."""
+        """Stage whose unknowns replace ``v`` if not all speeds are states."""
         return None
 
-    # what integrators are given -----------------------------------------------------------
+    # equations for integrators ------------------------------------------------------------
     def acceleration(
         self,
         e: Equations,
@@ -169,7 +185,7 @@ class Formulation:
         e : Equations
         xi : SX (m,), right-hand side ``ξ`` of ``C v̇ = ξ``, stabilised or not
         outputs : expressions of t, y, v, v̇, λ, p; by default ``[v̇, λ]``
-        saddle : solver of the system, the formulation's own by default
+        saddle : solver of the system, by default that of the formulation
         """
         c = e.jacobian
         xi = self.constraint_acceleration(e, xi)
@@ -188,21 +204,21 @@ class Formulation:
             residual, value, *outputs = ca.substitute(
                 [residual, value, *outputs], [e.v], [speeds.unknown]
             )
-        both = solver.solve_stacked, solver.solve_transposed
-        stages.append(Stage(unknown, residual, value, *both))
+        solves = solver.solve_stacked, solver.solve_transposed
+        stages.append(Stage(unknown, residual, value, *solves))
         return ImplicitFunction(name, [e.t, state_symbols(e), e.p], stages, outputs)
 
     def semi_explicit(
         self, e: Equations, xi: ca.SX, saddle: SaddleSolver | None = None
     ) -> SemiExplicit:
-        """Index-1 form (5.2): ``v̇`` and ``λ`` are algebraic, the elimination is left to Newton.
+        """Index-1 form (5.2): ``v̇`` and ``λ`` are algebraic, Newton's method eliminates them.
 
-        ``saddle`` gives them where a step begins, as in ``acceleration``.
+        ``saddle`` computes them at the start of a step, as in ``acceleration``.
 
         Raises
         ------
         UnsupportedError
-            Redundant equations that are to hold exactly: their multipliers have no unique value.
+            Redundant equations that hold exactly: their multipliers are not unique.
         """
         xi = self.constraint_acceleration(e, xi)
         softness = self.saddle(e).softness
@@ -217,8 +233,8 @@ class Formulation:
         )
         z = ca.vertcat(e.a, e.multiplier)
         level = (0,) * z.numel()
-        own = e.constraint_acceleration
-        start = self.acceleration(e, own, [z], "algebraic_start", saddle)
+        xi_start = e.constraint_acceleration
+        start = self.acceleration(e, xi_start, [z], "algebraic_start", saddle)
         sizes = sizes_of(e, [e.scales.multipliers], (0,))
         return SemiExplicit(
             e.t, state_symbols(e), z, e.p, state_rate(e), algebraic, level, level, 1, start, sizes
@@ -226,7 +242,7 @@ class Formulation:
 
 
 def dynamic_equations(e: Equations) -> ca.SX:
-    """``M v̇ + d − f + Cᵀ λ`` (4.22), less the friction that follows from ``λ``."""
+    """``M v̇ + d − f + Cᵀ λ`` (4.22), minus the friction forces that depend on ``λ``."""
     return (
         e.inertia.times(e.a) + e.bias - e.force - e.rubbing + ca.mtimes(e.jacobian.T, e.multiplier)
     )
@@ -235,14 +251,14 @@ def dynamic_equations(e: Equations) -> ca.SX:
 def state_symbols(e: Equations) -> ca.SX:
     """State ``x = [y; v; w; r; σ]``; ``w`` accumulates dissipated energy and energy input.
 
-    The directions ``r`` of slip over surfaces and the sides ``σ`` of switches that are held change
+    Slip directions ``r`` on surfaces and the frozen branches ``σ`` of switching functions change
     between steps only.
     """
     return ca.vertcat(e.y, e.v, memory_symbols(e))
 
 
 def memory_symbols(e: Equations) -> ca.SX:
-    """What the state holds behind coordinates and speeds."""
+    """The part of the state after coordinates and speeds."""
     return ca.vertcat(WORK, headings(e.contacts), e.switches.sides)
 
 
@@ -252,17 +268,18 @@ WORK = ca.SX.sym("work", 2)
 def state_sizes(e: Equations) -> np.ndarray:
     """Natural sizes of the state."""
     s = e.scales
-    work, held = np.full(WORK.numel(), s.energy), np.ones(memory_symbols(e).numel() - WORK.numel())
-    return np.concatenate([s.coordinates, s.speeds, work, held])
+    energies = np.full(WORK.numel(), s.energy)
+    frozen = np.ones(memory_symbols(e).numel() - WORK.numel())
+    return np.concatenate([s.coordinates, s.speeds, energies, frozen])
 
 
 def sizes_of(e: Equations, forces: list[np.ndarray], levels: tuple[int, ...]) -> Sizes:
-    """Natural sizes of ``z = [v̇; forces]`` and of the equations, constraints of some levels.
+    """Natural sizes of ``z = [v̇; forces]`` and of the equations, with constraints of given levels.
 
     Parameters
     ----------
-    forces : sizes of the multipliers of every set of constraints
-    levels : 0 where a set holds accelerations, 1 speeds, 2 positions
+    forces : sizes of the multipliers of each set of constraints
+    levels : 0 for constraints on accelerations, 1 on speeds, 2 on positions
     """
     s = e.scales
     rows = [s.rows * s.time ** (level - 2) for level in levels]
@@ -276,5 +293,5 @@ def sizes_of(e: Equations, forces: list[np.ndarray], levels: tuple[int, ...]) ->
 
 def state_rate(e: Equations) -> ca.SX:
     """``ẋ`` in terms of accelerations and multipliers."""
-    held = memory_symbols(e).numel() - WORK.numel()
-    return ca.vertcat(e.pose_rate, e.a, e.powers, ca.SX.zeros(held))
+    frozen_count = memory_symbols(e).numel() - WORK.numel()
+    return ca.vertcat(e.pose_rate, e.a, e.powers, ca.SX.zeros(frozen_count))

@@ -1,4 +1,4 @@
-"""Corrections of a state of which some speeds are given by the others."""
+"""Corrections of states whose dependent speeds follow from the independent ones."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def with_consistent_speeds(
 ) -> ImplicitFunction | None:
     """``(t, x, p) → x``: the formulation's consistent speeds, then the correction with them.
 
-    Where all speeds are states it is the correction itself. Positions that integration takes off
-    their manifold are brought back.
+    If all speeds are states it is the correction itself. Positions are returned to their manifold,
+    from which integration drifts.
     """
     if correction is None and not e.manifold.flat:
         settled = ca.vertcat(e.manifold.settled(e.y), state_symbols(e)[e.coordinate_count :])
@@ -25,13 +25,13 @@ def with_consistent_speeds(
         return correction
     unknown = speeds.unknown
 
-    def seen(expression: ca.SX) -> ca.SX:
+    def with_speeds(expression: ca.SX) -> ca.SX:
         return ca.substitute(expression, e.v, unknown)
 
-    def following(solve: Solver) -> Solver:
+    def with_speeds_in(solve: Solver) -> Solver:
         def solved(rhs: ca.SX) -> ca.SX:
-            hole = ca.SX.sym("rhs", *rhs.shape)
-            return ca.substitute(seen(solve(hole)), hole, ca.densify(rhs))
+            placeholder = ca.SX.sym("rhs", *rhs.shape)
+            return ca.substitute(with_speeds(solve(placeholder)), placeholder, ca.densify(rhs))
 
         return solved
 
@@ -41,12 +41,12 @@ def with_consistent_speeds(
         stages += [
             Stage(
                 stage.unknown,
-                seen(stage.residual),
-                seen(stage.value),
-                following(stage.solve),
-                following(stage.solve_transposed),
+                with_speeds(stage.residual),
+                with_speeds(stage.value),
+                with_speeds_in(stage.solve),
+                with_speeds_in(stage.solve_transposed),
             )
             for stage in correction.stages
         ]
     inputs = [e.t, state_symbols(e), e.p]
-    return ImplicitFunction("consistent", inputs, stages, [seen(out) for out in outputs])
+    return ImplicitFunction("consistent", inputs, stages, [with_speeds(out) for out in outputs])

@@ -1,4 +1,4 @@
-"""The constrained equations as a differential-algebraic system, left to an implicit integrator."""
+"""Constrained equations as a differential-algebraic system for implicit integrators."""
 
 from __future__ import annotations
 
@@ -7,14 +7,15 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import (
+    NONE,
     Formulation,
+    Level,
     SaddleSolver,
     dynamic_equations,
     sizes_of,
     state_rate,
     state_symbols,
 )
-from dalembert.formulations.levels import NONE, Level
 from dalembert.formulations.range_space import RangeSpaceSolver
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
@@ -29,21 +30,21 @@ class Dae(Formulation):
     ===== ============================== ==========================================
     index constraint                     holds at the end of a step
     ===== ============================== ==========================================
-    3     ``Φ = 0`` (5.1)                positions; speeds as the integrator leaves them
+    3     ``Φ = 0`` (5.1)                positions; speeds to the accuracy of the integrator
     2     ``Ψ = C v + Φ_t = 0``          speeds; positions drift slowly
     1     ``C v̇ = ξ`` (5.2)              accelerations only
     ===== ============================== ==========================================
 
-    With ``stabilized`` the index-2 form holds positions too (Gear, Gupta and Leimkuhler 1985):
-    ``ẏ = A (v − M⁻¹Cᵀμ)`` with ``Φ = 0``; the exact ``μ`` is zero. Where some speeds have no mass
-    ``M⁻¹`` is left out.
+    With ``stabilized`` the index-2 form satisfies the position constraints too (Gear, Gupta and
+    Leimkuhler 1985): ``ẏ = A (v − M⁻¹Cᵀμ)`` with ``Φ = 0``; the exact ``μ`` is zero. With massless
+    speeds ``M⁻¹`` is omitted.
 
-    Reported accelerations and multipliers follow from ``C v̇ = ξ`` (5.7) at the states reached.
+    Reported accelerations and multipliers follow from ``C v̇ = ξ`` (5.7) at the computed states.
 
     Parameters
     ----------
     index : differentiation index 3, 2 or 1
-    stabilized : hold positions as well as speeds, with ``index=2``
+    stabilized : satisfy position constraints as well as speed constraints, with ``index=2``
 
     Raises
     ------
@@ -57,8 +58,8 @@ class Dae(Formulation):
     >>> system = da.System("pendulum", gravity=(0, -10))
     >>> bob = system.add(planar.Particle("bob", mass=1.0, position=(1, 0)))
     >>> rod = system.add(planar.RigidLink("rod", system.ground.center, bob.center, length=1.0))
-    >>> held = da.Dae(index=2, stabilized=True)
-    >>> motion = da.solve_dynamics(system.build(), 1.0, integrator=da.Radau(), formulation=held)
+    >>> dae = da.Dae(index=2, stabilized=True)
+    >>> motion = da.solve_dynamics(system.build(), 1.0, integrator=da.Radau(), formulation=dae)
     >>> bool(motion["position_violation"].max() < 1e-9)
     True
     """
@@ -79,14 +80,14 @@ class Dae(Formulation):
             )
 
     @property
-    def held(self) -> frozenset[Level]:
-        own = {3: Level.POSITION, 2: Level.SPEED, 1: Level.ACCELERATION}[self.index]
-        also = {Level.POSITION} if self.stabilized else NONE
-        return frozenset({own, Level.ACCELERATION} | also)
+    def exact_levels(self) -> frozenset[Level]:
+        level = {3: Level.POSITION, 2: Level.SPEED, 1: Level.ACCELERATION}[self.index]
+        stabilized = {Level.POSITION} if self.stabilized else NONE
+        return frozenset({level, Level.ACCELERATION} | stabilized)
 
     @property
     def refuses_feedback(self) -> str:
-        """Only index 1 contains ``ξ``."""
+        """A reason for index 2 and 3, which do not contain ``ξ``."""
         return (
             ""
             if self.index == 1
@@ -112,7 +113,7 @@ class Dae(Formulation):
     def semi_explicit(
         self, e: Equations, xi: ca.SX, saddle: SaddleSolver | None = None
     ) -> SemiExplicit:
-        """The system of the chosen index; ``z = [v̇; λ]``, and ``μ`` where stabilised."""
+        """The system of the chosen index; ``z = [v̇; λ]``, with ``μ`` appended if stabilised."""
         n, m = e.speed_count, e.constraint_count
         rate, rows = state_rate(e), [dynamic_equations(e)]
         z, depth, lag = [e.a, e.multiplier], [0] * n, [0] * (n + m)
@@ -125,11 +126,11 @@ class Dae(Formulation):
         chosen = (2, 3) if self.stabilized else (self.index,)
         slips = list(e.slips)
         for level in chosen:
-            held, depths = ca.SX(levels[level]), np.full(m, level - 1)
-            if level == 3 and slips:  # which know of speeds only, and shift no positions
-                held[slips] = mu[slips] if self.stabilized else e.velocity_constraints[slips]
+            equations, depths = ca.SX(levels[level]), np.full(m, level - 1)
+            if level == 3 and slips:  # nonholonomic rows exist at the level of speeds only
+                equations[slips] = mu[slips] if self.stabilized else e.velocity_constraints[slips]
                 depths[slips] = 1
-            rows.append(held)
+            rows.append(equations)
             depth += depths.tolist()
         forces = [e.scales.multipliers]
         if self.stabilized:
@@ -160,6 +161,6 @@ class Dae(Formulation):
 
     @staticmethod
     def _shift(e: Equations, mu: ca.SX) -> ca.SX:
-        """Speeds that move the positions back, orthogonal to the constraints."""
+        """Correction ``M⁻¹Cᵀμ`` of the speeds, normal to the constraints."""
         normal = ca.mtimes(e.jacobian.T, mu)
         return normal if e.massless else e.inertia.solve(normal)

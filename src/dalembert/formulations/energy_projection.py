@@ -1,4 +1,4 @@
-"""Correction of the energy after the correction of the constraints (5.22–5.23)."""
+"""Energy projection: correction of the energy after that of the constraints (5.22–5.23)."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from dalembert.model.equations import Equations
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 
 APPLICABLE = 0.5
-"""Largest ``|Ψ_E| / T`` that is corrected; near a standstill the speeds cannot mend the energy."""
+"""Upper limit of ``|Ψ_E| / T`` for a correction: at small ``T`` speeds cannot correct energy."""
 
 
 @dataclass(frozen=True)
 class EnergyProjection(Projection):
     """Projection (5.21), then ``v ← v √(1 − Ψ_E / T)`` with ``Ψ_E = T + V − E_ref`` (5.23).
 
-    ``E_ref`` is the initial energy plus the energy put in less the energy dissipated since. The
-    kinematic constraints stay satisfied, for scleronomic ones do not notice the length of v.
+    ``E_ref`` is the initial energy plus the energy supplied minus the energy dissipated since.
+    Scleronomic constraints stay satisfied, because they do not depend on the magnitude of v.
 
-    The correction does good for one degree of freedom without loss. One number cannot mend
-    several speeds: with more degrees of freedom the energy will look right while the motion is as
-    wrong as before, and where energy is put in or dissipated its reference is itself integrated.
-    Both are told as a warning.
+    The correction suits conservative systems with one degree of freedom. One number cannot correct
+    several speeds: with more degrees of freedom the energy is right while the motion is as wrong
+    as before, and if energy is supplied or dissipated the reference itself is integrated. Both
+    cases cause a warning.
 
     Parameters
     ----------
     every : correct after every k-th step
-    iterations : of the position correction
+    iterations : number of iterations of the position correction
 
     Raises
     ------
     UnsupportedError
-        A constraint that moves with time: scaled speeds would violate it.
+        A rheonomic constraint: scaled speeds would violate it.
 
     Examples
     --------
@@ -54,7 +54,7 @@ class EnergyProjection(Projection):
 
     @property
     def translates(self) -> bool:
-        # Ψ_E, of the size of an error of positions, is made up by speeds: a jump in their history
+        # speeds compensate Ψ_E, which is of the size of position errors: a jump in their history
         return True
 
     def correction(self, e: Equations, formulation: Formulation) -> ImplicitFunction | None:
@@ -64,8 +64,8 @@ class EnergyProjection(Projection):
                 "EnergyProjection scales all speeds, but a driver or a constraint in time "
                 "prescribes some; use stabilization=Projection()"
             )
-        found = super().correction(e, formulation)
-        moved = found.outputs[0] if found is not None else state_symbols(e)
+        projection = super().correction(e, formulation)
+        moved = projection.outputs[0] if projection is not None else state_symbols(e)
         n, k = e.coordinate_count, e.speed_count
         y, v = moved[:n], moved[n : n + k]
         energies = ca.vertcat(e.kinetic_energy, e.potential)
@@ -76,23 +76,23 @@ class EnergyProjection(Projection):
         applies = ca.fabs(excess) < APPLICABLE * kinetic
         share = ca.if_else(applies, excess / ca.if_else(applies, kinetic, 1), 0)
         outputs = [ca.vertcat(y, ca.sqrt(1 - share) * v, memory_symbols(e))]
-        if found is None:
+        if projection is None:
             return ImplicitFunction("energy", [e.t, state_symbols(e), e.p], [], outputs)
-        return ImplicitFunction("energy", found.inputs, found.stages, outputs)
+        return ImplicitFunction("energy", projection.inputs, projection.stages, outputs)
 
     def reference_energy(self, e: Equations) -> ca.SX:
         return e.kinetic_energy + e.potential
 
-    def doubts(self, freedom: int, exchanged: float) -> list[str]:
-        found = []
+    def warnings(self, freedom: int, exchanged: float) -> list[str]:
+        warnings = []
         if freedom > 1:
-            found.append(
+            warnings.append(
                 f"EnergyProjection corrects {freedom} degrees of freedom by one number: the energy "
                 "will be right, the motion need not be (5.4.3); compare with a shorter step"
             )
         if exchanged > 0:
-            found.append(
+            warnings.append(
                 f"EnergyProjection: up to {exchanged:.3g} J were put in or dissipated; this part "
                 "of the reference energy is integrated and no better than the motion"
             )
-        return found
+        return warnings

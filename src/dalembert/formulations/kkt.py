@@ -1,4 +1,4 @@
-"""Implicit elimination: the saddle system (5.7) solved as it stands."""
+"""Implicit elimination: direct solution of the saddle system (5.7)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dalembert.symbolic.equations.factor import QrFactor
 
 
 class KktSolver(SaddleSolver):
-    """Sparse Householder QR of the whole saddle matrix (5.7), by natural sizes if there are any."""
+    """Sparse Householder QR of the saddle matrix (5.7), scaled by natural sizes if given."""
 
     def __init__(self, inertia: Inertia, jacobian: ca.SX, scales: Scales | None = None):
         mass = inertia.matrix
@@ -23,7 +23,7 @@ class KktSolver(SaddleSolver):
         m = jacobian.shape[0]
         matrix = ca.vertcat(ca.horzcat(mass, jacobian.T), ca.horzcat(jacobian, ca.SX(m, m)))
         rows = columns = None
-        if scales is not None:  # of accelerations and multipliers, in units of natural time
+        if scales is not None:  # sizes of accelerations and multipliers
             rows = np.concatenate([scales.efforts, scales.rows / scales.time**2])
             columns = np.concatenate([scales.speeds / scales.time, scales.multipliers])
         self.factor = QrFactor(matrix, rows, columns)
@@ -35,9 +35,9 @@ class KktSolver(SaddleSolver):
 
 @dataclass(frozen=True)
 class Kkt(Formulation):
-    """Implicit elimination: ``[M Cᵀ; C 0] [v̇; λ] = [f − d; ξ]`` (5.7) solved as it stands.
+    """Implicit elimination: ``[M Cᵀ; C 0] [v̇; λ] = [f − d; ξ]`` (5.7) solved directly.
 
-    Takes massless bodies; costs more than ``RangeSpace``.
+    Supports massless bodies; costs more than ``RangeSpace``.
 
     Examples
     --------

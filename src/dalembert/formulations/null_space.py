@@ -1,4 +1,4 @@
-"""Projective elimination (5.13–5.14): the dynamic equations along and across the constraints.
+"""Projective elimination (5.13–5.14): dynamics tangential and normal to the constraints.
 
 ⎡Dᵀ M⎤     ⎡Dᵀ r₁⎤
 ⎣ C  ⎦ x = ⎣ r₂  ⎦,    C D = 0,    then  Cᵀ z = r₁ − M x
@@ -14,9 +14,12 @@ import numpy as np
 
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation, SaddleSolver
-from dalembert.formulations.orthogonal import GramSchmidtBasis, HouseholderBasis
+from dalembert.formulations.orthogonal_bases import (
+    GramSchmidtBasis,
+    HouseholderBasis,
+    SingularValueBasis,
+)
 from dalembert.formulations.partition import best_partition, largest_ratio
-from dalembert.formulations.singular_values import SingularValueBasis
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.options import options
@@ -24,7 +27,9 @@ from dalembert.symbolic.equations.factor import LdlFactor
 from dalembert.symbolic.equations.null_space import NullSpaceBasis, PartitionBasis
 
 LARGEST_SVD = 12
+"""Upper limit of the number of speeds for ``basis="svd"``."""
 NOT_CONVERGED = 1e-11
+"""Threshold of the orthogonality error above which the Jacobi rotations have not converged [-]."""
 
 
 class NullSpaceSolver(SaddleSolver):
@@ -36,9 +41,9 @@ class NullSpaceSolver(SaddleSolver):
         self.factor = LdlFactor(ca.mtimes(self.d.T, inertia.times(self.d)))
 
     def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
-        across = self.basis.particular(r2)
-        along = self.factor.solve(ca.mtimes(self.d.T, r1 - self.inertia.times(across)))
-        x = ca.mtimes(self.d, along) + across
+        normal = self.basis.particular(r2)
+        tangential = self.factor.solve(ca.mtimes(self.d.T, r1 - self.inertia.times(normal)))
+        x = ca.mtimes(self.d, tangential) + normal
         return x, self.basis.multipliers(r1 - self.inertia.times(x))
 
 
@@ -46,7 +51,7 @@ PARTITIONED: dict[str, Callable[[ca.SX, tuple[int, ...]], NullSpaceBasis]] = {
     "partitioning": PartitionBasis,
     "gram-schmidt": GramSchmidtBasis,
 }
-"""Bases that lean on a choice of independent speeds."""
+"""Bases that depend on a choice of independent speeds."""
 ORTHOGONAL: dict[str, Callable[[ca.SX], NullSpaceBasis]] = {
     "qr": HouseholderBasis,
     "svd": SingularValueBasis,
@@ -55,7 +60,7 @@ ORTHOGONAL: dict[str, Callable[[ca.SX], NullSpaceBasis]] = {
 
 @options
 class NullSpace(Formulation):
-    """Project onto the motions that the constraints permit and onto the rest (5.13–5.14).
+    """Project onto the motions that the constraints permit and onto their complement (5.13–5.14).
 
     Parameters
     ----------
@@ -67,7 +72,7 @@ class NullSpace(Formulation):
     Raises
     ------
     UnsupportedError
-        Unknown basis, or a limit that no choice can keep.
+        Unknown basis, or a limit that no choice can satisfy.
 
     Examples
     --------
@@ -86,10 +91,10 @@ class NullSpace(Formulation):
     limit: float = 100.0
 
     def __post_init__(self) -> None:
-        known = [*PARTITIONED, *ORTHOGONAL]
-        if self.basis not in known:
+        names = [*PARTITIONED, *ORTHOGONAL]
+        if self.basis not in names:
             raise UnsupportedError(
-                f"NullSpace(basis={self.basis!r}): known bases are {', '.join(known)}"
+                f"NullSpace(basis={self.basis!r}): known bases are {', '.join(names)}"
             )
         if not self.limit >= 2:
             raise UnsupportedError(f"NullSpace(limit={self.limit}): must be at least 2")
@@ -102,7 +107,7 @@ class NullSpace(Formulation):
         return self
 
     def conditioning(self, e: Equations) -> tuple[ca.SX, float] | None:
-        return (_not_orthogonal(e), NOT_CONVERGED) if self.basis == "svd" else None
+        return (_orthogonality_error(e), NOT_CONVERGED) if self.basis == "svd" else None
 
     def solver(
         self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]
@@ -119,7 +124,7 @@ class NullSpace(Formulation):
 
 @dataclass(frozen=True)
 class PartitionedNullSpace(NullSpace):
-    """A basis with definite independent speeds (6.4), as ``NullSpace.choose`` makes it.
+    """A basis for chosen independent speeds (6.4), the result of ``NullSpace.choose``.
 
     Parameters
     ----------
@@ -145,19 +150,19 @@ def _check_size(n: int) -> None:
         )
 
 
-def _not_orthogonal(e: Equations) -> ca.SX:
-    """Largest entry of C D relative to C, and of C C⁺ − I."""
+def _orthogonality_error(e: Equations) -> ca.SX:
+    """Orthogonality error: largest entry of C D relative to C, and of C C⁺ − I."""
     _check_size(e.speed_count)
     c, m = e.jacobian, e.constraint_count
     basis = SingularValueBasis(c)
-    along = ca.mtimes(c, basis.matrix) / ca.norm_fro(c) if m else ca.SX(0, 1)
-    across = ca.mtimes(c, basis.particular(ca.SX.eye(m))) - ca.SX.eye(m)
-    both = ca.vertcat(ca.vec(along), ca.vec(across))
-    return ca.norm_inf(both) if both.numel() else ca.SX(0)
+    tangential = ca.mtimes(c, basis.matrix) / ca.norm_fro(c) if m else ca.SX(0, 1)
+    normal = ca.mtimes(c, basis.particular(ca.SX.eye(m))) - ca.SX.eye(m)
+    errors = ca.vertcat(ca.vec(tangential), ca.vec(normal))
+    return ca.norm_inf(errors) if errors.numel() else ca.SX(0)
 
 
 def _check_convergence(e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> None:
-    value = float(ca.Function("orthogonal", [e.t, e.y, e.p], [_not_orthogonal(e)])(t, y, p))
+    value = float(ca.Function("orthogonal", [e.t, e.y, e.p], [_orthogonality_error(e)])(t, y, p))
     if not value <= NOT_CONVERGED:
         raise SingularityError(
             f"NullSpace(basis='svd'): the rotations left C D = {value:.1e} at t = {t:.9g} s; "

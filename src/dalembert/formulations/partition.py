@@ -1,7 +1,13 @@
-"""Velocity partitioning, ``C = [U W]``: which speeds are independent (6.4).
+"""Choice of independent speeds and of independent constraint equations (6.4).
 
-Speeds are compared in units of ``√m_kk``, so that metres and radians count by the energy they
-carry. The independent ones are those that no other speed exceeds: ``|W⁻¹U| ≤ 1`` in these units.
+With ``C = [U W]`` the dependent speeds are ``−W⁻¹U u``. Speeds are scaled by ``√m_kk``, so that
+metres and radians are compared by kinetic energy. The independent ones are chosen so that no
+dependent speed exceeds them: ``|W⁻¹U| ≤ 1`` in these units.
+
+If ``C`` has more rows than its rank, some rows S are solved and the others follow,
+``C_R = W C_S``: round-off of S appears in the others multiplied by ``W``. As the mechanism moves
+``W`` changes, and rows that were independent at the start need not stay so. The best rows have
+``|W| ≤ 1``, with angles and lengths in natural units.
 """
 
 from __future__ import annotations
@@ -12,15 +18,17 @@ import scipy
 
 from dalembert.errors import SingularityError
 from dalembert.model.equations import Equations
+from dalembert.symbolic.equations.factor import LdlFactor
 from dalembert.symbolic.equations.null_space import PartitionBasis
 
 MASSLESS = 1e-6
-"""Mass of a speed without mass, by its natural size: it is never independent where others can."""
+"""Substitute for a zero mass, in natural units: such a speed is independent only if it must."""
 BEST = 1.01
+"""Threshold of the largest coefficient at which the exchange of rows stops."""
 ALIKE = 1 + 1e-6
-"""Coefficients that differ by less are as large."""
+"""Ratio of coefficients below which they count as equal."""
 SINGULAR = 1e-6
-"""Of rows that no others can be made of."""
+"""Threshold of the smallest singular value below which rows are dependent [-]."""
 
 
 def speed_weights(e: Equations) -> ca.SX:
@@ -31,14 +39,14 @@ def speed_weights(e: Equations) -> ca.SX:
 
 
 def scaled_ratios(e: Equations, independent: tuple[int, ...]) -> ca.SX:
-    """``W⁻¹U`` (m, n − m) in units of energy, of t, y, p."""
+    """``W⁻¹U`` (m, n − m) in units of energy, an expression of t, y, p."""
     basis, weight = PartitionBasis(e.jacobian, independent), speed_weights(e)
     scaled = ca.mtimes(ca.diag(weight[basis.dependent]), basis.ratio)
     return ca.mtimes(scaled, ca.diag(1 / weight[basis.independent]))
 
 
 def largest_ratio(e: Equations, independent: tuple[int, ...]) -> ca.SX:
-    """Largest entry of ``|W⁻¹U|`` in units of energy; one or less is best."""
+    """Largest entry of ``|W⁻¹U|`` in units of energy; at most one for the best choice."""
     ratios = scaled_ratios(e, independent)
     return ca.norm_inf(ca.vec(ratios)) if ratios.numel() else ca.SX(0)
 
@@ -49,7 +57,7 @@ def best_partition(e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> tupl
     Raises
     ------
     SingularityError
-        Constraint equations without a value here.
+        The constraint equations have no finite value at this position.
     """
     n, m = e.speed_count, e.constraint_count
     if not 0 < m < n:
@@ -66,21 +74,51 @@ def best_partition(e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> tupl
 
 
 def largest_volume(basis: np.ndarray, first: tuple[int, ...] = ()) -> tuple[int, ...]:
-    """Rows of a (n, k) matrix that give all others with coefficients of one at most.
+    """Rows of a (n, k) matrix whose combinations with coefficients up to one give all others.
 
-    Among rows that are as good, those given first stay, and then those with the lowest numbers: a
-    choice that rounding does not make.
+    Among equivalent choices the rows in ``first`` are preferred, then those with the lowest
+    indices, so that the choice does not depend on round-off.
     """
     k = basis.shape[1]
     chosen = np.array(first)
     if chosen.size != k or np.linalg.svd(basis[chosen], compute_uv=False)[-1] < SINGULAR:
         chosen = scipy.linalg.qr(basis.T, mode="economic", pivoting=True)[2][:k]
     for _ in range(100 * k):
-        share = np.abs(np.linalg.solve(basis[chosen].T, basis.T).T)
-        largest = share.max()
+        coefficients = np.abs(np.linalg.solve(basis[chosen].T, basis.T).T)
+        largest = coefficients.max()
         if largest <= BEST:
             break
-        rows, columns = np.nonzero(share > largest / ALIKE)
+        rows, columns = np.nonzero(coefficients > largest / ALIKE)
         pick = np.lexsort((rows, -chosen[columns]))[0]
         chosen[columns[pick]] = rows[pick]
     return tuple(int(index) for index in np.sort(chosen))
+
+
+LARGEST_COEFFICIENT = 3.0
+"""Upper limit of the entries of ``W`` before other rows are chosen, with a margin for a step."""
+
+
+def largest_coefficient(e: Equations, rows: tuple[int, ...]) -> ca.SX:
+    """Largest entry of ``|W|`` for a choice of rows, an expression of t, y and p."""
+    c = ca.mtimes(ca.diag(1 / ca.SX(e.scales.rows)), e.jacobian)
+    dependent = [k for k in range(e.constraint_count) if k not in rows]
+    solved, following = c[list(rows), :], c[dependent, :]
+    factor = LdlFactor(ca.mtimes(solved, solved.T))
+    return ca.norm_inf(ca.vec(factor.solve(ca.mtimes(solved, following.T))))
+
+
+def best_rows(
+    e: Equations, rows: tuple[int, ...], t: float, y: np.ndarray, p: np.ndarray
+) -> tuple[int, ...]:
+    """The same number of rows with ``|W| ≤ 1`` at a position, changing as few as possible.
+
+    Raises
+    ------
+    SingularityError
+        The equations have no finite value at this position.
+    """
+    evaluate = ca.Function("C", [e.t, e.y, e.p], [ca.densify(e.jacobian)])
+    jacobian = evaluate(t, y, p).full() / e.scales.rows[:, None]
+    if not np.all(np.isfinite(jacobian)):
+        raise SingularityError(f"the constraint equations have no value at t = {t:.9g} s")
+    return largest_volume(np.linalg.svd(jacobian)[0][:, : len(rows)], rows)

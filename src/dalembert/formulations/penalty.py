@@ -1,4 +1,4 @@
-"""Penalty formulation (7.1–7.4): constraints replaced by stiff, damped, heavy forces."""
+"""Penalty formulation (7.1–7.4): constraints replaced by stiff forces with damping and inertia."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ import casadi as ca
 
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.augmented_mass import AugmentedLagrangianSolver, AugmentedMass
-from dalembert.formulations.base import Formulation, SaddleSolver
-from dalembert.formulations.levels import NONE, Level
+from dalembert.formulations.base import NONE, Formulation, Level, SaddleSolver
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.options import options
@@ -21,7 +20,7 @@ class PenaltySolver(SaddleSolver):
         self.speed_count = augmented.inertia.size
 
     def solve(self, r1: ca.SX, r2: ca.SX) -> tuple[ca.SX, ca.SX]:
-        return self.augmented.refined(r1, r2, 3, self.softness)  # for the digits lost to α
+        return self.augmented.refined(r1, r2, 3, self.softness)  # recovers digits lost to a large α
 
     @property
     def corrector(self) -> AugmentedLagrangianSolver:
@@ -32,12 +31,12 @@ class PenaltySolver(SaddleSolver):
 class Penalty(Formulation):
     """``(M + CᵀαC) v̇ = f − d − Cᵀα(2ηΦ̇ + ω²Φ − ξ)`` (7.4), ``λ = α(C v̇ − ξ + 2ηΦ̇ + ω²Φ)``.
 
-    Constraints hold only nearly, ``Φ̈ + 2ηΦ̇ + ω²Φ = λ/α``: errors of ``v̇`` and ``λ`` fall with
-    ``1/α``. Takes redundant constraints and passes through singular positions.
+    Constraints hold approximately, ``Φ̈ + 2ηΦ̇ + ω²Φ = λ/α``: errors of ``v̇`` and ``λ`` are
+    proportional to ``1/α``. Supports redundant constraints and singular positions.
 
     Parameters
     ----------
-    factor : ``α`` over the mean of the masses that the constraints see
+    factor : ``α`` over the mean effective mass of the constraints [-]
     omega : stiffness of the constraints over ``α``, as a frequency ``ω`` [rad/s]
     eta : their damping over ``2α``, ``η`` [1/s]; at least ``omega``, critical when equal
 
@@ -87,7 +86,7 @@ class Penalty(Formulation):
         return {"augmented mass / mean mass": self.factor}
 
     @property
-    def held(self) -> frozenset[Level]:
+    def exact_levels(self) -> frozenset[Level]:
         return NONE
 
     @property

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.formulations.augmented_mass import mean_effective_mass
 from dalembert.formulations.base import Formulation, SaddleSolver
-from dalembert.formulations.effective_mass import mean_effective_mass
 from dalembert.model.inertia import BlockInertia, Inertia
 from dalembert.symbolic.equations.factor import LdlFactor
 
@@ -15,9 +15,9 @@ from dalembert.symbolic.equations.factor import LdlFactor
 class RangeSpaceSolver(SaddleSolver):
     """``λ = (C M⁻¹ Cᵀ)⁻¹ (C M⁻¹ r1 − r2)``, ``x = M⁻¹ (r1 − Cᵀ λ)`` (5.11–5.12).
 
-    Coordinates without mass make M singular. The rows of C that touch them, ``S``, are then
-    added as ``M + ρ SᵀS`` and ``r1 + ρ Sᵀ r2``: the solution is the same, exactly, because
-    ``S x = r2`` holds on it.
+    Coordinates without mass make M singular. The rows ``S`` of C that involve them are then
+    added as ``M + ρ SᵀS`` and ``r1 + ρ Sᵀ r2``, which leaves the solution unchanged because it
+    satisfies ``S x = r2``.
     """
 
     def __init__(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]):
@@ -52,9 +52,9 @@ def _rows_on(massless: tuple[int, ...], jacobian: ca.SX) -> list[int]:
 
 @dataclass(frozen=True)
 class RangeSpace(Formulation):
-    """Eliminate accelerations first, ``C M⁻¹Cᵀ λ = C M⁻¹(f − d) − ξ`` (5.11–5.12).
+    """Elimination of the accelerations, ``C M⁻¹Cᵀ λ = C M⁻¹(f − d) − ξ`` (5.11–5.12).
 
-    The default: fastest in absolute coordinates. Takes massless members that constraints hold.
+    The default: fastest in absolute coordinates. Supports massless members fixed by constraints.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Formulations and stabilisations by name: files, tables and comparisons are made from it."""
+"""Registry of formulations and stabilisations by name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How violations of the constraints are kept small: nothing, Baumgarte, projection (5.4)."""
+"""Stabilisation of constraint violations: none, Baumgarte, projection (5.4)."""
 
 from __future__ import annotations
 
@@ -7,24 +7,23 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.errors import UnsupportedError
-from dalembert.formulations.base import Formulation, memory_symbols, state_symbols
-from dalembert.formulations.levels import NONE, Level
+from dalembert.formulations.base import NONE, Formulation, Level, memory_symbols, state_symbols
 from dalembert.model.equations import Equations
 from dalembert.options import options
 from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage, Trial
 
-TRIED = 2
-"""Iterations of the position correction that mostly are enough: of violations ``ε`` they leave
-``ε³``."""
+FIRST_ITERATIONS = 2
+"""Iterations of the position correction before its residual is checked: they reduce a violation
+``ε`` to ``ε³``."""
 CLOSED = 1e-13
-"""Violations over the natural sizes of the equations that count as none."""
+"""Threshold of violations in natural units below which a position is not corrected further [-]."""
 
 
 @dataclass(frozen=True)
 class Stabilization:
-    """Nothing, ``C v̇ = ξ`` (5.2): violations grow as the integrator makes them.
+    """No stabilisation, ``C v̇ = ξ`` (5.2): violations grow with the errors of the integrator.
 
-    To write another one, change ``ξ`` in ``constraint_acceleration`` or correct states after a
+    A new stabilisation changes ``ξ`` in ``constraint_acceleration`` or corrects states after a
     step in ``correction``.
 
     Examples
@@ -37,13 +36,13 @@ class Stabilization:
     >>> model = system.build()
     >>> motion = da.solve_dynamics(model, 5.0, step=0.02, stabilization=da.Stabilization())
     >>> violation = motion["position_violation"]
-    >>> bool(violation[-1] > 10 * violation[20] > 0)  # the rod becomes longer and longer
+    >>> bool(violation[-1] > 10 * violation[20] > 0)  # the rod grows
     True
     """
 
     @property
     def period(self) -> int:
-        """Apply the correction after every ``period``-th step."""
+        """Number of steps between corrections."""
         return 1
 
     def constraint_acceleration(self, e: Equations) -> ca.SX:
@@ -55,46 +54,46 @@ class Stabilization:
         return None
 
     def tangential(self, e: Equations, formulation: Formulation) -> ca.Function | None:
-        """``(t, x, p, error) → error`` less what the correction takes away, or None."""
+        """``(t, x, p, error) → error`` without the part that the correction removes, or None."""
         return None
 
     def reference_energy(self, e: Equations) -> ca.SX:
-        """Start value of the energy that should be there; zero where nobody asks."""
+        """Initial value of the reference energy; zero if the stabilisation has none."""
         return ca.SX(0)
 
     @property
-    def held(self) -> frozenset[Level]:
-        """Levels at which every state satisfies the constraints, thanks to the correction."""
+    def exact_levels(self) -> frozenset[Level]:
+        """Levels at which every state satisfies the constraints because of the correction."""
         return NONE
 
     @property
     def translates(self) -> bool:
-        """Whether a correction counts for earlier states as well, whose differences then stay."""
+        """Whether a correction shifts earlier states as well and keeps their differences."""
         return False
 
     @property
     def feedback(self) -> tuple[float, float] | None:
-        """``(c₁, c₀)`` of ``Φ̈ + c₁Φ̇ + c₀Φ = 0`` where violations are fed back."""
+        """``(c₁, c₀)`` of ``Φ̈ + c₁Φ̇ + c₀Φ = 0`` if violations are fed back, else None."""
         return None
 
     def check(self, formulation: Formulation) -> None:
-        """Refuse a formulation that it cannot act on.
+        """Refuse a formulation that it does not support.
 
         Raises
         ------
         UnsupportedError
-            Violations fed back where nothing takes them.
+            Feedback of violations with a formulation that has no ``ξ``.
         """
         if self.feedback is not None and formulation.refuses_feedback:
             raise UnsupportedError(formulation.refuses_feedback)
 
-    def doubts(self, freedom: int, exchanged: float) -> list[str]:
-        """What speaks against this choice.
+    def warnings(self, freedom: int, exchanged: float) -> list[str]:
+        """Warnings about this choice.
 
         Parameters
         ----------
-        freedom : degrees of freedom that the drivers leave
-        exchanged : largest energy put in or dissipated during the run [J]
+        freedom : degrees of freedom without the driven ones
+        exchanged : largest energy supplied or dissipated during the run [J]
         """
         return []
 
@@ -121,11 +120,11 @@ class Baumgarte(Stabilization):
     >>> bob = system.add(planar.Particle("bob", mass=1.0, position=(1, 0)))
     >>> rod = system.add(planar.RigidLink("rod", system.ground.center, bob.center, length=1.0))
     >>> model = system.build()
-    >>> told = {}
-    >>> for name, mend in (("none", da.Stabilization()), ("Baumgarte", da.Baumgarte(alpha=20.0))):
-    ...     motion = da.solve_dynamics(model, 5.0, step=0.02, stabilization=mend)
-    ...     told[name] = motion["position_violation"][-1].item()
-    >>> told["Baumgarte"] < 0.1 * told["none"]
+    >>> violation = {}
+    >>> for name, method in (("none", da.Stabilization()), ("Baumgarte", da.Baumgarte(alpha=20.0))):
+    ...     motion = da.solve_dynamics(model, 5.0, step=0.02, stabilization=method)
+    ...     violation[name] = motion["position_violation"][-1].item()
+    >>> violation["Baumgarte"] < 0.1 * violation["none"]
     True
     """
 
@@ -158,7 +157,7 @@ class Projection(Stabilization):
     Parameters
     ----------
     every : correct after every k-th step
-    iterations : of the position correction; long steps end with two where these suffice
+    iterations : number of iterations of the position correction; two if these converge
 
     Raises
     ------
@@ -193,7 +192,7 @@ class Projection(Stabilization):
         return self.every
 
     @property
-    def held(self) -> frozenset[Level]:
+    def exact_levels(self) -> frozenset[Level]:
         return frozenset({Level.POSITION, Level.SPEED}) if self.every == 1 else NONE
 
     def correction(self, e: Equations, formulation: Formulation) -> ImplicitFunction | None:
@@ -203,11 +202,11 @@ class Projection(Stabilization):
         position, moved = self._position_stage(e, formulation)
         sigma, v = ca.SX.sym("sigma", m), ca.SX.sym("v_new", e.speed_count)
 
-        def there(expression: ca.SX) -> ca.SX:
+        def at_corrected(expression: ca.SX) -> ca.SX:
             return ca.substitute(expression, e.y, moved)
 
-        inertia, c = e.inertia.substitute(e.y, moved), there(e.jacobian)
-        psi = there(e.velocity_constraints)
+        inertia, c = e.inertia.substitute(e.y, moved), at_corrected(e.jacobian)
+        psi = at_corrected(e.velocity_constraints)
         solver = formulation.saddle_at(e, inertia, c).corrector
         step, sigma_value = solver.solve(ca.SX.zeros(e.speed_count), -psi)
         residual = ca.vertcat(
@@ -228,7 +227,7 @@ class Projection(Stabilization):
         )
 
     def tangential(self, e: Equations, formulation: Formulation) -> ca.Function | None:
-        """Errors along the constraints: ``M e + Cᵀ μ = M ẽ``, ``C e = 0`` for both levels."""
+        """Tangential errors: ``M e + Cᵀ μ = M ẽ``, ``C e = 0`` for positions and speeds."""
         m = e.constraint_count
         if m == 0:
             return None
@@ -236,13 +235,13 @@ class Projection(Stabilization):
         error = ca.SX.sym("error", state_symbols(e).numel())
         solver = formulation.saddle_at(e, e.inertia, e.jacobian).corrector
 
-        def along(part: ca.SX) -> ca.SX:
+        def tangential_part(part: ca.SX) -> ca.SX:
             return solver.solve(e.inertia.times(part), ca.SX.zeros(m))[0]
 
-        moved = along(ca.mtimes(e.manifold.reading, error[:n]))
-        kept = ca.mtimes(e.lift, moved), along(error[n : n + k]), error[n + k :]
+        moved = tangential_part(ca.mtimes(e.manifold.reading, error[:n]))
+        parts = ca.mtimes(e.lift, moved), tangential_part(error[n : n + k]), error[n + k :]
         inputs = [e.t, state_symbols(e), e.p, error]
-        return ca.Function("tangential", inputs, [ca.densify(ca.vertcat(*kept))])
+        return ca.Function("tangential", inputs, [ca.densify(ca.vertcat(*parts))])
 
     def _position_stage(self, e: Equations, formulation: Formulation) -> tuple[Stage, ca.SX]:
         """Stage for ``(δ, μ)`` and the corrected position as an expression of ``δ``."""
@@ -252,37 +251,39 @@ class Projection(Stabilization):
         solver = raw.corrector
         moved = e.manifold.retract(e.y, delta)
         violation = ca.substitute(e.constraints, e.y, moved)
-        if e.slips:  # corrections do not slip
+        if e.slips:  # corrections obey the nonholonomic constraints
             violation += ca.mtimes(e.slip_jacobian, delta)
         residual = ca.vertcat(e.inertia.times(delta) + ca.mtimes(e.jacobian.T, mu), violation)
         value_delta, value_mu = ca.SX.zeros(n), ca.SX.zeros(m)
         trial = None
         for k in range(self.iterations):
-            if k == TRIED:
-                open_over = violation / (CLOSED * e.scales.rows)
-                trial = Trial(ca.vertcat(value_delta, value_mu), ca.sumsqr(open_over) / m)
-            open_by = ca.substitute(violation, delta, value_delta)
-            step, multiplier = solver.solve(ca.SX.zeros(n), -open_by)
+            if k == FIRST_ITERATIONS:
+                scaled_violation = violation / (CLOSED * e.scales.rows)
+                trial = Trial(ca.vertcat(value_delta, value_mu), ca.sumsqr(scaled_violation) / m)
+            violation_at = ca.substitute(violation, delta, value_delta)
+            step, multiplier = solver.solve(ca.SX.zeros(n), -violation_at)
             value_delta, value_mu = value_delta + step, value_mu + multiplier
         unknown = ca.vertcat(delta, mu)
-        turn = ca.sparsify(ca.jacobian(violation, delta) - e.jacobian)  # of C by the correction
+        change = ca.sparsify(ca.jacobian(violation, delta) - e.jacobian)  # of C by the correction
 
         def solve(rhs: ca.SX, transposed: bool = False) -> ca.SX:
-            # the factors belong to the incoming position; a few terms of the series in the turn
-            # make up for that, and refinements for factors that are only nearly those of C
-            total = more = solver.solve_stacked(rhs)
+            # the factors belong to the incoming position; a few terms of the series in the change
+            # of C compensate for that, and refinements for approximate factors
+            total = term = solver.solve_stacked(rhs)
             for _ in range(3):
-                source = total if solver is not raw else more
+                source = total if solver is not raw else term
                 x, z = source[:n], source[n:]
                 if transposed:
-                    rest = ca.vertcat(ca.mtimes(turn.T, z), ca.SX.zeros(m, x.shape[1]))
+                    residual_change = ca.vertcat(ca.mtimes(change.T, z), ca.SX.zeros(m, x.shape[1]))
                 else:
-                    rest = ca.vertcat(ca.SX.zeros(n, x.shape[1]), ca.mtimes(turn, x))
+                    residual_change = ca.vertcat(ca.SX.zeros(n, x.shape[1]), ca.mtimes(change, x))
                 if solver is not raw:
-                    held = ca.mtimes(e.jacobian.T, z), ca.mtimes(e.jacobian, x)
-                    rest += ca.vertcat(e.inertia.times(x) + held[0], held[1]) - rhs
-                more = -solver.solve_stacked(rest)
-                total = total + more
+                    products = ca.mtimes(e.jacobian.T, z), ca.mtimes(e.jacobian, x)
+                    residual_change += (
+                        ca.vertcat(e.inertia.times(x) + products[0], products[1]) - rhs
+                    )
+                term = -solver.solve_stacked(residual_change)
+                total = total + term
             return total
 
         stage = Stage(

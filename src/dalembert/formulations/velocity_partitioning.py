@@ -2,23 +2,22 @@
 
     v = [u; w],    C = [U W],    w = −W⁻¹(U u + Φ_t),    DᵀM D u̇ = Dᵀ(f − d − M γ)
 
-What matters of the state is y and u: all speeds are made of u wherever they are used, so that the
+The state consists of y and u: all speeds are computed from u wherever they are used, so that the
 velocity constraints hold to round-off and only the position constraints can be violated.
 """
 
 from __future__ import annotations
 
+import difflib
 from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import UnsupportedError
-from dalembert.formulations.base import Formulation, SaddleSolver
-from dalembert.formulations.levels import Level
-from dalembert.formulations.named_speeds import check_independent, indices_of
+from dalembert.errors import SingularityError, UnsupportedError
+from dalembert.formulations.base import Formulation, Level, SaddleSolver
 from dalembert.formulations.null_space import NullSpaceSolver
-from dalembert.formulations.partition import best_partition, largest_ratio
+from dalembert.formulations.partition import best_partition, largest_ratio, scaled_ratios
 from dalembert.model.equations import Equations
 from dalembert.model.inertia import Inertia
 from dalembert.options import options
@@ -28,28 +27,29 @@ from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 
 SMALLEST_LIMIT = 1.1
 LIMIT = 1.5
-"""With this one, errors of turning mechanisms are no larger than with all speeds as states."""
-LIMIT_OF_GIVEN = 50.0
+"""Default limit: errors of rotating mechanisms are no larger than with all speeds as states."""
+LIMIT_OF_NAMED = 50.0
+"""Default limit for independent speeds chosen by name."""
 
 
 @options
 class VelocityPartitioning(Formulation):
-    """Integrate as many speeds as there are degrees of freedom (6.8).
+    """Integration of as many speeds as there are degrees of freedom (6.8).
 
     Parameters
     ----------
     independent : names of the coordinates whose speeds are independent; None to let the run choose
-        the best conditioned ones, watch them and exchange them on its way
+        the best conditioned ones, monitor them and exchange them
     limit : largest dependent speed per independent one, in units of energy, ``√(m_ii/m_jj)
-        |W⁻¹U|_ij``, before the run chooses others (None: 1.5), or that given ones may reach
+        |W⁻¹U|_ij``, before the run chooses others (None: 1.5), or upper limit for named ones
         (None: 50)
 
     Raises
     ------
     UnsupportedError
-        A limit that no choice can keep; on running: unknown names, wrong number, Baumgarte.
+        A limit that no choice can satisfy; in a run: unknown names, wrong number, Baumgarte.
     SingularityError
-        Given speeds that do not determine the others at a position of the run.
+        Named speeds that do not determine the others at a position of the run.
 
     Examples
     --------
@@ -60,7 +60,7 @@ class VelocityPartitioning(Formulation):
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
     >>> turn = da.VelocityPartitioning(independent=("bar.angle",))
     >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.1, formulation=turn)
-    >>> round(motion["bar.ay"][0].item(), 6)  # of its middle, -3/4 g
+    >>> round(motion["bar.ay"][0].item(), 6)  # its centre: -3/4 g
     -7.5
     """
 
@@ -69,8 +69,8 @@ class VelocityPartitioning(Formulation):
 
     def __post_init__(self) -> None:
         if self.independent is not None:
-            given = self.independent
-            names = (given,) if isinstance(given, str) else tuple(given)
+            independent = self.independent
+            names = (independent,) if isinstance(independent, str) else tuple(independent)
             object.__setattr__(self, "independent", names)
         if self.limit is not None and not self.limit >= SMALLEST_LIMIT:
             raise UnsupportedError(
@@ -87,7 +87,7 @@ class VelocityPartitioning(Formulation):
     def choose(self, e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> Formulation:
         if self.independent is None:
             return IndependentSpeeds(best_partition(e, t, y, p), self.limit or LIMIT)
-        indices, limit = indices_of(e, self.independent), self.limit or LIMIT_OF_GIVEN
+        indices, limit = indices_of(e, self.independent), self.limit or LIMIT_OF_NAMED
         check_independent(e, indices, limit, t, y, p)
         return IndependentSpeeds(indices, limit)
 
@@ -102,12 +102,12 @@ class VelocityPartitioning(Formulation):
 
 @dataclass(frozen=True)
 class IndependentSpeeds(Formulation):
-    """Velocity partitioning (6.8) with definite independent speeds.
+    """Velocity partitioning (6.8) for chosen independent speeds.
 
     Parameters
     ----------
     indices : of the independent speeds in v
-    limit : of the largest dependent speed per independent one, before others are chosen
+    limit : upper limit of the dependent speeds per independent one, before others are chosen
     """
 
     indices: tuple[int, ...]
@@ -119,14 +119,14 @@ class IndependentSpeeds(Formulation):
         return NullSpaceSolver(inertia, PartitionBasis(jacobian, self.indices))
 
     @property
-    def held(self) -> frozenset[Level]:
+    def exact_levels(self) -> frozenset[Level]:
         return frozenset({Level.SPEED, Level.ACCELERATION})
 
     def conditioning(self, e: Equations) -> tuple[ca.SX, float]:
         return largest_ratio(e, self.indices), self.limit
 
     def consistent_speeds(self, e: Equations) -> Stage:
-        """``Ψ(y, v_c) = 0`` with ``S(v_c − v) = 0``, S picking the independent speeds."""
+        """``Ψ(y, v_c) = 0`` with ``S(v_c − v) = 0``; S selects the independent speeds."""
         basis, chosen = PartitionBasis(e.jacobian, self.indices), list(self.indices)
         m = e.constraint_count
         speeds = ca.SX.sym("v_c", e.speed_count)
@@ -135,8 +135,8 @@ class IndependentSpeeds(Formulation):
         residual = ca.vertcat(ca.substitute(psi, e.v, speeds), speeds[chosen, :] - e.v[chosen, :])
 
         def transposed(rhs: ca.SX) -> ca.SX:
-            across = basis.multipliers(rhs)
-            return ca.vertcat(across, rhs[chosen, :] - ca.mtimes(basis.u.T, across))
+            multipliers = basis.multipliers(rhs)
+            return ca.vertcat(multipliers, rhs[chosen, :] - ca.mtimes(basis.u.T, multipliers))
 
         return Stage(
             speeds,
@@ -151,10 +151,10 @@ class IndependentSpeeds(Formulation):
     ) -> SemiExplicit:
         """Index-1 form with the consistent speeds as further algebraic variables."""
         plain, speeds = super().semi_explicit(e, xi, saddle), self.consistent_speeds(e)
-        own, both = e.constraint_acceleration, [ca.vertcat(plain.z, e.v)]
-        start = self.acceleration(e, own, both, "algebraic_start", saddle)
+        xi_start, outputs = e.constraint_acceleration, [ca.vertcat(plain.z, e.v)]
+        start = self.acceleration(e, xi_start, outputs, "algebraic_start", saddle)
         rate, algebraic = ca.substitute([plain.rate, plain.algebraic], [e.v], [speeds.unknown])
-        more, natural = (0,) * e.speed_count, e.scales
+        zeros, natural = (0,) * e.speed_count, e.scales
         added = np.concatenate([natural.rows / natural.time, natural.speeds[list(self.indices)]])
         sizes = replace(
             plain.sizes,
@@ -166,8 +166,75 @@ class IndependentSpeeds(Formulation):
             z=ca.vertcat(plain.z, speeds.unknown),
             rate=rate,
             algebraic=ca.vertcat(algebraic, speeds.residual),
-            depth=plain.depth + more,
-            lag=plain.lag + more,
+            depth=plain.depth + zeros,
+            lag=plain.lag + zeros,
             start=start,
             sizes=sizes,
         )
+
+
+def _names(e: Equations) -> list[str]:
+    """Names of the coordinates on a flat manifold, otherwise of the speeds."""
+    symbols = e.y if e.manifold.flat else e.v
+    return [symbol.name() for symbol in ca.vertsplit(symbols)]
+
+
+def indices_of(e: Equations, names: tuple[str, ...]) -> tuple[int, ...]:
+    """Indices in v of the speeds of named coordinates.
+
+    Raises
+    ------
+    UnsupportedError
+        An unknown name, or a number of names that differs from the degrees of freedom.
+    """
+    available, needed = _names(e), e.speed_count - e.constraint_count
+    for name in names:
+        if name not in available:
+            close = difflib.get_close_matches(name, available, 3, 0.4) or available
+            raise UnsupportedError(
+                f"VelocityPartitioning: no coordinate {name!r}; nearest: {', '.join(close)}"
+            )
+    indices = tuple(sorted({available.index(name) for name in names}))
+    if len(indices) != needed:
+        raise UnsupportedError(
+            f"VelocityPartitioning(independent={names}): {needed} independent speeds are needed, "
+            f"{len(indices)} are named"
+        )
+    return indices
+
+
+def check_independent(
+    e: Equations,
+    indices: tuple[int, ...],
+    limit: float,
+    t: float,
+    y: np.ndarray,
+    p: np.ndarray,
+) -> None:
+    """Check that no dependent speed exceeds the chosen ones by more than the limit.
+
+    Raises
+    ------
+    SingularityError
+        Names the largest dependent speed and its ratio, in units of energy.
+    """
+    ratios = ca.Function("ratios", [e.t, e.y, e.p], [ca.densify(scaled_ratios(e, indices))])
+    size = np.abs(ratios(t, y, p).full())
+    if not size.size or np.all(size <= limit):
+        return
+    names = _names(e)
+    if np.all(np.isfinite(size)):
+        row, column = np.unravel_index(np.argmax(size), size.shape)
+        independent = names[indices[column]]
+        dependent = names[[k for k in range(e.speed_count) if k not in indices][row]]
+        reason = (
+            f"{dependent} is {size[row, column]:.3g} times as fast as {independent} in units of "
+            f"energy (limit {limit:g})"
+        )
+    else:
+        chosen = ", ".join(names[k] for k in indices)
+        reason = f"{chosen} do not determine the other speeds, det W = 0"
+    raise SingularityError(
+        f"VelocityPartitioning: at t = {t:.9g} s {reason}; name other coordinates, or leave "
+        "independent=None and let the run choose"
+    )

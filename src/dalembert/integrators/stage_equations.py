@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit
-from dalembert.symbolic.evaluation.condensed import condensed
+from dalembert.symbolic.evaluation.kernel import condensed
 
 ROUNDING = 16 * float(np.finfo(float).eps)
 SIZE_FLOOR = 1e-9

@@ -1,4 +1,4 @@
-"""The analysis that a file asks for, with its strategies and events."""
+"""Analyses of a file, with their strategies and events."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.times import in_seconds
 from dalembert.errors import SingularityError
-from dalembert.io.fields import Interval, written
+from dalembert.io.fields import Interval, keyed_fields
 from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import STRATEGIES_OF
@@ -26,86 +26,86 @@ from dalembert.text.wording import unknown
 
 
 def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
-    """The analysis that the file asks for, or one of another type with the same options.
+    """The analysis of the file, or one of another type with the same options.
 
     Raises
     ------
     ModelError, UnsupportedError, AnalysisError
-        No analysis in the file, unknown type, options that cannot work; with the place.
+        No analysis in the file, unknown type or invalid options; states the location.
     """
     table: Any = file.document.analysis
-    known, usual = file.document.analyses, file.document.usual_analysis
-    if table is None and kind is None and usual is None:
+    classes, default = file.document.analyses, file.document.usual_analysis
+    if table is None and kind is None and default is None:
         raise file.located.error(
             'is missing; add a table [analysis] with type = "Dynamics" and duration = …', "analysis"
         )
-    name = kind if kind is not None else table.type if table is not None else usual
-    if name not in known:
-        raise file.located.error(unknown("type", name, known), "analysis", "type")
-    return _made(file, model, known[name], table, "analysis")
+    name = kind if kind is not None else table.type if table is not None else default
+    if name not in classes:
+        raise file.located.error(unknown("type", name, classes), "analysis", "type")
+    return _create(file, model, classes[name], table, "analysis")
 
 
 def make_table(file: ModelFile, model: Any, table: Any, *where: str) -> Any:
-    """The analysis of a table somewhere else in the file, such as that of a case.
+    """The analysis of another table of the file, such as that of a case.
 
     Raises
     ------
     ModelError, UnsupportedError, AnalysisError
-        Options that cannot work; with the place.
+        Invalid options; states the location.
     """
-    return _made(file, model, file.document.analyses[table.type], table, *where)
+    return _create(file, model, file.document.analyses[table.type], table, *where)
 
 
 def make_method(
-    file: ModelFile, model: Any, registry: dict[str, Any], given: str | BaseModel, *where: str
+    file: ModelFile, model: Any, registry: dict[str, Any], entry: str | BaseModel, *where: str
 ) -> Any:
     """A method by its name, or from a table whose options may be strategies.
 
     Raises
     ------
     ModelError, UnsupportedError, AnalysisError
-        Options that cannot work; with the place.
+        Invalid options; states the location.
     """
-    if isinstance(given, str):
-        return registry[given]()
-    return _made(file, model, registry[given.type], given, *where)  # type: ignore[attr-defined]
+    if isinstance(entry, str):
+        return registry[entry]()
+    return _create(file, model, registry[entry.type], entry, *where)  # type: ignore[attr-defined]
 
 
-def _made(file: ModelFile, model: Any, cls: type, table: Any, *where: str) -> Any:
+def _create(file: ModelFile, model: Any, cls: type, table: Any, *where: str) -> Any:
     with file.located(*where):
         analysis = cls(**_options(file, model, cls, table, where))
     for option, check in analysis.checks(model).items():
-        place = (*where, option) if option else where
-        with file.located(*place), suppress(SingularityError):
-            check()  # where the position is at fault, the run may begin at another one
+        location = (*where, option) if option else where
+        with file.located(*location), suppress(SingularityError):
+            check()  # a singular position is no error: the run may begin at another one
     return analysis
 
 
 def _options(
     file: ModelFile, model: Any, cls: type, table: BaseModel | None, where: tuple[str, ...]
 ) -> dict[str, Any]:
-    made: dict[str, Any] = {}
-    for field in written(cls, frozenset()):
+    options: dict[str, Any] = {}
+    for field in keyed_fields(cls, frozenset()):
         if table is None or field.name not in table.model_fields_set:
             continue
-        given = getattr(table, field.name)
+        entry = getattr(table, field.name)
         with file.located(*where, field.name):
-            option = _option(file, model, field.holds, given)
-            made |= in_seconds({field.name: option}, model, None, cls.__name__)
-    return made
+            option = _option(file, model, field.holds, entry)
+            options |= in_seconds({field.name: option}, model, None, cls.__name__)
+    return options
 
 
-def _option(file: ModelFile, model: Any, kind: Any, given: Any) -> Any:
-    """What a key of ``[analysis]`` stands for."""
+def _option(file: ModelFile, model: Any, kind: Any, entry: Any) -> Any:
+    """Value of a key of ``[analysis]``."""
     makers: dict[Any, Callable[[], Any]] = {
-        Events: lambda: {n: _event(file, model, n, e) for n, e in given.items()},
-        Interval: lambda: tuple(given),
-        Rayleigh: lambda: _damping(file, model, given),
-        StructuralResult: lambda: _state(model, given),
+        Events: lambda: {n: _event(file, model, n, e) for n, e in entry.items()},
+        Interval: lambda: tuple(entry),
+        Rayleigh: lambda: _damping(file, model, entry),
+        StructuralResult: lambda: _load_case_state(model, entry),
     }
     if kind in STRATEGIES_OF:
-        return make_strategy(STRATEGIES_OF[kind], given)
-    return makers[kind]() if kind in makers else given
+        return make_strategy(STRATEGIES_OF[kind], entry)
+    return makers[kind]() if kind in makers else entry
 
 
 def _damping(file: ModelFile, model: StructuralModel, table: Any) -> Rayleigh:
@@ -114,27 +114,27 @@ def _damping(file: ModelFile, model: StructuralModel, table: Any) -> Rayleigh:
         return Rayleigh(formulas.read(table.mass), formulas.read(table.stiffness))
 
 
-def _state(model: StructuralModel, case: str) -> StructuralResult:
+def _load_case_state(model: StructuralModel, case: str) -> StructuralResult:
     """Linear statics under one load case."""
-    solved = Statics().run(model)
-    return solved.at(np.array([solved.case(case)]))
+    solution = Statics().run(model)
+    return solution.at(np.array([solution.case(case)]))
 
 
-def make_strategy(registry: dict[str, type], given: str | BaseModel) -> Any:
-    """A strategy from its name, or from a table with its type and its options."""
-    if isinstance(given, str):
-        return registry[given]()
-    return registry[given.type](**given_options(given))  # type: ignore[attr-defined]
+def make_strategy(registry: dict[str, type], entry: str | BaseModel) -> Any:
+    """A strategy from its name, or from a table with its type and options."""
+    if isinstance(entry, str):
+        return registry[entry]()
+    return registry[entry.type](**table_options(entry))  # type: ignore[attr-defined]
 
 
-def given_options(table: BaseModel) -> dict[str, Any]:
-    """The keys that a table gives, its type left out."""
-    given = {k: getattr(table, k) for k in table.model_fields_set - {"type"}}
-    return {k: tuple(v) if isinstance(v, list) else v for k, v in given.items()}
+def table_options(table: BaseModel) -> dict[str, Any]:
+    """Keys given in a table, without its type."""
+    options = {k: getattr(table, k) for k in table.model_fields_set - {"type"}}
+    return {k: tuple(v) if isinstance(v, list) else v for k, v in options.items()}
 
 
-def _event(file: ModelFile, model: Model, name: str, given: Any) -> Event:
-    table = given if isinstance(given, EventTable) else EventTable(measure=given)
+def _event(file: ModelFile, model: Model, name: str, entry: Any) -> Event:
+    table = entry if isinstance(entry, EventTable) else EventTable(measure=entry)
     with file.located("analysis", "events", name):
         measure = model.expression(str(table.measure))
         return Event(measure, table.terminal, table.direction)

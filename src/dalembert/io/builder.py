@@ -1,4 +1,4 @@
-"""From a checked document to a system, in the order in which things need one another."""
+"""Construction of a mechanism from a validated document, in order of dependence."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from dalembert.budget import afford
+from dalembert.budget import check_budget
 from dalembert.elements.base import Constraint, ForceElement, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
@@ -25,31 +25,34 @@ from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.elements.user_constraint import UserConstraint
 from dalembert.errors import ModelError
-from dalembert.io.decisions.histories import declare_history
+from dalembert.io.declarations import (
+    declare_history,
+    declare_parameters,
+    declare_tables,
+    dependency_order,
+)
 from dalembert.io.fields import (
     FileField,
     Places,
     Points,
     Quantities,
     Quantity,
-    connected,
-    given_fields,
-    written,
+    Shapes,
+    connected_fields,
+    keyed_fields,
+    read_fields,
 )
 from dalembert.io.formulas import Formulas, Scope
+from dalembert.io.laws_and_curves import LawReader, construct
 from dalembert.io.location import Located
 from dalembert.io.messages import explain
-from dalembert.io.order import dependency_order
 from dalembert.io.orientations import read_frame, read_orientation
-from dalembert.io.parameters import declare_parameters, declare_tables
 from dalembert.io.reading import read_document
 from dalembert.io.references import References
 from dalembert.io.schema import DerivedTable, Document
-from dalembert.io.shapes import Shapes, made_of
-from dalembert.io.structures.builder import StructureBuilder
-from dalembert.io.structures.finite_elements import FiniteElements
-from dalembert.io.structures.mesh_reader import MeshReader
-from dalembert.io.structures.schema import StructureDocument
+from dalembert.io.structures.finite_elements import FiniteElements, MeshReader
+from dalembert.io.structures.structure_builder import StructureBuilder
+from dalembert.io.structures.structure_schema import StructureDocument
 from dalembert.model.system import System
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.conversion import as_expression
@@ -57,16 +60,16 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import visible
 
 NAME = 25
-"""Rounds of work for each name that a file declares, as the budget counts them."""
+"""Estimated cost per declared name, in the rounds of the budget."""
 
 
 class Builder:
-    """Makes the system that a document describes.
+    """Builder of the system that a document describes.
 
     Parameters
     ----------
     document : Document
-    source : path of the file, for messages and for the files it names
+    source : path of the file, for messages and relative paths
     """
 
     def __init__(self, document: Document, source: Path):
@@ -77,7 +80,7 @@ class Builder:
         self.formulas = Formulas(self.system)
         self.references = References(document, self.system, self.formulas)
         self.structures: dict[Path, StructuralModel] = {}
-        self.shapes = Shapes(self.located, self.formulas)
+        self.laws = LawReader(self.located, self.formulas)
 
     def build(self) -> System:
         """The system.
@@ -85,17 +88,17 @@ class Builder:
         Raises
         ------
         ModelError
-            With file, place, value and cure.
+            Names file, location, value and a fix.
         """
-        self._afford()
+        self._check_budget()
         declare_parameters(self.system, self.document, self.located)
         declare_tables(self.system, self.document, self.located, self.formulas)
         self.derived()
         self.histories()
         if self.document.gravity is not None:
             with self.located("gravity"):
-                given = [self.formulas.read(g) for g in self.document.gravity]
-                self.system.gravity = as_expression(given, "", "m/s^2", len(given))
+                components = [self.formulas.read(g) for g in self.document.gravity]
+                self.system.gravity = as_expression(components, "", "m/s^2", len(components))
         for name, at in self.document.ground.points.items():
             with self.located("ground", "points", name):
                 self.system.ground.add_point(name, self.vector(at, Scope.PARAMETERS))
@@ -115,36 +118,38 @@ class Builder:
         for name in self.document.drivers:
             self.add("drivers", name)
         self.forces()
-        elastic.hold()
+        elastic.add_loads()
         for measure, value in self.document.initial.items():
             with self.located("initial", measure):
-                known = self.formulas.read(measure, Scope.MOTION)
-                self.system.initial(as_expression(known, ""), self.formulas.read(value))
+                quantity = self.formulas.read(measure, Scope.MOTION)
+                self.system.initial(as_expression(quantity, ""), self.formulas.read(value))
         return self.system
 
-    def _afford(self) -> None:
-        """Refuse more names than can be read in a reasonable time."""
-        d = self.document
-        places = [d.ground, *d.bodies.values()]
-        tables = [place if isinstance(place, dict) else vars(place) for place in places]
+    def _check_budget(self) -> None:
+        """Refuse more names than can be processed in reasonable time."""
+        document = self.document
+        owners = [document.ground, *document.bodies.values()]
+        tables = [owner if isinstance(owner, dict) else vars(owner) for owner in owners]
         points = (table.get(key) for table in tables for key in ("points", "frames"))
         counts = {
-            "parameters": len(d.parameters),
-            "derived parameters": len(d.derived),
-            "bodies": len(d.bodies),
+            "parameters": len(document.parameters),
+            "derived parameters": len(document.derived),
+            "bodies": len(document.bodies),
             "points and frames": sum(len(named or ()) for named in points),
-            "joints": len(d.joints),
-            "forces": len(d.forces),
+            "joints": len(document.joints),
+            "forces": len(document.forces),
         }
-        for what, count in counts.items():
-            afford(f"{self.source}: {count} {what}", rounds=NAME * count, cure="give fewer")
+        for section, count in counts.items():
+            check_budget(
+                f"{self.source}: {count} {section}", rounds=NAME * count, cure="give fewer"
+            )
 
     # numbers -------------------------------------------------------------------
     def derived(self) -> None:
         entries: dict[str, Any] = self.document.derived
         tables = {
-            name: given if isinstance(given, DerivedTable) else DerivedTable(formula=given)
-            for name, given in entries.items()
+            name: entry if isinstance(entry, DerivedTable) else DerivedTable(formula=entry)
+            for name, entry in entries.items()
         }
         with self.located():
             order = dependency_order("derived", {n: [str(d.formula)] for n, d in tables.items()})
@@ -155,24 +160,24 @@ class Builder:
                 self.system.derived(name, formula, table.unit, table.description)
 
     def histories(self) -> None:
-        """Unknown functions of time, for forces and drivers."""
+        """Declare unknown functions of time, for forces and drivers."""
         tables: dict[str, Any] = self.document.histories
         for name, table in tables.items():
             with self.located("histories", name):
-                found = declare_history(self.system, name, table)
-            self.formulas.histories[name] = found.value
-            self.shapes.histories[name] = found.law
+                declared = declare_history(self.system, name, table)
+            self.formulas.histories[name] = declared.value
+            self.laws.histories[name] = declared.law
 
     def vector(self, entries: list, scope: Scope) -> list:
         return [self.formulas.read(entry, scope) for entry in entries]
 
     # elements ------------------------------------------------------------------
     def forces(self) -> None:
-        """Forces may be formulas of other forces, in any order."""
-        given: dict[str, Any] = self.document.forces
+        """Add forces, which may be formulas of other forces, in order of dependence."""
+        entries: dict[str, Any] = self.document.forces
         with self.located():
-            known = elements_of(self.document.space, "forces")
-            texts = {name: _formula_texts(known[f.type], f) for name, f in given.items()}
+            classes = elements_of(self.document.space, "forces")
+            texts = {name: _formula_texts(classes[f.type], f) for name, f in entries.items()}
             order = dependency_order("forces", texts)
         for name in order:
             self.add("forces", name)
@@ -184,64 +189,65 @@ class Builder:
         scope = Scope.MOTION if moving else Scope.PARAMETERS
         with self.located(*where):
             ties = []
-            given = getattr(table, "connect", ())
-            for k, (field, end) in enumerate(zip(connected(cls), given, strict=True)):
+            ends = getattr(table, "connect", ())
+            for k, (field, end) in enumerate(zip(connected_fields(cls), ends, strict=True)):
                 with self.located(*where, "connect", k):
                     ties.append(self.references.end(field.holds, end))
-            keys = given_fields(
+            keys = read_fields(
                 cls,
                 table,
                 self.located,
                 where,
                 lambda field, value, here: self.value(field, value, scope, here),
             )
-            self.system.add(made_of(cls, name, *ties, **keys))
+            self.system.add(construct(cls, name, *ties, **keys))
 
-    def value(self, field: FileField, given: Any, scope: Scope, where: tuple[str, ...]) -> Any:
+    def value(self, field: FileField, entry: Any, scope: Scope, where: tuple[str, ...]) -> Any:
         readers: dict[Any, Callable[[], Any]] = {
-            Quantity: lambda: self.formulas.read(given, scope),
-            Quantities: lambda: self.vector(_listed(given), scope),
-            Points: lambda: {n: self.vector(at, Scope.PARAMETERS) for n, at in given.items()},
-            Frames: lambda: {n: read_frame(at, self.formulas) for n, at in given.items()},
-            Orientation: lambda: read_orientation(given, self.formulas),
-            Places: lambda: [self.references.end(Point, end) for end in given],
-            Law: lambda: self.shapes.law(given, where),
-            Curve: lambda: self.shapes.curve(given, where),
-            ForceLaw: lambda: self.force_law(given, scope),
-            Constraint: lambda: self.references.joint(given),
-            Shape: lambda: self.shape(given, where),
-            NormalLaw: lambda: self.ingredient(CONTACT_LAWS, given, where),
-            Friction: lambda: self.ingredient(FRICTIONS, given, where),
-            Rows: lambda: [self.vector(row, Scope.PARAMETERS) for row in given],
-            Path: lambda: self.source.parent / given,
-            Numbers: lambda: {n: self.formulas.read(v, Scope.PARAMETERS) for n, v in given.items()},
-            FlexibleStructure: lambda: self.structure(self.source.parent / given),
+            Quantity: lambda: self.formulas.read(entry, scope),
+            Quantities: lambda: self.vector(_as_list(entry), scope),
+            Points: lambda: {n: self.vector(at, Scope.PARAMETERS) for n, at in entry.items()},
+            Frames: lambda: {n: read_frame(at, self.formulas) for n, at in entry.items()},
+            Orientation: lambda: read_orientation(entry, self.formulas),
+            Places: lambda: [self.references.end(Point, end) for end in entry],
+            Law: lambda: self.laws.law(entry, where),
+            Curve: lambda: self.laws.curve(entry, where),
+            ForceLaw: lambda: self.force_law(entry, scope),
+            Constraint: lambda: self.references.joint(entry),
+            Shape: lambda: self.shape(entry, where),
+            Shapes: lambda: [self.shape(one, (*where, k)) for k, one in enumerate(entry)],
+            NormalLaw: lambda: self.component(CONTACT_LAWS, entry, where),
+            Friction: lambda: self.component(FRICTIONS, entry, where),
+            Rows: lambda: [self.vector(row, Scope.PARAMETERS) for row in entry],
+            Path: lambda: self.source.parent / entry,
+            Numbers: lambda: {n: self.formulas.read(v, Scope.PARAMETERS) for n, v in entry.items()},
+            FlexibleStructure: lambda: self.structure(self.source.parent / entry),
             **dict.fromkeys(
-                (BodyElement, Point, Frame), lambda: self.references.end(field.holds, given)
+                (BodyElement, Point, Frame), lambda: self.references.end(field.holds, entry)
             ),
         }
-        return readers[field.holds]() if field.holds in readers else given
+        return readers[field.holds]() if field.holds in readers else entry
 
-    def shape(self, given: Any, where: tuple[str, ...]) -> Any:
-        """A shape, or the point or body that touches in its place."""
-        if isinstance(given, str):
-            return self.references.end(Point, given)
-        return self.ingredient(SHAPES[self.document.space.dimension], given, where)
+    def shape(self, entry: Any, where: tuple[str, ...]) -> Any:
+        """A contact shape, or the point or body that replaces it."""
+        if isinstance(entry, str):
+            return self.references.end(Point, entry)
+        return self.component(SHAPES[self.document.space.dimension], entry, where)
 
-    def ingredient(self, registry: dict[str, type], table: Any, where: tuple[str, ...]) -> Any:
-        """What an element is made of beside numbers."""
+    def component(self, registry: dict[str, type], table: Any, where: tuple[str, ...]) -> Any:
+        """Component object of an element, such as a contact law, from its table."""
         cls = registry[table.type]
-        keys = given_fields(
+        keys = read_fields(
             cls,
             table,
             self.located,
             where,
             lambda field, value, here: self.value(field, value, Scope.PARAMETERS, here),
         )
-        return made_of(cls, **keys)
+        return construct(cls, **keys)
 
     def structure(self, path: Path) -> StructuralModel:
-        """The structure in another file, which is read once."""
+        """The structure in another file; each file is read once."""
         if path not in self.structures:
             data = read_document(path)
             if data.get("kind") != "structure":
@@ -261,20 +267,20 @@ class Builder:
         def law(extension: Expression, rate: Expression) -> float | Expression:
             return self.formulas.read(text, scope, {"extension": extension, "rate": rate})
 
-        law(Expression(0.0), Expression(0.0))  # a slip is told here, not when the model is built
+        law(Expression(0.0), Expression(0.0))  # raise errors now, not when the model is built
         return law
 
 
 def _formula_texts(cls: type, table: BaseModel) -> list[str]:
-    """The formulas of an element, where it may name others."""
-    found: list[str] = []
-    for field in written(cls):
+    """Formulas of an element that may name other elements."""
+    formulas: list[str] = []
+    for field in keyed_fields(cls):
         if field.holds in (Quantity, Quantities, ForceLaw):
-            given = getattr(table, field.name)
-            found += [entry for entry in _listed(given) if isinstance(entry, str)]
-    return found
+            entries = _as_list(getattr(table, field.name))
+            formulas += [entry for entry in entries if isinstance(entry, str)]
+    return formulas
 
 
-def _listed(given: Any) -> list:
-    """Where a single entry is enough, it may stand alone."""
-    return given if isinstance(given, list) else [given]
+def _as_list(entry: Any) -> list:
+    """A list; a single entry becomes a list of one."""
+    return entry if isinstance(entry, list) else [entry]

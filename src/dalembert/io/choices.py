@@ -1,4 +1,4 @@
-"""Tables with known keys, and places where one of several tables may stand."""
+"""Tables with a fixed set of keys, and choices between several tables."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from pydantic import (
 from pydantic_core import CoreSchema, core_schema
 
 from dalembert.io.messages import UnknownKey
-from dalembert.io.values import shown
+from dalembert.io.values import short_repr
 from dalembert.text.wording import nearest
 
 PLAIN = "plain"
 
 
 class Record(BaseModel):
-    """A table with known keys only."""
+    """A table that refuses unknown keys."""
 
     model_config = ConfigDict(strict=True, extra="forbid")
 
@@ -32,19 +32,19 @@ class Record(BaseModel):
     @classmethod
     def _known_keys_only(cls, value: Any) -> Any:
         if not isinstance(value, dict):
-            raise ValueError(f"expected a table, got {shown(value)}")
-        known = [field.alias or name for name, field in cls.model_fields.items()]
+            raise ValueError(f"expected a table, got {short_repr(value)}")
+        names = [field.alias or name for name, field in cls.model_fields.items()]
         for key in value:
-            if key not in known:
-                raise UnknownKey(key, known)
+            if key not in names:
+                raise UnknownKey(key, names)
         return value
 
 
 Table = type[BaseModel]
 
 
-class Later:
-    """A table that is described when the first one of it is read: most files hold few of many."""
+class DeferredTable:
+    """A table type that is created on first use, because a file uses few of the many types."""
 
     def __init__(self, make: Callable[[], Table]):
         self.make = make
@@ -61,13 +61,13 @@ class Later:
 
     def __get_pydantic_json_schema__(self, _: Any, handler: Any) -> Any:
         table = self._table
-        known: Any = table.__pydantic_core_schema__
+        schema: Any = table.__pydantic_core_schema__
         name = f"{table.__module__}.{table.__qualname__}:{id(table)}"
-        if known["type"] == "definitions":
-            known = known | {"schema": known["schema"] | {"ref": name}}
+        if schema["type"] == "definitions":
+            schema = schema | {"schema": schema["schema"] | {"ref": name}}
         else:
-            known = known | {"ref": name}
-        return handler.generate_json_schema.generate_inner(known)
+            schema = schema | {"ref": name}
+        return handler.generate_json_schema.generate_inner(schema)
 
 
 def one_of(
@@ -77,35 +77,39 @@ def one_of(
     default: str | None = None,
     prefix: str = "",
 ) -> Any:
-    """A table chosen by its ``type``, or a plain value where one is allowed.
+    """Union of tables discriminated by their ``type``, or a plain value where one is allowed.
 
     Parameters
     ----------
-    tables : type → its table, or what makes it
-    default : the type where none is given
-    prefix : what may stand before a type and says nothing new
+    tables : type → its table, or the function that creates it
+    default : type used when the key is absent
+    prefix : optional prefix of a type
     """
 
     def choose(value: Any) -> Any:
         if not isinstance(value, (dict, BaseModel)):
             return PLAIN
-        told = value if isinstance(value, dict) else vars(value)
-        given = told.get("type", default)
-        return given.removeprefix(prefix) if isinstance(given, str) else given
+        keys = value if isinstance(value, dict) else vars(value)
+        kind = keys.get("type", default)
+        return kind.removeprefix(prefix) if isinstance(kind, str) else kind
 
     def check(value: Any) -> Any:
-        known = ", ".join(tables)
+        kinds = ", ".join(tables)
         if not isinstance(value, (dict, BaseModel)):
             if plain is None:
-                raise ValueError(f"expected a table with a type ({known}), got {shown(value)}")
+                raise ValueError(f"expected a table with a type ({kinds}), got {short_repr(value)}")
         elif (name := choose(value)) is None:
-            raise ValueError(f"type is missing; give one of: {known}")
+            raise ValueError(f"type is missing; give one of: {kinds}")
         elif not isinstance(name, str) or name not in tables:
-            raise ValueError(f"unknown type {shown(name)}{nearest(name, tables)}; known: {known}")
+            raise ValueError(
+                f"unknown type {short_repr(name)}{nearest(name, tables)}; known: {kinds}"
+            )
         return value
 
     members = [
-        Annotated[table if isinstance(table, type) else Annotated[Any, Later(table)], Tag(name)]
+        Annotated[
+            table if isinstance(table, type) else Annotated[Any, DeferredTable(table)], Tag(name)
+        ]
         for name, table in tables.items()
     ]
     if plain is not None:
@@ -114,7 +118,7 @@ def one_of(
 
 
 def table_or(table: type[BaseModel], plain: Any) -> Any:
-    """A table of one kind, or a plain value that stands for it."""
+    """Union of one table and a plain value."""
 
     def choose(value: Any) -> str:
         return "table" if isinstance(value, (dict, BaseModel)) else PLAIN

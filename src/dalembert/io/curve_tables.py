@@ -10,9 +10,9 @@ from typing import Annotated, Any
 from pydantic import Field, PlainValidator, WithJsonSchema
 
 from dalembert.errors import FileError, ModelError
-from dalembert.files.readable import read_text
+from dalembert.files import read_text
 from dalembert.io.choices import Record
-from dalembert.io.values import Text, number_or_formula, shown
+from dalembert.io.values import Text, number_or_formula, short_repr
 from dalembert.symbolic.formulas.interpolation import KINDS, OUTSIDE, TABLE_ENDS
 from dalembert.text.wording import unknown
 
@@ -21,7 +21,7 @@ def _column(value: Any) -> str | list[float | str]:
     if isinstance(value, str):
         return value
     if not isinstance(value, list):
-        raise ValueError(f"expected the name of a column or a list, got {shown(value)}")
+        raise ValueError(f"expected the name of a column or a list, got {short_repr(value)}")
     return [number_or_formula(item) for item in value]
 
 
@@ -35,9 +35,11 @@ Column = Annotated[
 
 
 class CurveTable(Record):
-    """A function through the rows of a table, from a file or given here."""
+    """Interpolating function through the rows of a table, inline or from a CSV file."""
 
-    file: Text = Field(default=None, description="CSV file beside the model, with a heading")
+    file: Text = Field(
+        default=None, description="CSV file in the folder of the model, with a heading"
+    )
     x: Column = Field(default=None, description="list of increasing values; or name of the column")
     y: Column = Field(default=None, description="as many values; or name of the column")
     units: list[Text] | None = Field(
@@ -52,43 +54,43 @@ class CurveTable(Record):
 
 
 def read_curve(table: CurveTable, source: Path, read: Any) -> dict[str, Any]:
-    """Keywords of ``table`` that a file gives.
+    """Keyword arguments of ``System.table`` from a table of the file.
 
     Parameters
     ----------
-    source : of the model
-    read : reads a number or formula
+    source : path of the model file
+    read : converts a number or formula
 
     Raises
     ------
     ModelError, FileError
-        Neither rows nor a file, or a file that has none.
+        Neither rows nor a file, or a file without rows.
     """
-    made: dict[str, Any] = {key: getattr(table, key) for key in ("kind", "outside", "ends")}
+    keywords: dict[str, Any] = {key: getattr(table, key) for key in ("kind", "outside", "ends")}
     if table.file is None:
         if not isinstance(table.x, list) or not isinstance(table.y, list):
             raise ModelError("give x and y as lists, or the file that has them")
-        made |= {"x": [read(v) for v in table.x], "y": [read(v) for v in table.y]}
+        keywords |= {"x": [read(v) for v in table.x], "y": [read(v) for v in table.y]}
     else:
         if isinstance(table.x, list) or isinstance(table.y, list):
             raise ModelError("with a file, x and y are the names of its columns")
         columns = read_columns(source.parent / table.file)
-        chosen = [_chosen(columns, given, k) for k, given in enumerate((table.x, table.y))]
-        made |= {"x": chosen[0][1], "y": chosen[1][1], "units": (chosen[0][0], chosen[1][0])}
+        chosen = [_chosen(columns, name, k) for k, name in enumerate((table.x, table.y))]
+        keywords |= {"x": chosen[0][1], "y": chosen[1][1], "units": (chosen[0][0], chosen[1][0])}
     if table.units is not None:
         if len(table.units) != 2:
             raise ModelError(f"units are those of x and y, got {len(table.units)}")
-        made["units"] = tuple(table.units)
-    return made
+        keywords["units"] = tuple(table.units)
+    return keywords
 
 
 def _chosen(
-    columns: dict[str, tuple[str, list[float]]], name: str | None, place: int
+    columns: dict[str, tuple[str, list[float]]], name: str | None, index: int
 ) -> tuple[str, list[float]]:
     if name is None:
         if len(columns) < 2:
             raise ModelError("the file has one column only; x and y take two")
-        return list(columns.values())[place]
+        return list(columns.values())[index]
     if name not in columns:
         raise ModelError(unknown("column", name, columns))
     return columns[name]
@@ -102,7 +104,7 @@ def read_columns(path: Path) -> dict[str, tuple[str, list[float]]]:
     Raises
     ------
     FileError
-        The file cannot be read, or a line is not numbers (its number is told).
+        The file cannot be read, or a line is not numeric (states its number).
     """
     heading: list[str] = []
     rows: list[list[float]] = []
@@ -114,22 +116,24 @@ def read_columns(path: Path) -> dict[str, tuple[str, list[float]]]:
                 values = [float(text) for text in row]
             except ValueError:
                 if rows or heading:
-                    told = ",".join(row)[:60]
+                    line = ",".join(row)[:60]
                     raise FileError(
-                        f"{path}: line {number}: expected numbers, got {told!r}"
+                        f"{path}: line {number}: expected numbers, got {line!r}"
                     ) from None
                 heading = [text.strip() for text in row]
                 continue
             if len(values) != len(heading or (rows[0] if rows else values)):
-                raise FileError(f"{path}: line {number}: has {len(values)} columns, not as before")
+                raise FileError(
+                    f"{path}: line {number}: has {len(values)} columns, unlike the lines before"
+                )
             rows.append(values)
     except csv.Error as error:
         raise FileError(f"{path}: not a CSV file ({error})") from None
     if not rows:
-        raise FileError(f"{path}: no rows of numbers found")
-    found: dict[str, tuple[str, list[float]]] = {}
+        raise FileError(f"{path}: has no rows of numbers")
+    columns: dict[str, tuple[str, list[float]]] = {}
     for k, column in enumerate(zip(*rows, strict=True)):
-        named = re.fullmatch(r"(.*?)\s*(?:\[(.*)\])?", heading[k] if heading else str(k + 1))
-        assert named is not None
-        found[named[1]] = (named[2] or "", list(column))
-    return found
+        match = re.fullmatch(r"(.*?)\s*(?:\[(.*)\])?", heading[k] if heading else str(k + 1))
+        assert match is not None
+        columns[match[1]] = (match[2] or "", list(column))
+    return columns

@@ -1,6 +1,6 @@
-"""What a field of a registered class holds, told from the types of its annotation.
+"""File types of the fields of registered classes, derived from their annotations.
 
-The schema and the builder both ask here, so that a file is accepted exactly when it can be built.
+The schema and the builder both use them, so that a file is accepted exactly when it can be built.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
-from dalembert.elements.fem.nodal import Nodal
+from dalembert.elements.fem.node import Nodal
 from dalembert.elements.flexible.body import Interfaces, Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
@@ -37,6 +37,8 @@ from dalembert.elements.springs import ForceLaw
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
+from dalembert.integrators.contact.contact_solver import ContactSolver
+from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.model.coordinates import Coordinates
 from dalembert.results.structural.result import StructuralResult
 from dalembert.symbolic.formulas.expression import Expression
@@ -47,7 +49,7 @@ class Quantity:
 
 
 class Quantities:
-    """As many of them as the field says."""
+    """Several numbers or formulas; the field states how many."""
 
 
 Points = dict[str, Vector]
@@ -55,38 +57,39 @@ Names = tuple[str, ...]
 Nodes = tuple[Nodal, ...]
 Laws = tuple[Law, ...]
 Places = tuple[Point, ...]
+Shapes = tuple[Shape, ...]
 Interval = tuple[float, float]
 Measured = str | Expression
 CountOrTimes = int | Sequence[float]
-ATTACHED = (BodyElement, Point, Frame, Nodal, Nodes)
-"""What ``connect`` lists, where an element has it first of all."""
-KNOWN: dict[Any, Any] = {
+CONNECTABLE = (BodyElement, Point, Frame, Nodal, Nodes)
+"""Types of the leading fields that ``connect`` lists."""
+FILE_TYPES: dict[Any, Any] = {
     kind: kind
     for kind in (
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
-        *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *ATTACHED),
-        *(Frames, Orientation, CountOrTimes, Shape, NormalLaw, Friction),
+        *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *CONNECTABLE),
+        *(Frames, Orientation, CountOrTimes, Shape, Shapes, NormalLaw, Friction),
         *(FlexibleStructure, Interfaces, Numbers, Distribution),
-        *(Coordinates, Formulation, Stabilization, Integrator),
+        *(Coordinates, Formulation, Stabilization, Integrator, ContactScheme, ContactSolver),
     )
 } | {
     str | Event: Event,
     NormalLaw | Restitution: NormalLaw,
     int | Sequence[float] | np.ndarray: CountOrTimes,
 }
-"""What an annotation says → the type that files know it by; classes stand for those below them."""
-NEEDED = (Law, Laws, Curve, Measured, Event)
-"""Types that a file must give, although Python has a default for them."""
+"""Annotation → file type; a class also stands for its subclasses."""
+REQUIRED = (Law, Laws, Curve, Measured, Event)
+"""Types that a file must give, although the Python field has a default."""
 
 
 @dataclass(frozen=True)
 class FileField:
-    """A field of a class, as files see it.
+    """A field of a class together with its file type.
 
     Attributes
     ----------
-    holds : one of the types in ``KNOWN``, ``Quantity`` or ``Quantities``
-    size : how many numbers or formulas
+    holds : one of the types in ``FILE_TYPES``, ``Quantity`` or ``Quantities``
+    size : number of entries of ``Quantities``
     """
 
     owner: type
@@ -103,73 +106,73 @@ class FileField:
 
     @property
     def least(self) -> int:
-        """How many are enough, where the rest follows; 0 if all are needed."""
+        """Minimum number of entries if the remaining ones have defaults; 0 if all are needed."""
         return self.field.metadata.get("least", 0)
 
     @property
     def is_needed(self) -> bool:
-        """The file must give it."""
+        """Whether the file must give the field."""
         default, factory = self.field.default, self.field.default_factory
-        given = default is not dataclasses.MISSING or factory is not dataclasses.MISSING
-        return self.holds in NEEDED or not given
+        has_default = default is not dataclasses.MISSING or factory is not dataclasses.MISSING
+        return self.holds in REQUIRED or not has_default
 
 
 @functools.cache
 def fields_of(cls: type) -> list[FileField]:
-    """The fields of a class that files can give; functions, only Python can.
+    """Fields of a class that files can give; fields that hold functions are left out.
 
     Raises
     ------
     TypeError
-        A field that files cannot express: a slip in the class, not in a file.
+        An annotation without a file type: an error of the class, not of a file.
     """
     if not dataclasses.is_dataclass(cls):
         return []
     hints = typing.get_type_hints(cls, include_extras=True)
-    found = [(f, _held(f, hints[f.name])) for f in dataclasses.fields(cls) if f.init]
-    return [FileField(cls, field, holds) for field, holds in found if holds is not Callable]
+    typed = [(f, _file_type(f, hints[f.name])) for f in dataclasses.fields(cls) if f.init]
+    return [FileField(cls, field, holds) for field, holds in typed if holds is not Callable]
 
 
-def _held(field: dataclasses.Field, hint: Any) -> Any:
-    """The type that files know an annotation by."""
+def _file_type(field: dataclasses.Field, hint: Any) -> Any:
+    """File type of an annotation."""
     if field.metadata.get("kind") == "quantity":
         return Quantities if field.metadata["size"] > 1 else Quantity
     if typing.get_origin(hint) is Annotated:
         hint = hint.__metadata__[0]
     if typing.get_origin(hint) in (typing.Union, types.UnionType):
-        given = (a for a in typing.get_args(hint) if a is not types.NoneType)
-        hint = functools.reduce(operator.or_, given)
+        members = (a for a in typing.get_args(hint) if a is not types.NoneType)
+        hint = functools.reduce(operator.or_, members)
     for base in hint.__mro__ if isinstance(hint, type) else [hint]:
-        if base in KNOWN:
-            return KNOWN[base]
+        if base in FILE_TYPES:
+            return FILE_TYPES[base]
     if typing.get_origin(hint) is Callable:
         return Callable
     raise TypeError(f"field {field.name!r}: no file form for the annotation {hint!r}")
 
 
-def connected(cls: type) -> list[FileField]:
-    """The bodies, points, frames and nodes that ``connect`` lists, in order."""
-    return [f for f in fields_of(cls) if not f.field.metadata and f.holds in ATTACHED]
+def connected_fields(cls: type) -> list[FileField]:
+    """Fields listed by ``connect``, in order: bodies, points, frames and nodes."""
+    return [f for f in fields_of(cls) if not f.field.metadata and f.holds in CONNECTABLE]
 
 
-def written(cls: type, hidden: frozenset[str] = frozenset({"name"})) -> list[FileField]:
-    """The fields that a file gives by their own key."""
-    left_out = {f.name for f in connected(cls)} | hidden
-    return [f for f in fields_of(cls) if f.name not in left_out]
+def keyed_fields(cls: type, hidden: frozenset[str] = frozenset({"name"})) -> list[FileField]:
+    """Fields that a file gives by their own key."""
+    excluded = {f.name for f in connected_fields(cls)} | hidden
+    return [f for f in fields_of(cls) if f.name not in excluded]
 
 
-def given_fields(
+def read_fields(
     cls: type, table: Any, located: Any, where: tuple[str, ...], value: Callable
 ) -> dict[str, Any]:
-    """The fields that a table gives, as ``value(field, given, where)`` makes them."""
-    made = {}
-    for field in written(cls):
+    """Values of the fields in a table, converted by ``value(field, entry, where)``."""
+    values = {}
+    for field in keyed_fields(cls):
         if field.name in table.model_fields_set:
             here = (*where, field.name)
             with located(*here):
-                made[field.name] = value(field, getattr(table, field.name), here)
-    return made
+                values[field.name] = value(field, getattr(table, field.name), here)
+    return values
 
 
 FROM_FILE = {"Table": ("times", "values"), "SplineCurve": ("points",)}
-"""Classes whose rows may come from a file of two columns, and the fields it fills."""
+"""Classes whose rows may come from a file of two columns → the fields that it fills."""

@@ -1,4 +1,4 @@
-"""Formulas of a file, each with the names that are allowed where it stands."""
+"""Formulas of a file, with the names that are allowed in their context."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from dalembert.symbolic.formulas.parser import parse_formula
 
 
 class Scope(Enum):
-    """What a formula may depend on."""
+    """Quantities that a formula may depend on."""
 
     PARAMETERS = "parameters"
     TIME = "parameters and t"
     MOTION = "parameters, t and measures"
 
 
-class Names(Protocol):
-    """What formulas may name; a ``System`` under construction is one."""
+class Namespace(Protocol):
+    """Names available to formulas; a ``System`` under construction is one."""
 
     @property
     def parameters(self) -> Mapping[str, Expression]: ...
@@ -39,7 +39,7 @@ class Names(Protocol):
 
 
 class ParameterNames:
-    """Parameters and time alone.
+    """Namespace of parameters, tables and time.
 
     Parameters
     ----------
@@ -58,23 +58,23 @@ class ParameterNames:
 
     def lookup(self, name: str) -> Any:
         """The parameter, the table, or time."""
-        found = self.parameters.get(name, t if name == "t" else None)
-        return self.tables.get(name) if found is None else found
+        value = self.parameters.get(name, t if name == "t" else None)
+        return self.tables.get(name) if value is None else value
 
     def measure_names(self) -> list[str]:
-        """There are none before anything is built."""
+        """Empty: no measures exist before the model is built."""
         return []
 
 
 class Formulas:
-    """Reads numbers and formulas for one model.
+    """Parser of the numbers and formulas of one model.
 
     Parameters
     ----------
-    system : what they may name
+    system : namespace of the formulas
     """
 
-    def __init__(self, system: Names):
+    def __init__(self, system: Namespace):
         self.system = system
         self.histories: dict[str, Expression] = {}
         """Unknown functions of time, by name."""
@@ -85,7 +85,7 @@ class Formulas:
         scope: Scope = Scope.PARAMETERS,
         local: Mapping[str, Expression] | None = None,
     ) -> float | Expression:
-        """The number, or the expression behind the text.
+        """Convert a number or the text of a formula.
 
         Raises
         ------
@@ -94,40 +94,40 @@ class Formulas:
         """
         if not isinstance(value, str):
             return value
-        own = dict(local or {})
+        variables = dict(local or {})
 
         def lookup(name: str) -> Any:
-            if name in own:
+            if name in variables:
                 if name in self._parameters():
                     raise ExpressionError(
                         f"in formula {value[:60]!r}: {name!r} is a variable of this formula and a "
                         "parameter, too; rename the parameter"
                     )
-                return own[name]
+                return variables[name]
             if name in self.histories and scope is not Scope.PARAMETERS:
                 return self.histories[name]
-            found = self.system.lookup(name)
-            if found is not None and not self._allowed(name, scope):
+            entry = self.system.lookup(name)
+            if entry is not None and not self._allowed(name, scope):
                 raise ExpressionError(
                     f"in formula {value[:60]!r}: {name!r} changes during the motion, but only "
                     f"{scope.value} are allowed here"
                 )
-            return found
+            return entry
 
-        found = parse_formula(value, lookup, lambda: self._known(scope, own))
-        return found if found.is_parameter else as_expression(found, "")
+        parsed = parse_formula(value, lookup, lambda: self._known(scope, variables))
+        return parsed if parsed.is_parameter else as_expression(parsed, "")
 
     def _parameters(self) -> list[str]:
-        known = self.system
-        return [*known.parameters, *known.derived_parameters, *known.tables]
+        system = self.system
+        return [*system.parameters, *system.derived_parameters, *system.tables]
 
     def _allowed(self, name: str, scope: Scope) -> bool:
         if scope is Scope.MOTION or name in self._parameters():
             return True
         return name == "t" and scope is Scope.TIME
 
-    def _known(self, scope: Scope, own: Mapping[str, Expression]) -> list[str]:
-        known = [*own, *self._parameters()]
+    def _known(self, scope: Scope, variables: Mapping[str, Expression]) -> list[str]:
+        names = [*variables, *self._parameters()]
         if scope is not Scope.PARAMETERS:
-            known += ["t", *self.histories]
-        return known + (self.system.measure_names() if scope is Scope.MOTION else [])
+            names += ["t", *self.histories]
+        return names + (self.system.measure_names() if scope is Scope.MOTION else [])

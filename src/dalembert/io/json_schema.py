@@ -1,4 +1,4 @@
-"""JSON Schema of model files, of mechanisms and structures alike."""
+"""JSON Schema of model files of mechanisms and structures."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pydantic.json_schema import models_json_schema
 
 from dalembert.elements.registry import SPACES
 from dalembert.io.schema import Document, document_of
-from dalembert.io.structures.schema import StructureDocument
+from dalembert.io.structures.structure_schema import StructureDocument
 
 
 def json_schema(kind: str | None = None) -> dict[str, Any]:
@@ -17,40 +17,40 @@ def json_schema(kind: str | None = None) -> dict[str, Any]:
 
     Parameters
     ----------
-    kind : ``"mechanism"`` or ``"structure"``; both by default, told apart by their ``kind``
+    kind : ``"mechanism"`` or ``"structure"``; both by default, distinguished by their ``kind``
     """
     models: list[type[BaseModel]] = []
     if kind != "structure":
         models += map(document_of, SPACES)
     if kind != "mechanism":
         models.append(StructureDocument)
-    made = models[0].model_json_schema() if len(models) == 1 else _one_of(models)
-    _drop_null_defaults(made)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **made}
+    schema = models[0].model_json_schema() if len(models) == 1 else _one_of(models)
+    _drop_null_defaults(schema)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
 
 
 def _one_of(models: list[type[BaseModel]]) -> dict[str, Any]:
-    """The schema of a file of any kind; one that says nothing is the first."""
-    wanted = [(model, "validation") for model in models]
-    references, made = models_json_schema(wanted, title="Model file of dalembert")  # type: ignore[arg-type]
-    chosen: dict[str, Any] = references[models[0], "validation"]
+    """Schema of a file of any kind; the first one applies if the file states no kind."""
+    modes = [(model, "validation") for model in models]
+    references, schema = models_json_schema(modes, title="Model file of dalembert")  # type: ignore[arg-type]
+    branch: dict[str, Any] = references[models[0], "validation"]
     for model in models[1:]:
-        chosen = {"if": _signs(model), "then": references[model, "validation"], "else": chosen}
-    return made | chosen
+        branch = {"if": _condition(model), "then": references[model, "validation"], "else": branch}
+    return schema | branch
 
 
-def _signs(model: type[BaseModel]) -> dict[str, Any]:
-    """What tells a file of this kind: its ``kind``, or its ``dimension``, or its gravity."""
+def _condition(model: type[BaseModel]) -> dict[str, Any]:
+    """Condition that selects a kind of file: its ``kind``, ``dimension`` or gravity."""
     if not issubclass(model, Document):
         return {"properties": {"kind": {"const": "structure"}}, "required": ["kind"]}
     size = model.space.dimension
-    said = {"properties": {"dimension": {"const": size}}, "required": ["dimension"]}
-    meant = {"properties": {"gravity": {"minItems": size}}, "required": ["gravity"]}
-    return {"anyOf": [said, {"not": {"required": ["dimension"]}, **meant}]}
+    declared = {"properties": {"dimension": {"const": size}}, "required": ["dimension"]}
+    implied = {"properties": {"gravity": {"minItems": size}}, "required": ["gravity"]}
+    return {"anyOf": [declared, {"not": {"required": ["dimension"]}, **implied}]}
 
 
 def _drop_null_defaults(node: Any) -> None:
-    """A missing key is missing; null is not a value of this format."""
+    """Remove null defaults, because null is not a value of this format."""
     if isinstance(node, dict):
         if "default" in node and node["default"] is None:
             del node["default"]

@@ -1,4 +1,4 @@
-"""Errors of the model told with the file and the place in it."""
+"""Errors of a model, reported with the file and the location in it."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from dalembert.errors import (
     ModelError,
     UnsupportedError,
 )
-from dalembert.io.messages import place
+from dalembert.io.messages import key_path
 from dalembert.io.schema import ModelDocument
 
 
 class Located:
-    """Adds file and place to what goes wrong inside ``with located("joints", "A"):``.
+    """Context manager that adds file and location to errors: ``with located("joints", "A"):``.
 
     Parameters
     ----------
     source : path of the model file
-    document : its contents, to find the section of an element
+    document : contents of the file, which give the section of an element
     """
 
     def __init__(self, source: Path, document: ModelDocument):
@@ -35,8 +35,8 @@ class Located:
         }
 
     def error(self, message: str, *keys: str | int) -> ModelError:
-        """A new error at a place."""
-        return ModelError(message, f"{self.source}: {place(*keys)}")
+        """A ``ModelError`` at a location."""
+        return ModelError(message, f"{self.source}: {key_path(*keys)}")
 
     @contextmanager
     def __call__(self, *keys: str | int) -> Iterator[None]:
@@ -51,22 +51,22 @@ class Located:
                 error.message, f"{self.source}: {where}" if where else str(self.source)
             ) from None
         except (BudgetError, FileError, UnsupportedError) as error:
-            raise type(error)(self._told(error, keys)) from None
+            raise type(error)(self._message(error, keys)) from None
         except AnalysisError as error:
-            raise error.retold(self._told(error, keys)) from None
+            raise error.with_message(self._message(error, keys)) from None
 
-    def _told(self, error: Exception, keys: tuple[str | int, ...]) -> str:
+    def _message(self, error: Exception, keys: tuple[str | int, ...]) -> str:
         if str(error).startswith(f"{self.source}: "):
             return str(error)
-        return ": ".join(part for part in (str(self.source), place(*keys), str(error)) if part)
+        return ": ".join(part for part in (str(self.source), key_path(*keys), str(error)) if part)
 
     def _where(self, entity: str | None, keys: tuple[str | int, ...]) -> str:
-        """The more telling one of the place and the element that the error names."""
-        here = place(*keys)
+        """The location or the element that the error names, whichever is more specific."""
+        here = key_path(*keys)
         if not entity:
             return here
         owner = re.split(r"[.\[]", entity, maxsplit=1)[0]
         if owner not in self._section:
             return here or entity
-        named = place(self._section[owner], owner) + entity[len(owner) :]
+        named = key_path(self._section[owner], owner) + entity[len(owner) :]
         return here if here.startswith(named) else named

@@ -1,4 +1,4 @@
-"""From what a checker says to what a person can mend: file, place, value, cure."""
+"""Error messages of invalid files: file, location, value and fix."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from typing import Any
 from pydantic import ValidationError
 
 from dalembert.errors import ModelError
-from dalembert.io.values import shown
+from dalembert.io.values import short_repr
 from dalembert.text.wording import nearest
 
-SHOWN = 5
+MAX_LINES = 5
 _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
 
 
 class UnknownKey(ValueError):
-    """A key that a table does not have."""
+    """A key that the table does not define."""
 
-    def __init__(self, key: str, known: Iterable[str]):
-        known = list(known)
+    def __init__(self, key: str, names: Iterable[str]):
+        names = list(names)
         self.key = key
         super().__init__(
-            f"unknown key{nearest(key, known)}; known here: {', '.join(known) or 'none'}"
+            f"unknown key{nearest(key, names)}; known here: {', '.join(names) or 'none'}"
         )
 
 
-def place(*keys: str | int) -> str:
+def key_path(*keys: str | int) -> str:
     """``joints.A.connect[1]``; keys that TOML would quote are quoted."""
     text = ""
     for key in keys:
@@ -41,16 +41,19 @@ def place(*keys: str | int) -> str:
 
 
 def explain(error: ValidationError, data: dict, source: Path | str) -> ModelError:
-    """All that is wrong with a file, each on a line, as one error."""
-    found = error.errors(include_url=False)
-    lines = [f"{place(*_place_of(item, data)) or 'the file'}: {_sentence(item)}" for item in found]
-    if len(lines) > SHOWN:
-        lines[SHOWN:] = [f"… and {len(lines) - SHOWN} more"]
+    """All validation errors of a file as one ``ModelError``, one per line."""
+    details = error.errors(include_url=False)
+    lines = [
+        f"{key_path(*_location(item, data)) or 'the file'}: {_description(item)}"
+        for item in details
+    ]
+    if len(lines) > MAX_LINES:
+        lines[MAX_LINES:] = [f"… and {len(lines) - MAX_LINES} more"]
     return ModelError(lines[0] if len(lines) == 1 else "\n  ".join(["", *lines]), str(source))
 
 
-def _place_of(item: Any, data: Any) -> list[str | int]:
-    """The keys on the way to the error, without the types that the checker also tells."""
+def _location(item: Any, data: Any) -> list[str | int]:
+    """Keys that lead to the error, without the type tags of the validator."""
     where: list[str | int] = []
     loc = item["loc"]
     for k, key in enumerate(loc):
@@ -64,7 +67,7 @@ def _place_of(item: Any, data: Any) -> list[str | int]:
     return [*where, cause.key] if isinstance(cause, UnknownKey) else where
 
 
-def _sentence(item: Any) -> str:
+def _description(item: Any) -> str:
     kind, value = item["type"], item.get("input")
     cause = item.get("ctx", {}).get("error")
     if cause is not None:
@@ -72,7 +75,7 @@ def _sentence(item: Any) -> str:
     if kind == "missing":
         return "is missing; add it"
     if kind in ("dict_type", "model_type"):
-        return f"expected a table, got {shown(value)}"
+        return f"expected a table, got {short_repr(value)}"
     if kind == "list_type":
-        return f"expected a list, got {shown(value)}"
-    return f"{item['msg']}, got {shown(value)}"
+        return f"expected a list, got {short_repr(value)}"
+    return f"{item['msg']}, got {short_repr(value)}"

@@ -1,24 +1,24 @@
-"""A model file: read, checked, and turned into what Python users write."""
+"""Model files: reading, validation and construction of models."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from dalembert.elements.registry import SPACES
 from dalembert.errors import ModelError
 from dalembert.io.builder import Builder
 from dalembert.io.location import Located
-from dalembert.io.messages import explain, place
+from dalembert.io.messages import explain, key_path
 from dalembert.io.reading import read_document
 from dalembert.io.schema import Document, ParameterTable, document_of
-from dalembert.io.structures.builder import StructureBuilder
-from dalembert.io.structures.schema import StructureDocument
-from dalembert.io.values import in_own_unit, shown
+from dalembert.io.structures.structure_builder import StructureBuilder
+from dalembert.io.structures.structure_schema import StructureDocument
+from dalembert.io.values import in_own_unit, short_repr
 from dalembert.model.model import Model
 from dalembert.model.system import ELEMENT_MEANINGS, System
 from dalembert.structures.model import StructuralModel
@@ -27,10 +27,10 @@ from dalembert.symbolic.formulas.declared import CONSTANTS, VARIABLES, check_fre
 from dalembert.text.wording import nearest, visible
 
 BUILDERS: dict[str, Any] = {"mechanism": Builder, "structure": StructureBuilder}
-"""Value of ``kind`` in a file → what makes its contents."""
+"""Value of ``kind`` in a file → its builder."""
 
-VALUES = ("parameters", "derived", "tables", "histories")
-"""Sections whose entries stand in formulas by their names alone."""
+VALUE_SECTIONS = ("parameters", "derived", "tables", "histories")
+"""Sections whose entries are referred to in formulas by their bare names."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class ModelFile:
     Attributes
     ----------
     path : Path
-    document : what it holds: Document of a mechanism, StructureDocument
+    document : validated contents, a ``Document`` (mechanism) or a ``StructureDocument``
     """
 
     path: Path
@@ -53,7 +53,7 @@ class ModelFile:
 
     @property
     def located(self) -> Located:
-        """Tells errors with this file and the place in it."""
+        """Context manager that adds this file and the location to errors."""
         return Located(self.path, self.document)
 
     def build(self) -> System | Structure:
@@ -62,7 +62,7 @@ class ModelFile:
         Raises
         ------
         ModelError, FileError
-            With file, place, value and cure.
+            Names file, location, value and a fix.
         """
         return BUILDERS[self.document.kind](self.document, self.path).build()
 
@@ -72,7 +72,7 @@ class ModelFile:
         Raises
         ------
         ModelError, AssemblyError
-            As ``build``, and what only shows when the model is put together.
+            As ``build``, and errors of the assembly.
         """
         system = self.build()
         with self.located():
@@ -86,20 +86,20 @@ class ModelFile:
         ModelError
             Unknown parameter, or not a number.
         """
-        known: dict[str, Any] = self.document.parameters
-        changed = dict(known)
+        parameters: dict[str, Any] = self.document.parameters
+        changed = dict(parameters)
         for name, value in values.items():
-            if name not in known:
-                listed = ", ".join(known) or "none"
+            if name not in parameters:
+                listed = ", ".join(parameters) or "none"
                 raise ModelError(
-                    f"unknown parameter{nearest(name, known)}; the file has: {listed}",
-                    f"{self.path}: {place('parameters', name)}",
+                    f"unknown parameter{nearest(name, parameters)}; the file has: {listed}",
+                    f"{self.path}: {key_path('parameters', name)}",
                 )
             try:
                 number = in_own_unit(value)
             except ValueError as error:
                 raise self.located.error(str(error), "parameters", name) from None
-            old = known[name]
+            old = parameters[name]
             new = {"value": number}
             changed[name] = (
                 old.model_copy(update=new) if isinstance(old, ParameterTable) else number
@@ -115,22 +115,24 @@ def load_model_file(path: str | Path) -> ModelFile:
     FileError
         The file cannot be read, or is not TOML or JSON.
     ModelError
-        Its contents are not a model; names every place that is wrong.
+        Invalid contents; names all invalid locations.
     """
     path = Path(path)
     data = read_document(path)
-    schema = _schema(data, path)
+    schema = _document_type(data, path)
     try:
         document = schema.model_validate(data)
     except ValidationError as error:
-        told = explain(error, data, path)
-        raise ModelError(told.message + _other_dimension(data, schema), told.entity) from None
+        explained = explain(error, data, path)
+        raise ModelError(
+            explained.message + _other_dimension(data, schema), explained.entity
+        ) from None
     _check_names(document, path)
     return ModelFile(path, document)
 
 
 def _other_dimension(data: dict[str, Any], schema: type) -> str:
-    """The cure for a file that does not say its dimension and fits another one."""
+    """Hint for a file without a dimension that is valid with another one."""
     if "dimension" in data or not issubclass(schema, Document):
         return ""
     for dimension in SPACES:
@@ -138,29 +140,66 @@ def _other_dimension(data: dict[str, Any], schema: type) -> str:
             document_of(dimension).model_validate(data)
         except ValidationError:
             continue
-        return f"\n  as dimension = {dimension} it can be read; write that if it is meant"
+        return f"\n  as dimension = {dimension} it is valid; write that if it is intended"
     return ""
 
 
-def _schema(data: dict[str, Any], path: Path) -> type[Document] | type[StructureDocument]:
-    """What a file with this ``kind`` and this ``dimension`` may hold."""
+def _document_type(data: dict[str, Any], path: Path) -> type[Document] | type[StructureDocument]:
+    """Document type for the ``kind`` and ``dimension`` of a file."""
     kind = data.get("kind", "mechanism")
     if not isinstance(kind, str) or kind not in BUILDERS:
-        known, close = ", ".join(BUILDERS), nearest(kind, BUILDERS)
-        raise ModelError(f"unknown kind {shown(kind)}{close}; known: {known}", f"{path}: kind")
+        kinds, suggestion = ", ".join(BUILDERS), nearest(kind, BUILDERS)
+        raise ModelError(
+            f"unknown kind {short_repr(kind)}{suggestion}; known: {kinds}", f"{path}: kind"
+        )
     elastic = {"nodes", "elements", "meshes"} & set(data)
     if "kind" not in data and elastic and not {"bodies", "joints"} & set(data):
         raise ModelError('nodes and elements make a structure; add kind = "structure"', str(path))
     if kind == "structure":
         return StructureDocument
     gravity = data.get("gravity")
-    spoken = len(gravity) if isinstance(gravity, list) and len(gravity) in SPACES else 2
-    dimension = data.get("dimension", spoken)
+    implied = len(gravity) if isinstance(gravity, list) and len(gravity) in SPACES else 2
+    dimension = data.get("dimension", implied)
     if isinstance(dimension, bool) or dimension not in SPACES:
-        known = ", ".join(map(str, SPACES))
-        told = f"unknown dimension {shown(dimension)}; known: {known}"
-        raise ModelError(told, f"{path}: dimension")
+        kinds = ", ".join(map(str, SPACES))
+        message = f"unknown dimension {short_repr(dimension)}; known: {kinds}"
+        raise ModelError(message, f"{path}: dimension")
     return document_of(dimension)
+
+
+def with_keys(file: ModelFile, section: str, changes: Mapping[str, Any]) -> ModelFile:
+    """The same file with some keys of a section replaced; a missing section is added.
+
+    Parameters
+    ----------
+    changes : key → value; None keeps the key, an empty text removes it
+
+    Raises
+    ------
+    ModelError
+        An invalid value.
+    """
+    values = {key: value for key, value in changes.items() if value is not None}
+    if not values:
+        return file
+    document: Any = file.document
+    table = getattr(document, section)
+    kind = type(document).model_fields[section].annotation
+    keys = {} if table is None else {k: getattr(table, k) for k in table.model_fields_set}
+    keys = {k: v for k, v in (keys | values).items() if v != ""}
+    try:
+        section_table = _table_type(kind).model_validate(keys)
+    except ValidationError as error:
+        explained = explain(error, keys, file.path)
+        raise file.located.error(explained.message, section) from None
+    document = document.model_copy(update={section: section_table})
+    document.__pydantic_fields_set__.add(section)
+    return replace(file, document=document)
+
+
+def _table_type(kind: Any) -> type[BaseModel]:
+    types = [k for k in get_args(kind) if isinstance(k, type)] or [kind]
+    return types[0]  # type: ignore[no-any-return]
 
 
 def load_model(path: str | Path) -> System | Structure:
@@ -173,7 +212,7 @@ def load_model(path: str | Path) -> System | Structure:
     Raises
     ------
     FileError, ModelError
-        With file, place, value and cure.
+        Names file, location, value and a fix.
 
     Examples
     --------
@@ -199,18 +238,19 @@ def load_model(path: str | Path) -> System | Structure:
 
 
 def _check_names(document: Document | StructureDocument, path: Path) -> None:
-    """Values that stand in formulas by themselves have different names, and so have parts."""
+    """Refuse duplicate and reserved names, separately for values and for parts."""
     of_structure = isinstance(document, StructureDocument)
     meanings = CONSTANTS if of_structure else VARIABLES
     seen: dict[tuple[bool, str], str] = {}
     for section in document.sections:
-        alone = section in VALUES
-        taken = meanings if alone else {} if of_structure else ELEMENT_MEANINGS
+        is_value = section in VALUE_SECTIONS
+        reserved = meanings if is_value else {} if of_structure else ELEMENT_MEANINGS
         for name in getattr(document, section):
-            here = f"{path}: {place(section, name)}"
-            check_free(name, taken, here, "formulas" if alone else "mechanisms")
-            before = seen.setdefault((alone, name), section)
-            if before != section:
+            location = f"{path}: {key_path(section, name)}"
+            check_free(name, reserved, location, "formulas" if is_value else "mechanisms")
+            first_section = seen.setdefault((is_value, name), section)
+            if first_section != section:
                 raise ModelError(
-                    f"the name is already used by {place(before, name)}; choose another", here
+                    f"the name is already used by {key_path(first_section, name)}; choose another",
+                    location,
                 )

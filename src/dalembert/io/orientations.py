@@ -18,7 +18,7 @@ Rows: Any = list_of(Direction, 3, "rows")
 
 
 class AxisAngle(Record):
-    """Turn about an axis."""
+    """Rotation about an axis."""
 
     type: Literal["axis_angle"]
     axis: Direction
@@ -26,7 +26,7 @@ class AxisAngle(Record):
 
 
 class EulerAngles(Record):
-    """Turns about body axes one after the other."""
+    """Successive rotations about body axes."""
 
     type: Literal["euler"]
     sequence: Text = Field(description="axes such as zxz")
@@ -34,7 +34,7 @@ class EulerAngles(Record):
 
 
 class BryantAngles(Record):
-    """Turns about the body's x, y and z axes, one after the other [rad]."""
+    """Successive rotations about the body's x, y and z axes [rad]."""
 
     type: Literal["bryant"]
     x: Entry
@@ -43,33 +43,33 @@ class BryantAngles(Record):
 
 
 class FromMatrix(Record):
-    """By a rotation matrix, whose columns are the axes of the turned frame."""
+    """Rotation matrix, whose columns are the axes of the rotated frame."""
 
     type: Literal["from_matrix"]
     rows: Rows
 
 
 Read = Callable[[Any], Any]
-MADE: dict[str, tuple[type[Record], Callable[[Any, Read], Orientation]]] = {
+ORIENTATIONS: dict[str, tuple[type[Record], Callable[[Any, Read], Orientation]]] = {
     "axis_angle": (
         AxisAngle,
-        lambda given, read: rotation.axis_angle([read(a) for a in given.axis], read(given.angle)),
+        lambda table, read: rotation.axis_angle([read(a) for a in table.axis], read(table.angle)),
     ),
     "euler": (
         EulerAngles,
-        lambda given, read: rotation.euler(given.sequence, *map(read, given.angles)),
+        lambda table, read: rotation.euler(table.sequence, *map(read, table.angles)),
     ),
     "bryant": (
         BryantAngles,
-        lambda given, read: rotation.bryant(read(given.x), read(given.y), read(given.z)),
+        lambda table, read: rotation.bryant(read(table.x), read(table.y), read(table.z)),
     ),
     "from_matrix": (
         FromMatrix,
-        lambda given, read: rotation.from_matrix([list(map(read, row)) for row in given.rows]),
+        lambda table, read: rotation.from_matrix([list(map(read, row)) for row in table.rows]),
     ),
 }
-"""Way to say it → its table, and what makes the orientation of one."""
-OrientationType: Any = one_of({name: table for name, (table, _) in MADE.items()})
+"""Type of an orientation → its table, and the function that constructs it."""
+OrientationType: Any = one_of({name: table for name, (table, _) in ORIENTATIONS.items()})
 
 
 class FrameTable(Record):
@@ -89,17 +89,17 @@ InlineFrame = create_model(
 )
 
 
-def read_orientation(given: Any, formulas: Formulas) -> Orientation:
+def read_orientation(table: Any, formulas: Formulas) -> Orientation:
     """The orientation that a table describes."""
-    return MADE[given.type][1](given, formulas.read)
+    return ORIENTATIONS[table.type][1](table, formulas.read)
 
 
-def read_frame(given: FrameTable, formulas: Formulas) -> dict[str, Any]:
-    """Keywords of a frame."""
-    made: dict[str, Any] = {"place": [formulas.read(entry) for entry in given.at]}
+def read_frame(table: FrameTable, formulas: Formulas) -> dict[str, Any]:
+    """Keyword arguments of ``body.frame``."""
+    keywords: dict[str, Any] = {"place": [formulas.read(entry) for entry in table.at]}
     for key in ("axis", "x"):
-        if getattr(given, key) is not None:
-            made[key] = [formulas.read(entry) for entry in getattr(given, key)]
-    if given.rotation is not None:
-        made["rotation"] = read_orientation(given.rotation, formulas)
-    return made
+        if getattr(table, key) is not None:
+            keywords[key] = [formulas.read(entry) for entry in getattr(table, key)]
+    if table.rotation is not None:
+        keywords["rotation"] = read_orientation(table.rotation, formulas)
+    return keywords

@@ -1,4 +1,4 @@
-"""From a file to plain data: text, syntax and size, nothing about mechanics yet."""
+"""Parsing of model files to plain data, with checks of text, syntax and size."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.errors import FileError
-from dalembert.files.readable import read_text
-from dalembert.io.messages import place
+from dalembert.files import read_text
+from dalembert.io.messages import key_path
 from dalembert.text.wording import plain_text
 
 MAX_DEPTH = 40
+"""Upper limit of nested tables."""
 MAX_KEY_PARTS = 1000
+"""Upper limit of the parts of a dotted key."""
 
 # The TOML reader takes quadratic time on keys with thousands of dots.
 _KEY = re.compile(r"[^\n=,{}#]+")
@@ -28,12 +30,12 @@ def read_document(path: str | Path) -> dict[str, Any]:
     FileError
         Not a readable text file, too large, or not TOML or JSON (with line and column).
     ModelError
-        A text with hidden characters, with its place.
+        A text contains hidden characters; states its location.
     """
     path = Path(path)
     text = read_text(path)
     if not text.strip():
-        raise FileError(f"{path}: the file is empty; 'dalembert examples' shows what goes in")
+        raise FileError(f"{path}: the file is empty; 'dalembert examples' writes complete ones")
     if path.suffix.lower() == ".json":
         data = _parse_json(path, text)
     else:
@@ -56,9 +58,9 @@ def _parse_toml(path: Path, text: str) -> Any:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        cure = "a key may appear only once in a table" if "overwrite" in str(error) else ""
-        cure = cure or ('texts need quotes, e.g. "l1/2"' if "Invalid value" in str(error) else "")
-        raise FileError(f"{path}: not valid TOML: {error}{'; ' + cure if cure else ''}") from None
+        fix = "a key may appear only once in a table" if "overwrite" in str(error) else ""
+        fix = fix or ('texts need quotes, e.g. "l1/2"' if "Invalid value" in str(error) else "")
+        raise FileError(f"{path}: not valid TOML: {error}{'; ' + fix if fix else ''}") from None
     except (RecursionError, ValueError) as error:
         raise FileError(f"{path}: cannot be read as TOML: {_reason(error)}") from None
 
@@ -89,7 +91,7 @@ def _reason(error: Exception) -> str:
 
 
 def _depth(data: Any) -> int:
-    """Greatest nesting, found without recursion."""
+    """Maximum nesting depth, computed without recursion."""
     level, depth = [data], 0
     while level and depth <= MAX_DEPTH:
         depth += 1
@@ -103,14 +105,14 @@ def _depth(data: Any) -> int:
 
 
 def _refuse_hidden(path: Path, data: Any) -> None:
-    """Names and texts can be shown anywhere."""
-    found: list[tuple[tuple[str | int, ...], Any]] = [((), data)]
-    while found:
-        keys, item = found.pop()
+    """Refuse names and texts with hidden characters."""
+    pending: list[tuple[tuple[str | int, ...], Any]] = [((), data)]
+    while pending:
+        keys, item = pending.pop()
         for key, child in item.items() if isinstance(item, dict) else enumerate(item):
             where = (*keys, key)
             for text in (key, child):
                 if isinstance(text, str) and not text.isprintable():
-                    plain_text(text, f"{path}: {place(*where)}")
+                    plain_text(text, f"{path}: {key_path(*where)}")
             if isinstance(child, (dict, list)):
-                found.append((where, child))
+                pending.append((where, child))

@@ -1,4 +1,4 @@
-"""Names of bodies, points and joints in a file → the objects behind them."""
+"""Lookup of the bodies, points, nodes and joints that a file names."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from dalembert.text.wording import listed, nearest, unknown
 
 
 class References:
-    """Looks names up, and tells the nearest ones where there is none.
+    """Lookup of named objects; errors suggest the nearest names.
 
     Parameters
     ----------
-    document : Document, for the names that could be meant
-    system : System that has the bodies already
+    document : Document, which lists the valid names
+    system : System that contains the bodies
     formulas : reads the coordinates of inline points
     """
 
@@ -28,75 +28,78 @@ class References:
         self.document, self.system, self.formulas = document, system, formulas
 
     def body(self, name: str) -> Any:
-        """The body, or the ground, of this name."""
-        known = ["ground", *self.document.bodies]
-        if name not in known:
-            raise ModelError(unknown("body", name, known))
+        """The body of this name, or the ground."""
+        names = ["ground", *self.document.bodies]
+        if name not in names:
+            raise ModelError(unknown("body", name, names))
         return self.system.body(name)
 
     def node(self, owner: str, name: str) -> Any:
         """The body at a node of a beam or a mesh."""
         if owner not in self.system.elements:
             raise ModelError(
-                f"{owner} is not made yet; a beam begins and ends at bodies, or at beams before it"
+                f"{owner} is not defined yet; a beam begins and ends at bodies, or at "
+                "beams before it"
             )
-        found: Any = self.system.elements[owner]
-        nodes = found.named_nodes
+        element: Any = self.system.elements[owner]
+        nodes = element.named_nodes
         if name not in nodes:
-            known = [f"{owner}.{node}" for node in nodes]
-            given = f"{owner}.{name}" if name else owner
+            qualified = [f"{owner}.{node}" for node in nodes]
+            reference = f"{owner}.{name}" if name else owner
             raise ModelError(
-                f"unknown node {given!r}{nearest(given, known)}; nodes of {owner}: {listed(known)}"
+                f"unknown node {reference!r}{nearest(reference, qualified)}; "
+                f"nodes of {owner}: {listed(qualified)}"
             )
         return nodes[name]
 
     def joint(self, name: str) -> Any:
         """The joint of this name."""
-        known = list(self.document.joints)
-        if name not in known:
-            raise ModelError(unknown("joint", name, known))
+        names = list(self.document.joints)
+        if name not in names:
+            raise ModelError(unknown("joint", name, names))
         return self.system.elements[name]
 
-    def end(self, kind: type, given: Any) -> Any:
-        """The body, point or frame behind ``"crank"``, ``"crank.end"`` or an inline place.
+    def end(self, kind: type, reference: Any) -> Any:
+        """The body, point or frame given by ``"crank"``, ``"crank.end"`` or an inline table.
 
         Raises
         ------
         ModelError
             Unknown names, or a point where a body is needed.
         """
-        if not isinstance(given, str):
-            return self._placed(kind, given)
-        owner, _, name = given.partition(".")
+        if not isinstance(reference, str):
+            return self._from_table(kind, reference)
+        owner, _, name = reference.partition(".")
         if owner in self.document.beams or owner in self.document.meshes:
             return self.node(owner, name)
         body = self.body(owner)
         if not name:
             return body
         if kind is BodyElement:
-            raise ModelError(f"expected a body, got the point {given!r}; write {owner!r}")
+            raise ModelError(f"expected a body, got the point {reference!r}; write {owner!r}")
         frame = kind is Frame
-        places, what = (body.frames, "frame") if frame else (body.places, "point")
-        if name == "center" and name not in places and not frame:
+        targets, noun = (body.frames, "frame") if frame else (body.places, "point")
+        if name == "center" and name not in targets and not frame:
             return body
-        if name not in places:
-            known = [f"{owner}.{p}" for p in (*(() if frame else ("center",)), *places)]
-            told = f"{listed(known)}{'' if places else f'; name others in its {what}s'}"
+        if name not in targets:
+            candidates = [f"{owner}.{p}" for p in (*(() if frame else ("center",)), *targets)]
+            listing = f"{listed(candidates)}{'' if targets else f'; name others in its {noun}s'}"
             raise ModelError(
-                f"unknown {what} {given!r}{nearest(given, known)}; {what}s of {owner}: {told}"
+                f"unknown {noun} {reference!r}{nearest(reference, candidates)}; "
+                f"{noun}s of {owner}: {listing}"
             )
-        return places[name]
+        return targets[name]
 
-    def _placed(self, kind: type, given: Any) -> Any:
-        """The point, or the frame, that a table describes."""
+    def _from_table(self, kind: type, table: Any) -> Any:
+        """The point or frame that a table describes."""
         if kind is BodyElement:
-            raise ModelError(f"expected the name of a body, e.g. {given.body!r}; got a point")
-        body = self.body(given.body)
-        if kind is Frame and isinstance(given, FrameTable):
-            return body.frame(**read_frame(given, self.formulas))
-        if len(given.at) < body.dimension:
+            raise ModelError(f"expected the name of a body, e.g. {table.body!r}; got a point")
+        body = self.body(table.body)
+        if kind is Frame and isinstance(table, FrameTable):
+            return body.frame(**read_frame(table, self.formulas))
+        if len(table.at) < body.dimension:
             raise ModelError(
-                f"{given.body} is a body in space, and elements of the plane tie bodies of the "
-                f"plane; take one of space, got a point of {len(given.at)} coordinates"
+                f"{table.body} is a body in space, and elements of the plane tie bodies of the "
+                f"plane; take one of space, got a point of {len(table.at)} coordinates"
             )
-        return body.point(*(self.formulas.read(x) for x in given.at))
+        return body.point(*(self.formulas.read(x) for x in table.at))

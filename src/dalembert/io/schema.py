@@ -1,4 +1,4 @@
-"""The schema of model files: one document, TOML or JSON, that mirrors the Python names."""
+"""Schema of model files (TOML or JSON), which mirrors the Python names."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pydantic import AfterValidator, Field, PlainValidator, WithJsonSchema, crea
 from dalembert.elements.registry import SPACES, Space
 from dalembert.io.choices import Record, one_of, table_or
 from dalembert.io.curve_tables import CurveTable
-from dalembert.io.decisions.synthesis_tables import SynthesisTable
-from dalembert.io.decisions.tables import (
+from dalembert.io.decisions.design_tables import (
     RANDOM,
     CombinedTable,
     OptimizeTable,
     ParetoTable,
     ReliabilityTable,
     RobustTable,
+    SynthesisTable,
     ToleranceTable,
 )
 from dalembert.io.decisions.task_tables import (
@@ -28,23 +28,23 @@ from dalembert.io.decisions.task_tables import (
     ReportTable,
     SensitivityTable,
     SweepTable,
+    TrajectoryTable,
 )
-from dalembert.io.decisions.trajectory_tables import TrajectoryTable
 from dalembert.io.orientations import FrameTable
 from dalembert.io.strategies import ANALYSES, RESPONSES
-from dalembert.io.structures.tables import ELEMENT, MESH, NodalLoadTable, SupportTable
+from dalembert.io.structures.structure_tables import ELEMENT, MESH, NodalLoadTable, SupportTable
 from dalembert.io.tables import any_of, point_type, table_of
-from dalembert.io.values import Entry, OwnBound, OwnNumber, Text, list_of, shown
+from dalembert.io.values import Entry, OwnBound, OwnNumber, Text, list_of, short_repr
 
 FORMAT = 1
 
 
 def _format(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"expected format = {FORMAT}, got {shown(value)}")
+        raise ValueError(f"expected format = {FORMAT}, got {short_repr(value)}")
     if value != FORMAT:
         cure = "update dalembert to read it" if value > FORMAT else f"write format = {FORMAT}"
-        raise ValueError(f"format {value} is not known here, this version reads {FORMAT}; {cure}")
+        raise ValueError(f"format {value} is unknown, this version reads {FORMAT}; {cure}")
     return value
 
 
@@ -87,16 +87,16 @@ CASE: dict[str, Any] = {
         Field(default=None, description="name of a case; of the run of this file by default"),
     )
 }
-"""Key of a response: of which run it is."""
+"""Key of a response: the case that it belongs to."""
 _ANALYSIS = any_of(ANALYSES)
 _RESPONSE = one_of({n: partial(table_of, n, cls, more=CASE) for n, cls in RESPONSES.items()})
 
 
 class CaseTable(Record):
-    """Another run that a design is judged by: of this model, or of the one in another file."""
+    """Another load case of a design: a run of this model, or of the model in another file."""
 
     model: Text = Field(
-        default=None, description="model file beside this one, with its own `[analysis]`"
+        default=None, description="model file in the same folder, with its own `[analysis]`"
     )
     analysis: _ANALYSIS = Field(  # type: ignore[valid-type]
         default=None, description="another analysis of this model, as `[analysis]`"
@@ -108,14 +108,14 @@ class CaseTable(Record):
 
 
 class ModelDocument(Record):
-    """What every model file has."""
+    """Keys of every model file."""
 
     sections: ClassVar[tuple[str, ...]]
-    """Tables whose entries share one set of names."""
+    """Tables whose entries share one namespace."""
     analyses: ClassVar[dict[str, type]]
-    """Name → analysis that the file may ask for."""
+    """Name → analysis available to the file."""
     usual_analysis: ClassVar[str | None] = None
-    """The one where it asks for none."""
+    """Default analysis."""
 
     schema_location: Text = Field(default=None, alias="$schema", description="for editors")
     format: Annotated[int, PlainValidator(_format), WithJsonSchema({"const": FORMAT})]
@@ -138,7 +138,7 @@ class ModelDocument(Record):
 
 
 class Document(ModelDocument):
-    """A model file of dalembert: a mechanism, and what is to be computed on it."""
+    """A model file of dalembert: a mechanism and its tasks."""
 
     sections = (
         *("parameters", "tables", "derived", "histories", "bodies", "beams", "elements", "meshes"),
@@ -146,13 +146,13 @@ class Document(ModelDocument):
     )
     analyses = ANALYSES
     space: ClassVar[Space]
-    """Where its elements are, unless they say otherwise."""
+    """Default space of its elements."""
 
     kind: Literal["mechanism"] = Field(
         default="mechanism", description='"mechanism"; a structure has tables of its own'
     )
     dimension: int = Field(
-        default=2, description="how many coordinates its points have; 2 in the plane"
+        default=2, description="number of coordinates of points; 2 for planar mechanisms"
     )
     gravity: list[Any] | None = Field(
         default=None, description="acceleration of gravity [m/s^2]; none by default"
@@ -193,9 +193,9 @@ class Document(ModelDocument):
 
 
 def element_of(space: Space, section: str) -> Any:
-    """An element of one section: of its own space by name, of another one as ``planar.Revolute``.
+    """Type of an element of one section; elements of another space are ``planar.Revolute``.
 
-    Bodies are rigid, and beams are beams, where they do not say what they are.
+    Bodies are rigid bodies, and beams are beams, unless they state a type.
     """
     usual = {"bodies": "Body", "beams": "Beam"}.get(section)
     tables = {
@@ -221,7 +221,7 @@ def element_of(space: Space, section: str) -> Any:
 
 @cache
 def document_of(dimension: int) -> type[Document]:
-    """The file of a mechanism whose elements are in one space, unless they say otherwise."""
+    """Document type of a mechanism whose elements are in one space by default."""
     space = SPACES[dimension]
     point = point_type(space.dimension)
     points: Any = (dict[str, point], Field(default_factory=dict))  # type: ignore[valid-type]
@@ -239,6 +239,6 @@ def document_of(dimension: int) -> type[Document]:
     own = Field(default=space.dimension, description=about)
     fields["dimension"] = (Literal[space.dimension], own)
     name = f"{space.name.title()}Document"
-    made = create_model(name, __base__=Document, __doc__=Document.__doc__, **fields)
-    made.space = space
-    return made
+    document = create_model(name, __base__=Document, __doc__=Document.__doc__, **fields)
+    document.space = space
+    return document

@@ -1,4 +1,4 @@
-"""Tables of a file, generated from the classes they describe: nothing is written twice."""
+"""Tables of a file, generated from the classes that they describe."""
 
 from __future__ import annotations
 
@@ -40,10 +40,10 @@ from dalembert.io.fields import (
     Points,
     Quantities,
     Quantity,
-    connected,
-    written,
+    Shapes,
+    connected_fields,
+    keyed_fields,
 )
-from dalembert.io.interfaces import InterfacesType
 from dalembert.io.orientations import FrameTable, InlineFrame, OrientationType
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.values import (
@@ -51,11 +51,12 @@ from dalembert.io.values import (
     Entry,
     Flag,
     Integer,
+    InterfacesType,
     ListOfRows,
     Number,
     Text,
     list_of,
-    shown,
+    short_repr,
 )
 from dalembert.results.result import Analysis
 from dalembert.results.structural.result import StructuralResult
@@ -63,19 +64,19 @@ from dalembert.text.wording import unknown
 
 
 def point_type(dimension: int) -> Any:
-    """The coordinates of a point."""
+    """Type of the coordinates of a point."""
     return list_of(Entry, dimension, ", ".join("xyz"[:dimension]))
 
 
 class InlinePoint(Record):
-    """A point that needs no name: coordinates in the frame of its body [m]."""
+    """An unnamed point: coordinates in the frame of its body [m]."""
 
     body: Text
     at: point_type(2)  # type: ignore[valid-type]
 
 
 INLINE: dict[int, type[Record]] = {2: InlinePoint, 3: InlineFrame}
-"""Dimension → a point, or a frame, that needs no name."""
+"""Dimension → table of an unnamed point or frame."""
 
 
 class EventTable(Record):
@@ -93,30 +94,32 @@ class RayleighTable(Record):
     stiffness: Entry = Field(default=0.0, description="β [s]")
 
 
-def named(known: dict[str, type]) -> Any:
-    """The name of a strategy, or a table with its type and its options."""
+def name_or_table(classes: dict[str, type]) -> Any:
+    """Type of a strategy: its name, or a table with its type and options."""
 
     def check(value: Any) -> Any:
-        if isinstance(value, str) and value not in known:
-            raise ValueError(unknown("name", value, known))
+        if isinstance(value, str) and value not in classes:
+            raise ValueError(unknown("name", value, classes))
         if not isinstance(value, (str, dict, BaseModel)):
-            raise ValueError(f"expected a name ({', '.join(known)}) or a table, got {shown(value)}")
+            raise ValueError(
+                f"expected a name ({', '.join(classes)}) or a table, got {short_repr(value)}"
+            )
         return value
 
-    plain: Any = Annotated[Literal[tuple(known)], Field(title="name")]
-    tables = {name: partial(table_of, name, cls) for name, cls in known.items()}
+    plain: Any = Annotated[Literal[tuple(classes)], Field(title="name")]
+    tables = {name: partial(table_of, name, cls) for name, cls in classes.items()}
     return Annotated[one_of(tables, plain=plain), BeforeValidator(check)]
 
 
 def reference(dimension: int) -> Any:
-    """A point or frame, by name or on the spot."""
+    """Type of a point or frame, by name or inline."""
     return table_or(INLINE[dimension], Text)
 
 
-def _connection(ties: list[FileField], dimension: int) -> Any:
-    names = ", ".join(f.name for f in ties)
-    placed = any(f.holds in (Point, Frame) for f in ties)
-    return list_of(reference(dimension) if placed else Text, len(ties), names)
+def _connection(connections: list[FileField], dimension: int) -> Any:
+    names = ", ".join(f.name for f in connections)
+    takes_points = any(f.holds in (Point, Frame) for f in connections)
+    return list_of(reference(dimension) if takes_points else Text, len(connections), names)
 
 
 VALUES: dict[Any, Any] = {
@@ -137,34 +140,34 @@ VALUES: dict[Any, Any] = {
     Frames: dict[str, FrameTable],
     Events: dict[str, table_or(EventTable, Entry)],  # type: ignore[misc]
 }
-"""What a field holds → what stands for it in a file."""
+"""File type of a field → pydantic type."""
 
 TIMED: dict[Any, Any] = {
     float: Entry,
     Interval: list_of(Entry, 2, "start, end"),
     fields.CountOrTimes: CountOrTimes,
 }
-"""The same of times, which may be formulas of parameters."""
+"""File type of a time → pydantic type; times may be formulas of parameters."""
 
 
 def _quantities(field: FileField) -> Any:
-    """A list; a single entry where one is enough."""
+    """Type of a list, or of a single entry where one is enough."""
     listed = list_of(Entry, field.size, least=field.least)
     return Entry | listed if field.least == 1 else listed
 
 
 def value_type(field: FileField, dimension: int = 2) -> Any:
-    """The pydantic type of what a file gives for a field.
+    """Pydantic type of the value of a field.
 
     Parameters
     ----------
-    dimension : how many coordinates a point has
+    dimension : number of coordinates of a point
     """
     if field.name in TIMES and issubclass(field.owner, Analysis):
         return TIMED[field.holds]
     if field.holds in VALUES:
         return VALUES[field.holds]
-    made: dict[Any, Callable[[], Any]] = {
+    makers: dict[Any, Callable[[], Any]] = {
         Quantities: lambda: _quantities(field),
         Points: lambda: dict[str, point_type(dimension)],  # type: ignore[misc]
         **dict.fromkeys((Point, Frame), lambda: reference(dimension)),
@@ -173,32 +176,33 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
         Laws: lambda: list[law_type(*COMBINED[COMBINED.index(field.owner) :])],  # type: ignore[misc]
         Curve: curve_type,
         Shape: lambda: shape_type(dimension),
+        Shapes: lambda: list[shape_type(dimension)],  # type: ignore[misc]
         NormalLaw: contact_law_type,
         Friction: friction_type,
     }
-    return made[field.holds]() if field.holds in made else strategy_type(field.holds)
+    return makers[field.holds]() if field.holds in makers else strategy_type(field.holds)
 
 
 COMBINED: tuple[type, ...] = (Product, Sum)
-"""Laws made of laws, each of which may hold those before it."""
+"""Laws composed of laws; each may contain those before it."""
 
 
 @cache
 def law_type(*without: type) -> Any:
-    """A law but these, or a number or formula in t."""
+    """Type of a law except the given ones, or of a number or formula in t."""
     tables = {n: partial(table_of, n, c) for n, c in LAWS.items() if c not in without}
     return one_of(tables, plain=Entry)
 
 
 @cache
 def curve_type() -> Any:
-    """Any curve."""
+    """Type of a curve."""
     return any_of(CURVES)
 
 
 @cache
 def shape_type(dimension: int) -> Any:
-    """Any shape of the plane or of space, or the name of a point that touches."""
+    """Type of a planar or spatial contact shape, or the name of a contacting point."""
     space = SPACES[dimension].name.title()
     tables = {
         name: partial(table_of, name, cls, dimension=dimension, title=f"{space}{name}Shape")
@@ -209,25 +213,25 @@ def shape_type(dimension: int) -> Any:
 
 @cache
 def contact_law_type() -> Any:
-    """Any law of contact."""
+    """Type of a normal contact law."""
     return any_of(CONTACT_LAWS)
 
 
 @cache
 def friction_type() -> Any:
-    """Any friction."""
+    """Type of a friction law."""
     return any_of(FRICTIONS)
 
 
 def any_of(registry: dict[str, type]) -> Any:
-    """A table for an object of one of the registered classes."""
+    """Type of a table that describes an object of one of the registered classes."""
     return one_of({name: partial(table_of, name, cls) for name, cls in registry.items()})
 
 
 @cache
 def strategy_type(kind: type) -> Any:
-    """A strategy of a kind, by its name or with its options."""
-    return named(STRATEGIES_OF[kind])
+    """Type of a strategy of a kind, by its name or with its options."""
+    return name_or_table(STRATEGIES_OF[kind])
 
 
 def table_of(
@@ -245,33 +249,35 @@ def table_of(
     Parameters
     ----------
     optional_type : the type may be left out
-    dimension : how many coordinates a point has
-    also : another name that its type goes by
+    dimension : number of coordinates of a point
+    also : alias of its type
     title : its name in the schema, the type by default
-    more : further keys, and keys that hold something else: (type, field)
+    more : additional or overridden keys: (type, field)
     """
     kind = Literal[(name, also) if also else (name,)]  # type: ignore[valid-type]
     keys: dict[str, Any] = {"type": (kind, name if optional_type else ...)}
-    ties = connected(cls)
-    if ties:
-        about = "what it ties, in order: " + ", ".join(f.name for f in ties)
-        keys["connect"] = (_connection(ties, dimension), Field(description=about))
+    connections = connected_fields(cls)
+    if connections:
+        text = "connected bodies, points or frames, in order: " + ", ".join(
+            f.name for f in connections
+        )
+        keys["connect"] = (_connection(connections, dimension), Field(description=text))
     from_file = FROM_FILE.get(name, ())
     if from_file:
-        about = f"CSV file with two columns, instead of {' and '.join(from_file)}"
-        keys["file"] = (Text, Field(default=None, description=about))
-    for field in written(cls):
+        text = f"CSV file with two columns, instead of {' and '.join(from_file)}"
+        keys["file"] = (Text, Field(default=None, description=text))
+    for field in keyed_fields(cls):
         if field.name in (more or {}):
             continue
         default = ... if field.is_needed and field.name not in from_file else None
-        given = value_type(field, dimension)
-        keys[field.name] = (given, Field(default, description=about_field(field)))
+        value = value_type(field, dimension)
+        keys[field.name] = (value, Field(default, description=about_field(field)))
     keys |= more or {}
     return create_model(title or name, __base__=Record, __doc__=summary_of(cls), **keys)
 
 
 def about_field(field: FileField) -> str | None:
-    """What a field holds, with its unit."""
+    """Description of a field, with its unit."""
     metadata = field.field.metadata
     text, unit = metadata.get("description"), metadata.get("unit")
     if field.holds is Points:
@@ -282,5 +288,5 @@ def about_field(field: FileField) -> str | None:
 
 
 def summary_of(cls: type) -> str:
-    """The first paragraph of what is said about a class."""
+    """First paragraph of the docstring of a class."""
     return inspect.cleandoc(cls.__doc__ or "").split("\n\n")[0].replace("\n", " ")

@@ -1,4 +1,4 @@
-"""The kinds of values a model file may hold, each checked with a message of its own."""
+"""Value types of model files: numbers, formulas, flags, texts and lists, each with its check."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from dalembert.text.wording import nearest
 from dalembert.units.measured import Measured, measured
 
 
-def shown(value: Any) -> str:
-    """A value as it appears in messages: short, however large it is."""
+def short_repr(value: Any) -> str:
+    """A value as it appears in messages, abbreviated."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, dict):
@@ -39,12 +39,12 @@ def constant(value: Any) -> float:
         except ExpressionError as error:
             raise ValueError(f"{error.message}; a plain number is needed here") from None
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"expected a number, got {shown(value)}")
+        raise ValueError(f"expected a number, got {short_repr(value)}")
     return _finite(value)
 
 
 def in_own_unit(value: Any) -> float | str:
-    """A finite number, or a text that gives its unit with it; the unit is kept."""
+    """A finite number, or a text with a number and a unit, which is returned unchanged."""
     number = constant(value)
     return value if isinstance(number, Measured) else number
 
@@ -55,7 +55,7 @@ def _finite(value: int | float) -> float:
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise ValueError(f"{shown(value)} is not a finite number; give a finite one")
+        raise ValueError(f"{short_repr(value)} is not a finite number; give a finite one")
     return value if isinstance(value, Measured) else number
 
 
@@ -66,7 +66,7 @@ def number_or_formula(value: Any) -> float | str:
             raise ValueError("the text is empty; write a number or a formula")
         return value
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise ValueError(f"expected a number or a formula, got {shown(value)}")
+        raise ValueError(f"expected a number or a formula, got {short_repr(value)}")
     return _finite(value)
 
 
@@ -92,7 +92,7 @@ def _is_open(value: Any) -> bool:
 
 def _integer(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"expected a whole number, got {shown(value)}")
+        raise ValueError(f"expected a whole number, got {short_repr(value)}")
     if abs(value) > 10**12:
         raise ValueError("the number is too large")
     return value
@@ -100,13 +100,13 @@ def _integer(value: Any) -> int:
 
 def _flag(value: Any) -> bool:
     if not isinstance(value, bool):
-        raise ValueError(f"expected true or false, got {shown(value)}")
+        raise ValueError(f"expected true or false, got {short_repr(value)}")
     return value
 
 
 def _text(value: Any) -> str:
     if not isinstance(value, str):
-        raise ValueError(f"expected a text in quotes, got {shown(value)}")
+        raise ValueError(f"expected a text in quotes, got {short_repr(value)}")
     return value
 
 
@@ -114,13 +114,13 @@ def _count_or_times(value: Any) -> int | list[float | str]:
     if isinstance(value, list):
         return [number_or_formula(item) for item in value]
     if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"expected a count or a list of times, got {shown(value)}")
+        raise ValueError(f"expected a count or a list of times, got {short_repr(value)}")
     return _integer(value)
 
 
 def _rows(value: Any) -> list:
     if not isinstance(value, list):
-        raise ValueError(f"expected a list of numbers, got {shown(value)}")
+        raise ValueError(f"expected a list of numbers, got {short_repr(value)}")
     return [
         [number_or_formula(x) for x in item] if isinstance(item, list) else number_or_formula(item)
         for item in value
@@ -188,44 +188,80 @@ ListOfRows = Annotated[
     ),
 ]
 
+_NODE_NAMES = {"type": "array", "items": {"type": "string"}, "minItems": 1}
+
+
+def _interfaces(value: Any) -> Any:
+    chosen = list(value.values()) if isinstance(value, dict) else value
+    if not isinstance(chosen, list) or not chosen:
+        got = "none" if value == {} else short_repr(value)
+        raise ValueError(f"expected names of nodes, or a table of them, got {got}")
+    for nodes in chosen:
+        names = nodes if isinstance(nodes, list) and isinstance(value, dict) else [nodes]
+        if not names or not all(isinstance(name, str) for name in names):
+            raise ValueError(
+                f"expected the name of nodes, or a list of names, got {short_repr(nodes)}"
+            )
+    return value
+
+
+InterfacesType = Annotated[
+    Any,
+    PlainValidator(_interfaces),
+    WithJsonSchema(
+        {
+            "anyOf": [
+                _NODE_NAMES,
+                {
+                    "type": "object",
+                    "additionalProperties": {"anyOf": [{"type": "string"}, _NODE_NAMES]},
+                    "minProperties": 1,
+                },
+            ]
+        }
+    ),
+]
+
 
 @dataclass(frozen=True)
 class JsonSchema:
-    """What a type is in the JSON Schema, made when that is asked for."""
+    """JSON Schema of a type, created on request."""
 
-    made: Callable[[], dict[str, Any]]
+    create: Callable[[], dict[str, Any]]
 
     def __get_pydantic_json_schema__(self, _: Any, __: Any) -> dict[str, Any]:
-        return self.made()
+        return self.create()
 
 
-def one_name(known: str | Iterable[str]) -> Any:
-    """One of these names, or of those that stand under a dotted name.
+def one_name(choices: str | Iterable[str]) -> Any:
+    """Type of a text that is one of several names.
 
-    The latter are looked up when a file holds one, so that reading others imports nothing.
+    ``choices`` lists the names, or is the dotted name of the list, which is imported on first use.
     """
 
     def names() -> list[str]:
-        return list(resolve_name(known) if isinstance(known, str) else known)
+        return list(resolve_name(choices) if isinstance(choices, str) else choices)
 
     def check(value: Any) -> str:
         if not isinstance(value, str) or value not in names():
-            near, all_of_them = nearest(value, names()), ", ".join(names())
-            raise ValueError(f"unknown name {shown(value)}{near}; known: {all_of_them}")
+            near, listed = nearest(value, names()), ", ".join(names())
+            raise ValueError(f"unknown name {short_repr(value)}{near}; known: {listed}")
         return value
 
     return Annotated[str, BeforeValidator(check), JsonSchema(lambda: {"enum": names()})]
 
 
-def list_of(item: Any, size: int, what: str = "numbers or formulas", least: int = 0) -> Any:
-    """A list with ``size`` entries, or with ``least``; ``what`` names them in messages."""
+def list_of(item: Any, size: int, description: str = "numbers or formulas", least: int = 0) -> Any:
+    """Type of a list with ``size`` or ``least`` entries; ``what`` names them in messages."""
     sizes = f"{least} or {size}" if least else f"{size}"
 
     def check(value: Any) -> Any:
         if not isinstance(value, list):
-            raise ValueError(f"expected a list of {sizes} entries ({what}), got {shown(value)}")
+            raise ValueError(
+                f"expected a list of {sizes} entries ({description}), got {short_repr(value)}"
+            )
         if len(value) not in (least or size, size):
-            raise ValueError(f"expected {sizes} entries ({what}), got {len(value)}")
+            raise ValueError(f"expected {sizes} entries ({description}), got {len(value)}")
         return value
 
     limits = Field(min_length=least or size, max_length=size)

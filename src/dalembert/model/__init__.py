@@ -1,1 +1,1 @@
-"""From a builder to frozen equations: system, model, assembly, diagnosis."""
+"""Mechanism models: builder, equations of motion, assembly and diagnosis."""

@@ -1,4 +1,4 @@
-"""Absolute coordinates: every body brings its own pose and twist."""
+"""Equations of motion in absolute coordinates, the pose and twist of every body."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from dalembert.symbolic.formulas.expression import stack, t
 
 
 def at_ground(ground: Ground, expression: ca.SX) -> ca.SX:
-    """The expression with the ground at rest in the origin."""
-    still = ca.vertcat(ground.twist, ground.acceleration_symbols)
-    values = ca.vertcat(ca.SX(list(ground.rest)), ca.SX.zeros(still.numel()))
-    return ca.substitute(expression, ca.vertcat(ground.pose, still), values)
+    """The expression with the ground at rest at the origin."""
+    motion = ca.vertcat(ground.twist, ground.acceleration_symbols)
+    values = ca.vertcat(ca.SX(list(ground.rest)), ca.SX.zeros(motion.numel()))
+    return ca.substitute(expression, ca.vertcat(ground.pose, motion), values)
 
 
 def absolute_equations(d: Description) -> Equations:
     """Equations of a mechanism in the coordinates of its bodies.
 
-    ``f = Σ (∂u/∂v)ᵀ Q`` by virtual power over all forces; ``M`` body by body, and by the virtual
-    power of inertia of elements between them.
+    ``f = Σ (∂u/∂v)ᵀ Q`` by virtual power over all forces; ``M`` from the bodies, and from the
+    virtual power of inertia of elements between them.
     """
     groups = d.coordinates
     y = stack(c.pose for c in groups)
@@ -40,25 +40,26 @@ def absolute_equations(d: Description) -> Equations:
     with ExitStack() as enriched:
         followers = [enriched.enter_context(group.enriched()) for group in groups]
         symbols, values = (stack(pair[k] for pair in followers) for k in range(2))
-        again = bool(symbols.numel())  # in what the bodies consist of now
-        stated = [
-            (c.residual(), c.slipping()) if again else (c.equations, c.slip) for c in d.constraints
+        changed = bool(symbols.numel())  # constraints must be written in the enriched bodies
+        pairs = [
+            (c.residual(), c.slipping()) if changed else (c.equations, c.slip)
+            for c in d.constraints
         ]
-        held, slip = (at_ground(d.ground, stack(pair[k] for pair in stated)) for k in range(2))
-        known = _kinematics(groups, held, slip, v) if again else None
+        held, slip = (at_ground(d.ground, stack(pair[k] for pair in pairs)) for k in range(2))
+        kinematics = _kinematics(groups, held, slip, v) if changed else None
         force, work, potential, losses, released = _forces(d, v)
 
     def plain(expression: ca.SX) -> ca.SX:
         return ca.substitute(at_ground(d.ground, expression), symbols, values)
 
     force, work, potential, losses = map(plain, (force, work, potential, losses))
-    # on bodies and not from storage: ends that formulas of time move are given power from outside
+    # power not from storage: ends moved by formulas of time receive power from outside
     applied = ca.dot(force, v) + plain(released)
     constraints = plain(ca.vertcat(held, ca.SX.zeros(slip.numel())))
     nonholonomic = plain(ca.vertcat(ca.SX.zeros(held.numel()), slip))
     imposed = ca.substitute(nonholonomic, v, ca.SX.zeros(v.numel()))
     imposed += ca.jacobian(constraints, t.sx)
-    delivered = ca.dot(multiplier, imposed)  # by drivers: C v = −Φ_t
+    delivered = ca.dot(multiplier, imposed)  # power of drivers: C v = −Φ_t
     return Equations(
         t=t.sx,
         y=y,
@@ -75,7 +76,7 @@ def absolute_equations(d: Description) -> Equations:
         potential=potential,
         manifold=Manifold.of(groups),
         powers=ca.vertcat(losses, applied + losses + delivered),
-        known=None if known is None else ConstraintKinematics(*map(plain, known)),
+        kinematics=None if kinematics is None else ConstraintKinematics(*map(plain, kinematics)),
         contacts=_contacts(d),
     )
 
@@ -92,16 +93,22 @@ def _contacts(d: Description) -> tuple[RigidGap, ...]:
             impact=replace(gap.impact, friction=friction),
         )
 
-    found = tuple(map(grounded, rigid_gaps([*d.elements.values()], d.coordinates)))
+    gaps = tuple(map(grounded, rigid_gaps([*d.elements.values()], d.coordinates)))
     pose, twist = (stack(getattr(c, kind) for c in d.coordinates) for kind in ("pose", "twist"))
-    for gap in found:
+    for gap in gaps:
         if not ca.depends_on(gap.distance, pose):
-            told = "its distance depends on no position, so that nothing opens or closes it; give "
-            raise ModelError(f"{told}one that does, such as a body's y", gap.name)
+            raise ModelError(
+                "its distance does not depend on any position, so it can neither open nor close; "
+                "give a distance that does, such as a body's y",
+                gap.name,
+            )
         if gap.slip.numel() and not ca.depends_on(gap.slip, twist):
-            told = "its slip depends on no speed; give a velocity along the surface, such as a "
-            raise ModelError(f"{told}body's vx", gap.name)
-    return found
+            raise ModelError(
+                "its slip does not depend on any speed; give a velocity along the surface, such as "
+                "a body's vx",
+                gap.name,
+            )
+    return gaps
 
 
 def _inertia(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -118,27 +125,27 @@ def _inertia(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX]:
 
         for velocity, effort in element.inertial_powers(rate):
             velocity, effort = at_ground(d.ground, velocity), at_ground(d.ground, effort)
-            needed = ca.jtimes(velocity, v, effort, True)
-            mass += ca.jacobian(needed, a)
-            bias += ca.substitute(needed, a, ca.SX.zeros(a.numel()))
+            force = ca.jtimes(velocity, v, effort, True)
+            mass += ca.jacobian(force, a)
+            bias += ca.substitute(force, a, ca.SX.zeros(a.numel()))
     return mass, bias
 
 
 def _kinematics(groups: list[Coordinates], held: ca.SX, slip: ca.SX, v: ca.SX) -> list[ca.SX]:
-    """``(∂Φ/∂y) A``, ``Ψ`` and ``ξ`` of equations of positions and of nonholonomic ones."""
+    """``(∂Φ/∂y) A``, ``Ψ`` and ``ξ`` of holonomic and nonholonomic equations."""
     pose, rate = stack(c.pose for c in groups), stack(c.pose_rate for c in groups)
     jacobian = ca.mtimes(ca.jacobian(held, pose), ca.jacobian(rate, v))
-    place, motion = ca.vertcat(t.sx, pose), ca.vertcat(1, rate)
-    velocity = ca.vertcat(ca.jtimes(held, place, motion), slip)
-    acceleration = -ca.jtimes(velocity, place, motion) if velocity.numel() else velocity
+    state, state_rate = ca.vertcat(t.sx, pose), ca.vertcat(1, rate)
+    velocity = ca.vertcat(ca.jtimes(held, state, state_rate), slip)
+    acceleration = -ca.jtimes(velocity, state, state_rate) if velocity.numel() else velocity
     rows = ca.vertcat(jacobian, ca.SX(slip.numel(), v.numel()))
     return [ca.sparsify(rows), velocity, acceleration]
 
 
 def _forces(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX]:
-    """Forces that are no potential's alone, those that are, potential, losses, power released."""
+    """Nonconservative and conservative forces, potential, losses, power released from storage."""
     conservative: Powers = []
-    others: Powers = []
+    nonconservative: Powers = []
     losses, potential, released = ca.SX(0), ca.SX(0), ca.SX(0)
     for element in d.forces:
         owners = element.parts() or d.coordinates
@@ -146,7 +153,7 @@ def _forces(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX
         def rate(s: ca.SX, owners=owners) -> ca.SX:
             return rate_of(s, owners, t.sx)
 
-        (conservative if element.conservative else others).extend(element.powers(rate))
+        (conservative if element.conservative else nonconservative).extend(element.powers(rate))
         for velocity, effort in element.dissipation(rate):
             losses -= ca.dot(velocity, effort)
         stored = element.potential()
@@ -162,4 +169,4 @@ def _forces(d: Description, v: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX, ca.SX
         )
         return ca.jtimes(velocities, v, efforts, True)
 
-    return generalised(others), generalised(conservative), potential, losses, released
+    return generalised(nonconservative), generalised(conservative), potential, losses, released

@@ -1,4 +1,4 @@
-"""The choice of coordinates left to what they cost."""
+"""Automatic choice of coordinates by estimated cost."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ CANDIDATES: tuple[Coordinates, ...] = (AbsoluteCoordinates(), JointCoordinates()
 @dataclass(frozen=True)
 class AutomaticCoordinates(Coordinates):
     """Absolute or joint coordinates, whichever need fewer operations for accelerations and
-    corrections: joints for open chains, bodies for long loops. What refuses the model is out.
+    corrections: joint coordinates for open chains, absolute ones for long loops. Coordinates that
+    do not support the model are left out.
 
     Examples
     --------
@@ -39,12 +40,12 @@ class AutomaticCoordinates(Coordinates):
         for candidate in CANDIDATES:
             try:
                 costs[candidate] = cost(candidate)
-            except DalembertError:  # where all refuse, a run in the first one tells why
+            except DalembertError:  # if none supports it, a run in the first one raises the error
                 continue
         return min(costs, key=costs.__getitem__, default=CANDIDATES[0])
 
     def check(self, model: Model, every_equation: bool) -> None:
-        """A model that joint coordinates refuse stays in absolute ones."""
+        """Accepts every model: absolute coordinates are the fallback."""
 
     def view(self, model: Model, every_equation: bool = False) -> CoordinateView:
         raise UnsupportedError(

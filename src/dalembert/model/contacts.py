@@ -1,7 +1,7 @@
-"""Rigid contacts: gaps that are apart, or closed and then constraints of one side.
+"""Rigid contacts: closed gaps as unilateral constraints, with friction.
 
-A closed gap adds the row ``−g = 0``, whose multiplier is the normal force ``N ≥ 0``; one that
-sticks adds ``−slip = 0`` with the friction force ``T`` as multiplier; one that slides has the force
+A closed gap adds the row ``−g = 0``, whose multiplier is the normal force ``N ≥ 0``; a sticking
+gap adds ``−slip = 0`` with the friction force ``T`` as multiplier; a sliding gap has the force
 ``T = −μ N slip/|slip|``, which follows from the multiplier (Pfeiffer and Glocker 1996):
 
     M v̇ + d = f − Cᵀλ + Wᵀ N + Uᵀ T
@@ -23,7 +23,7 @@ from dalembert.symbolic.formulas.expression import stack
 
 
 class Phase(Enum):
-    """What a gap is doing."""
+    """Contact state of a gap."""
 
     APART = "apart"
     SMOOTH = "touching without friction"
@@ -34,45 +34,45 @@ class Phase(Enum):
 
     @property
     def sense(self) -> int:
-        """Of the slip along one direction; 0 where there is none, or two directions."""
+        """Sign of the slip along one direction; 0 without slip, or for two directions."""
         return {Phase.FORWARD: 1, Phase.BACKWARD: -1}.get(self, 0)
 
 
 Phases = tuple[Phase, ...]
 
 SLOW = 1e-4
-"""Natural speeds below which a slip over a surface hardly has a direction."""
-NOTHING = 1e-30
-"""Keeps the length of nothing differentiable."""
-LEAST = 0.25
-"""Share of the slip remembered that its component along it is not let below."""
+"""Threshold for slip along a surface without a clear direction, in natural speeds."""
+TINY = 1e-30
+"""Regularisation of the norm of a zero vector, in slow slips."""
+MIN_SHARE = 0.25
+"""Lower limit of the component along the stored slip, relative to it."""
 
 
 def heading(gap: RigidGap, phase: Phase, scales: Scales) -> ca.SX:
     """Unit vector along which a gap slides.
 
-    Over a surface it is ``s/|s|``. Where the slip goes to zero, or begins there, this is no
-    function of ``s`` to integrate over; so its component along the slip ``r`` remembered is not let
-    below a share of ``|r|``, and friction goes on smoothly across the stop. On the way to it ``r``
-    is remembered anew whenever the slip has halved, so that this share acts in the end only.
+    Along a surface it is ``s/|s|``, which is singular at zero slip. So the component along the
+    stored slip ``r`` is limited from below to a share of ``|r|``, and friction continues smoothly
+    across the stop. ``r`` is stored again whenever the slip has halved, so that the limit acts
+    only near the stop.
     """
     if phase is not Phase.SLIDING:
         return ca.SX(phase.sense)
-    size = ca.sqrt(ca.sumsqr(gap.heading) + (NOTHING * slow(scales)) ** 2)
-    way = gap.heading / size
-    along = ca.dot(gap.slip, way)
-    least = ca.fmax(LEAST * size, slow(scales))
-    seen = gap.slip + (ca.fmax(along, least) - along) * way
-    return seen / ca.sqrt(ca.sumsqr(seen) + (NOTHING * slow(scales)) ** 2)
+    size = ca.sqrt(ca.sumsqr(gap.heading) + (TINY * slow(scales)) ** 2)
+    direction = gap.heading / size
+    along = ca.dot(gap.slip, direction)
+    least = ca.fmax(MIN_SHARE * size, slow(scales))
+    limited = gap.slip + (ca.fmax(along, least) - along) * direction
+    return limited / ca.sqrt(ca.sumsqr(limited) + (TINY * slow(scales)) ** 2)
 
 
 def slow(scales: Scales) -> float:
-    """Speed of a slip that hardly has a direction."""
+    """Threshold for slip without a clear direction [m/s]."""
     return float(SLOW * scales.length / scales.time)
 
 
 def touching(e: Equations, phases: Sequence[Phase]) -> Equations:
-    """The same system with closed gaps as constraints and with the friction of those that slide."""
+    """The system with closed gaps as constraints and with the friction of sliding gaps."""
     if not e.contacts:
         return e
     pairs = list(zip(e.contacts, phases, strict=True))
@@ -85,44 +85,53 @@ def touching(e: Equations, phases: Sequence[Phase]) -> Equations:
     follows = stack(-g.impact.friction * g.normal * along for g, along in sliding)
     rubbing = stack(g.tangential for g, _ in sliding)
     slip = stack(g.slip for g, _ in sliding)
-    known = {s.element_hash() for s in ca.vertsplit(ca.vertcat(added, rubbing))}
-    none = [s for s in ca.vertsplit(contact_forces(e.contacts)) if s.element_hash() not in known]
-    made = replace(
+    active_forces = {s.element_hash() for s in ca.vertsplit(ca.vertcat(added, rubbing))}
+    inactive = [
+        s for s in ca.vertsplit(contact_forces(e.contacts)) if s.element_hash() not in active_forces
+    ]
+    system = replace(
         e,
         constraints=ca.vertcat(e.constraints, held, ca.SX.zeros(slips.numel())),
         nonholonomic=ca.vertcat(e.nonholonomic, ca.SX(held.numel(), 1), slips),
         multiplier=ca.vertcat(e.multiplier, added),
-        dropped=ca.vertcat(e.dropped, stack(none)),
+        dropped=ca.vertcat(e.dropped, stack(inactive)),
         scales=replace(
             e.scales, rows=np.append(e.scales.rows, np.full(added.numel(), e.scales.length))
         ),
         follows=(rubbing, follows),
         rubbing=ca.mtimes(ca.jacobian(slip, e.v).T, follows) if sliding else e.rubbing,
-        known=None,
+        kinematics=None,
     )
-    if e.known is not None:
-        alone = replace(
+    if e.kinematics is not None:
+        contact_part = replace(
             e,
-            known=None,
+            kinematics=None,
             constraints=ca.vertcat(held, ca.SX.zeros(slips.numel())),
             nonholonomic=ca.vertcat(ca.SX(held.numel(), 1), slips),
         )
-        rows = alone.position_jacobian, alone.velocity_constraints, alone.constraint_acceleration
-        whole = (e.known.jacobian, e.known.velocity, e.known.acceleration)
-        joined = (ca.vertcat(*pair) for pair in zip(whole, rows, strict=True))
-        made = replace(made, known=ConstraintKinematics(*joined))
-    return replace(made, powers=made.without_dropped(_powers(e, closed, stuck, (slip, follows))))
+        rows = (
+            contact_part.position_jacobian,
+            contact_part.velocity_constraints,
+            contact_part.constraint_acceleration,
+        )
+        k = e.kinematics
+        joined = zip((k.jacobian, k.velocity, k.acceleration), rows, strict=True)
+        kinematics = (ca.vertcat(*pair) for pair in joined)
+        system = replace(system, kinematics=ConstraintKinematics(*kinematics))
+    return replace(
+        system, powers=system.without_dropped(_powers(e, closed, stuck, (slip, follows)))
+    )
 
 
 def _powers(e: Equations, closed, stuck, sliding: tuple[ca.SX, ca.SX]) -> ca.SX:
-    """Energy lost and put in, with what friction loses and surfaces that move of themselves do."""
+    """Dissipated and input power, with losses of friction and power of moving surfaces."""
 
     def imposed(slip: ca.SX) -> ca.SX:
         return ca.substitute(slip, e.v, ca.SX.zeros(e.speed_count))
 
     slip, force = sliding
     lost = -ca.dot(force, slip)
-    given = -sum((g.normal * ca.jacobian(g.distance, e.t) for g in closed), ca.SX(0))
-    given -= sum((ca.dot(g.tangential, imposed(g.slip)) for g in stuck), ca.SX(0))
-    given -= ca.dot(force, imposed(slip))
-    return e.powers + ca.vertcat(lost, given)
+    supplied = -sum((g.normal * ca.jacobian(g.distance, e.t) for g in closed), ca.SX(0))
+    supplied -= sum((ca.dot(g.tangential, imposed(g.slip)) for g in stuck), ca.SX(0))
+    supplied -= ca.dot(force, imposed(slip))
+    return e.powers + ca.vertcat(lost, supplied)

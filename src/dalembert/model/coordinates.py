@@ -1,4 +1,4 @@
-"""In which coordinates a mechanism is integrated, and how its bodies follow from them."""
+"""Coordinates for the integration of a mechanism, and the motion of its bodies in them."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from dalembert.symbolic.once import once
 
 
 class CoordinateView:
-    """One model seen in one choice of coordinates.
+    """Equations of a model in a choice of coordinates.
 
     Attributes
     ----------
     model : Model
-    whole : Equations in these coordinates, redundant ones too
-    choosing : the same with switches that formulas choose, where those of ``whole`` are held
-    rows : those of its constraint equations that are solved at the start
+    whole : Equations in these coordinates, including redundant ones
+    with_free_branches : the same with free branches, if those of ``whole`` are frozen
+    rows : constraint equations that are solved at the start
     names : names of the coordinates
-    units, speed_units : units of the coordinates, and of the displacements that speeds count
+    units, speed_units : units of the coordinates, and of the displacements
     """
 
     model: Model
     whole: Equations
-    choosing: Equations
+    with_free_branches: Equations
     rows: tuple[int, ...]
     names: list[str]
     units: list[str]
@@ -37,29 +37,29 @@ class CoordinateView:
 
     @property
     def speed_names(self) -> list[str]:
-        """Names of the speeds, so of displacements."""
+        """Names of the speeds and displacements."""
         return self.names
 
     @property
     def equations(self) -> Equations:
-        """With the rows of the start."""
+        """Equations with the constraint rows of the start."""
         return self.with_rows(self.rows)
 
     @once
     def with_rows(self, rows: tuple[int, ...]) -> Equations:
-        """With these constraint equations."""
+        """Equations with these constraint rows."""
         return self.whole.with_rows(list(rows))
 
-    def hold_switches(self) -> None:
-        """Give the sides of switches to the state, for integrators that locate them."""
-        self.choosing, self.whole = self.whole, self.whole.held()
+    def freeze_branches(self) -> None:
+        """Freeze the branches of formulas, for integrators that locate switches."""
+        self.with_free_branches, self.whole = self.whole, self.whole.with_frozen_branches()
 
     def lift(self, expression: ca.SX) -> ca.SX:
-        """A measure of the bodies (of t, y, v, v̇, λ, p) in the symbols of ``whole``."""
+        """An expression of the bodies (of t, y, v, v̇, λ, p) in the symbols of ``whole``."""
         raise NotImplementedError
 
     def body_coordinates(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """Coordinates of the bodies for those of this view."""
+        """Coordinates of the bodies from those of this view."""
         e, lifted = self.equations, self.lift(self.model.all_equations.y)
         return ca.Function("bodies", [e.t, e.y, e.p], [lifted])(t, y, p).full().ravel()
 
@@ -70,21 +70,21 @@ class CoordinateView:
 
     @property
     def everything(self) -> list[ca.SX]:
-        """``y, v, v̇`` of the bodies, ``λ`` of all equations and forces of rigid contacts."""
+        """``y, v, v̇`` of the bodies, ``λ`` of all equations, and forces of rigid contacts."""
         e = self.model.all_equations
         return [self.lift(column) for column in (e.y, e.v, e.a, e.transmitted)]
 
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Strategy object: the choice of coordinates."""
+    """Strategy object: choice of coordinates."""
 
     def chosen(self, cost: Callable[[Coordinates], int]) -> Coordinates:
-        """Those it stands for: itself, unless it is left to their ``cost``."""
+        """The coordinates to use: itself, or the cheapest ones by ``cost``."""
         return self
 
     def check(self, model: Model, every_equation: bool) -> None:
-        """They can describe the model; raises what ``view`` raises."""
+        """Check that the coordinates support the model; raises the errors of ``view``."""
         self.view(model, every_equation)
 
     def view(self, model: Model, every_equation: bool = False) -> CoordinateView:
@@ -92,7 +92,7 @@ class Coordinates:
 
         Parameters
         ----------
-        every_equation : with redundant constraint equations too
+        every_equation : whether to include redundant constraint equations
         """
         raise NotImplementedError
 
@@ -119,12 +119,12 @@ class AbsoluteCoordinates(Coordinates):
 
 
 class AbsoluteView(CoordinateView):
-    """The equations of a model as they are."""
+    """The equations of a model in absolute coordinates."""
 
     def __init__(self, model: Model, every_equation: bool):
         self.model = model
-        self.whole, every = model.all_equations, range(model.all_equations.constraint_count)
-        self.rows = tuple(every if every_equation else model.closure.rows)
+        self.whole, all_rows = model.all_equations, range(model.all_equations.constraint_count)
+        self.rows = tuple(all_rows if every_equation else model.closure.rows)
         self.names = list(model.guesses.names)
         self.units, self.speed_units = model.guesses.units, model.guesses.speed_units
 

@@ -1,12 +1,12 @@
-"""The same equations of motion by other roads: Gibbs–Appell and Kane, book section 6.4.
+"""Equations of motion by the methods of Gibbs–Appell and Kane, book section 6.4.
 
 Both start from the motion written explicitly in independent speeds, ``v = D u`` (a
-``Transformation``), and arrive at
+``Transformation``), and lead to
 
     Dᵀ M D u̇ + Dᵀ (M γ + d) − Dᵀ f = 0,
 
-the projective scheme (6.9), which ``Transformation.apply`` writes directly. Here nothing is
-projected by hand: one road differentiates a scalar, the other velocities.
+the projective scheme (6.9), which ``Transformation.apply`` writes directly. The first method
+differentiates a scalar, the second one velocities.
 """
 
 from __future__ import annotations
@@ -29,8 +29,7 @@ def appell_function(equations: Equations, motion: Transformation) -> ca.SX:
 def gibbs_appell(equations: Equations, motion: Transformation) -> ca.SX:
     """``∂S/∂u̇ − f' = 0`` (6.13): left-hand side (k,), zero along the motion.
 
-    The generalised forces are read off the expression linear in accelerations, too:
-    ``f' = ∂(fᵀ v̇)/∂u̇``.
+    The generalised forces are derivatives by accelerations, too: ``f' = ∂(fᵀ v̇)/∂u̇``.
 
     Parameters
     ----------

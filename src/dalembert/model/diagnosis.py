@@ -1,4 +1,4 @@
-"""What a mechanism is, told before anything is simulated."""
+"""Diagnosis of a mechanism: degrees of freedom, redundancies, loops and warnings."""
 
 from __future__ import annotations
 
@@ -9,34 +9,34 @@ import casadi as ca
 import numpy as np
 import scipy
 
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.driver import Driver
 from dalembert.errors import SingularityError
 from dalembert.model.assembly.closure import Closure
 from dalembert.model.assembly.independence import columns_of, least_fill
-from dalembert.model.checks import doubts_of
+from dalembert.model.assembly.regularity import shared_constraints
+from dalembert.model.checks import element_warnings
 from dalembert.model.description import Description
 from dalembert.model.idle_freedom import idle_freedoms
-from dalembert.model.tree.topology import Topology, analyse_topology
+from dalembert.model.tree.spanning_tree import Topology, analyse_topology
 from dalembert.symbolic.formulas.expression import free_symbols
-from dalembert.text.cards import card, messages, table
+from dalembert.text.wording import card, messages, table
 
-NOT_SHARED = 1e-9
-"""Share of an equation in another, both of length one, that is rounding."""
-NO_MASS = 1e-12
-"""Mass, relative to the largest, that counts as none."""
-NOT_MOVING = 1e-6
-"""Part of a motion, relative to its largest, that is rounding."""
+MASSLESS = 1e-12
+"""Threshold for zero mass, relative to the largest one."""
+MOVING = 1e-6
+"""Threshold for a body that takes part in a motion, relative to the largest component."""
 MOVED = 1e-6
-"""Correction of a guess, in natural units, that is told."""
+"""Threshold for reporting the correction of a guess, in natural units."""
 
 
 @dataclass(frozen=True)
 class Redundancy:
-    """A constraint equation that follows from others.
+    """A redundant constraint equation.
 
     Attributes
     ----------
-    joint, component : which equation, e.g. ``"B"`` and ``1``
+    joint, component : of the equation, e.g. ``"B"`` and ``1``
     shared_with : joints whose equations it depends on; their reactions are not unique
     """
 
@@ -51,19 +51,19 @@ class Redundancy:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """Degrees of freedom, redundancies, loops and doubtful bodies.
+    """Degrees of freedom, redundancies, loops and warnings.
 
     Attributes
     ----------
     degrees_of_freedom : by the rank of the joints' Jacobian at the assembled position
-    gruebler : coordinates − joint equations, the count that ignores redundancy
+    gruebler : coordinates − joint equations, ignoring redundancy
     driven : number of driver equations
-    free : degrees of freedom that the drivers leave
+    free : degrees of freedom without drivers
     lost : joints that lose their independence in a singular position at the start
-    doubts : what elements had better be otherwise
-    searched : remark where the given poses are far from closed; empty otherwise
-    idle : idle degrees of freedom, such as a rod that turns freely about its own axis
-    corrections : given coordinate → change that assembly made; ``moved`` lists those to be told
+    doubts : warnings of elements
+    searched : remark if the initial poses are far from an assembly; empty otherwise
+    idle : idle degrees of freedom, such as a rod that rotates freely about its own axis
+    corrections : initial coordinate → change by assembly; ``moved`` lists those to report
     units : coordinate → unit of its corrections, ``m`` or ``rad``
     """
 
@@ -93,12 +93,12 @@ class Diagnosis:
         self,
         cure: str = "give mass and inertia to the bodies that move there, or constrain them",
     ) -> None:
-        """Accelerations follow from forces where mass moves.
+        """Check that no motion is free of mass, so that forces determine accelerations.
 
         Raises
         ------
         SingularityError
-            Something can move without.
+            A body can move without any mass moving.
         """
         if self.massless:
             names = ", ".join(self.massless)
@@ -109,9 +109,9 @@ class Diagnosis:
         return f"{name} by {change:+.3g} {unit and unit + per}".rstrip()
 
     def __repr__(self) -> str:
-        """The sentence, and what a user should know."""
-        told = "".join(f"\n  {level}: {text}" for level, text in self.messages)
-        return f"<Diagnosis: {self.summary}{told}>"
+        """The summary and all messages."""
+        lines = "".join(f"\n  {level}: {text}" for level, text in self.messages)
+        return f"<Diagnosis: {self.summary}{lines}>"
 
     @property
     def summary(self) -> str:
@@ -123,12 +123,12 @@ class Diagnosis:
 
     @property
     def messages(self) -> list[tuple[str, str]]:
-        """(level, text) of everything a user should know."""
-        found = []
+        """(level, text) of all warnings and remarks."""
+        items = []
         for redundancy in self.redundancies:
-            found.append(("warning", f"redundant: {redundancy}; these reactions are not unique"))
+            items.append(("warning", f"redundant: {redundancy}; these reactions are not unique"))
         if self.lost:
-            found.append(
+            items.append(
                 (
                     "warning",
                     f"the start is a singular position (dead centre or branch point): {self.lost} "
@@ -136,7 +136,7 @@ class Diagnosis:
                 )
             )
         if self.massless:
-            found.append(
+            items.append(
                 (
                     "warning",
                     f"{', '.join(self.massless)} can move without any mass moving: dynamics is "
@@ -144,31 +144,31 @@ class Diagnosis:
                 )
             )
         for name in self.topology.unconnected:
-            found.append(("warning", f"body {name} is not connected to anything"))
-        found += [("warning", doubt) for doubt in self.doubts]
-        found += [("info", text) for text in self.idle]
+            items.append(("warning", f"body {name} is not connected to anything"))
+        items += [("warning", doubt) for doubt in self.doubts]
+        items += [("info", text) for text in self.idle]
         if self.searched:
-            found.append(("warning", self.searched))
+            items.append(("warning", self.searched))
         if self.moved:
             listed = ", ".join(self._change(n, self.corrections[n]) for n in self.moved)
-            found.append(("info", f"assembly moved given poses: {listed}"))
+            items.append(("info", f"assembly moved given poses: {listed}"))
         if self.velocity_corrections:
             changes = self.velocity_corrections.items()
             listed = ", ".join(self._change(n, c, "/s") for n, c in changes)
-            found.append(("warning", f"initial speeds were inconsistent and projected: {listed}"))
-        return found
+            items.append(("warning", f"initial speeds were inconsistent and projected: {listed}"))
+        return items
 
     def _repr_html_(self) -> str:
         return card("Diagnosis", self.summary, messages(self.messages), table(self.rows))
 
     @property
     def rows(self) -> list[tuple[str, Any]]:
-        """What the mechanism consists of, by kind."""
+        """(label, text): degrees of freedom, loops and parts by kind."""
         kinds = ("bodies", "joints", "drivers", "forces")
-        listed = [(kind, ", ".join(getattr(self, kind))) for kind in kinds]
+        parts = [(kind, ", ".join(getattr(self, kind))) for kind in kinds]
         counted = f"{self.coordinates} coordinates − {self.joint_equations} joint equations"
         loops = "; ".join("–".join(loop) for loop in self.topology.loops)
-        rows = [("Grübler's count", f"{counted} = {self.gruebler}"), ("loops", loops), *listed]
+        rows = [("Grübler's count", f"{counted} = {self.gruebler}"), ("loops", loops), *parts]
         return [(name, text) for name, text in rows if text]
 
     def to_dict(self) -> dict:
@@ -180,28 +180,31 @@ class Diagnosis:
 
 
 def _touched(d: Description) -> set[str]:
-    """Names of bodies that a constraint or force acts on, be it by a formula of where they are."""
+    """Names of bodies that an element acts on, also by a formula of their positions."""
     acting = [*d.constraints, *(f for f in d.forces if f.name != "gravity" and not f.internal)]
-    found = {body.name for element in acting for body in element.parts()}
+    contacts = [e for e in d.elements.values() if isinstance(e, Collisions)]
+    names = {body.name for element in (*acting, *contacts) for body in element.parts()}
     symbols = [(body.name, ca.symvar(ca.vertcat(body.pose, body.twist))) for body in d.bodies]
     owners = {symbol.name(): name for name, listed in symbols for symbol in listed}
     for element in acting:
         if not element.parts():
             for _, formula, _ in element.checked_quantities():
-                found |= {owners[s] for s in free_symbols(formula.sx) if s in owners}
-    return found
+                names |= {owners[s] for s in free_symbols(formula.sx) if s in owners}
+    return names
 
 
 def diagnose(d: Description, closure: Closure, mass: scipy.sparse.csc_array) -> Diagnosis:
-    """Examine a closed mechanism; ``mass`` is its mass matrix."""
+    """Diagnosis of an assembled mechanism; ``mass`` is its mass matrix."""
     is_driver = np.array([isinstance(c, Driver) for c, _ in closure.owners], dtype=bool)
-    kept = np.zeros(len(closure.owners), dtype=bool)
-    kept[closure.generic] = True
+    is_generic = np.zeros(len(closure.owners), dtype=bool)
+    is_generic[closure.generic] = True
     n = closure.all_equations.speed_count
     own = sum(c.twist.numel() for k in d.constraints for c in k.own_coordinates())
     joint_rows = int(np.sum(~is_driver))
-    independent_joint_rows = int(np.sum(kept & ~is_driver))
-    redundancies = tuple(_redundancy(closure, k) for k in range(len(closure.owners)) if not kept[k])
+    independent_joint_rows = int(np.sum(is_generic & ~is_driver))
+    redundancies = tuple(
+        _redundancy(closure, k) for k in range(len(closure.owners)) if not is_generic[k]
+    )
     return Diagnosis(
         coordinates=n - own,
         joint_equations=joint_rows - own,
@@ -220,7 +223,7 @@ def diagnose(d: Description, closure: Closure, mass: scipy.sparse.csc_array) -> 
         moved=_moved(closure),
         velocity_corrections=closure.start.velocity_corrections,
         lost=closure.lost,
-        doubts=doubts_of(d, closure.nominal),
+        doubts=element_warnings(d, closure.nominal),
         searched=_searched(closure),
         idle=idle_freedoms(d, closure),
         units=_units(closure),
@@ -228,16 +231,16 @@ def diagnose(d: Description, closure: Closure, mass: scipy.sparse.csc_array) -> 
 
 
 def _searched(closure: Closure) -> str:
-    """Remark on a start that only a search from random places closed."""
-    if (searched := closure.searched) is None:
+    """Remark on a start that was assembled by a search from random positions."""
+    if (search := closure.searched) is None:
         return ""
     change = closure.start.corrections
     sizes = dict(zip(closure.guesses.speed_names, closure.scales.displacements, strict=True))
     farthest = max(change, key=lambda name: abs(change[name]) / sizes[name], default="")
-    count = len(searched.positions)
+    count = len(search.positions)
     moved = f"; it moved {farthest} by {change[farthest]:+.3g}, farthest of all" if farthest else ""
     return (
-        f"the given poses are far from closed: a search from {searched.starts} random starts found "
+        f"the given poses are far from closed: a search from {search.starts} random starts found "
         f"{count} assembled {'position' if count == 1 else 'positions'} and took the nearest"
         f"{moved}; give poses nearer to the assembly that is wanted"
     )
@@ -251,7 +254,7 @@ def _units(closure: Closure) -> dict[str, str]:
 
 
 def _moved(closure: Closure) -> tuple[str, ...]:
-    """Given places that assembly has changed by more than can be called rounding."""
+    """Initial coordinates that assembly has changed by more than rounding."""
     sizes = zip(closure.guesses.speed_names, closure.scales.displacements, strict=True)
     change = closure.start.corrections
     return tuple(name for name, size in sizes if abs(change.get(name, 0.0)) > MOVED * size)
@@ -259,25 +262,20 @@ def _moved(closure: Closure) -> tuple[str, ...]:
 
 def _redundancy(closure: Closure, row: int) -> Redundancy:
     constraint, component = closure.owners[row]
-    weights = closure.independence.kernel({row: -1.0})
-    shared = [
-        closure.owners[k][0].name
-        for k in closure.rows
-        if abs(weights[k]) > NOT_SHARED and closure.owners[k][0] is not constraint
-    ]
-    return Redundancy(constraint.name, component, tuple(dict.fromkeys(shared)))
+    shared = shared_constraints(closure.owners, closure.independence, row)
+    return Redundancy(constraint.name, component, shared)
 
 
 def _massless(closure: Closure, mass: scipy.sparse.csc_array) -> tuple[str, ...]:
     """Bodies that take part in a free motion without kinetic energy, ``C δ = M δ = 0``."""
     scale = scipy.sparse.diags_array(closure.scales.displacements)
-    weighed = scipy.sparse.csr_array(scale @ mass @ scale)
-    largest = abs(weighed).max(axis=1).toarray().ravel()
-    heavy = np.flatnonzero(largest > NO_MASS * largest.max(initial=0.0))
-    moved = scipy.sparse.vstack([closure.jacobian[closure.rows], weighed[heavy]])
-    motions = columns_of(moved, least_fill(moved))
+    scaled_mass = scipy.sparse.csr_array(scale @ mass @ scale)
+    largest = abs(scaled_mass).max(axis=1).toarray().ravel()
+    heavy = np.flatnonzero(largest > MASSLESS * largest.max(initial=0.0))
+    equations = scipy.sparse.vstack([closure.jacobian[closure.rows], scaled_mass[heavy]])
+    motions = columns_of(equations, least_fill(equations))
     if not motions.free:
         return ()
     motion = np.abs(motions.any_kernel(np.random.default_rng(0)))
-    moving = motion > NOT_MOVING * motion.max()
+    moving = motion > MOVING * motion.max()
     return tuple(dict.fromkeys(o for o, m in zip(closure.guesses.owners, moving, strict=True) if m))

@@ -1,11 +1,11 @@
-"""The symbolic record of a constrained system, book equations (4.1) and (4.12)–(4.14).
+"""Symbolic equations of motion of a constrained system, book equations (4.1) and (4.12)–(4.14).
 
     ẏ = A(y) v,      M v̇ + d = f − Cᵀ λ,      Φ(y, t) = 0
 
 with everything else derived: ``C = (∂Φ/∂y) A``, ``Ψ = C v + Φ_t`` and ``ξ`` in ``C v̇ = ξ``.
-Nonholonomic equations have a ``Ψ`` only. They stand behind those of positions, with nothing but
-zero in their rows of ``Φ``.
-Formulations transform it; integrators never see a mechanism; sensitivities never see a joint.
+Nonholonomic equations have a ``Ψ`` only. They follow the holonomic ones, with zeros in their rows
+of ``Φ``. Formulations transform the equations; integrators and sensitivities do not depend on the
+mechanism behind them.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from dalembert.model.inertia import Inertia
 from dalembert.model.manifold import Manifold
 from dalembert.model.rigid_gaps import RigidGap, contact_forces
 from dalembert.model.scales import Scales
-from dalembert.symbolic.formulas.switches import Switches, hold
+from dalembert.symbolic.formulas.switches import Switches, freeze_branches
 
 
 @dataclass(frozen=True, eq=False)
 class ConstraintKinematics:
-    """Derivatives of the constraints, where they are known by a shorter way than from ``Φ(y)``.
+    """Derivatives of the constraints, computed more directly than from ``Φ(y)``.
 
     Attributes
     ----------
     jacobian : ``(∂Φ/∂y) A`` (m, n)
-    velocity : ``Ψ`` (m,), of nonholonomic equations, too
+    velocity : ``Ψ`` (m,), including nonholonomic equations
     acceleration : ``ξ`` (m,)
     """
 
@@ -40,7 +40,7 @@ class ConstraintKinematics:
     acceleration: ca.SX
 
     def with_rows(self, rows: list[int]) -> ConstraintKinematics:
-        """Of some of the equations."""
+        """The derivatives of some of the equations."""
         parts = self.jacobian, self.velocity, self.acceleration
         return ConstraintKinematics(*(part[rows, :] for part in parts))
 
@@ -62,14 +62,13 @@ class Equations:
     powers : (2,) rates of dissipated energy and of energy input
     massless : speeds whose mass is zero at the nominal parameters
     dropped : SX symbols of multipliers of equations left out as redundant
-    scales : natural sizes of coordinates, rows and the rest; units where nothing is known
-    manifold : of the positions; that of coordinates whose rates are the speeds where not given
-    known : derivatives of the constraints that need not be made of them
-    contacts : rigid gaps, of which ``touching`` makes constraints
-    follows : SX symbols of forces that follow from multipliers, and what they are
+    scales : natural sizes of coordinates, rows and the rest; one by default
+    manifold : of the positions; by default that of coordinates whose rates are the speeds
+    kinematics : derivatives of the constraints, if they are not derived from ``constraints``
+    contacts : rigid gaps, which ``touching`` turns into constraints
+    follows : SX symbols of forces that follow from multipliers, and their expressions
     rubbing : (n,) generalised forces of these
-    switches : of forces and constraints, held on sides that belong to the state; none where
-        formulas follow the branches they choose
+    switches : of forces and constraints with frozen branches; empty if branches are free
     """
 
     t: ca.SX
@@ -91,15 +90,15 @@ class Equations:
     switches: Switches = field(default_factory=Switches)
     manifold: Manifold = field(default=None)  # type: ignore[assignment]
     nonholonomic: ca.SX = field(default=None)  # type: ignore[assignment]
-    known: ConstraintKinematics | None = None
+    kinematics: ConstraintKinematics | None = None
     contacts: tuple[RigidGap, ...] = ()
     follows: tuple[ca.SX, ca.SX] = field(default_factory=lambda: (ca.SX(0, 1), ca.SX(0, 1)))
     rubbing: ca.SX = field(default=None)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         if self.scales is None:
-            known = Scales.units(self.coordinate_count, self.speed_count, self.constraint_count)
-            object.__setattr__(self, "scales", known)
+            units = Scales.units(self.coordinate_count, self.speed_count, self.constraint_count)
+            object.__setattr__(self, "scales", units)
         if self.nonholonomic is None:
             object.__setattr__(self, "nonholonomic", ca.SX(self.constraint_count, 1))
         if self.rubbing is None:
@@ -107,17 +106,19 @@ class Equations:
         if self.manifold is None:
             object.__setattr__(self, "manifold", Manifold.plain(self.y))
 
-    def held(self) -> Equations:
-        """The same system with every switch held on its side."""
+    def with_frozen_branches(self) -> Equations:
+        """The system with frozen branches of all formulas."""
         moving = ca.vertcat(self.t, self.y, self.v)
         parts = [self.bias, self.force, self.constraints, self.potential, self.powers]
-        (bias, force, constraints, potential, powers), switches = hold(parts, moving)
-        known = None
-        if not hold([self.constraints], moving)[1].count:  # roots in them know of no side
-            constraints, known = self.constraints, self.known
+        (bias, force, constraints, potential, powers), switches = freeze_branches(parts, moving)
+        kinematics = None
+        if not freeze_branches([self.constraints], moving)[
+            1
+        ].count:  # roots in them must not be continued
+            constraints, kinematics = self.constraints, self.kinematics
         return replace(
             self,
-            known=known,
+            kinematics=kinematics,
             bias=bias,
             force=force,
             constraints=constraints,
@@ -127,27 +128,27 @@ class Equations:
         )
 
     def with_rows(self, rows: list[int]) -> Equations:
-        """The same system with some of its constraint equations only; other multipliers are 0."""
-        gone = sorted(set(range(self.constraint_count)) - set(rows))
-        kept = replace(
+        """The system with some of its constraint equations; other multipliers are zero."""
+        left_out = sorted(set(range(self.constraint_count)) - set(rows))
+        system = replace(
             self,
             constraints=self.constraints[rows, :],
-            known=None if self.known is None else self.known.with_rows(rows),
+            kinematics=None if self.kinematics is None else self.kinematics.with_rows(rows),
             nonholonomic=self.nonholonomic[rows, :],
             multiplier=self.multiplier[rows, :],
-            dropped=ca.vertcat(self.dropped, self.multiplier[gone, :]),
+            dropped=ca.vertcat(self.dropped, self.multiplier[left_out, :]),
             scales=self.scales.with_rows(rows),
         )
-        return replace(kept, powers=kept.without_dropped(self.powers))
+        return replace(system, powers=system.without_dropped(self.powers))
 
     def without_dropped(self, expression: ca.SX) -> ca.SX:
-        """The expression with forces that follow, and multipliers of equations left out at zero."""
+        """The expression with dependent forces substituted and dropped multipliers set to zero."""
         expression = ca.substitute(expression, *self.follows)
         return ca.substitute(expression, self.dropped, ca.SX.zeros(self.dropped.numel()))
 
     @property
     def transmitted(self) -> ca.SX:
-        """Multipliers, and behind them the forces of rigid contacts."""
+        """Multipliers, followed by the forces of rigid contacts."""
         return ca.vertcat(self.multiplier, contact_forces(self.contacts))
 
     @property
@@ -171,7 +172,7 @@ class Equations:
 
     @property
     def metric(self) -> ca.SX:
-        """``M`` with a natural mass for speeds that have none, so that it can be inverted."""
+        """``M`` with a natural mass for massless speeds, so that it is regular."""
         units = ca.SX(self.speed_count, 1)
         for k in self.massless:
             units[k] = self.scales.mass * (self.scales.length / self.scales.displacements[k]) ** 2
@@ -196,12 +197,12 @@ class Equations:
 
     @cached_property
     def lift(self) -> ca.SX:
-        """``A(y)`` (4.1); nothing displaces a coordinate whose rate is no speed."""
-        found = ca.jacobian(self.pose_rate, self.v)
-        if not ca.depends_on(found, self.v):
-            return found
-        bent = [ca.depends_on(found[k, :], self.v) for k in range(found.shape[0])]
-        return ca.sparsify(ca.mtimes(ca.diag(ca.SX([0 if b else 1 for b in bent])), found))
+        """``A(y)`` (4.1), with zero rows for coordinates whose rates are nonlinear in speeds."""
+        matrix = ca.jacobian(self.pose_rate, self.v)
+        if not ca.depends_on(matrix, self.v):
+            return matrix
+        nonlinear = [ca.depends_on(matrix[k, :], self.v) for k in range(matrix.shape[0])]
+        return ca.sparsify(ca.mtimes(ca.diag(ca.SX([0 if n else 1 for n in nonlinear])), matrix))
 
     @cached_property
     def jacobian(self) -> ca.SX:
@@ -211,8 +212,8 @@ class Equations:
     @cached_property
     def position_jacobian(self) -> ca.SX:
         """``(∂Φ/∂y) A``, without entries in the rows of nonholonomic equations."""
-        if self.known is not None:
-            return self.known.jacobian
+        if self.kinematics is not None:
+            return self.kinematics.jacobian
         return self.by_displacement(self.constraints)
 
     @cached_property
@@ -228,7 +229,7 @@ class Equations:
 
     @cached_property
     def holds(self) -> tuple[int, ...]:
-        """Rows of equations of positions."""
+        """Rows of holonomic equations."""
         return tuple(k for k in range(self.constraint_count) if k not in self.slips)
 
     def by_displacement(self, expression: ca.SX) -> ca.SX:
@@ -244,13 +245,13 @@ class Equations:
     @cached_property
     def velocity_constraints(self) -> ca.SX:
         """``Ψ = C v + Φ_t``."""
-        if self.known is not None:
-            return self.known.velocity
+        if self.kinematics is not None:
+            return self.kinematics.velocity
         return self.rate(self.constraints) + ca.densify(self.nonholonomic)
 
     @cached_property
     def constraint_acceleration(self) -> ca.SX:
         """``ξ = −(Ċ v + Φ̇_t)``, so that ``C v̇ = ξ`` (4.14)."""
-        if self.known is not None:
-            return self.known.acceleration
+        if self.kinematics is not None:
+            return self.kinematics.acceleration
         return -self.rate(self.velocity_constraints)

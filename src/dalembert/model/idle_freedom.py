@@ -1,9 +1,9 @@
-"""Idle degrees of freedom: bodies that turn about a line without moving anything else.
+"""Idle degrees of freedom: bodies that rotate about a line without moving anything else.
 
-A rod between two ball joints turns freely about the line through them, and so does a telescopic leg
-of several bodies. In an open chain such a rotation is a degree of freedom like any other; in a loop
-it is idle, for the loop moves as if it were not there. The test is instantaneous: everything else
-is at rest, the bodies turn about the line, and no joint or driver equation changes, ``C δ = 0``.
+A rod between two ball joints rotates freely about the line through them, and so does a telescopic
+leg of several bodies. In an open chain such a rotation is an ordinary degree of freedom; in a loop
+it is idle, as it does not affect the motion of the loop. The test is instantaneous: everything else
+is at rest, the bodies rotate about the line, and no joint or driver equation changes, ``C δ = 0``.
 """
 
 from __future__ import annotations
@@ -23,22 +23,24 @@ from dalembert.model.assembly.closure import Closure
 from dalembert.model.description import Description
 from dalembert.symbolic.formulas.expression import free_symbols
 
-NOT_MOVING = 1e-9
-"""Change of an equation, relative to its terms, that is rounding."""
-MOST = 100_000
-"""Operations of the search at most, beyond which sets of several bodies are left out."""
+UNCHANGED = 1e-9
+"""Threshold for the change of an equation, relative to its terms."""
+MAX_OPERATIONS = 100_000
+"""Upper limit of operations of the search, above which only single bodies are tested."""
 LISTED = 6
-"""Idle rotations that are named; the others are counted."""
+"""Upper limit of idle rotations that are named; the rest is counted."""
 
 
 def idle_freedoms(d: Description, closure: Closure) -> tuple[str, ...]:
-    """A sentence for each idle rotation in a loop, of one or several bodies; few are named."""
+    """Message for each idle rotation in a loop, of one or several bodies."""
     if not any(isinstance(c, Spherical) for c in d.constraints):
         return ()
-    told = list(_IdleSearch(d, closure).sentences())
-    if len(told) > LISTED:
-        told[LISTED:] = [f"{len(told) - LISTED} more idle degrees of freedom of this kind"]
-    return tuple(told)
+    sentences = list(_IdleSearch(d, closure).sentences())
+    if len(sentences) > LISTED:
+        sentences[LISTED:] = [
+            f"{len(sentences) - LISTED} more idle degrees of freedom of this kind"
+        ]
+    return tuple(sentences)
 
 
 class _IdleSearch:
@@ -62,13 +64,13 @@ class _IdleSearch:
         return acting
 
     def sentences(self) -> Iterator[str]:
-        """For the smallest sets of bodies."""
-        told: list[set[str]] = []
+        """Messages for the smallest sets of bodies."""
+        reported: list[set[str]] = []
         for bodies, first, second in sorted(self._candidates(), key=lambda c: len(c[0])):
-            if any(done <= bodies for done in told) or bodies & self.forced:
+            if any(smaller <= bodies for smaller in reported) or bodies & self.forced:
                 continue
-            if self._turns(bodies, first, second):
-                told.append(bodies)
+            if self._rotates(bodies, first, second):
+                reported.append(bodies)
                 ordered = [b.name for b in self.d.bodies if b.name in bodies]
                 verb = "turns" if len(ordered) == 1 else "together turn"
                 yield (
@@ -78,10 +80,10 @@ class _IdleSearch:
                 )
 
     def _candidates(self) -> Iterator[tuple[set[str], Constraint, Constraint]]:
-        """Sets of bodies that two joints, one of them a ball joint, tie to two different bodies."""
-        joints = [k for k, c in enumerate(self.constraints) if _place(c) is not None]
+        """Sets of bodies connected to two other bodies by two joints, one of them a ball joint."""
+        joints = [k for k, c in enumerate(self.constraints) if _location(c) is not None]
         balls = {k for k in joints if isinstance(self.constraints[k], Spherical)}
-        if len(balls) * len(joints) * len(self.names) > MOST:
+        if len(balls) * len(joints) * len(self.names) > MAX_OPERATIONS:
             pairs = self._around_single_bodies(joints)
         else:
             pairs = ((i, k) for i, k in combinations(joints, 2) if i in balls or k in balls)
@@ -99,58 +101,58 @@ class _IdleSearch:
                     yield inside, self.constraints[i], self.constraints[k]
 
     def _around_single_bodies(self, joints: list[int]) -> Iterator[tuple[int, int]]:
-        """Pairs of the joints of bodies that have two constraints."""
+        """Pairs of joints of bodies with two constraints."""
         of_body: dict[str, list[int]] = {}
         for k, names in enumerate(self.names):
             for name in names:
                 of_body.setdefault(name, []).append(k)
         usable = set(joints)
-        for name, held in of_body.items():
-            ball = any(isinstance(self.constraints[k], Spherical) for k in held)
-            if ball and name != "ground" and len(held) == 2 and usable.issuperset(held):
-                yield held[0], held[1]
+        for name, own in of_body.items():
+            ball = any(isinstance(self.constraints[k], Spherical) for k in own)
+            if ball and name != "ground" and len(own) == 2 and usable.issuperset(own):
+                yield own[0], own[1]
 
-    def _turns(self, bodies: set[str], first: Constraint, second: Constraint) -> bool:
-        """Whether the bodies turn about the line through two joints while all else is at rest."""
+    def _rotates(self, bodies: set[str], first: Constraint, second: Constraint) -> bool:
+        """Whether the bodies can rotate about the line through two joints, all else at rest."""
         places = [self._places[c.name] for c in (first, second)]
         line = places[1] - places[0]
         length = float(np.linalg.norm(line))
-        if not length > NOT_MOVING * self.closure.scales.length:
+        if not length > UNCHANGED * self.closure.scales.length:
             return False
         motion, at = np.zeros(self.closure.all_equations.speed_count), 0
         for group in self.d.coordinates:
             span = slice(at, at := at + group.twist.numel())
             if group.name in bodies:
-                turned = self._turned(group, places[0], line / length)
-                if turned is None:
+                speeds = self._rotation(group, places[0], line / length)
+                if speeds is None:
                     return False
-                motion[span] = turned
+                motion[span] = speeds
             elif getattr(group, "owner", group).name in bodies:
                 return False
         natural = motion / self.closure.scales.displacements
         change, terms = self.closure.jacobian @ natural, abs(self.closure.jacobian) @ abs(natural)
-        return bool(np.all(np.abs(change) <= NOT_MOVING * np.maximum(terms, length)))
+        return bool(np.all(np.abs(change) <= UNCHANGED * np.maximum(terms, length)))
 
-    def _turned(
+    def _rotation(
         self, group: Coordinates, origin: np.ndarray, axis: np.ndarray
     ) -> np.ndarray | None:
-        """Speeds of a rigid body that turns about a line; None where it is not a rigid body."""
+        """Speeds of a rigid body that rotates about a line; None for other bodies."""
         if group.name not in self._rates:
             return None
         matrix, center = self._rates[group.name]
-        wanted = np.concatenate([np.cross(axis, center - origin), axis])
-        return np.linalg.solve(matrix, wanted)
+        twist = np.concatenate([np.cross(axis, center - origin), axis])
+        return np.linalg.solve(matrix, twist)
 
     @cached_property
     def _places(self) -> dict[str, np.ndarray]:
-        """Where joints are."""
-        spots = {c.name: spot for c in self.constraints if (spot := _place(c)) is not None}
+        """Joint → (3,) its location."""
+        spots = {c.name: spot for c in self.constraints if (spot := _location(c)) is not None}
         values = self._numbers(ca.horzcat(ca.SX(3, 0), *spots.values()))
         return {name: values[:, k] for k, name in enumerate(spots)}
 
     @cached_property
     def _rates(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        """Of rigid bodies: (6, 6) velocity and angular velocity by speeds, (3,) mass centre."""
+        """Rigid body → (6, 6) velocity and angular velocity by speeds, (3,) mass centre."""
         rigid = [b for b in self.d.bodies if b.dimension == 3 and b.twist.numel() == 6]
         matrices = [ca.jacobian(ca.vertcat(b.twist[:3], b.turning), b.twist) for b in rigid]
         columns = [
@@ -171,7 +173,7 @@ class _IdleSearch:
 
 
 class _Groups:
-    """Bodies that constraints tie together; the ground is one of them."""
+    """Groups of bodies connected by constraints, the ground included (union–find)."""
 
     def __init__(self, ties: Iterable[list[str]]):
         self.parent: dict[str, str] = {}
@@ -185,14 +187,14 @@ class _Groups:
         return name
 
     def of(self, body: str) -> set[str]:
-        """All bodies tied to one, itself among them."""
+        """All bodies connected to a body, and the body itself."""
         root = self._root(body)
         return {body} | {name for name in self.parent if self._root(name) == root} | {root}
 
 
-def _place(constraint: Constraint) -> ca.SX | None:
-    """Where a joint of two bodies is; None where it has no single place."""
-    if len(constraint.parts()) != 2 or constraint.spots is None:
+def _location(constraint: Constraint) -> ca.SX | None:
+    """Location of a joint of two bodies; None without a single one."""
+    if len(constraint.parts()) != 2 or constraint.end_points is None:
         return None
-    point = constraint.spots[0].position.sx
+    point = constraint.end_points[0].position.sx
     return point if point.numel() == 3 else None

@@ -1,4 +1,4 @@
-"""Measures: named quantities of a mechanism, and how their names are read.
+"""Measures: named quantities of a mechanism.
 
 ``body.quantity``, ``body.point.quantity``, ``joint.quantity``, ``force.quantity`` or a quantity
 of the whole system; a vector's components are ``.x``, ``.y`` and ``.z``.
@@ -19,9 +19,9 @@ Measures = dict[str, tuple[ca.SX, str]]
 
 
 def element_measures(element: Element, everything: list[Coordinates]) -> Measures:
-    """Quantities of one element: name → (expression, unit).
+    """Quantities of an element: name → (expression, unit).
 
-    ``everything`` serves elements written as a formula, which do not know their bodies.
+    ``everything`` is used for elements written as a formula, which have no list of bodies.
     """
     owners = element.parts() or everything
 
@@ -33,33 +33,37 @@ def element_measures(element: Element, everything: list[Coordinates]) -> Measure
         for name in element.places:
             own |= _about(element, everything, name)
         return own
-    found: Measures = {}
+    measures: Measures = {}
     for part in element.own_coordinates():
         if isinstance(part, BodyElement):
             node = part.name.removeprefix(f"{element.name}.")
-            found |= {f"{node}.{q}": m for q, m in part.measures().items()}
+            measures |= {f"{node}.{q}": m for q, m in part.measures().items()}
     if isinstance(element, ForceElement):
-        return found | element.measures(rate)
-    return found | constraint_measures(element, rate) if isinstance(element, Constraint) else found
+        return measures | element.measures(rate)
+    return (
+        measures | constraint_measures(element, rate)
+        if isinstance(element, Constraint)
+        else measures
+    )
 
 
 def constraint_measures(constraint: Constraint, rate) -> Measures:
-    found: Measures = {"violation": (ca.sqrt(ca.sumsqr(constraint.equations)), "m or rad")}
+    measures: Measures = {"violation": (ca.sqrt(ca.sumsqr(constraint.equations)), "m or rad")}
     for name, (coordinate, unit) in constraint.freedoms().items():
-        found[name] = (coordinate, unit)
-        found[f"{name}_rate"] = (rate(coordinate), f"{unit}/s")
+        measures[name] = (coordinate, unit)
+        measures[f"{name}_rate"] = (rate(coordinate), f"{unit}/s")
     for part in constraint.own_coordinates():
-        found[part.name.rpartition(".")[2]] = (part.pose[0], part.coordinate_units[0])
+        measures[part.name.rpartition(".")[2]] = (part.pose[0], part.coordinate_units[0])
     if isinstance(constraint, Pair):
         force, moment = constraint.reaction()
-        found["force"] = (force, "N")
-        found["force_norm"] = (ca.sqrt(ca.sumsqr(force)), "N")
-        found["moment"] = (moment, "N m")
-    return found | constraint.measures(rate)
+        measures["force"] = (force, "N")
+        measures["force_norm"] = (ca.sqrt(ca.sumsqr(force)), "N")
+        measures["moment"] = (moment, "N m")
+    return measures | constraint.measures(rate)
 
 
 def _about(element: Element, everything: list[Coordinates], quantity: str) -> Measures:
-    """Measures of an element among which this one is, if there is one: not all points of a body."""
+    """Measures of an element that include a quantity, if it exists; avoids all points of a body."""
     name = quantity.partition(".")[0]
     if isinstance(element, BodyElement) and name in element.places:
         return {f"{name}.{q}": m for q, m in element.places[name].measures().items()}
@@ -69,17 +73,21 @@ def _about(element: Element, everything: list[Coordinates], quantity: str) -> Me
 def find_measure(
     elements: dict[str, Element], everything: list[Coordinates], name: str
 ) -> Expression | None:
-    """The measure behind a dotted name, None if there is none."""
+    """The measure of a dotted name, or None."""
     owner, _, quantity = name.partition(".")
     element = elements.get(owner)
     if element is None or not quantity:
         return None
-    known = _about(element, everything, quantity)
-    if quantity in known:
-        sx, unit = known[quantity]
+    measures = _about(element, everything, quantity)
+    if quantity in measures:
+        sx, unit = measures[quantity]
         return Expression(sx, name, unit)
     stem, _, component = quantity.rpartition(".")
-    if stem in known and component in AXES[: known[stem][0].numel()] and known[stem][0].numel() > 1:
-        sx, unit = known[stem]
+    if (
+        stem in measures
+        and component in AXES[: measures[stem][0].numel()]
+        and measures[stem][0].numel() > 1
+    ):
+        sx, unit = measures[stem]
         return Expression(sx[AXES.index(component)], name, unit)
     return None

@@ -1,4 +1,4 @@
-"""The frozen model: symbolic equations, a consistent start and a diagnosis."""
+"""Model of a mechanism: symbolic equations, a consistent initial state and a diagnosis."""
 
 from __future__ import annotations
 
@@ -13,21 +13,20 @@ import numpy as np
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.model.absolute import absolute_equations, at_ground
-from dalembert.model.assembly.assembled_state import AssembledState
 from dalembert.model.assembly.closure import Closure
-from dalembert.model.assembly.guesses import Guesses
+from dalembert.model.assembly.guesses import AssembledState, Guesses
 from dalembert.model.checks import ValueChecks
 from dalembert.model.description import Description
 from dalembert.model.diagnosis import diagnose
 from dalembert.model.natural_units import scales_of
 from dalembert.model.scales import Scales
 from dalembert.symbolic.equations.implicit import ImplicitFunction
-from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
+from dalembert.symbolic.evaluation.kernel import SELDOM, condensed
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.formulas.names import Names
+from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.once import once
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.cards import card, messages, table
+from dalembert.text.wording import card, messages, table
 
 SYSTEM_MEASURES = {
     "time": "s",
@@ -40,7 +39,7 @@ SYSTEM_MEASURES = {
 
 
 class Model(ParametricModel):
-    """A mechanism, checked, assembled and frozen; made by ``System.build``.
+    """A mechanism, checked, assembled and immutable; created by ``System.build``.
 
     Parameters
     ----------
@@ -51,12 +50,12 @@ class Model(ParametricModel):
     ----------
     parts : Description of the mechanism
     all_equations : Equations with all constraint rows
-    equations : Equations with the independent ones
+    equations : Equations with independent constraint rows
     parameters : name → Parameter
     nominal : (n,) their values, and numbers computed from them
-    closure : how it is assembled
+    closure : assembly of the mechanism
     diagnosis : Diagnosis
-    build_time : seconds it took to make it
+    build_time : time to build the model [s]
 
     Examples
     --------
@@ -134,7 +133,7 @@ class Model(ParametricModel):
         self._value_checks(p[: len(self.parameters)])
 
     def doubtful(self, table: np.ndarray) -> np.ndarray:
-        """(designs,) which rows of parameter values need a look by ``check_values``."""
+        """(designs,) rows of parameter values that must be checked by ``check_values``."""
         return self._value_checks.doubtful(table)
 
     def completed(self, p: np.ndarray) -> np.ndarray:
@@ -162,20 +161,20 @@ class Model(ParametricModel):
 
     # access ------------------------------------------------------------------------
     def expression(self, measure: str | Expression) -> Expression:
-        """See ``ParametricModel``; the ground is at rest in what comes out."""
-        known = isinstance(measure, (str, Expression))
-        return self._expression(measure) if known else super().expression(measure)
+        """See ``ParametricModel``; the ground is at rest in the result."""
+        valid = isinstance(measure, (str, Expression))
+        return self._expression(measure) if valid else super().expression(measure)
 
     @once
     def _expression(self, measure: str | Expression) -> Expression:
-        found = super().expression(measure)
-        return self._grounded(found) if isinstance(measure, Expression) else found
+        expression = super().expression(measure)
+        return self._grounded(expression) if isinstance(measure, Expression) else expression
 
     @once
     def function(self, *measures: Expression) -> ca.Function:
-        """``(t, y, v, a, λ of all equations, p) → measures`` one above the other.
+        """``(t, y, v, a, λ of all equations, p) → measures``, stacked.
 
-        Behind ``λ`` stand the forces of rigid contacts.
+        The forces of rigid contacts follow ``λ``.
         """
         e = self.all_equations
         column = ca.vertcat(*(ca.densify(self._grounded(m).sx) for m in measures))
@@ -185,23 +184,23 @@ class Model(ParametricModel):
     @cached_property
     def names(self) -> Names:
         """Names of measures and parameters, as formulas use them."""
-        return Names(self._find, self._known)
+        return Names(self._find, self._all_names)
 
-    def _known(self) -> list[str]:
+    def _all_names(self) -> list[str]:
         return [*self.measure_names, *self.parameters, *self.derived_parameters]
 
     @once
     def _find(self, name: str) -> Expression | None:
-        found = self._system_measure(name)
-        if found is None:
-            found = self.parts.lookup(name)
-        return self._grounded(found) if isinstance(found, Expression) else found
+        measure = self._system_measure(name)
+        if measure is None:
+            measure = self.parts.lookup(name)
+        return self._grounded(measure) if isinstance(measure, Expression) else measure
 
     def _grounded(self, measure: Expression) -> Expression:
         return Expression(self.at_ground(measure.sx), measure.name, measure.unit)
 
     def at_ground(self, expression: ca.SX) -> ca.SX:
-        """The expression with the ground at rest in the origin."""
+        """The expression with the ground at rest at the origin."""
         return at_ground(self.parts.ground, expression)
 
     def all_multipliers(self, independent: np.ndarray) -> np.ndarray:
@@ -233,6 +232,6 @@ class Model(ParametricModel):
         return f"<Model {self.name!r}: {self.diagnosis.summary}>"
 
     def _repr_html_(self) -> str:
-        told = self.diagnosis
-        parts = (messages(told.messages), table(told.rows), self.parts.parameter_table())
-        return card(f"Model {self.name}", told.summary, *parts)
+        diagnosis = self.diagnosis
+        tables = (table(diagnosis.rows), self.parts.parameter_table())
+        return card(f"Model {self.name}", diagnosis.summary, messages(diagnosis.messages), *tables)

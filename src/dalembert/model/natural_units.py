@@ -1,6 +1,6 @@
-"""The natural units of a mechanism, read off it at its guesses.
+"""Estimation of the natural units of a mechanism at its guesses.
 
-All of them are covariant: a mechanism written in other units of length, mass or time has the same
+All units are covariant: a mechanism written in other units of length, mass or time has the same
 scales in those units.
 """
 
@@ -45,7 +45,7 @@ def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndar
 
 
 class _AtGuesses:
-    """What the equations say at the guesses, missing ones taken as zero."""
+    """Values of the equations at the guesses, with zero for missing ones."""
 
     def __init__(self, d: Description, e: Equations, guesses: Guesses, p: np.ndarray):
         self.d, self.e, self.p, self.guesses = d, e, p, guesses
@@ -53,9 +53,9 @@ class _AtGuesses:
         self.owners = d.rows
         units = [c.units()[k] for c, k in self.owners]
         self.in_metres = np.array([unit == "m" for unit in units], dtype=bool)
-        still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
+        drift = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
         stiffness = e.by_displacement(e.force)
-        outputs = [e.constraints, e.jacobian, still, e.mass, e.force, stiffness, e.lift]
+        outputs = [e.constraints, e.jacobian, drift, e.mass, e.force, stiffness, e.lift]
         values = ca.Function("at_guesses", [e.t, e.y, e.v, e.p], outputs)(0.0, self.y, self.v, p)
         self.gaps, self.drift, self.forces = (values[k].full().ravel() for k in (0, 2, 4))
         self.jacobian, self.stiffness = values[1].sparse().tocsr(), values[5].sparse().tocoo()
@@ -65,14 +65,14 @@ class _AtGuesses:
     @cached_property
     def length(self) -> float:
         """The largest arm or length of a constraint; else any length; else 1."""
-        among_joints = max(self._largest_arm(), self._largest_stated(self.d.constraints))
-        if among_joints:
-            return among_joints
-        anywhere = self._largest_stated([*self.d.bodies, *self.d.forces])
-        return max(anywhere, _largest(self.gaps[self.in_metres])) or 1.0
+        of_joints = max(self._largest_arm(), self._largest_length(self.d.constraints))
+        if of_joints:
+            return of_joints
+        of_elements = self._largest_length([*self.d.bodies, *self.d.forces])
+        return max(of_elements, _largest(self.gaps[self.in_metres])) or 1.0
 
     def _largest_arm(self) -> float:
-        """``|∂Φ/∂φ|`` over the equations in metres of one constraint: an arm, whatever φ."""
+        """``|∂Φ/∂φ|`` over the equations in metres of a constraint: an arm, independent of φ."""
         angles = np.array([unit == "rad" for unit in self.guesses.speed_units], dtype=bool)
         squares = self.jacobian.multiply(self.jacobian).tocsr()[:, angles]
         owner = [id(constraint) for constraint, _ in self.owners]
@@ -84,19 +84,19 @@ class _AtGuesses:
                 by_constraint[at] = by_constraint.get(at, 0.0) + square
         return float(np.sqrt(_largest(np.array(list(by_constraint.values())))))
 
-    def _largest_stated(self, elements: list) -> float:
-        """Largest quantity in metres among those that parameters alone determine."""
-        known = {symbol.name() for symbol in ca.vertsplit(self.e.p)}
-        stated = [
+    def _largest_length(self, elements: list) -> float:
+        """Largest quantity in metres that depends on parameters only."""
+        parameters = {symbol.name() for symbol in ca.vertsplit(self.e.p)}
+        lengths = [
             formula.sx
             for element in elements
             for _, formula, meta in element.checked_quantities()
-            if meta["unit"] == "m" and free_symbols(formula.sx) <= known
+            if meta["unit"] == "m" and free_symbols(formula.sx) <= parameters
         ]
-        return _largest(ca.Function("stated", [self.e.p], [stack(stated)])(self.p).full())
+        return _largest(ca.Function("lengths", [self.e.p], [stack(lengths)])(self.p).full())
 
     def reach(self, displacements: np.ndarray) -> np.ndarray:
-        """How far displacements of these sizes take each coordinate; at least what they can."""
+        """Largest change of each coordinate by displacements of these sizes."""
         if self.e.manifold.flat:
             return displacements
         sizes = self.lift.multiply(displacements).max(axis=1).toarray().ravel()
@@ -105,15 +105,15 @@ class _AtGuesses:
     def force(self, displacements: np.ndarray) -> float:
         """Largest work of an applied force along a displacement of its scale."""
         k = self.stiffness
-        bent = np.abs(k.data) * displacements[k.row] * displacements[k.col]
-        return max(_largest(self.forces * displacements), _largest(bent))
+        elastic = np.abs(k.data) * displacements[k.row] * displacements[k.col]
+        return max(_largest(self.forces * displacements), _largest(elastic))
 
     def rate(self, displacements: np.ndarray, rows: np.ndarray) -> float:
-        """Fastest speed given or driven, by the scale of its displacement."""
+        """Fastest initial or driven speed, relative to the scale of its displacement."""
         return max(_largest(self.v / displacements), _largest(self.drift / rows))
 
 
 def _largest(values: np.ndarray) -> float:
-    """Largest finite magnitude; 0 of none."""
+    """Largest finite magnitude; 0 for an empty array."""
     values = np.abs(np.asarray(values, dtype=float))
     return float(np.max(values, initial=0.0, where=np.isfinite(values)))

@@ -1,4 +1,4 @@
-"""Choices of coordinates by name: files, tables and comparisons are made from it."""
+"""Choices of coordinates by name, for files, tables and comparisons."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rigid gaps of a mechanism, with the symbols of their forces."""
+"""Rigid gaps of a mechanism, with the symbols of their forces."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class RigidGap:
     Attributes
     ----------
     name : of the element
-    distance, slip : as of ``Gap``
+    distance, slip : as in ``Gap``
     impact : Impact
     normal, tangential : symbols of ``N`` and ``T``
-    heading : (2,) symbols of the slip over a surface as it was last remembered, part of the
-        state; empty where there is one direction of slip, or no friction
+    heading : (2,) symbols of the last stored slip along a surface, part of the state; empty for
+        one direction of slip, or without friction
     """
 
     name: str
@@ -42,31 +42,31 @@ class RigidGap:
 
 
 def rigid_gaps(elements: Sequence[Element], everything: list[Coordinates]) -> tuple[RigidGap, ...]:
-    """The gaps of all elements that are rigid.
+    """Rigid gaps of all elements.
 
     Raises
     ------
     ModelError
-        Their laws of restitution cannot act in one impact.
+        Laws of restitution that cannot act in one impact.
     """
-    found: list[RigidGap] = []
+    rigid: list[RigidGap] = []
     for element in elements:
         law = element.impact() if isinstance(element, Unilateral) else None
         if not isinstance(element, Unilateral) or law is None:
             continue
         gaps = element.gaps(partial(_rate, element.parts() or everything))
-        found += [
+        rigid += [
             RigidGap(element.name, gap.distance, gap.slip, law, *forces, _heading(gap, law))
-            for gap, forces in zip(gaps, element.pressing, strict=True)
+            for gap, forces in zip(gaps, element.force_symbols, strict=True)
         ]
-    first = {gap.impact.poisson: gap.name for gap in found}
+    first = {gap.impact.poisson: gap.name for gap in rigid}
     if len(first) > 1:
         raise ModelError(
             f"has restitution by Poisson's law and {first[False]} by Newton's, and both may act in "
             "one impact; give poisson=True to all rigid contacts or to none",
             first[True],
         )
-    return tuple(found)
+    return tuple(rigid)
 
 
 def _rate(owners: list[Coordinates], expression: ca.SX) -> ca.SX:
@@ -74,12 +74,12 @@ def _rate(owners: list[Coordinates], expression: ca.SX) -> ca.SX:
 
 
 def _heading(gap: Gap, law: Impact) -> ca.SX:
-    wide = gap.slip.numel() > 1 and not law.friction.is_zero()
-    return ca.SX.sym("heading", gap.slip.numel() if wide else 0)
+    along_surface = gap.slip.numel() > 1 and not law.friction.is_zero()
+    return ca.SX.sym("heading", gap.slip.numel() if along_surface else 0)
 
 
 def headings(gaps: Sequence[RigidGap]) -> ca.SX:
-    """Symbols of all directions of slip that belong to the state, gap by gap."""
+    """Symbols of all stored slips, gap by gap."""
     return stack(gap.heading for gap in gaps)
 
 

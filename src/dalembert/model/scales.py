@@ -1,7 +1,7 @@
-"""Natural units, so that no threshold is absolute.
+"""Natural units of a mechanism, which make all thresholds dimensionless.
 
-A tolerance in metres is right for machines of a metre only. With a characteristic length, mass,
-time and force every number that is compared with another can be made dimensionless.
+A tolerance in metres suits machines of about a metre only. A characteristic length, mass, time and
+force make every compared number dimensionless.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class Scales:
-    """Characteristic sizes of one mechanism; 1 where nothing in it tells.
+    """Characteristic sizes of a mechanism; 1 by default.
 
     Attributes
     ----------
     length : largest lever arm or prescribed length L [m]
     mass : largest mass, or inertia over L² [kg]
-    time : by the fastest given speed, or √(mass · L / force) [s]
+    time : from the fastest initial speed, or √(mass · L / force) [s]
     force : largest applied force at the guesses, or stiffness times L [N]
-    coordinates : (n_y,) L for metres, 1 for radians; for others, what moves a point by L
-    displacements : (n,) the same of displacements
+    coordinates : (n_y,) L for metres, 1 for radians; else the change that moves a point by L
+    displacements : (n,) the same for displacements
     rows : (m,) of the constraint equations, L for metres and 1 for radians
     """
 
@@ -36,7 +36,7 @@ class Scales:
 
     @property
     def speeds(self) -> np.ndarray:
-        """(n,) of the speeds."""
+        """(n,) scales of the speeds."""
         return self.displacements / self.time
 
     @property
@@ -46,12 +46,12 @@ class Scales:
 
     @property
     def efforts(self) -> np.ndarray:
-        """(n,) of generalised forces, so that each does the work ``energy``."""
+        """(n,) scales of generalised forces, each of which does the work ``energy``."""
         return self.energy / self.displacements
 
     @property
     def multipliers(self) -> np.ndarray:
-        """(m,) of the multipliers."""
+        """(m,) scales of the multipliers."""
         return self.energy / self.rows
 
     def of(self, unit: str) -> float:
@@ -60,9 +60,9 @@ class Scales:
 
     @classmethod
     def units(cls, coordinates: int, speeds: int, rows: int) -> Scales:
-        """The units themselves, where nothing is known."""
+        """Unit scales, without any information."""
         return cls(1.0, 1.0, 1.0, 1.0, np.ones(coordinates), np.ones(speeds), np.ones(rows))
 
     def with_rows(self, rows: list[int]) -> Scales:
-        """Of some of the constraint equations."""
+        """Scales with some of the constraint equations."""
         return replace(self, rows=self.rows[rows])

@@ -1,4 +1,4 @@
-"""A model some of whose parameters are functions of time, as controls are once they are found."""
+"""Models with functions of time in place of parameters, such as optimal controls."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.model.assembly.assembled_state import AssembledState
+from dalembert.model.assembly.guesses import AssembledState
 from dalembert.model.model import Model
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import stack, t
 from dalembert.symbolic.once import forget
 
-MADE = {"names", "measure_names", "_value_checks", "_once"}
-"""What a model makes of its formulas when it is asked, and keeps."""
+CACHED = {"names", "measure_names", "_value_checks", "_once"}
+"""Cached attributes of a model that depend on its formulas."""
 
 
 class ScheduledModel(Model):
@@ -30,8 +30,8 @@ class ScheduledModel(Model):
     """
 
     def __init__(self, model: Model, schedules: Mapping[str, ca.SX]):
-        refuse_other_than_forces(model, list(schedules))
-        self.__dict__.update({k: v for k, v in vars(model).items() if k not in MADE})
+        check_controls(model, list(schedules))
+        self.__dict__.update({k: v for k, v in vars(model).items() if k not in CACHED})
         self._replaced = stack(model.parameters[name].sx for name in schedules)
         self._schedules = stack(schedules.values())
         e = model.all_equations
@@ -39,25 +39,24 @@ class ScheduledModel(Model):
             e, force=self._scheduled(e.force), powers=self._scheduled(e.powers)
         )
         self.equations = self.all_equations.with_rows(self.closure.rows)
-        self._begun: AssembledState | None = None
+        self._fixed_start: AssembledState | None = None
 
     def begun_at(self, y: np.ndarray, v: np.ndarray, p: np.ndarray) -> ScheduledModel:
-        """The same mechanism, beginning its runs in this state."""
-        made = copy(self)
-        forget(made)
-        made._begun = self.closure.state(y, p, 0.0)
-        made._begun = replace(made._begun, v=v)
-        return made
+        """The mechanism with this state as the start of its runs."""
+        model = copy(self)
+        forget(model)
+        model._fixed_start = replace(self.closure.state(y, p, 0.0), v=v)
+        return model
 
     def assemble(self, p: np.ndarray, time: float = 0.0) -> AssembledState:
-        return super().assemble(p, time) if self._begun is None else self._begun
+        return super().assemble(p, time) if self._fixed_start is None else self._fixed_start
 
     @property
     def initial_state(self) -> ImplicitFunction:
-        if self._begun is not None:
+        if self._fixed_start is not None:
             raise UnsupportedError(
-                "the run begins in a state that was found with it, so that its start does not "
-                "follow the parameters; optimise from the start of the model for gradients"
+                "the run starts in a state of the optimal trajectory, which does not follow the "
+                "parameters; optimise from the start of the model for gradients"
             )
         return super().initial_state
 
@@ -69,10 +68,10 @@ class ScheduledModel(Model):
 
 
 class SteeredModel(ScheduledModel):
-    """The model with parabolas of time in place of some parameters, which more parameters give.
+    """The model with parabolas of time in place of some parameters.
 
-    These stand behind its own: beginning and length of the time of a parabola, and for each control
-    its values at the beginning, in the middle and at the end.
+    Additional parameters follow its own: start and duration of a parabola, and for each control its
+    values at the start, in the middle and at the end.
 
     Parameters
     ----------
@@ -83,37 +82,37 @@ class SteeredModel(ScheduledModel):
     def __init__(self, model: Model, controls: Sequence[str]):
         self.steering = ca.SX.sym("steering", 2 + 3 * len(controls))
         begin, length = self.steering[0], self.steering[1]
-        share = (t.sx - begin) / length
+        fraction = (t.sx - begin) / length
         schedules = {}
         for k, name in enumerate(controls):
             first, middle, last = ca.vertsplit(self.steering[2 + 3 * k : 5 + 3 * k])
-            slope, bend = 4 * middle - 3 * first - last, 2 * (first - 2 * middle + last)
-            schedules[name] = first + share * (slope + share * bend)
+            slope, curvature = 4 * middle - 3 * first - last, 2 * (first - 2 * middle + last)
+            schedules[name] = first + fraction * (slope + fraction * curvature)
         super().__init__(model, schedules)
         p = ca.vertcat(model.all_equations.p, self.steering)
         self.all_equations = replace(self.all_equations, p=p)
         self.equations = self.all_equations.with_rows(self.closure.rows)
 
 
-def refuse_other_than_forces(model: Model, names: list[str]) -> None:
-    """Only forces may follow a control: masses, lengths and drivers have derivatives.
+def check_controls(model: Model, names: list[str]) -> None:
+    """Check that controls affect forces only, not masses, lengths or drivers.
 
     Raises
     ------
     UnsupportedError
-        Names the parameter and what else follows it.
+        Names the parameter and what else depends on it.
     """
     e = model.all_equations
-    others = {
+    formulas = {
         "masses": ca.veccat(e.mass, e.bias),
         "joints or drivers": ca.vertcat(e.constraints, e.nonholonomic),
         "energy that springs store": e.potential,
         "the start": model.guesses.place,
     }
     for name in names:
-        for what, formula in others.items():
+        for affected, formula in formulas.items():
             if ca.depends_on(formula, model.parameters[name].sx):
                 raise UnsupportedError(
-                    f"the control {name!r} would change {what}; a control is a parameter of forces "
-                    "and moments alone, such as planar.Moment(..., value) or a JointActuator"
+                    f"the control {name!r} would change {affected}; a control is a parameter of "
+                    "forces and moments alone, such as planar.Moment(..., value) or a JointActuator"
                 )

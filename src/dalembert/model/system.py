@@ -1,4 +1,4 @@
-"""The mutable, validating builder of a model."""
+"""Builder of mechanism models, with validation."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.errors import ModelError
 from dalembert.model.checks import ValueChecks, check_membership, check_symbols
 from dalembert.model.description import Description
-from dalembert.model.held_nodes import Held, loads, supports
 from dalembert.model.model import Model
+from dalembert.model.nodal_conditions import Nodes, loads, supports
 from dalembert.structures.elastic_structure import ElasticStructure
 from dalembert.structures.meshes.mesh import Classes
 from dalembert.structures.structure import Structure
@@ -23,7 +23,7 @@ from dalembert.text.spelling import Spelled, spelled
 E = TypeVar("E", bound=Element)
 
 ELEMENT_MEANINGS = {"ground": "the body at rest"}
-"""Names that elements cannot have, and what they mean."""
+"""Reserved names of elements, with their meaning."""
 
 
 class System(Spelled, Declared, Description):
@@ -53,23 +53,23 @@ class System(Spelled, Declared, Description):
         def __getattr__(self, name: str):
             raise AttributeError(
                 f"{type(self).__name__} {vars(self).get('name', '')!r} has no {name!r}; analyses "
-                "take the model that its build() makes"
+                "take the model returned by its build()"
             )
 
     # building ----------------------------------------------------------------
     @spelled
     def derived(self, name: str, formula, unit: str = "", description: str = "") -> Expression:
-        """Name a formula of parameters; it is listed beside them.
+        """Name a formula of parameters; it is listed with the parameters.
 
-        Without a ``unit`` it has that of the formula, where this is known.
+        Without a ``unit`` it has the unit of the formula, if that is known.
         """
         self._declare(name)
-        made = as_expression(formula, name, coherent(unit, name) if unit else None)
+        expression = as_expression(formula, name, coherent(unit, name) if unit else None)
         if not unit:
-            made.unit = getattr(formula, "unit", "")
-        made.name = name
-        self.derived_parameters[name] = made
-        return made
+            expression.unit = getattr(formula, "unit", "")
+        expression.name = name
+        self.derived_parameters[name] = expression
+        return expression
 
     def add(self, element: E) -> E:
         """Add a body, joint, driver or force; returns it."""
@@ -95,12 +95,13 @@ class System(Spelled, Declared, Description):
     ) -> ElasticStructure:
         """Add a mesh of finite elements, every node of which is a body.
 
-        Few elements: all of them are part of the equations. A fine mesh is a ``FlexibleBody``.
+        For few elements, as all of them are part of the equations; use a ``FlexibleBody`` for a
+        fine mesh.
 
         Parameters
         ----------
-        mesh, element, **quantities : as ``Structure.add_mesh`` takes them
-        velocity, angular_velocity : of the whole at the start [m/s], [rad/s]
+        mesh, element, **quantities : as in ``Structure.add_mesh``
+        velocity, angular_velocity : of the whole mesh at the start [m/s], [rad/s]
 
         Raises
         ------
@@ -109,39 +110,39 @@ class System(Spelled, Declared, Description):
         """
         structure = Structure(name)
         structure.add_mesh("mesh", mesh, element, **quantities)
-        made = ElasticStructure(
+        elastic = ElasticStructure(
             name, structure=structure, velocity=velocity, angular_velocity=angular_velocity
         )
-        return self.add(made)
+        return self.add(elastic)
 
-    def support(self, nodes: Held, **displacements: Any) -> list[Constraint]:
+    def support(self, nodes: Nodes, **displacements: Any) -> list[Constraint]:
         """Prescribe displacements of nodes, e.g. ``ux=0, uy=0.01`` [m], ``rz=0`` [rad].
 
-        Without any, all are zero. A value is for each of the nodes, a formula of parameters and
-        time. Zero displacements are a pin or a clamp, others drivers.
+        By default all are zero. A value, which may be a formula of parameters and time, holds for
+        each of the nodes. Zero displacements are a pin or a clamp, others drivers.
 
         Raises
         ------
         ModelError
             No node, or an unknown direction.
         """
-        return [self.add(made) for made in supports(self.ground, nodes, displacements)]
+        return [self.add(constraint) for constraint in supports(self.ground, nodes, displacements)]
 
-    def load(self, nodes: Held, **forces: Any) -> list[ForceElement]:
-        """Put forces on each of some nodes, e.g. ``fx=10, fy=-3`` [N], ``mz=2`` [N m].
+    def load(self, nodes: Nodes, **forces: Any) -> list[ForceElement]:
+        """Apply forces to each of the nodes, e.g. ``fx=10, fy=-3`` [N], ``mz=2`` [N m].
 
         Raises
         ------
         ModelError
             No node, no load, or an unknown direction.
         """
-        return [self.add(made) for made in loads(nodes, forces, len(self.elements))]
+        return [self.add(force) for force in loads(nodes, forces, len(self.elements))]
 
     @spelled
     def initial(self, measure: Expression, value) -> None:
         """Prescribe a position-level measure, or a speed, at the start, exactly.
 
-        Unlike the guesses given to bodies, assembly never moves it.
+        Unlike the initial poses of bodies, assembly never changes it.
         """
         self.initial_conditions.append(
             (
@@ -174,7 +175,7 @@ class System(Spelled, Declared, Description):
         Raises
         ------
         ModelError
-            A wrong number, a dangling joint, an over-driven mechanism, …
+            An invalid number, a joint of a missing body, an over-driven mechanism, …
         AssemblyError
             The joints cannot be closed; names the worst one and its residual.
         """

@@ -1,8 +1,7 @@
-"""The one-file interactive report: a payload of plain data in, an HTML page out.
+"""Interactive report in one HTML file, rendered from a payload of plain data.
 
-The page carries its style, its scripts and its data inside itself and makes no
-network request, so that it opens from a disk or a mail attachment as well as
-from a web server.
+The page contains its style, scripts and data and makes no network request, so that it opens from a
+disk or a mail attachment as well as from a web server.
 """
 
 from __future__ import annotations
@@ -13,18 +12,19 @@ import math
 import os
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from dalembert.errors import FileError
-from dalembert.files.atomic import atomic_path
-from dalembert.report.packing import packed
+from dalembert.files import atomic_path
+from dalembert.report.packing import pack
 from dalembert.text.wording import visible
 
 __all__ = ["as_json", "render_page", "write_page"]
 
-#: The scripts of each kind of page, in the order in which they are joined into one scope.
+#: Scripts of each kind of page, in the order in which they are joined into one scope.
 _VIEWS = ("panels.js", "optimum.js", "charts.js", "designs.js", "views.js")
 _FRAME = (
     "svg.js",
@@ -94,10 +94,10 @@ SCRIPTS = {
     "decision": ("util.js", "unpack.js", *_VIEWS, "decision.js"),
 }
 
-#: Significant digits kept of every number (the page is for reading, not for archiving).
+#: Significant digits of the numbers of a page.
 DIGITS = 10
 
-# What could end the data element early; the rest of the text is ASCII already.
+# Characters that could end the data element early; the text is ASCII.
 _ESCAPES = {ord(c): f"\\u{ord(c):04x}" for c in "<>&"}
 
 
@@ -113,12 +113,12 @@ def render_page(payload: dict[str, Any]) -> str:
         "data": _embed(payload),
         "script": "\n".join(_script(name) for name in SCRIPTS[kind]),
     }
-    # One pass over the template: what is put in is not looked at again.
-    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], _asset("template.html"))
+    # One pass over the template, so that inserted parts are not searched again.
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _asset("template.html"))
 
 
 def write_page(payload: dict[str, Any], path: str | os.PathLike[str]) -> Path:
-    """Write the page of ``payload`` to ``path``, all of it or nothing; return the path."""
+    """Write the page of ``payload`` to ``path`` atomically; return the path."""
     text = render_page(payload)
     with atomic_path(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
@@ -130,7 +130,7 @@ def _asset(name: str) -> str:
 
 
 def _script(name: str) -> str:
-    """A script, without the lines that are for who works on it."""
+    """A script without comment lines."""
     text = _asset(name)
     return (
         text if name.startswith("vendor/") else re.sub(r"^ *// .*\n", "", text, flags=re.MULTILINE)
@@ -139,11 +139,11 @@ def _script(name: str) -> str:
 
 def _embed(payload: dict[str, Any]) -> str:
     """Return ``payload`` as JSON that is safe inside a script element."""
-    return as_json(packed(payload)).translate(_ESCAPES)
+    return as_json(pack(payload)).translate(_ESCAPES)
 
 
 def as_json(value: Any) -> str:
-    """Return ``value`` as ASCII JSON, with null for a number that is not finite."""
+    """Return ``value`` as ASCII JSON, with null for numbers that are not finite."""
     if hasattr(value, "tolist"):  # a numpy array or scalar
         value = value.tolist()
     if isinstance(value, float):
@@ -167,7 +167,33 @@ def as_json(value: Any) -> str:
 
 
 def _numbers(values: Sequence[float | None]) -> str:
-    """Return numbers with commas between; a report has many, so all are formatted at once."""
-    known = tuple(math.nan if value is None else value for value in values)
-    text = ",".join([f"%.{DIGITS}g"] * len(known)) % known
+    """Return numbers separated by commas, formatted in one operation for speed."""
+    numbers = tuple(math.nan if value is None else value for value in values)
+    text = ",".join([f"%.{DIGITS}g"] * len(numbers)) % numbers
     return re.sub(r"-?(?:nan|inf)", "null", text) if "n" in text else text
+
+
+@dataclass(frozen=True, repr=False)
+class InlinePage:
+    """A page that notebooks display in a frame, with player and plots.
+
+    Attributes
+    ----------
+    payload : payload of the page
+    height : of the frame [px]
+    """
+
+    payload: dict[str, Any]
+    height: int = 680
+
+    def __repr__(self) -> str:
+        return f"<page of {self.payload.get('title', 'a result')!r}; notebooks show it>"
+
+    def _repr_html_(self) -> str:
+        page = html.escape(render_page(self.payload), quote=True)
+        rights = "allow-scripts allow-downloads allow-modals"
+        style = f"width:100%;height:{self.height}px;border:0"
+        title = html.escape(str(self.payload.get("title", "Report")), quote=True)
+        return (
+            f'<iframe srcdoc="{page}" sandbox="{rights}" title="{title}" style="{style}"></iframe>'
+        )

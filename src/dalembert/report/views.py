@@ -1,7 +1,7 @@
-"""Views of a page, as plain data: what ``views.js`` and ``designs.js`` draw.
+"""Views of a page as plain data, drawn by ``views.js`` and ``designs.js``.
 
-A view stands in a card of its own. Views of designs look at the one table of designs of the page
-and share which of them is chosen.
+Each view is a card. Views of designs refer to the table of designs of the page and share the
+selected design.
 """
 
 from __future__ import annotations
@@ -13,29 +13,29 @@ from typing import Any
 import numpy as np
 
 EXPONENT = re.compile(r"(?<=\d)e-(?=\d)")
-"""What a line would be broken at in a number."""
+"""Exponent of a number, whose hyphen would allow a line break."""
 
 
 def facts(title: str, rows: Iterable[tuple[Any, Any]], note: str = "") -> dict[str, Any]:
     """Labelled values."""
-    told = ((k, f"{v:.6g}" if isinstance(v, float) else str(v)) for k, v in rows)
-    items = [{"label": str(k), "value": EXPONENT.sub("e−", text)} for k, text in told]
+    texts = ((k, f"{v:.6g}" if isinstance(v, float) else str(v)) for k, v in rows)
+    items = [{"label": str(k), "value": EXPONENT.sub("e−", text)} for k, text in texts]
     return {"kind": "facts", "title": title, "items": items, "note": note}
 
 
 def bars(
     title: str, rows: Mapping[str, float], unit: str = "", note: str = "", share: bool = False
 ) -> dict[str, Any]:
-    """A bar for each name, the longest first, to the left where it is negative.
+    """A bar for each name, in descending order of magnitude; negative bars point left.
 
     Parameters
     ----------
-    share : values are shares of a whole
+    share : whether values are shares of a whole
     """
-    listed = sorted(rows.items(), key=lambda row: -abs(row[1]) if np.isfinite(row[1]) else 0.0)
-    made = [{"name": name, "value": float(value)} for name, value in listed]
+    ordered = sorted(rows.items(), key=lambda row: -abs(row[1]) if np.isfinite(row[1]) else 0.0)
+    items = [{"name": name, "value": float(value)} for name, value in ordered]
     return {
-        **{"kind": "bars", "title": title, "rows": made, "unit": unit},
+        **{"kind": "bars", "title": title, "rows": items, "unit": unit},
         **{"note": note, "share": share},
     }
 
@@ -48,19 +48,19 @@ def histogram(
     normal: tuple[float, float] | None = None,
     note: str = "",
 ) -> dict[str, Any]:
-    """How often a number takes which values.
+    """Histogram of values.
 
     Parameters
     ----------
     marks : name → value that is marked
-    normal : mean and deviation of a normal density drawn over it; alone, where there are no values
+    normal : mean and standard deviation of a normal density drawn over it, also without values
     """
-    good = np.asarray(values, dtype=float)
-    good = good[np.isfinite(good)]
-    counts, edges = np.histogram(good, bins="auto") if good.size else (np.zeros(0), np.zeros(0))
+    finite = np.asarray(values, dtype=float)
+    finite = finite[np.isfinite(finite)]
+    counts, edges = np.histogram(finite, bins="auto") if finite.size else (np.zeros(0), np.zeros(0))
     return {
         **{"kind": "histogram", "title": title, "label": label, "note": note},
-        **{"counts": counts.astype(float), "edges": edges, "size": int(good.size)},
+        **{"counts": counts.astype(float), "edges": edges, "size": int(finite.size)},
         "marks": [{"name": name, "value": float(v)} for name, v in marks.items()],
         "normal": None if normal is None else [float(n) for n in normal],
     }
@@ -89,11 +89,11 @@ def curves(
 
     Parameters
     ----------
-    x, y : what stands at the axes
-    equal : both have one scale, as in a plane
+    x, y : labels of the axes
+    equal : equal scales of both axes
     logarithmic : ``"x"``, ``"y"`` or ``"xy"``
     levels : horizontal lines
-    follows : name of a curve that is drawn of the design chosen, ``lines[...]["design"]``
+    follows : name of a curve that is drawn for the selected design, ``lines[...]["design"]``
     """
     return {
         **{"kind": "curves", "title": title, "x": x, "y": y, "lines": list(lines), "note": note},
@@ -104,7 +104,7 @@ def curves(
 def ellipses(
     title: str, names: Sequence[str], units: Sequence[str], centre: Any, covariance: Any, note: str
 ) -> dict[str, Any]:
-    """Where pairs of unknowns lie, by their covariance: one ellipse for each pair."""
+    """Confidence ellipses of all pairs of unknowns, from their covariance."""
     return {
         **{"kind": "ellipses", "title": title, "names": list(names), "units": list(units)},
         "centre": np.asarray(centre, dtype=float),
@@ -127,15 +127,15 @@ def designs(
     ----------
     columns : name, unit, role (``"aim"`` or ``"parameter"``) and values
     labels : of the designs; their numbers by default
-    reasons : why a design failed; empty where it did not
-    alternatives : what of the page is another for each design: ``time``, ``scene``, ``series``
+    reasons : reason of failure of each design; empty for successful ones
+    alternatives : parts of the page that differ per design: ``time``, ``scene``, ``series``
     """
-    made = [
+    table = [
         {"name": name, "unit": unit, "role": role, "values": np.asarray(values, dtype=float)}
         for name, unit, role, values in columns
     ]
     return {
-        **{"columns": made, "labels": list(labels), "chosen": chosen},
+        **{"columns": table, "labels": list(labels), "chosen": chosen},
         **{"reasons": list(reasons), "alternatives": list(alternatives)},
     }
 

@@ -1,1 +1,1 @@
-"""Responses: numbers drawn from a motion, each by one measure and one reduction."""
+"""Responses: scalars computed from a result by a measure and a reduction over time."""

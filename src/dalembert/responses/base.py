@@ -1,9 +1,9 @@
-"""What a response is.
+"""Base class of responses, and linear combinations of them.
 
 A response samples a scalar measure along a motion, ``m_k = m(t_k)``, and reduces the samples to
-a number ``R(m_1 … m_K; t_1 … t_K)``. A new one gives ``reduce`` and its derivatives ``weights``
-and, where the times themselves enter, ``time_weights``; gradients of any analysis by any method
-follow.
+a number ``R(m_1 … m_K; t_1 … t_K)``. A new response implements ``reduce``, its derivatives
+``weights`` and, if it depends on the times themselves, ``time_weights``; gradients of any analysis
+by any method follow.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.events import Occurrence
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import options
@@ -25,12 +25,12 @@ from dalembert.text.wording import plain_text
 
 @options
 class Response:
-    """A named number drawn from a motion.
+    """A named scalar computed from a result: the reduction of a measure over time.
 
     Parameters
     ----------
     measure : name or formula, in Python also an Expression; scalar
-    name : label; made from the measure if empty
+    name : label; built from the measure if empty
 
     Examples
     --------
@@ -39,7 +39,7 @@ class Response:
     >>> system = da.System("throw", gravity=(0, -10))
     >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(1, 10)))
     >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
-    >>> width = da.final("stone.x", name="width")  # every response is one
+    >>> width = da.final("stone.x", name="width")  # an instance of a subclass
     >>> isinstance(width, da.Response), width.label, round(da.evaluate(motion, width), 6)
     (True, 'width', 2.0)
     """
@@ -48,12 +48,12 @@ class Response:
     name: str = ""
 
     constant = 0.0
-    """What is added to the sum of its terms."""
+    """Constant added to the sum of the terms."""
 
     # sums ------------------------------------------------------------------------------
     @property
     def terms(self) -> tuple[tuple[float, Response], ...]:
-        """(weight, response) of those whose sum it is: itself alone, but of a ``Combination``."""
+        """(weight, response) of each summand; a single one, unless it is a ``Combination``."""
         return ((1.0, self),)
 
     def __add__(self, other: Any) -> Any:
@@ -88,60 +88,60 @@ class Response:
             )
         return float(factor)
 
-    __array_ufunc__ = None  # numbers of NumPy leave the operation to these
+    __array_ufunc__ = None  # NumPy scalars defer to these operators
 
     @property
     def label(self) -> str:
-        """The name, or one made of the reduction and the measure."""
+        """The name; if empty, the reduction and the measure."""
         if self.name:
             return plain_text(self.name, "name of a response")
-        named = isinstance(self.measure, str)
-        text = self.measure if named else getattr(self.measure, "name", "") or "formula"
+        is_text = isinstance(self.measure, str)
+        text = self.measure if is_text else getattr(self.measure, "name", "") or "formula"
         return f"{type(self).__name__.lower()}({text})"
 
     @property
     def known_unit(self) -> str:
-        """Its unit where that is known before a run, else nothing."""
-        given = self.measure.unit if isinstance(self.measure, Expression) else ""
-        return self.unit(given) if given else ""
+        """Unit if it is available before a run, otherwise an empty text."""
+        unit = self.measure.unit if isinstance(self.measure, Expression) else ""
+        return self.unit(unit) if unit else ""
 
     def named(self, name: str) -> Response:
-        """The same response under a name."""
+        """Copy of the response with another name."""
         from dataclasses import replace
 
         return replace(self, name=name)
 
     def unit_of(self, source: Any) -> str:
-        """Its unit for a result or model."""
+        """Unit of the response for a result or model."""
         return self.unit(source.expression(self.measure).unit)
 
     def over(self, motion: Result) -> Response:
-        """The same response as it is taken of this result."""
+        """The response as it is evaluated on this result, with its quadrature rule or width."""
         return self
 
     def sample_times(self, motion: Result) -> np.ndarray | None:
-        """Own sampling times, or None for the outputs of the motion."""
+        """Sampling times of the response, or None for the outputs of the motion."""
         return None
 
     def stays(self, motion: Result) -> bool:
-        """Whether it looks at instants of its own, wherever the run begins and ends."""
+        """Whether the sampling times are independent of the start and the end of the run."""
         return self.sample_times(motion) is not None
 
     def searches(self, motion: Result) -> bool:
-        """Whether the instants it looks at depend on the run, and are others for each design."""
+        """Whether the sampling times depend on the run and so differ from design to design."""
         return False
 
     def sampled(self, motion: Result) -> Result:
-        """The motion at the instants that the response looks at."""
+        """The motion at the sampling times of the response."""
         times = self.sample_times(motion)
         return motion if times is None else motion.at(times)
 
     def moves_with(self, motion: Result) -> Occurrence | None:
-        """The event at whose instant the last sample is taken; None where all times are fixed."""
+        """The event that determines the last sampling time; None if all times are fixed."""
         return end_by_event(motion) if self.sample_times(motion) is None else None
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
-        """``R`` of the samples."""
+        """Value ``R`` of the samples."""
         raise NotImplementedError
 
     def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
@@ -155,17 +155,17 @@ class Response:
         return np.zeros_like(samples)
 
     def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        """``∂R/∂t_k`` with the samples held."""
+        """``∂R/∂t_k`` at fixed samples."""
         return np.zeros(times.size)
 
     def jump_weight(
         self, times: np.ndarray, samples: np.ndarray, before: float, after: float
     ) -> float:
-        """``∂R/∂t`` of an instant within the run at which the measure jumps between two values."""
+        """``∂R/∂t`` of an instant within the run at which the measure jumps."""
         return 0.0
 
     def shares(self, times: np.ndarray) -> np.ndarray:
-        """How far each sample moves in time when the last one moves by one, with an event."""
+        """``∂t_k/∂t_K``: shift of each sampling time per shift of the last one by an event."""
         return np.eye(1, times.size, times.size - 1).ravel()
 
     def unit(self, unit: str) -> str:
@@ -177,12 +177,13 @@ class Response:
 class Combination(Response):
     """Linear combination ``c + Σ w_k R_k`` of responses of one result.
 
-    Sums, differences, and products with numbers of responses give one. Its gradient is that of its
-    terms, by each method. The measure is its formula, for people.
+    Sums and differences of responses, and their products with numbers, return a combination. Its
+    gradient is the combination of the gradients of its terms, by each method. The measure is the
+    formula as text, for display only.
 
     Parameters
     ----------
-    weighted : (weight, response) of each term, none of them a combination
+    weighted : (weight, response) of each term; no term is itself a combination
     constant : ``c``
 
     Examples
@@ -222,28 +223,28 @@ class Combination(Response):
         return any(response.searches(motion) for _, response in self.weighted)
 
     def _common(self, units: Sequence[str]) -> str:
-        """The unit of the sum, where all terms have the same; terms with a factor may have any.
+        """Unit of the sum if all terms share it; terms with a factor may have any unit.
 
         Raises
         ------
         AnalysisError
-            Terms without a factor that have different units.
+            Terms without a factor have different units.
         """
         plain = [u for u, (w, _) in zip(units, self.weighted, strict=True) if abs(w) == 1 and u]
-        different = list(dict.fromkeys(plain))
-        if len(different) > 1:
-            first, second = different[:2]
+        distinct = list(dict.fromkeys(plain))
+        if len(distinct) > 1:
+            first, second = distinct[:2]
             raise AnalysisError(
                 f"response {self.label}: terms in {first} and in {second} cannot be added; "
                 "multiply one of them by a factor that leads from one unit to the other"
             )
-        if different:
-            return different[0]
+        if distinct:
+            return distinct[0]
         return units[0] if len(set(units)) == 1 else ""
 
 
 def combined_terms(parts: Sequence[tuple[float, Any]]) -> Response:
-    """``Σ w_k part_k`` of responses and numbers, equal responses taken together."""
+    """``Σ w_k part_k`` of responses and numbers; weights of equal responses are added."""
     weights: dict[Response, float] = {}
     constant = 0.0
     for weight, part in parts:
@@ -251,24 +252,24 @@ def combined_terms(parts: Sequence[tuple[float, Any]]) -> Response:
             constant += weight * float(part)
             continue
         constant += weight * part.constant
-        for own, response in part.terms:
-            weights[response] = weights.get(response, 0.0) + weight * own
-    kept = tuple((weight, response) for response, weight in weights.items())
-    return Combination(_formula(kept, constant), "", kept, constant)
+        for factor, response in part.terms:
+            weights[response] = weights.get(response, 0.0) + weight * factor
+    terms = tuple((weight, response) for response, weight in weights.items())
+    return Combination(_formula(terms, constant), "", terms, constant)
 
 
 def _formula(weighted: Sequence[tuple[float, Response]], constant: float) -> str:
     text = ""
     for weight, response in weighted:
-        size = "" if abs(weight) == 1 else f"{abs(weight):g}*"
-        text += f" {'-' if weight < 0 else '+'} {size}{response.label}"
+        factor = "" if abs(weight) == 1 else f"{abs(weight):g}*"
+        text += f" {'-' if weight < 0 else '+'} {factor}{response.label}"
     if constant or not text:
         text += f" {'-' if constant < 0 else '+'} {abs(constant):g}"
     return text[3:] if text.startswith(" + ") else "-" + text[3:]
 
 
 def _sum(*parts: tuple[float, Any]) -> Any:
-    """The combination of responses and numbers; not known of anything else."""
+    """Combination of responses and numbers; ``NotImplemented`` for other operands."""
     for _, part in parts:
         if isinstance(part, bool) or not isinstance(part, (Response, numbers.Real)):
             return NotImplemented
@@ -298,7 +299,7 @@ def scalar_measure(motion: Result, response: Response) -> Expression:
 def evaluate(motion: Result, response: Response) -> float:
     """Value of a response on a motion."""
     if response.terms != ((1.0, response),):
-        response.unit_of(motion)  # terms that cannot be added
+        response.unit_of(motion)  # raises if the units of the terms differ
         return response.constant + sum(w * evaluate(motion, r) for w, r in response.terms)
     sampled = response.sampled(motion)
     samples = sampled.values(scalar_measure(motion, response))

@@ -1,4 +1,4 @@
-"""Values at events, whose instants depend on the parameters."""
+"""Responses evaluated at events, whose instants depend on the parameters."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class AtEvent(Response):
 
     Parameters
     ----------
-    event : name of one that was declared with the analysis; in Python also an Event
-    occurrence : how often the event has happened then, from 1
+    event : name of an event declared with the analysis; in Python also an Event
+    occurrence : number of the occurrence, from 1
 
     Examples
     --------
@@ -51,9 +51,9 @@ class AtEvent(Response):
     def label(self) -> str:
         if self.name:
             return self.name
-        text = super().label.removeprefix("atevent(")
-        number = "" if self.occurrence == 1 else f" {self.occurrence}"
-        return f"at_event({Occurrence(self.event)}{number}, {text}"
+        measure = super().label.removeprefix("atevent(")
+        suffix = "" if self.occurrence == 1 else f" {self.occurrence}"
+        return f"at_event({Occurrence(self.event)}{suffix}, {measure}"
 
     def stays(self, motion: Result) -> bool:
         return True
@@ -76,7 +76,7 @@ class AtEvent(Response):
 
 @once
 def _at_event(motion: Result, occurrence: Occurrence) -> Result:
-    """The motion then; all responses at one event look at the same."""
+    """The motion at an occurrence, cached for all responses at this event."""
     return motion.analysis.at_event(motion, occurrence)
 
 
@@ -84,14 +84,14 @@ def _at_event(motion: Result, occurrence: Occurrence) -> Result:
 def at_event(
     event: str | Event, measure: str | Expression, occurrence: int = 1, name: str = ""
 ) -> AtEvent:
-    """Value of a measure when an event happens the n-th time.
+    """Value of a measure at the n-th occurrence of an event.
 
     Parameters
     ----------
-    event : name of one that was declared with the analysis, or an Event
+    event : name of an event declared with the analysis, or an Event
     measure : name, formula or Expression
-    occurrence : n, from 1
-    name : label
+    occurrence : number n of the occurrence, from 1
+    name : label; built from the event and the measure if empty
 
     Examples
     --------
@@ -113,13 +113,13 @@ def at_event(
 
 @spelled
 def event_time(event: str | Event, occurrence: int = 1, name: str = "") -> AtEvent:
-    """Time at which an event happens the n-th time [s].
+    """Time of the n-th occurrence of an event [s].
 
     Parameters
     ----------
-    event : name of one that was declared with the analysis, or an Event
-    occurrence : how often the event has happened then, from 1
-    name : label; made from the event if empty
+    event : name of an event declared with the analysis, or an Event
+    occurrence : number n of the occurrence, from 1
+    name : label; built from the event if empty
 
     Examples
     --------

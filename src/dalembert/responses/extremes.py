@@ -1,4 +1,4 @@
-"""Largest and smallest values, exact or smoothed."""
+"""Maximum and minimum of a measure, exact or smoothed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.events import Occurrence
 from dalembert.errors import AnalysisError
 from dalembert.options import options
@@ -22,22 +22,22 @@ from dalembert.units.measured import Measured, check_measured
 
 @options
 class Maximum(Response):
-    """Largest value, or its smooth lower bound (Kreisselmeier and Steinhauser 1979).
+    """Maximum, or its smooth lower bound (Kreisselmeier and Steinhauser 1979).
 
-    Under error control the largest value of the motion between its first and its last output: its
-    instant is located inside the steps, and both sides of impacts and switches count. With fixed
-    steps, and of other results, the largest sample.
+    For runs with error control, the maximum of the motion between the first and the last output:
+    its instant is located inside the steps, and the values on both sides of impacts and switches
+    are considered. For fixed steps and for other results, the largest sample.
 
-    With ``smooth``, ``δ ln ( (1/T) ∫ exp(m/δ) dt )`` with the width ``δ``; of K samples their mean
-    stands for that over time, and the bound is at most ``δ ln K`` below the largest. A relative
-    width is a share of the spread ``√12 σ`` of the measure, with its standard deviation ``σ``: the
-    range of a measure that grows evenly, and differentiable as the range of samples is not.
-    Gradients contain the change of the spread. Without ``smooth`` the gradient is that of the
-    largest value.
+    With ``smooth``, ``δ ln ( (1/T) ∫ exp(m/δ) dt )`` with the width ``δ``. For K samples, their
+    mean replaces the mean over time, and the bound is at most ``δ ln K`` below the maximum. A
+    relative width is a fraction of the spread ``√12 σ`` of the measure with standard deviation
+    ``σ``: the spread is the range of a measure that grows linearly in time and, unlike the range of
+    samples, is differentiable. Gradients contain the derivative of the spread. Without ``smooth``,
+    the gradient is that of the largest value.
 
     Parameters
     ----------
-    smooth : width ``δ``: a number above 0 and at most 1 is relative, 0.02 being a usual value; a
+    smooth : width ``δ``: a number above 0 and at most 1 is relative, typically 0.02; a
         text with the unit of the measure is absolute, such as ``"5 N"``
 
     Examples
@@ -50,7 +50,7 @@ class Maximum(Response):
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
     >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
     >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
-    >>> peak = da.Maximum("crank.end.y", smooth=0.01)  # has a gradient wherever the peak is
+    >>> peak = da.Maximum("crank.end.y", smooth=0.01)  # differentiable wherever the peak is
     >>> round(da.evaluate(motion, da.Maximum("crank.end.y")), 3), da.evaluate(motion, peak) > 1.8
     (2.0, True)
     >>> da.evaluate(motion, da.Maximum("crank.end.y", smooth="1 cm")) > 1.95
@@ -74,11 +74,11 @@ class Maximum(Response):
 
     @property
     def relative(self) -> bool:
-        """Whether the width is a share of the spread, without which it does not smooth."""
+        """Whether the width is a fraction of the spread of the measure."""
         return self.smooth is not None and not isinstance(self.smooth, Measured)
 
     def sampled(self, motion: Result) -> Result:
-        measure = scalar_measure(motion, self)  # names the response where there is no such measure
+        measure = scalar_measure(motion, self)  # error with the label if there is no such measure
         if self.smooth is None:
             return motion.analysis.peaks(motion, self.measure, self.sign)
         width = self._smooth().width(motion.time, motion.values(measure))
@@ -90,8 +90,8 @@ class Maximum(Response):
         return self.sampled(motion) is not motion
 
     def stays(self, motion: Result) -> bool:
-        seen = self.sampled(motion)
-        return seen is not motion and seen.time[-1] != motion.record.steps.end
+        sampled = self.sampled(motion)
+        return sampled is not motion and sampled.time[-1] != motion.record.steps.end
 
     def moves_with(self, motion: Result) -> Occurrence | None:
         return end_by_event(self.sampled(motion))
@@ -102,11 +102,11 @@ class Maximum(Response):
         if isinstance(self.smooth, Measured):
             unit = motion.expression(self.measure).unit
             check_measured([self.smooth], unit, f"{self.label}.smooth")
-        seen = self.sampled(motion)
-        if seen is motion:
+        sampled = self.sampled(motion)
+        if sampled is motion:
             return self._smooth()
         return self._smooth(
-            Weighted(self.measure, self.label, rule=rule_over(seen), over_span=True)
+            Weighted(self.measure, self.label, rule=rule_over(sampled), over_span=True)
         )
 
     def _smooth(self, mean: Weighted | None = None) -> SmoothExtreme:
@@ -139,7 +139,7 @@ class Maximum(Response):
 
 @dataclass(frozen=True)
 class Minimum(Maximum):
-    """Smallest value, or its smooth upper bound; see ``Maximum``.
+    """Minimum, or its smooth upper bound; see ``Maximum``.
 
     Examples
     --------
@@ -163,14 +163,14 @@ class Minimum(Maximum):
 def maximum(
     measure: str | Expression, smooth: float | str | None = None, name: str = ""
 ) -> Maximum:
-    """Largest value of a measure over the run.
+    """Maximum of a measure over the run.
 
     Parameters
     ----------
     measure : name, formula or Expression; scalar
-    smooth : width as in ``Maximum``: a share of the spread of the measure, such as 0.02, or with
-        the unit of the measure, such as ``"5 N"``; None for the maximum itself
-    name : label; made from the measure if empty
+    smooth : width as in ``Maximum``: a fraction of the spread of the measure, such as 0.02, or with
+        the unit of the measure, such as ``"5 N"``; None for the exact maximum
+    name : label; built from the measure if empty
 
     Examples
     --------
@@ -182,21 +182,21 @@ def maximum(
     >>> round(da.evaluate(motion, da.maximum("stone.y")), 6)  # v²/(2 g)
     5.0
     """
-    return Maximum(measure, name, smooth)  # type: ignore[arg-type]  # texts are read
+    return Maximum(measure, name, smooth)  # type: ignore[arg-type]  # texts are parsed
 
 
 @spelled
 def minimum(
     measure: str | Expression, smooth: float | str | None = None, name: str = ""
 ) -> Minimum:
-    """Smallest value of a measure over the run.
+    """Minimum of a measure over the run.
 
     Parameters
     ----------
     measure : name, formula or Expression; scalar
-    smooth : width as in ``Maximum``: a share of the spread of the measure, such as 0.02, or with
-        the unit of the measure, such as ``"5 N"``; None for the minimum itself
-    name : label; made from the measure if empty
+    smooth : width as in ``Maximum``: a fraction of the spread of the measure, such as 0.02, or with
+        the unit of the measure, such as ``"5 N"``; None for the exact minimum
+    name : label; built from the measure if empty
 
     Examples
     --------

@@ -1,8 +1,8 @@
 """Integrals, means and sums over a run.
 
-Integrals look at the run itself, not at its outputs: where its steps are of high order or of
-varying length, inside the steps that were taken (``StepQuadrature``), else at their ends. Modes and
-load cases have nothing between them; there sums take the place of integrals.
+Integrals are evaluated on the steps of the run, not on its outputs. Steps of high order or of
+varying length are sampled at interior points (``StepQuadrature``), other steps at their ends. Modes
+and load cases are discrete; sums replace integrals there.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.events import Occurrence
 from dalembert.responses.base import Response
 from dalembert.responses.quadrature import Count, Quadrature, Rule, rule_over
@@ -22,7 +22,7 @@ from dalembert.text.spelling import spelled
 
 @dataclass(frozen=True, kw_only=True)
 class Weighted(Response):
-    """``wᵀ m`` with the weights of a rule, or that over the span of the rule: a mean."""
+    """``wᵀ m`` with the weights of a quadrature rule; divided by its span, a mean."""
 
     rule: Rule
     over_span: bool = False
@@ -34,11 +34,11 @@ class Weighted(Response):
         return self.rule.weights / (self.rule.span if self.over_span else 1.0)
 
     def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        found = self.rule.time_weights(samples)
+        weights = self.rule.time_weights(samples)
         if not self.over_span:
-            return found
-        change = self.reduce(times, samples) * self.rule.span_weights
-        return (found - change) / self.rule.span
+            return weights
+        span_change = self.reduce(times, samples) * self.rule.span_weights
+        return (weights - span_change) / self.rule.span
 
     def jump_weight(
         self, times: np.ndarray, samples: np.ndarray, before: float, after: float
@@ -63,17 +63,17 @@ class RootOfSquares(Response):
 
     def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
         value = self.reduce(times, samples)
-        if value == 0.0:  # the root has no slope there; zero is the one-sided choice
+        if value == 0.0:  # not differentiable; zero is a subgradient
             return np.zeros_like(samples)
         return self.mean.weights(times, samples) * samples / value
 
     def weights_change(
         self, times: np.ndarray, samples: np.ndarray, change: np.ndarray
     ) -> np.ndarray:
-        value, own = self.reduce(times, samples), self.weights(times, samples)
+        value, gradient = self.reduce(times, samples), self.weights(times, samples)
         if value == 0.0:
             return np.zeros_like(samples)
-        return (self.mean.weights(times, samples) * change - own * (own @ change)) / value
+        return (self.mean.weights(times, samples) * change - gradient * (gradient @ change)) / value
 
     def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
         value = self.reduce(times, samples)
@@ -95,10 +95,10 @@ class RootOfSquares(Response):
 
 @dataclass(frozen=True)
 class OverRun(Response):
-    """Something integrated over the run."""
+    """Base class of responses that are integrals over the run."""
 
     def by(self, rule: Rule) -> Response:
-        """The response with the weights of a rule."""
+        """The response with the weights of a quadrature rule."""
         raise NotImplementedError
 
     def sampled(self, motion: Result) -> Result:
@@ -135,7 +135,7 @@ class Integral(OverRun):
     >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
     >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
     >>> way = da.Integral("crank.end.speed", name="way")
-    >>> round(da.evaluate(motion, way) / (2 * math.pi), 6)  # by the turn: the length
+    >>> round(da.evaluate(motion, way) / (2 * math.pi), 6)  # per radian: the length
     2.0
     """
 
@@ -145,7 +145,7 @@ class Integral(OverRun):
 
 @dataclass(frozen=True)
 class Mean(OverRun):
-    """``(1/T) ∫ m dt`` over the run, or the plain mean over modes and load cases.
+    """``(1/T) ∫ m dt`` over the run, or the arithmetic mean over modes and load cases.
 
     Examples
     --------
@@ -162,13 +162,13 @@ class Mean(OverRun):
     """
 
     def by(self, rule: Rule) -> Response:
-        rule = rule if rule.weights.size > 1 else Count(1)  # of an instant: its value
+        rule = rule if rule.weights.size > 1 else Count(1)  # the mean of one sample is its value
         return Weighted(self.measure, self.label, rule=rule, over_span=True)
 
 
 @dataclass(frozen=True)
 class Rms(OverRun):
-    """``√((1/T) ∫ m² dt)``, or the root of the plain mean square over modes and load cases.
+    """``√((1/T) ∫ m² dt)``, or the root mean square over modes and load cases.
 
     Examples
     --------
@@ -192,7 +192,7 @@ class Rms(OverRun):
 
 @dataclass(frozen=True)
 class Total(Response):
-    """``Σ m_k`` over the outputs, or over modes and load cases; each counts one.
+    """``Σ m_k`` over the outputs, or over modes and load cases, with unit weights.
 
     Examples
     --------
@@ -222,7 +222,7 @@ def integral(measure: str | Expression, name: str = "") -> Integral:
     Parameters
     ----------
     measure : name, formula or Expression; scalar
-    name : label; made from the measure if empty
+    name : label; built from the measure if empty
 
     Examples
     --------
@@ -231,7 +231,7 @@ def integral(measure: str | Expression, name: str = "") -> Integral:
     >>> system = da.System("throw", gravity=(0, -10))
     >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
     >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
-    >>> round(da.evaluate(motion, da.integral("stone.vx")), 6)  # its way
+    >>> round(da.evaluate(motion, da.integral("stone.vx")), 6)  # distance
     6.0
     """
     return Integral(measure, name)
@@ -244,7 +244,7 @@ def mean(measure: str | Expression, name: str = "") -> Mean:
     Parameters
     ----------
     measure : name, formula or Expression; scalar
-    name : label; made from the measure if empty
+    name : label; built from the measure if empty
 
     Examples
     --------
@@ -253,7 +253,7 @@ def mean(measure: str | Expression, name: str = "") -> Mean:
     >>> system = da.System("throw", gravity=(0, -10))
     >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
     >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
-    >>> round(da.evaluate(motion, da.mean("stone.vy")), 6) + 0.0  # as fast down as up
+    >>> round(da.evaluate(motion, da.mean("stone.vy")), 6) + 0.0  # symmetric about the top
     0.0
     """
     return Mean(measure, name)
@@ -266,7 +266,7 @@ def rms(measure: str | Expression, name: str = "") -> Rms:
     Parameters
     ----------
     measure : name, formula or Expression; scalar
-    name : label; made from the measure if empty
+    name : label; built from the measure if empty
 
     Examples
     --------
@@ -288,7 +288,7 @@ def total(measure: str | Expression, name: str = "") -> Total:
     Parameters
     ----------
     measure : name, formula or Expression; scalar
-    name : label; made from the measure if empty
+    name : label; built from the measure if empty
 
     Examples
     --------
@@ -297,7 +297,7 @@ def total(measure: str | Expression, name: str = "") -> Total:
     >>> system = da.System("throw", gravity=(0, -10))
     >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
     >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
-    >>> off = da.total("(stone.y - 5)**2")  # squares of how far it is from a line
+    >>> off = da.total("(stone.y - 5)**2")  # squared distances from a line
     >>> round(da.evaluate(motion, off), 6) == round(float(((motion["stone.y"] - 5)**2).sum()), 6)
     True
     """

@@ -1,4 +1,4 @@
-"""Weights that make an integral over a run of the samples of a measure."""
+"""Quadrature rules for integrals over a run from samples of a measure."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
 from dalembert.results.result import Result
 
 SHORT = 1e-3
-"""Length of the last interval, relative to the one before, below which the two are one."""
+"""Threshold for joining the last interval to the one before, relative to its length."""
 
 
 class Rule(Protocol):
-    """``Σ w_k m_k``, and how it depends on the times of the samples.
+    """Quadrature rule ``Σ w_k m_k`` and its derivatives by the sampling times.
 
     Attributes
     ----------
     weights : (K,) ``w``
-    shares : (K,) how far each sample moves in time when the last one moves by one
-    span, span_weights : what the weights add up to, and its (K,) derivatives by the times
-    continuous : the sum is an integral over time
+    shares : (K,) ``∂t_k/∂t_K``, shift of each sampling time per shift of the last one
+    span, span_weights : sum of the weights, and its (K,) derivatives by the times
+    continuous : whether the sum approximates an integral over time
     """
 
     @property
@@ -37,13 +37,13 @@ class Rule(Protocol):
     @property
     def continuous(self) -> bool: ...
     def time_weights(self, samples: np.ndarray) -> np.ndarray:
-        """(K,) ``∂(wᵀ m)/∂t_k`` with the samples held."""
+        """(K,) ``∂(wᵀ m)/∂t_k`` at fixed samples."""
         ...
 
 
 @dataclass(frozen=True)
 class Count:
-    """Every sample counts one: modes, load cases, outputs."""
+    """Unit weights, for modes, load cases and outputs."""
 
     count: int
     continuous = False
@@ -69,28 +69,28 @@ class Count:
 
 
 def rule_over(motion: Result) -> Rule:
-    """The rule for the samples of a motion."""
+    """The quadrature rule for the samples of a motion."""
     if not motion.continuous:
         return Count(motion.time.size)
-    chosen: StepQuadrature | None = getattr(motion.record, "quadrature", None)
-    return Quadrature.over(motion.time) if chosen is None else chosen
+    step_quadrature: StepQuadrature | None = getattr(motion.record, "quadrature", None)
+    return Quadrature.over(motion.time) if step_quadrature is None else step_quadrature
 
 
 @dataclass(frozen=True)
 class Quadrature:
-    """``∫ m dt ≈ wᵀ m`` on given times: a sum over pieces, each a parabola on one interval.
+    """``∫ m dt ≈ wᵀ m`` from samples at fixed times: piecewise parabolas on the intervals.
 
-    Each interval takes the mean of the parabolas through it and its left and its right
-    neighbour; two samples make a trapezium. A last interval that is nearly nothing, as an event
-    right after an output leaves it, is joined to the one before: weights stay bounded.
+    Each interval uses the mean of the two parabolas through it and its left or right neighbour;
+    two samples give the trapezoidal rule. A very short last interval, as left by an event right
+    after an output, is joined to the one before, so that the weights stay bounded.
 
     Attributes
     ----------
     count : number of samples
-    span : from the first sample to the last
-    index : (P, q) samples that each piece goes through
-    powers : (P, q, q) powers ``0 … q−1`` of their times, from the beginning of the interval
-    parts : (P, q) weight of each in the piece
+    span : time from the first sample to the last [s]
+    index : (P, q) samples interpolated by each parabola
+    powers : (P, q, q) powers ``0 … q−1`` of their times, relative to the start of the interval
+    parts : (P, q) weights of these samples
     """
 
     count: int
@@ -101,7 +101,7 @@ class Quadrature:
 
     @staticmethod
     def over(times: np.ndarray) -> Quadrature:
-        """The quadrature on these times."""
+        """The quadrature rule for these times, cached."""
         return _quadrature(np.ascontiguousarray(times, dtype=float).tobytes())
 
     continuous = True
@@ -112,10 +112,10 @@ class Quadrature:
 
     @property
     def span_weights(self) -> np.ndarray:
-        found = np.zeros(self.count)
-        found[-1] += 1.0
-        found[0] -= 1.0
-        return found
+        weights = np.zeros(self.count)
+        weights[-1] += 1.0
+        weights[0] -= 1.0
+        return weights
 
     @cached_property
     def weights(self) -> np.ndarray:
@@ -125,40 +125,46 @@ class Quadrature:
         return weights
 
     def time_weights(self, samples: np.ndarray) -> np.ndarray:
-        """(K,) ``∂(wᵀ m)/∂t_k`` with the samples held.
+        """(K,) ``∂(wᵀ m)/∂t_k`` at fixed samples.
 
-        A node that moves by ``dt`` changes its parabola ``P`` by ``−P'(t_k) ℓ_k dt``, with ``ℓ_k``
-        one there and zero at the other nodes, so each piece by ``−P'(t_k) w_k dt``. The ends of the
-        intervals add ``m_k`` and take it away again, but for the first and the last.
+        A shift ``dt`` of a node changes its parabola ``P`` by ``−P'(t_k) ℓ_k dt``, with the
+        Lagrange polynomial ``ℓ_k`` of the node, so each integral by ``−P'(t_k) w_k dt``. The
+        contributions ``m_k`` of the interval ends cancel, except at the first and the last node.
         """
-        found = np.zeros(self.count)
+        weights = np.zeros(self.count)
         if self.count < 2:
-            return found
+            return weights
         size = self.index.shape[1]
         order = np.arange(1, size)
-        terms = np.linalg.solve(self.powers, samples[self.index][..., None])[..., 0]
-        slopes = np.einsum("pij,pj->pi", self.powers[:, :, : size - 1], order * terms[:, 1:])
-        np.add.at(found, self.index, -slopes * self.parts)
-        found[0] -= samples[0]
-        found[-1] += samples[-1]
-        return found
+        coefficients = np.linalg.solve(self.powers, samples[self.index][..., None])[..., 0]
+        slopes = np.einsum("pij,pj->pi", self.powers[:, :, : size - 1], order * coefficients[:, 1:])
+        np.add.at(weights, self.index, -slopes * self.parts)
+        weights[0] -= samples[0]
+        weights[-1] += samples[-1]
+        return weights
 
 
 @lru_cache(maxsize=64)
 def _quadrature(buffer: bytes) -> Quadrature:
-    given = np.frombuffer(buffer)
-    nodes = np.arange(given.size)
-    if given.size > 2 and given[-1] - given[-2] < SHORT * (given[-2] - given[-3]):
+    all_times = np.frombuffer(buffer)
+    nodes = np.arange(all_times.size)
+    if all_times.size > 2 and all_times[-1] - all_times[-2] < SHORT * (
+        all_times[-2] - all_times[-3]
+    ):
         nodes = np.delete(nodes, -2)
-    times = given[nodes]
+    times = all_times[nodes]
     count, size = times.size, min(times.size, 3)
-    begins = np.arange(max(count - 1, 0))
-    # the piece on interval k starts at node k, or one before
-    both = [(k, k - back) for back in range(max(size - 1, 0)) for k in begins]
-    k, left = np.array([(k, j) for k, j in both if 0 <= j <= count - size], int).reshape(-1, 2).T
+    intervals = np.arange(max(count - 1, 0))
+    # the parabola on interval k starts at node k, or one before
+    candidates = [(k, k - back) for back in range(max(size - 1, 0)) for k in intervals]
+    k, left = (
+        np.array([(k, j) for k, j in candidates if 0 <= j <= count - size], int).reshape(-1, 2).T
+    )
     index = left[:, None] + np.arange(size)
     powers = (times[index] - times[k][:, None])[..., None] ** np.arange(size)
     moments = np.diff(times)[k][:, None] ** np.arange(1, size + 1) / np.arange(1, size + 1)
     parts = np.linalg.solve(powers.transpose(0, 2, 1), moments[..., None])[..., 0]
     parts /= np.bincount(k, minlength=count)[k][:, None]
-    return Quadrature(given.size, float(given[-1] - given[0]), nodes[index], powers, parts)
+    return Quadrature(
+        all_times.size, float(all_times[-1] - all_times[0]), nodes[index], powers, parts
+    )

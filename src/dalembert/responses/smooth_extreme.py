@@ -1,4 +1,4 @@
-"""Smooth bound of a largest or smallest value, by samples and a mean over them."""
+"""Kreisselmeier–Steinhauser function of samples: a smooth bound of an extreme value."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from dalembert.responses.base import Response
 from dalembert.responses.integrals import Weighted
 
 SAME = 1e-10
-"""Spread of samples, relative to the largest, that is round-off."""
+"""Threshold for a spread that is round-off, relative to the largest sample."""
 UNIFORM = 12.0
-"""Square of the range of evenly spread samples, in their variances."""
+"""Squared range of a uniform distribution divided by its variance."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,10 +21,10 @@ class SmoothExtreme(Response):
 
     Parameters
     ----------
-    smooth : ``δ``, or its share of the spread ``√12 σ`` of the samples
-    relative : whether it is a share
-    sign : 1 for the largest value, -1 for the smallest
-    mean : over time; over the samples where there is none
+    smooth : ``δ``, or its ratio to the spread ``√12 σ`` of the samples
+    relative : whether ``smooth`` is the ratio
+    sign : 1 for the maximum, -1 for the minimum
+    mean : mean over time; None for the arithmetic mean of the samples
     """
 
     smooth: float
@@ -33,7 +33,7 @@ class SmoothExtreme(Response):
     mean: Weighted | None = None
 
     def width(self, times: np.ndarray, samples: np.ndarray) -> float:
-        """``δ``; zero where all samples are the same."""
+        """``δ``; zero if all samples are equal."""
         if not self.relative:
             return self.smooth
         q, m = self._mean(times, samples), self.sign * samples
@@ -58,17 +58,17 @@ class SmoothExtreme(Response):
     def weights_change(
         self, times: np.ndarray, samples: np.ndarray, change: np.ndarray
     ) -> np.ndarray:
-        width, m, along = self.width(times, samples), self.sign * samples, self.sign * change
+        width, m, m_change = self.width(times, samples), self.sign * samples, self.sign * change
         if not width:
             return np.zeros_like(samples)
         q = self._mean(times, m)
         shares, by_width = _shares(m, q, width)
         widening = self._widening(q, m, width)
-        wider = float(widening @ along)
-        exponents = (along - (m - m.max()) * wider / width) / width
+        width_change = float(widening @ m_change)
+        exponents = (m_change - (m - m.max()) * width_change / width) / width
         shares_change = shares * (exponents - shares @ exponents)
         by_width_change = -float(shares_change @ m) / width
-        widening_change = self._widening(q, along, width) - widening * wider / width
+        widening_change = self._widening(q, m_change, width) - widening * width_change / width
         return shares_change + by_width_change * widening + by_width * widening_change
 
     def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
@@ -76,11 +76,13 @@ class SmoothExtreme(Response):
         if self.mean is None or not width:
             return np.zeros(times.size)
         q, powers = self._mean(times, m), np.exp((m - m.max()) / width)
-        found = width * self.mean.time_weights(times, powers) / (q @ powers)
+        weights = width * self.mean.time_weights(times, powers) / (q @ powers)
         if self.relative:
-            moved = self.mean.time_weights(times, (m - q @ m) ** 2)
-            found = found + _shares(m, q, width)[1] * self._share**2 * moved / (2 * width)
-        return self.sign * found
+            variance_weights = self.mean.time_weights(times, (m - q @ m) ** 2)
+            weights = weights + _shares(m, q, width)[1] * self._share**2 * variance_weights / (
+                2 * width
+            )
+        return self.sign * weights
 
     def jump_weight(
         self, times: np.ndarray, samples: np.ndarray, before: float, after: float
@@ -89,13 +91,13 @@ class SmoothExtreme(Response):
         if self.mean is None or not width:
             return super().jump_weight(times, samples, before, after)
         q, top, sides = self._mean(times, m), m.max(), self.sign * np.array([before, after])
-        powers, of_sides = np.exp((m - top) / width), np.exp((sides - top) / width)
-        found = width * self.mean.jump_weight(times, powers, *of_sides) / float(q @ powers)
+        powers, side_powers = np.exp((m - top) / width), np.exp((sides - top) / width)
+        weight = width * self.mean.jump_weight(times, powers, *side_powers) / float(q @ powers)
         if self.relative:
             mean = q @ m
-            moved = self.mean.jump_weight(times, (m - mean) ** 2, *(sides - mean) ** 2)
-            found += _shares(m, q, width)[1] * self._share**2 * moved / (2 * width)
-        return float(self.sign * found)
+            variance_weight = self.mean.jump_weight(times, (m - mean) ** 2, *(sides - mean) ** 2)
+            weight += _shares(m, q, width)[1] * self._share**2 * variance_weight / (2 * width)
+        return float(self.sign * weight)
 
     def shares(self, times: np.ndarray) -> np.ndarray:
         return super().shares(times) if self.mean is None else self.mean.shares(times)
@@ -105,20 +107,20 @@ class SmoothExtreme(Response):
         return self.smooth * float(UNIFORM**0.5)
 
     def _mean(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        """(K,) weights, of sum 1."""
+        """(K,) weights with sum 1."""
         if self.mean is None:
             return np.full(samples.size, 1.0 / samples.size)
         return self.mean.weights(times, samples)
 
     def _widening(self, q: np.ndarray, m: np.ndarray, width: float) -> np.ndarray:
-        """(K,) ``∂δ/∂m_k`` at samples ``m``, linear in these."""
+        """(K,) ``∂δ/∂m_k``, linear in the samples ``m``."""
         return self._share**2 * q * (m - q @ m) / width if self.relative else np.zeros_like(m)
 
 
 def _shares(m: np.ndarray, q: np.ndarray, width: float) -> tuple[np.ndarray, float]:
-    """``∂R/∂m_k`` with the width held, and ``∂R/∂δ`` with the samples held."""
-    over = (m - m.max()) / width
-    powers = q * np.exp(over)
+    """``∂R/∂m_k`` at fixed width, and ``∂R/∂δ`` at fixed samples."""
+    exponents = (m - m.max()) / width
+    powers = q * np.exp(exponents)
     total = float(powers.sum())
     shares = powers / total
-    return shares, float(np.log(total) - shares @ over)
+    return shares, float(np.log(total) - shares @ exponents)

@@ -1,4 +1,4 @@
-"""Values at instants."""
+"""Values of a measure at an instant, load case or mode."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.spelling import spelled
 
 ALIKE = 1e-12
-"""Relative difference of values that count as one."""
+"""Threshold for values that are equal, relative to the largest."""
 
 
 @dataclass(frozen=True)
 class Final(Response):
-    """Value at the end of the run, or of the only load case or mode.
+    """Value at the end of the run, or for the only load case or mode.
 
     Raises
     ------
     AnalysisError
-        A result has several load cases or modes with different values: none is the last one.
+        The result has several load cases or modes with different values, so that none is final.
 
     Examples
     --------
@@ -43,15 +43,15 @@ class Final(Response):
         if motion.in_sequence or motion.time.size <= 1:
             return self
         values = motion.values(self.measure)
-        if np.ptp(values) <= ALIKE * np.abs(values).max(initial=0.0):  # as a mass is
+        if np.ptp(values) <= ALIKE * np.abs(values).max(initial=0.0):  # constant, such as a mass
             return self
-        known = getattr(motion, "cases", None)
+        names = getattr(motion, "cases", None)
         kind = "modes" if isinstance(motion, Numbered) else "load cases"
         first = f"{motion.time[0]:g}"
         listed = ", ".join(f"{k:g}" for k in motion.time[:8])
-        named = f" ({', '.join(repr(name) for name in known[:8])})" if known else ""
+        labels = f" ({', '.join(repr(name) for name in names[:8])})" if names else ""
         raise AnalysisError(
-            f"response {self.label}: the result has {motion.time.size} {kind}, {listed}{named}, "
+            f"response {self.label}: the result has {motion.time.size} {kind}, {listed}{labels}, "
             f"and none of them is final; take one by its number, da.at({first}, …), or a mean or "
             "an extreme over all"
         )
@@ -65,7 +65,7 @@ class Final(Response):
 
 @options
 class At(Response):
-    """Value at a time, or of a load case, mode or point of a path by number.
+    """Value at a time, or for a load case, mode or point of a path by number.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def final(measure: str | Expression, name: str = "") -> Final:
     Parameters
     ----------
     measure : name, formula or Expression; scalar
-    name : label; made from the measure if empty
+    name : label; built from the measure if empty
 
     Examples
     --------
@@ -115,7 +115,7 @@ def final(measure: str | Expression, name: str = "") -> Final:
     >>> system = da.System("throw", gravity=(0, -10))
     >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, 10)))
     >>> motion = da.solve_dynamics(system.build(), 2.0, step=0.1)
-    >>> round(da.evaluate(motion, da.final("kinetic_energy + potential_energy")), 6)  # as at first
+    >>> round(da.evaluate(motion, da.final("kinetic_energy + potential_energy")), 6)  # initial
     54.5
     """
     return Final(measure, name)
@@ -123,13 +123,13 @@ def final(measure: str | Expression, name: str = "") -> Final:
 
 @spelled
 def at(time: float, measure: str | Expression, name: str = "") -> At:
-    """Value of a measure at a time [s]; of a load case (from 0) or mode (from 1) by number.
+    """Value of a measure at a time [s], or for a load case (from 0) or mode (from 1) by number.
 
     Parameters
     ----------
     time : instant within the run [s], or number of a load case, mode or point
     measure : name, formula or Expression; scalar
-    name : label; made from the measure if empty
+    name : label; built from the measure if empty
 
     Examples
     --------

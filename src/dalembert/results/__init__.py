@@ -1,1 +1,1 @@
-"""What a run leaves behind: labelled data, pictures, files."""
+"""Results of analyses: labelled data, pictures and files."""

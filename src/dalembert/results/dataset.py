@@ -1,4 +1,4 @@
-"""The labelled dataset of a motion: one table of expressions, evaluated in one mapped call."""
+"""Labelled dataset of a motion, evaluated by one mapped call for all expressions."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from dalembert.elements.driver import Driver
 from dalembert.elements.pair import Pair
 from dalembert.model.measures import element_measures
 from dalembert.model.model import Model
-from dalembert.results.components import COMPONENTS
-from dalembert.results.files.contents import Contents
+from dalembert.results.files.contents import COMPONENTS, Contents
 from dalembert.results.recording import Recording
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
@@ -22,7 +21,7 @@ from dalembert.symbolic.once import once
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable: a block of expressions over an entity dimension (and components)."""
+    """A block of expressions over an entity dimension and components."""
 
     name: str
     long_name: str
@@ -47,25 +46,25 @@ def variables(model: Model) -> list[Variable]:
 
 def _bodies(model: Model) -> list[Variable]:
     measures = {b.name: b.measures() for b in model.bodies}
-    where = "the origin of the body" if _spatial(model) else "the mass centre"
+    reference_point = "the origin of the body" if _spatial(model) else "the mass centre"
     motion = {
-        "position": (f"position of {where}", "m"),
+        "position": (f"position of {reference_point}", "m"),
         "angle": ("angle", "rad"),
         "euler_parameters": ("Euler parameters, the scalar first", "1"),
-        "velocity": (f"velocity of {where}", "m/s"),
+        "velocity": (f"velocity of {reference_point}", "m/s"),
         "angular_velocity": ("angular velocity", "rad/s"),
-        "acceleration": (f"acceleration of {where}", "m/s^2"),
+        "acceleration": (f"acceleration of {reference_point}", "m/s^2"),
         "angular_acceleration": ("angular acceleration", "rad/s^2"),
     }
-    known = {q for of in measures.values() for q in of}
-    return [_over("body", measures, q, q, *motion[q], model) for q in motion if q in known]
+    available = {q for quantities in measures.values() for q in quantities}
+    return [_variable("body", measures, q, q, *motion[q], model) for q in motion if q in available]
 
 
 def _points(model: Model) -> list[Variable]:
     measures = {p.name: p.measures() for b in model.bodies for p in b.points.values()}
     motion = {"position": "m", "velocity": "m/s", "acceleration": "m/s^2"} if measures else {}
     return [
-        _over("point", measures, q, f"point_{q}", f"{q} of the point", unit, model)
+        _variable("point", measures, q, f"point_{q}", f"{q} of the point", unit, model)
         for q, unit in motion.items()
     ]
 
@@ -78,8 +77,15 @@ def _joints(model: Model) -> list[Variable]:
         ("reaction_moment", 1, "moment of the joint on its second body, at the joint", "N m"),
     ]
     return [
-        Variable(name, text, unit, "joint", names, _alike(each, 3 if _spatial(model) else width))
-        for (name, width, text, unit), each in zip(
+        Variable(
+            name,
+            text,
+            unit,
+            "joint",
+            names,
+            _uniform_columns(graphs, 3 if _spatial(model) else width),
+        )
+        for (name, width, text, unit), graphs in zip(
             kinds, zip(*reactions, strict=True), strict=False
         )
     ]
@@ -88,14 +94,14 @@ def _joints(model: Model) -> list[Variable]:
 def _drivers(model: Model) -> list[Variable]:
     drivers = [c for c in model.constraints if isinstance(c, Driver)]
     measures = {c.name: element_measures(c, model.coordinates) for c in drivers}
-    given = {"effort": "N or N m", "power": "W"} if drivers else {}
+    units = {"effort": "N or N m", "power": "W"} if drivers else {}
     return [
-        _over("driver", measures, q, f"driver_{q}", f"{q} of the driver", unit, model)
-        for q, unit in given.items()
+        _variable("driver", measures, q, f"driver_{q}", f"{q} of the driver", unit, model)
+        for q, unit in units.items()
     ]
 
 
-def _over(
+def _variable(
     dimension: str,
     measures: dict[str, dict[str, tuple[ca.SX, str]]],
     quantity: str,
@@ -104,16 +110,16 @@ def _over(
     unit: str,
     model: Model,
 ) -> Variable:
-    """One quantity of all entities, by name → quantity → (graph, unit)."""
-    known = [of.get(quantity, (None, ""))[0] for of in measures.values()]
-    width = max(sx.numel() for sx in known if sx is not None)
-    columns = _alike(known, 3 if width == 2 and _spatial(model) else width)
+    """One quantity of all entities; ``measures`` is name → quantity → (graph, unit)."""
+    graphs = [quantities.get(quantity, (None, ""))[0] for quantities in measures.values()]
+    width = max(sx.numel() for sx in graphs if sx is not None)
+    columns = _uniform_columns(graphs, 3 if width == 2 and _spatial(model) else width)
     return Variable(name, text, unit, dimension, tuple(measures), columns)
 
 
 def _forces(model: Model) -> list[Variable]:
-    """Every scalar measure of every force element, as ``force_element`` × quantity names."""
-    found: list[Variable] = []
+    """Scalar measures of all force elements, one variable per quantity."""
+    variables: list[Variable] = []
     by_quantity: dict[tuple[str, str], list[tuple[str, ca.SX]]] = {}
     for force in model.forces:
         if isinstance(force, ForceElement) and force.name != "gravity":
@@ -122,13 +128,15 @@ def _forces(model: Model) -> list[Variable]:
                     by_quantity.setdefault((quantity, unit), []).append((force.name, sx))
     for (quantity, unit), entries in by_quantity.items():
         name = f"element_{quantity}"
-        if any(v.name == name for v in found):
+        if any(v.name == name for v in variables):
             name = f"element_{quantity}_{unit.replace('/', '_per_').replace(' ', '_')}"
         dimension = f"{name}_of"
         names = tuple(n for n, _ in entries)
         text = f"{quantity} of the force element"
-        found.append(Variable(name, text, unit, dimension, names, _columns(s for _, s in entries)))
-    return found
+        variables.append(
+            Variable(name, text, unit, dimension, names, _columns(s for _, s in entries))
+        )
+    return variables
 
 
 def _scalars(model: Model) -> list[Variable]:
@@ -158,18 +166,17 @@ def _spatial(model: Model) -> bool:
     return any(body.dimension == 3 for body in model.bodies)
 
 
-def _alike(graphs: Iterable[ca.SX | None], width: int) -> tuple[Expression, ...]:
-    """As many components of each; what lies in a plane gets its place in space, what is missing is
-    not a number."""
+def _uniform_columns(graphs: Iterable[ca.SX | None], width: int) -> tuple[Expression, ...]:
+    """Columns with ``width`` components each; planar ones are padded, missing ones are NaN."""
 
-    def widened(sx: ca.SX | None) -> ca.SX:
+    def padded(sx: ca.SX | None) -> ca.SX:
         if sx is None:
             return ca.SX.nan(width, 1)
         if sx.numel() == width:
             return sx
         return ca.vertcat(sx, 0) if sx.numel() == 2 else ca.vertcat(0, 0, sx)
 
-    return _columns(widened(sx) for sx in graphs)
+    return _columns(padded(sx) for sx in graphs)
 
 
 def _columns(graphs: Iterable[ca.SX]) -> tuple[Expression, ...]:
@@ -206,18 +213,18 @@ def motion_contents(motion: Recording) -> Contents:
     _add_events(data, coords, motion)
     if motion.impacts:
         _add_impacts(data, coords, motion)
-    return Contents.given(data, coords, _attributes(motion))
+    return Contents.from_arrays(data, coords, _attributes(motion))
 
 
 def _add_states(data: dict, coords: dict, motion: Recording) -> None:
     model, s = motion.model, motion.trajectory
     coords["coordinate"] = list(model.guesses.names)
-    text = {"units": "m or rad (per second for speeds)"}
-    data["coordinates"] = (("time", "coordinate"), s.y.T, {"long_name": "coordinates y", **text})
-    along = _speeds_of(model)
-    flat, g = along == "coordinate", model.guesses
-    coords[along] = list(g.names if flat else g.speed_names)
-    data["speeds"] = (("time", along), s.v.T, {"long_name": "speeds v", **text})
+    units = {"units": "m or rad (per second for speeds)"}
+    data["coordinates"] = (("time", "coordinate"), s.y.T, {"long_name": "coordinates y", **units})
+    dimension = _speed_dimension(model)
+    flat, guesses = dimension == "coordinate", model.guesses
+    coords[dimension] = list(guesses.names if flat else guesses.speed_names)
+    data["speeds"] = (("time", dimension), s.v.T, {"long_name": "speeds v", **units})
     coords["equation"] = model.equation_names
     data["multiplier"] = (
         ("time", "equation"),
@@ -228,14 +235,14 @@ def _add_states(data: dict, coords: dict, motion: Recording) -> None:
 
 def _add_energies(data: dict, motion: Recording) -> None:
     kinetic, potential = data["kinetic_energy"][1], data["potential_energy"][1]
-    dissipated, given = motion.trajectory.work
+    dissipated, input_work = motion.trajectory.work
     total = kinetic + potential
-    balance = total + dissipated - given
-    balance = balance - balance[:1]  # none at the first output, wherever it is
+    balance = total + dissipated - input_work
+    balance = balance - balance[:1]  # zero at the first output
     for name, values, text in (
         ("energy", total, "kinetic plus potential energy"),
         ("dissipated_energy", dissipated, "energy dissipated since the start"),
-        ("input_energy", given, "work of drivers and applied forces since the start"),
+        ("input_energy", input_work, "work of drivers and applied forces since the start"),
         ("balance_error", balance, "energy + dissipated − input, since the first output"),
     ):
         data[name] = ("time", values, {"units": "J", "long_name": text})
@@ -256,7 +263,7 @@ def _add_events(data: dict, coords: dict, motion: Recording) -> None:
     )
     for name, states, along, text in (
         ("event_coordinates", [e.y for e in events], "coordinate", "coordinates y at the event"),
-        ("event_speeds", [e.v for e in events], _speeds_of(model), "speeds v at the event"),
+        ("event_speeds", [e.v for e in events], _speed_dimension(model), "speeds v at the event"),
     ):
         table = np.array(states, dtype=float).reshape(len(events), len(coords[along]))
         units = {"units": "m or rad (per second for speeds)"}
@@ -273,8 +280,8 @@ def _add_impacts(data: dict, coords: dict, motion: Recording) -> None:
         data[name] = ("impact", table, {"units": units, "long_name": text})
 
 
-def _speeds_of(model: Model) -> str:
-    """Dimension of speeds: they have names of their own where they are no rates of coordinates."""
+def _speed_dimension(model: Model) -> str:
+    """Dimension of the speeds; quasi-velocities have their own names."""
     return "coordinate" if model.equations.manifold.flat else "speed"
 
 

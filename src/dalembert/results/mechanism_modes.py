@@ -1,4 +1,4 @@
-"""Modes of a linearised mechanism, and any measure of them."""
+"""Modes of a linearised mechanism and their measures."""
 
 from __future__ import annotations
 
@@ -13,22 +13,24 @@ from dalembert.model.model import Model
 from dalembert.results.files.contents import Contents
 from dalembert.results.numbered import Numbered
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
-from dalembert.symbolic.formulas.names import Names
+from dalembert.symbolic.formulas.parser import Names
 
 if TYPE_CHECKING:
     import pandas as pd
 
 REAL, IMAG = ca.SX.sym("eigenvalue_real"), ca.SX.sym("eigenvalue_imag")
-SIZE = ca.sqrt(REAL**2 + IMAG**2)
+MAGNITUDE = ca.sqrt(REAL**2 + IMAG**2)
 MEASURES = {
-    "frequency": Expression(SIZE / (2 * np.pi), "frequency", "Hz"),
+    "frequency": Expression(MAGNITUDE / (2 * np.pi), "frequency", "Hz"),
     "damping_ratio": Expression(
-        ca.if_else(SIZE > 0, -REAL / ca.if_else(SIZE > 0, SIZE, 1), 0), "damping_ratio", "1"
+        ca.if_else(MAGNITUDE > 0, -REAL / ca.if_else(MAGNITUDE > 0, MAGNITUDE, 1), 0),
+        "damping_ratio",
+        "1",
     ),
     "eigenvalue_real": Expression(REAL, "eigenvalue_real", "1/s"),
     "eigenvalue_imag": Expression(IMAG, "eigenvalue_imag", "rad/s"),
 }
-"""Of a mode with the eigenvalue ``s``: ``|s|/2π``, ``−Re s/|s|`` and the parts of ``s``."""
+"""Measures of a mode with eigenvalue ``s``: ``|s|/2π``, ``−Re s/|s|``, ``Re s`` and ``Im s``."""
 
 
 class Modes(Numbered):
@@ -37,7 +39,7 @@ class Modes(Numbered):
     Attributes
     ----------
     eigenvalues : (k,) complex [1/s]; one of each conjugate pair
-    shapes : (n, k) complex displacements, largest entry one
+    shapes : (n, k) complex displacements, maximum entry one
     status : Status, with the residual of the equilibrium
     """
 
@@ -62,7 +64,7 @@ class Modes(Numbered):
 
     @property
     def stable(self) -> bool:
-        """No eigenvalue has a positive real part."""
+        """Whether no eigenvalue has a positive real part."""
         values = self.eigenvalues
         return bool(np.all(values.real <= 1e-9 * np.abs(values).max(initial=0.0)))
 
@@ -73,32 +75,32 @@ class Modes(Numbered):
         Raises
         ------
         AnalysisError
-            It depends on something that a mode does not have; ``ExpressionError`` where a text
+            It depends on a quantity that a mode does not have; ``ExpressionError`` if a text
             names it.
         """
-        named = MEASURES | model.parameters | model.derived_parameters
-        found = Names(named.get, lambda: list(named)).expression(measure)
-        foreign = free_symbols(found.sx) - {REAL.name(), IMAG.name(), *model.parameters}
+        symbols = MEASURES | model.parameters | model.derived_parameters
+        expression = Names(symbols.get, lambda: list(symbols)).expression(measure)
+        foreign = free_symbols(expression.sx) - {REAL.name(), IMAG.name(), *model.parameters}
         if foreign:
             raise AnalysisError(
                 f"a mode has no {', '.join(sorted(foreign))}; it has {', '.join(MEASURES)}"
             )
-        return found
+        return expression
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """(k,) values of a measure or formula."""
         expression = self.expression(measure)
         function = ca.Function("measure", [REAL, IMAG, self.model.equations.p], [expression.sx])
-        return self._each(function)[0]
+        return self._evaluate(function)[0]
 
     def slopes(self, measure: Expression) -> tuple[np.ndarray, np.ndarray]:
         """``(k,) ∂m/∂Re s − i ∂m/∂Im s``, so that ``dm = Re(slope ds)``, and (np, k) ``∂m/∂p``."""
         inputs = [REAL, IMAG, self.model.equations.p]
-        by = ca.gradient(measure.sx, ca.vertcat(*inputs))
-        found = self._each(ca.Function("slopes", inputs, [ca.densify(by)]))
-        return found[0] - 1j * found[1], found[2:]
+        gradient = ca.gradient(measure.sx, ca.vertcat(*inputs))
+        values = self._evaluate(ca.Function("slopes", inputs, [ca.densify(gradient)]))
+        return values[0] - 1j * values[1], values[2:]
 
-    def _each(self, function: ca.Function) -> np.ndarray:
+    def _evaluate(self, function: ca.Function) -> np.ndarray:
         s, p = self.eigenvalues, self.parameters
         if not s.size:
             return np.zeros((function.size1_out(0), 0))
@@ -112,11 +114,11 @@ class Modes(Numbered):
 
     def summary(self) -> dict[str, Any]:
         """Stability, frequencies and damping ratios."""
-        told = "stable" if self.stable else "not stable"
-        found = zip(self.frequencies, self.damping_ratios, strict=True)
+        stability = "stable" if self.stable else "not stable"
+        pairs = zip(self.frequencies, self.damping_ratios, strict=True)
         return {
-            "status": f"{told}, {self.eigenvalues.size} mode(s)",
-            "modes": [{"frequency [Hz]": float(f), "damping ratio": float(z)} for f, z in found],
+            "status": f"{stability}, {self.eigenvalues.size} mode(s)",
+            "modes": [{"frequency [Hz]": float(f), "damping ratio": float(z)} for f, z in pairs],
         }
 
     def to_dataframe(self) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""Motion: the result of an analysis over time, as users hold it."""
+"""Motion of a mechanism: the result of an analysis over time."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.cards import card, folded, messages, table
 from dalembert.text.spelling import spelled
+from dalembert.text.wording import card, folded, messages, table
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from dalembert.report.inline import InlinePage
-    from dalembert.results.structural.recovered import RecoveredStates
+    from dalembert.report.page import InlinePage
+    from dalembert.results.structural.motion import RecoveredStates
 
 
 Names = Sequence[str] | None
@@ -47,23 +47,23 @@ class Motion(LabelledRecording):
     """
 
     def summary(self) -> dict[str, Any]:
-        """Status, statistics, events, final energies and largest violations."""
-        data, some = self.contents, bool(self.time.size)
-        told: dict[str, Any] = {
+        """Status, statistics, events, final energies and maximum violations."""
+        data, has_outputs = self.contents, bool(self.time.size)
+        summary: dict[str, Any] = {
             "status": str(self.status),
             "time": self.status.time,
             "residual": self.status.residual,
             "statistics": self.statistics,
             "warnings": list(self.warnings),
             "events": [event.row for event in self.events],
-            "final": {name: float(data[name][-1]) for name in FINAL if some},
-            "largest": {name: float(data[name].max()) for name in LARGEST if some},
+            "final": {name: float(data[name][-1]) for name in FINAL if has_outputs},
+            "largest": {name: float(data[name].max()) for name in LARGEST if has_outputs},
         }
         if (estimate := self.error_estimate) is not None:
-            told["largest"]["estimated_error"] = estimate.share
+            summary["largest"]["estimated_error"] = estimate.share
         if self.impacts:
-            told["impacts"] = [impact.row for impact in self.impacts]
-        return told
+            summary["impacts"] = [impact.row for impact in self.impacts]
+        return summary
 
     @spelled
     def continued(
@@ -75,28 +75,28 @@ class Motion(LabelledRecording):
         events: Mapping[str, Any] | None = None,
         progress: bool | Callable[[float], None] = False,
     ) -> Motion:
-        """The motion gone on with from its end; of dynamics.
+        """Continue a run of dynamics from its end.
 
-        Positions, speeds, sides of switches, phases of contacts and the memory of the integrator
-        are those at its end. The result is the whole motion, so energies, integrals, responses and
-        their gradients count from the first start; ``at`` takes a part of it.
+        Positions, speeds, branches of switches, phases of contacts and the memory of the integrator
+        start from their values at the end. The result is the whole motion, so energies, integrals,
+        responses and their gradients count from the first start; ``at`` samples a part of it.
 
         Parameters
         ----------
-        duration : of what follows [s]
-        step : of what follows [s], by default as before
-        outputs : number or times of what follows; by default as far apart as before
-        events : of the whole, by default as before; ``{}`` for none, such as after one that ended
+        duration : of the continuation [s]
+        step : of the continuation [s], by default as before
+        outputs : number or times of outputs of the continuation; by default with the same spacing
+        events : of the whole run, by default as before; ``{}`` for none, e.g. after one that ended
             the run
         progress : True for a bar, or a function of the fraction done
 
         Raises
         ------
         AnalysisError
-            The run broke down, was ended by an event that is still asked for, or its times follow
+            The run failed, was ended by an event that is still active, or its times follow
             parameters.
         UnsupportedError
-            Of another analysis.
+            The motion comes from another analysis.
 
         Examples
         --------
@@ -108,8 +108,8 @@ class Motion(LabelledRecording):
         >>> motion.time.size, motion["stone.x"].values[[0, -1]].round(9).tolist()
         (21, [0.0, 6.0])
         """
-        given = {"step": step, "outputs": outputs, "events": events}
-        options = {name: value for name, value in given.items() if value is not None}
+        changes = {"step": step, "outputs": outputs, "events": events}
+        options = {name: value for name, value in changes.items() if value is not None}
         return self.analysis.continued(self, duration, options, progress)  # type: ignore[no-any-return]
 
     def structure(self, body: str) -> RecoveredStates:
@@ -120,9 +120,9 @@ class Motion(LabelledRecording):
         AnalysisError
             There is no flexible body of this name.
         """
-        from dalembert.results.structural.recovered import recovered
+        from dalembert.results.structural.motion import recover_structure
 
-        return recovered(self, body)
+        return recover_structure(self, body)
 
     # files and pictures ------------------------------------------------------------
     def save(  # type: ignore[override]
@@ -130,16 +130,16 @@ class Motion(LabelledRecording):
     ) -> Path:
         """Write all results to a NetCDF file; ``load_results`` reads it back.
 
-        ``plots``, ``trace`` and ``units`` are kept for its report, as in ``report``.
+        ``plots``, ``trace`` and ``units`` apply to its report, as in ``report``.
         """
         return super().save(path, plots=plots, trace=trace, units=units)
 
     def to_dataframe(self, *measures: str | Expression) -> pd.DataFrame:
         """One row per time, one column per measure, by name; their units are in ``attrs``.
 
-        Without ``measures`` all scalar ones are there.
+        Without ``measures`` the table contains all scalar ones.
         """
-        from dalembert.results.series import series_table
+        from dalembert.results.labelled import series_table
 
         return series_table(self, measures)
 
@@ -150,7 +150,7 @@ class Motion(LabelledRecording):
         return plot_measures(self, measures, ax)
 
     def draw(self, time: float = 0.0, ax: Any = None) -> Any:
-        """The mechanism at the output nearest to a time [s] (Matplotlib); returns the axes."""
+        """Draw the mechanism at the output nearest to a time [s] (Matplotlib); returns the axes."""
         from dalembert.results.pictures.animation import still
 
         return still(self, time, ax)
@@ -170,7 +170,7 @@ class Motion(LabelledRecording):
         ----------
         plots : groups of measures, one plot each
         trace : points whose paths are drawn
-        units : that plots show, such as ``["mm", "deg"]``; each serves what has its dimension
+        units : units of plots, such as ``["mm", "deg"]``; each applies to its dimension
         """
         return super().report(path, plots=plots, trace=trace, units=units)
 
@@ -182,19 +182,19 @@ class Motion(LabelledRecording):
     def show(  # type: ignore[override]
         self, height: int = 680, plots: Groups = None, trace: Names = None
     ) -> InlinePage:
-        """Its report in a notebook, with player and plots; ``plots`` and ``trace`` as there."""
+        """Report in a notebook, with player and plots; ``plots`` and ``trace`` as in ``report``."""
         return super().show(height, plots=plots, trace=trace)
 
     def _repr_html_(self) -> str:
-        told, some = self.summary(), bool(self.time.size)
-        span = f"{self.time[0]:g} … {self.time[-1]:g} s" if some else "none"
-        rows: list[tuple[str, Any]] = [("status", told["status"])]
+        summary, has_outputs = self.summary(), bool(self.time.size)
+        span = f"{self.time[0]:g} … {self.time[-1]:g} s" if has_outputs else "none"
+        rows: list[tuple[str, Any]] = [("status", summary["status"])]
         rows += [("instants", f"{self.time.size}, {span}"), *self.statistics.items()]
-        rows += [(f"final {n.replace('_', ' ')} [J]", v) for n, v in told["final"].items()]
-        rows += [(f"largest {n.replace('_', ' ')}", v) for n, v in told["largest"].items()]
-        rows += [(event["name"], f"t = {event['time']:.6g} s") for event in told["events"][:12]]
-        doubts = messages(("warning", text) for text in self.warnings)
+        rows += [(f"final {n.replace('_', ' ')} [J]", v) for n, v in summary["final"].items()]
+        rows += [(f"largest {n.replace('_', ' ')}", v) for n, v in summary["largest"].items()]
+        rows += [(event["name"], f"t = {event['time']:.6g} s") for event in summary["events"][:12]]
+        warnings = messages(("warning", text) for text in self.warnings)
         data = folded("all data", self.data._repr_html_())
-        named = [(str(name).replace("_", " "), value) for name, value in rows]
+        labelled_rows = [(str(name).replace("_", " "), value) for name, value in rows]
         title = f"Motion of {self.model.name}"
-        return card(title, "show() plays it here", doubts, table(named), data)
+        return card(title, "show() plays it here", warnings, table(labelled_rows), data)

@@ -1,4 +1,4 @@
-"""Motion with impacts: beside what every motion has, the impulses of contacts."""
+"""Motion with impacts, and its record of contact impulses."""
 
 from __future__ import annotations
 
@@ -9,19 +9,67 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.results.contact_record import ContactRecord
 from dalembert.results.files.contents import Contents
 from dalembert.results.motion import Motion
+from dalembert.results.recording import Trajectory
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+@dataclass(frozen=True, eq=False)
+class ContactRecord:
+    """Contact impulses, losses and residuals of K steps.
+
+    Attributes
+    ----------
+    ends : Trajectory of K+1 states, at the start and at the end of each step; accelerations and
+        multipliers are means over the step before, at the start over the first
+    names : elements that have gaps
+    step, owner, key : (c,) step, element and gap of each impulse
+    impulse : (c, k) [N s], the normal component first
+    loss : (K,) energy dissipated by contacts [J]
+    penetration : (K+1,) maximum penetration of the gaps [m]
+    residual : (K,) of the contact conditions, as a speed [m/s]
+    rounds : (K,) iterations of the proximal method
+    """
+
+    ends: Trajectory
+    names: tuple[str, ...]
+    step: np.ndarray
+    owner: np.ndarray
+    key: np.ndarray
+    impulse: np.ndarray
+    loss: np.ndarray
+    penetration: np.ndarray
+    residual: np.ndarray
+    rounds: np.ndarray
+
+    @property
+    def t(self) -> np.ndarray:
+        """(K+1,) ends of the steps [s]."""
+        return self.ends.t
+
+    @property
+    def pressing(self) -> np.ndarray:
+        """(K,) number of active contacts."""
+        return np.bincount(self.step, minlength=self.loss.size)
+
+    def summed(self, times: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """(times, elements) sums of a value per impulse since the previous time."""
+        sums = np.zeros((times.size, len(self.names)))
+        slack = 1e-12 * max(abs(self.t[0]), abs(self.t[-1]))
+        row = np.searchsorted(times, self.t[self.step + 1] - slack)
+        inside = row < times.size
+        np.add.at(sums, (row[inside], self.owner[inside]), values[inside])
+        return sums
 
 
 @dataclass(eq=False, repr=False)
 class NonsmoothMotion(Motion):
     """Motion of a mechanism with rigid contacts.
 
-    ``data`` has, since the output before, ``normal_impulse`` and ``friction_impulse`` of every
+    ``data`` has, since the previous output, ``normal_impulse`` and ``friction_impulse`` of every
     element with gaps (sums of magnitudes), and at each output ``penetration``.
     """
 
@@ -33,28 +81,28 @@ class NonsmoothMotion(Motion):
         normal = record.summed(self.time, record.impulse[:, 0])
         friction = record.summed(self.time, np.linalg.norm(record.impulse[:, 1:], axis=1))
         depth = np.interp(self.time, record.t, record.penetration)
-        along = ("time", "contact")
-        more = {
-            "normal_impulse": (along, normal, _told("normal impulses", "N s")),
-            "friction_impulse": (along, friction, _told("friction impulses", "N s")),
-            "penetration": ("time", depth, _told("depth of the deepest gap", "m")),
+        dims = ("time", "contact")
+        variables = {
+            "normal_impulse": (dims, normal, _attributes("normal impulses", "N s")),
+            "friction_impulse": (dims, friction, _attributes("friction impulses", "N s")),
+            "penetration": ("time", depth, _attributes("depth of the deepest gap", "m")),
         }
-        return motion_contents(self).plus(more, {"contact": list(record.names)})
+        return motion_contents(self).plus(variables, {"contact": list(record.names)})
 
     def impulse(self, name: str) -> xr.DataArray:
-        """(K,) sum of the normal impulses of an element since the output before [N s].
+        """(K,) sum of the normal impulses of an element since the previous output [N s].
 
         Raises
         ------
         AnalysisError
             No element with gaps has this name.
         """
-        known = list(self.record.names)
-        if name not in known:
-            text = f"no element with gaps is called {name!r} (known: {', '.join(known)})"
+        names = list(self.record.names)
+        if name not in names:
+            text = f"no element with gaps is called {name!r} (known: {', '.join(names)})"
             raise AnalysisError(text)
         return self.data["normal_impulse"].sel(contact=name)
 
 
-def _told(name: str, unit: str) -> dict[str, str]:
+def _attributes(name: str, unit: str) -> dict[str, str]:
     return {"long_name": name, "units": unit}

@@ -1,4 +1,4 @@
-"""What results share whose states are numbered, as modes are, and have no instants."""
+"""Base of results whose states are numbered modes rather than instants."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Numbered(Result):
-    """Modes by their numbers; responses see the numbers as they see the instants of a motion.
+    """Modes by number; responses treat the numbers like the instants of a motion.
 
     Attributes
     ----------
-    model : what was analysed
-    analysis : the analysis that made it
-    parameters : (n,) values used, then numbers computed from them
+    model : analysed model
+    analysis : analysis that computed it
+    parameters : (n,) values used, followed by derived values
     numbers : (k,) of the modes, from 1
     eigenvalues : (k,)
     shapes : (n, k) displacements
     status : Status, with a residual
-    positions : (k,) of the modes in the spectrum of the record
-    record : what a gradient needs
-    statistics : name → number or text, for people
-    warnings : what speaks against reading too much from them
+    positions : (k,) indices of the modes in the spectrum of the record
+    record : data for gradients
+    statistics : name → number or text
+    warnings : reservations about the accuracy or validity of the modes
     """
 
     model: Any
@@ -53,29 +53,29 @@ class Numbered(Result):
     in_sequence: ClassVar[bool] = False
 
     continuous = False
-    """There is nothing between two numbers: integrals over them are sums."""
+    """Modes are discrete: integrals over them are sums."""
     named: ClassVar[dict[str, Expression]] = {}
     """Measures of the eigenvalue alone."""
 
     @property
     def time(self) -> np.ndarray:
-        """(k,) numbers of the modes: what instants are to a motion."""
+        """(k,) numbers of the modes, in the role of the instants of a motion."""
         return self.numbers.astype(float)
 
     def places(self, numbers: np.ndarray) -> list[int]:
-        """Where modes stand, by number.
+        """Indices of modes, by number.
 
         Raises
         ------
         AnalysisError
-            There is no mode of a number.
+            A mode of this number does not exist.
         """
-        wanted = np.asarray(numbers, dtype=float)
-        for number in wanted:
+        requested = np.asarray(numbers, dtype=float)
+        for number in requested:
             if number not in self.numbers:
-                known = ", ".join(map(str, self.numbers)) or "none"
-                raise AnalysisError(f"there is no mode {number:g} (known: {known})")
-        return [int(np.flatnonzero(self.numbers == number)[0]) for number in wanted]
+                listed = ", ".join(map(str, self.numbers)) or "none"
+                raise AnalysisError(f"there is no mode {number:g} (known: {listed})")
+        return [int(np.flatnonzero(self.numbers == number)[0]) for number in requested]
 
     def at(self, numbers: Instants) -> Self:
         """Some of the modes, by number."""
@@ -98,21 +98,21 @@ class Numbered(Result):
         return self.formula(self.model, measure)
 
     def keys(self) -> list[str]:
-        return [*self.told, *self.model.parameters]
+        return [*self.reported_measures, *self.model.parameters]
 
     @property
-    def told(self) -> list[str]:
-        """Measures that are kept."""
+    def reported_measures(self) -> list[str]:
+        """Measures that ``contents`` includes."""
         return list(self.named)
 
     @cached_property
     def contents(self) -> Contents:
         """Measures of the modes, and their shapes."""
-        found: dict[str, Any] = {}
-        for name in self.told:
+        variables: dict[str, Any] = {}
+        for name in self.reported_measures:
             unit = self.expression(name).unit
-            found[name] = ("mode", self.values(name), {"units": unit, "long_name": name})
-        return Contents.given(found, {"mode": self.numbers}, self.about)
+            variables[name] = ("mode", self.values(name), {"units": unit, "long_name": name})
+        return Contents.from_arrays(variables, {"mode": self.numbers}, self.about)
 
     def __getitem__(self, measure: str | Expression) -> xr.DataArray:
         """A measure by name, or a formula of measures, as a labelled array over the modes."""

@@ -1,4 +1,4 @@
-"""What an analysis over time leaves: states, how they came about, and measures of them."""
+"""Recorded states of an analysis over time: trajectory, events, impacts and measures."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class Trajectory:
 
     Attributes
     ----------
-    t : (K,) ; y, v, a : (n, K) of the bodies; multiplier : (M, K) of all equations, zero where
-    one is left out as redundant, then the forces of rigid contacts where there are any ;
+    t : (K,) ; y, v, a : (n, K) of the bodies; multiplier : (M, K) of all equations, zero for
+    equations removed as redundant, followed by the forces of rigid contacts, if any ;
     work : (2, K) dissipated energy and input
     """
 
@@ -36,25 +36,25 @@ class Trajectory:
     work: np.ndarray
 
     def forces(self, count: int) -> np.ndarray:
-        """(count, K) multipliers and contact forces; none act where the analysis knows of none."""
+        """(count, K) multipliers and contact forces, padded with zeros."""
         return np.pad(self.multiplier, ((0, count - self.multiplier.shape[0]), (0, 0)))
 
-    def some(self, which: np.ndarray) -> Trajectory:
-        """These columns only."""
+    def some(self, index: np.ndarray) -> Trajectory:
+        """The trajectory at some of the instants."""
         columns = (self.y, self.v, self.a, self.multiplier, self.work)
-        return Trajectory(self.t[which], *(c[:, which] for c in columns))
+        return Trajectory(self.t[index], *(c[:, index] for c in columns))
 
 
 @dataclass(frozen=True, eq=False)
 class EventRecord:
-    """An event that happened.
+    """An event that occurred.
 
     Attributes
     ----------
-    name : as it was declared
-    time : when [s]
-    direction : +1 where its measure rises through zero, −1 where it falls, 0 where it has none
-    y, v : (n,) coordinates and speeds of the bodies then; NaN where they are not determined
+    name : declared name
+    time : instant [s]
+    direction : +1 if its measure rises through zero, −1 if it falls, 0 if it has none
+    y, v : (n,) coordinates and speeds of the bodies at this instant; NaN if undetermined
     """
 
     name: str
@@ -65,18 +65,18 @@ class EventRecord:
 
     @property
     def row(self) -> dict[str, Any]:
-        """What is told of it in pages and in JSON."""
+        """The event in pages and JSON."""
         return {"name": self.name, "time": self.time, "direction": self.direction}
 
 
 @dataclass(frozen=True, eq=False)
 class ImpactRecord:
-    """A rigid contact that bounced, or closed with a jump of the speeds.
+    """An impact at a rigid contact, with a jump of the speeds.
 
     Attributes
     ----------
     name : of the element
-    time : when [s]
+    time : instant [s]
     normal : impulse along the gap [N s]
     tangential : (k,) impulse along the slip [N s]
     """
@@ -88,26 +88,26 @@ class ImpactRecord:
 
     @property
     def row(self) -> dict[str, Any]:
-        """What is told of it in JSON."""
+        """The impact in JSON."""
         return {"name": self.name, "time": self.time, "impulse": self.normal}
 
 
 @dataclass(eq=False, repr=False)
 class Recording(Result):
-    """States of a mechanism over time, and any measure of them.
+    """States of a mechanism over time and their measures.
 
     Attributes
     ----------
     model : Model the motion belongs to
-    analysis : the analysis that made it, e.g. ``Dynamics(...)``
-    parameters : (n,) parameter values used, then numbers computed from them
+    analysis : analysis that computed it, e.g. ``Dynamics(...)``
+    parameters : (n,) parameter values used, followed by derived values
     trajectory : Trajectory
     status : Status
-    statistics : name → number or text, for people
-    events : what happened, by time; ``data`` has them along the dimension ``event``
-    warnings : doubts about the choices made, each with the number that shows it
+    statistics : name → number or text
+    events : occurred events, by time; ``data`` lists them along the dimension ``event``
+    warnings : reservations about the chosen methods, each with the number that shows it
     impacts : jumps of the speeds at rigid contacts, by time
-    record : what a gradient needs of the run (steps taken, branches to the outputs)
+    record : data of the run for gradients (steps, branches to the outputs)
     """
 
     model: Model
@@ -125,8 +125,8 @@ class Recording(Result):
     def error_estimate(self) -> Any:
         """Estimated error of a run of dynamics by steps of one-step methods, else None.
 
-        Its ``share`` is relative to the range of the coordinate, or to the largest magnitude of the
-        speed, of that ``name``, at that ``time``. It costs about two more runs when first read.
+        Its ``share`` is relative to the range of the coordinate, or to the maximum magnitude of the
+        speed, of that ``name``, at that ``time``. The first access costs about two more runs.
         """
         accuracy = getattr(self.record, "accuracy", None)
         return None if accuracy is None else accuracy.estimate
@@ -142,14 +142,14 @@ class Recording(Result):
 
     def columns(self, measures: Sequence[str | Expression]) -> list[np.ndarray]:
         """``values`` of several measures, in one pass over the states."""
-        asked = [self.expression(measure) for measure in measures]
-        parts = np.split(self.table(asked), np.cumsum([len(m) for m in asked])[:-1])
+        expressions = [self.expression(measure) for measure in measures]
+        parts = np.split(self.table(expressions), np.cumsum([len(m) for m in expressions])[:-1])
         return [part[0] if part.shape[0] == 1 else part.T for part in parts]
 
     def table(self, measures: Sequence[str | Expression]) -> np.ndarray:
         """(rows, K) all components of measures, one above the other."""
-        asked = [self.expression(measure) for measure in measures]
-        function, s = self.model.function(*asked), self.trajectory
+        expressions = [self.expression(measure) for measure in measures]
+        function, s = self.model.function(*expressions), self.trajectory
         if not s.t.size:
             return np.zeros((function.size1_out(0), 0))
         p = np.tile(self.parameters[:, None], s.t.size)
@@ -161,17 +161,17 @@ class Recording(Result):
         return self.model.expression(measure)
 
     def at(self, times: Instants) -> Self:
-        """The same motion sampled at other times, by the steps that were taken."""
+        """The motion sampled at other times, from the steps of the run."""
         return self.analysis.resample(self, checked_instants(times))
 
     @cached_property
     def over_steps(self) -> Self:
-        """The same motion where integrals over it look: its outputs, or points of its steps."""
+        """The motion at the sampling points of integrals: its outputs, or points of its steps."""
         return self.analysis.over_steps(self)
 
     def __repr__(self) -> str:
         span = f"{self.time[0]:g}…{self.time[-1]:g} s" if self.time.size else "no times"
         kind = type(self).__name__
-        doubts = f", {len(self.warnings)} warning(s)" if self.warnings else ""
+        warnings = f", {len(self.warnings)} warning(s)" if self.warnings else ""
         size = self.time.size
-        return f"<{kind} of {self.model.name!r}: {size} times, {span}, {self.status}{doubts}>"
+        return f"<{kind} of {self.model.name!r}: {size} times, {span}, {self.status}{warnings}>"

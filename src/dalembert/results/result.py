@@ -1,4 +1,4 @@
-"""What responses, gradients and designs see: results, and the analyses that made them."""
+"""Base classes of results and analyses, the interface of responses, gradients and designs."""
 
 from __future__ import annotations
 
@@ -16,36 +16,36 @@ from dalembert.errors import AnalysisError, ExpressionError, UnsupportedError
 from dalembert.results.files.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.cards import card, messages, table
+from dalembert.text.wording import card, messages, table
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from dalembert.report.inline import InlinePage
+    from dalembert.report.page import InlinePage
 
 
 Instants = float | Sequence[float] | np.ndarray
-"""An instant or several; of load cases and modes a number or several."""
+"""One or several instants; of load cases and modes, one or several numbers."""
 
 
 class Result(Protocol):
-    """States at instants, or by number, and any measure of them.
+    """States at instants, or by number, and their measures.
 
     Attributes
     ----------
-    model : what was analysed
-    analysis : the analysis that made it
-    parameters : (n,) values used, then numbers computed from them
-    time : (K,) instants [s]; of load cases, modes and points of a path their numbers
-    status : how it ended
-    statistics : name → number or text, for people
-    record : what a gradient needs
-    warnings : doubts about the choices made
-    events : what happened
-    continuous : whether there is something between the instants; integrals are sums where not
-    in_sequence : whether the states follow one another; load cases and modes do not
-    has_page : whether there is a report of it
+    model : analysed model
+    analysis : analysis that computed it
+    parameters : (n,) values used, followed by derived values
+    time : (K,) instants [s]; numbers of load cases, modes or points of a path
+    status : outcome of the run
+    statistics : name → number or text
+    record : data for gradients
+    warnings : reservations about the chosen methods
+    events : occurred events
+    continuous : whether states exist between the instants; if not, integrals are sums
+    in_sequence : whether the states are consecutive; load cases and modes are not
+    has_page : whether it has a report
     """
 
     model: Any
@@ -60,13 +60,13 @@ class Result(Protocol):
     in_sequence: ClassVar[bool] = True
     has_page: ClassVar[bool] = True
 
-    if TYPE_CHECKING:  # results have it as a property or as a field
+    if TYPE_CHECKING:  # a property or a field of the results
 
         @property
         def time(self) -> np.ndarray: ...
 
     def at(self, times: Instants) -> Self:
-        """The same at other instants, or some of the numbers."""
+        """The result at other instants, or for some of the numbers."""
         ...
 
     def expression(self, measure: str | Expression) -> Expression:
@@ -79,7 +79,7 @@ class Result(Protocol):
 
     @property
     def over_steps(self) -> Self:
-        """The same where integrals look at it."""
+        """The result at the sampling points of integrals."""
         return self
 
     def __contains__(self, measure: object) -> bool:
@@ -88,7 +88,7 @@ class Result(Protocol):
             return False
         try:
             self.expression(measure)
-        except (ExpressionError, AnalysisError):  # the latter: known, and no measure of this result
+        except (ExpressionError, AnalysisError):  # AnalysisError: not a measure of this result
             return False
         return True
 
@@ -105,95 +105,98 @@ class Result(Protocol):
         Raises
         ------
         KeyError
-            Unknown name, with the nearest known ones.
+            Unknown name; suggests the nearest ones.
         """
         import xarray as xr
 
         expression = self.expression(measure)
         name = expression.name or (measure if isinstance(measure, str) else "measure")
-        about = {"units": expression.unit, "long_name": name}
-        return xr.DataArray(self.values(expression), coords, list(coords), name, about)
+        attributes = {"units": expression.unit, "long_name": name}
+        return xr.DataArray(self.values(expression), coords, list(coords), name, attributes)
 
-    # for people ----------------------------------------------------------------------------
+    # output --------------------------------------------------------------------------------
     @property
     def about(self) -> dict[str, str]:
-        """What is said of all that is kept."""
+        """Attributes of the dataset."""
         return {"model": self.model.name, "status": str(self.status)}
 
     @cached_property
     def contents(self) -> Contents:
-        """All that is kept of it, with names, as files and pages take it."""
+        """Labelled arrays of the result, for files and pages."""
         ...
 
     @cached_property
     def data(self) -> xr.Dataset:
-        """The same, labelled."""
+        """Labelled dataset of the result."""
         return self.contents.dataset()
 
     def summary(self) -> dict[str, Any]:
-        """``status`` and the numbers to tell."""
+        """``status`` and the main numbers."""
         ...
 
     def page(self) -> dict[str, Any]:
-        """What its report shows, as plain data, where ``has_page``."""
+        """Payload of the report as plain data, if ``has_page``."""
         raise UnsupportedError(f"there is no report of {type(self).__name__}; save or draw it")
 
     def save(self, path: str | Path, **first_view: Any) -> Path:
-        """Write all results, its page too, to a NetCDF file; ``load_results`` reads it back."""
+        """Write all results and the page to a NetCDF file; ``load_results`` reads it back."""
         return self._save(path, self.page(**first_view) if self.has_page else None)
 
     def _save(self, path: str | Path, page: dict[str, Any] | None) -> Path:
-        from dalembert.report.packing import packed
+        from dalembert.report.packing import pack
         from dalembert.report.page import as_json
         from dalembert.results.files.store import save_dataset
 
-        kept = {} if page is None else {"report": ((), as_json(packed(page)))}
-        return save_dataset(self.contents.plus(kept), path)
+        page_variable = {} if page is None else {"report": ((), as_json(pack(page)))}
+        return save_dataset(self.contents.plus(page_variable), path)
 
     def to_dataframe(self) -> pd.DataFrame:
         """A table of ``data``."""
         return self.data.to_dataframe()
 
     def to_csv(self, path: str | Path, units: Sequence[str] = ()) -> Path:
-        """Write ``to_dataframe`` as CSV; headings tell the units.
+        """Write ``to_dataframe`` as CSV, with units in the headings.
 
         Parameters
         ----------
-        units : wanted, such as ``["mm", "deg"]``; each serves what has its dimension
+        units : preferred units, such as ``["mm", "deg"]``; each applies to its dimension
         """
-        from dalembert.results.files.headings import headed
         from dalembert.results.files.store import save_table
+        from dalembert.results.files.tables import with_unit_headings
 
         table = self.to_dataframe()
-        known = {
-            name: told.get("units", "") for name, (*_, told) in self.contents.variables.items()
+        declared = {
+            name: attributes.get("units", "")
+            for name, (*_, attributes) in self.contents.variables.items()
         }
-        return save_table(headed(table, known | table.attrs.get("units", {}), units), path)
+        return save_table(
+            with_unit_headings(table, declared | table.attrs.get("units", {}), units), path
+        )
 
     def report(self, path: str | Path, **first_view: Any) -> Path:
-        """Write the interactive report, one self-contained HTML file, where ``has_page``."""
+        """Write the interactive report, one self-contained HTML file, if ``has_page``."""
         from dalembert.report.page import write_page
 
         return write_page(self.page(**first_view), path)
 
     def show(self, height: int = 680, **first_view: Any) -> InlinePage:
-        """Its report in a notebook, with player and plots, where ``has_page``."""
-        from dalembert.report.inline import InlinePage
+        """Report in a notebook, with player and plots, if ``has_page``."""
+        from dalembert.report.page import InlinePage
 
         return InlinePage(self.page(**first_view), height)
 
     def _repr_html_(self) -> str:
-        told = {k: v for k, v in self.summary().items() if isinstance(v, str | int | float)}
-        rows = [(name.replace("_", " "), value) for name, value in told.items()]
+        scalars = {k: v for k, v in self.summary().items() if isinstance(v, str | int | float)}
+        rows = [(name.replace("_", " "), value) for name, value in scalars.items()]
         rows += [(name.replace("_", " "), value) for name, value in self.statistics.items()]
         name = getattr(self.model, "name", "")
-        doubts = messages(("warning", text) for text in self.warnings)
-        seen = "show() draws it here" if self.has_page else ""
+        warnings = messages(("warning", text) for text in self.warnings)
+        hint = "show() draws it here" if self.has_page else ""
         kind = type(self).__name__
-        return card(f"{kind} of {name}", seen, doubts, table(rows))
+        return card(f"{kind} of {name}", hint, warnings, table(rows))
 
     def write(self, base: Path, report: bool, csv: bool, **first_view: Any) -> list[Path]:
-        """Results (.nc), and if asked for a table (.csv) and a report (.report.html)."""
+        """Write results (.nc) and, if requested, a table (.csv) and a report (.report.html)."""
         from dalembert.report.page import write_page
 
         page = self.page(**first_view) if self.has_page else None
@@ -205,72 +208,72 @@ class Result(Protocol):
     def write_data(
         self, base: Path, csv: bool, page: dict[str, Any] | None, units: Sequence[str] = ()
     ) -> list[Path]:
-        """Results with their page (.nc), and if asked for a table (.csv)."""
+        """Write results with their page (.nc) and, if requested, a table (.csv)."""
         files = [self._save(base.with_name(f"{base.name}.nc"), page)]
         if csv:
             files.append(self.to_csv(base.with_name(f"{base.name}.csv"), units))
         return files
 
 
-Given = Mapping[str, float] | np.ndarray | None
-"""Values of parameters: some by name, all in their order, or none but the model's own."""
+ParameterValues = Mapping[str, float] | np.ndarray | None
+"""Parameter values: some by name, all in order, or None for those of the model."""
 M = TypeVar("M")
 R = TypeVar("R")
 
 
 class Analysis(ABC, Generic[M, R]):
-    """How a result is made, made again at other parameters, and looked at elsewhere.
+    """Computation of a result, with replay at other parameters and sampling at other instants.
 
-    A new analysis is a frozen dataclass of options with ``run`` and ``replay``; one over time
-    gives ``resample``, one with events ``at_event``.
+    A new analysis is a frozen dataclass of options with ``run`` and ``replay``; an analysis over
+    time implements ``resample``, one with events ``at_event``.
     """
 
     spoken: ClassVar[str] = ""
-    """What people call it."""
+    """Name of the analysis in texts."""
     events: Mapping[str, Any] | None = None
-    """Name → event, where there can be some."""
+    """Name → event, for analyses with events."""
     at_rest: ClassVar[bool] = False
-    """Its results are equilibria, each on its own."""
+    """Whether its results are independent equilibria."""
     integrates: ClassVar[bool] = False
-    """Its results come of integration, which energies judge."""
+    """Whether its results come from time integration, checked by energy balances."""
 
     batched: ClassVar[Any] = None
-    """What runs many designs at once, and tells by ``serves`` whether it can."""
+    """Class that runs many designs at once; its ``serves`` returns whether it can."""
 
     @property
     def gradient_error(self) -> float:
-        """Relative error of its gradients, beside that of equations solved to round-off."""
+        """Relative error of its gradients, in addition to round-off of the solved equations."""
         return 0.0
 
     @abstractmethod
-    def run(self, model: M, parameters: Given = None) -> R:
-        """The result for a model, with some parameters replaced or all given."""
+    def run(self, model: M, parameters: ParameterValues = None) -> R:
+        """Run the analysis of a model, with some or all parameters replaced."""
 
     def for_designs(self) -> Self:
-        """The same as many designs run it."""
+        """The analysis as run for many designs."""
         return self
 
     def checks(self, model: M) -> Mapping[str, Callable[[], object]]:
-        """Option → what tells, before a run and without compiling it, that it cannot work.
+        """Option → check that raises if the option is invalid, before a run and without compiling.
 
-        What is no fault of one option stands under an empty name.
+        Checks that concern no single option have an empty name.
         """
         return {}
 
     def replay(self, result: R, p: np.ndarray) -> R:
-        """The same at other parameter values: same steps, same branch."""
+        """The result at other parameter values, with the same steps and branches."""
         return self.run(result.model, p)  # type: ignore[attr-defined]
 
     def resample(self, result: R, times: np.ndarray) -> R:
-        """The same at other instants."""
+        """The result at other instants."""
         raise UnsupportedError(f"a result of {type(self).__name__} has no other instants")
 
     def continued(
         self, result: R, duration: Any, options: Mapping[str, Any], progress: Any = False
     ) -> R:
-        """The result, gone on with from its end."""
+        """Continue a result from its end."""
         kind = type(self).__name__
-        raise UnsupportedError(f"a result of {kind} cannot be continued; ask for a longer run")
+        raise UnsupportedError(f"a result of {kind} cannot be continued; request a longer run")
 
     def at_event(self, result: R, occurrence: Any) -> R:
         """The result at the instant of an event."""
@@ -278,32 +281,32 @@ class Analysis(ABC, Generic[M, R]):
         raise UnsupportedError(f"{kind} has no events; use solve_dynamics or solve_kinematics")
 
     def over_steps(self, result: R) -> R:
-        """The result where integrals look at it."""
+        """The result at the sampling points of integrals."""
         return result
 
     def peaks(self, result: R, measure: str | Expression, sign: float) -> R:
-        """The result where ``sign`` times a measure is largest, where it is known between its
+        """The result at the maxima of ``sign`` times a measure, if it is defined between its
         instants; else the result."""
         return result
 
     def over_peaks(self, result: R, measure: str | Expression, sharpness: float, sign: float) -> R:
-        """The result where integrals of ``exp(± sharpness m)`` look at it, where that is known."""
+        """The result at the sampling points of integrals of ``exp(± sharpness m)``, if defined."""
         return result
 
     @classmethod
     def of(cls, verb: str, **options: Any) -> Self:
-        """The analysis with the options that a verb was given.
+        """The analysis from the options of a function.
 
         Raises
         ------
         AnalysisError
-            It has no such option; tells the nearest.
+            It has no such option; suggests the nearest.
         """
-        known = [field.name for field in fields(cls)]  # type: ignore[arg-type]
+        names = [field.name for field in fields(cls)]  # type: ignore[arg-type]
         for name in options:
-            if name not in known:
-                close = difflib.get_close_matches(name, known, 1)
-                nearest = f" (did you mean {close[0]!r}?)" if close else ""
-                listed = ", ".join(known) or "none"
+            if name not in names:
+                matches = difflib.get_close_matches(name, names, 1)
+                nearest = f" (did you mean {matches[0]!r}?)" if matches else ""
+                listed = ", ".join(names) or "none"
                 raise AnalysisError(f"{verb}: unknown option {name!r}{nearest}; known: {listed}")
         return cls(**options)

@@ -1,4 +1,4 @@
-"""Instants and numbers at which results are sampled, checked."""
+"""Checked instants and state numbers for sampling results."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ def checked_instants(times: Instants) -> np.ndarray:
     Raises
     ------
     AnalysisError
-        None at all, no numbers, or not finite.
+        Empty, not numeric, or not finite.
     """
     try:
-        found = np.atleast_1d(np.asarray(times, dtype=float))
+        instants = np.atleast_1d(np.asarray(times, dtype=float))
     except (TypeError, ValueError, OverflowError):
-        found = np.zeros(0)
-    if found.ndim != 1 or not found.size or not np.all(np.isfinite(found)):
+        instants = np.zeros(0)
+    if instants.ndim != 1 or not instants.size or not np.all(np.isfinite(instants)):
         raise AnalysisError(f"times are {times!r:.60}; give one or more finite numbers of seconds")
-    return found
+    return instants
 
 
 def checked_numbers(numbers: Instants, count: int, what: str) -> np.ndarray:
@@ -31,15 +31,15 @@ def checked_numbers(numbers: Instants, count: int, what: str) -> np.ndarray:
     Raises
     ------
     AnalysisError
-        None at all, not whole, or none of these.
+        Empty, not integer, or out of range.
     """
     try:
-        wanted = np.atleast_1d(np.asarray(numbers, dtype=float))
+        indices = np.atleast_1d(np.asarray(numbers, dtype=float))
     except (TypeError, ValueError, OverflowError):
-        wanted = np.zeros(0)
-    whole = wanted.ndim == 1 and wanted.size > 0 and bool(np.all(wanted == np.round(wanted)))
-    if not whole or wanted.min() < -count or wanted.max() >= count:
+        indices = np.zeros(0)
+    valid = indices.ndim == 1 and indices.size > 0 and bool(np.all(indices == np.round(indices)))
+    if not valid or indices.min() < -count or indices.max() >= count:
         raise AnalysisError(
             f"{what} {numbers!r:.60} do not exist; give whole numbers below {count}"
         )
-    return wanted.astype(int)
+    return indices.astype(int)

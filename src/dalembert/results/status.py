@@ -1,15 +1,17 @@
-"""How a run ended."""
+"""Status and warnings of a result."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any, overload
 
 from dalembert.sparse.eigenvalues import CONVERGED
 
 
 class Outcome(StrEnum):
-    """Ways in which a run ends.
+    """Outcome of a run.
 
     Examples
     --------
@@ -49,8 +51,8 @@ class Status:
     outcome : Outcome
     message : one sentence with the numbers
     time : last time with a valid state [s]
-    residual : of what was returned: largest constraint violation, or what is left of equilibrium
-        or of equations of motion, relative to the largest of their terms
+    residual : of the returned result: maximum constraint violation, or residual of equilibrium
+        or of the equations of motion, relative to their largest term
 
     Examples
     --------
@@ -72,7 +74,7 @@ class Status:
 
     @property
     def success(self) -> bool:
-        """The task was finished as asked; an event that terminates is asked for."""
+        """Whether the run was completed or terminated by a requested event."""
         return self.outcome in (Outcome.COMPLETED, Outcome.TERMINATED)
 
     def __str__(self) -> str:
@@ -80,36 +82,80 @@ class Status:
 
 
 def reached(time: float, residual: float) -> Status:
-    """A run through time that went to its end."""
+    """Status of a completed run over time."""
     return Status(Outcome.COMPLETED, f"reached t = {time:g} s", time, residual)
 
 
 def stopped(time: float, residual: float) -> Status:
-    """One that was interrupted."""
+    """Status of an interrupted run."""
     return Status(Outcome.INTERRUPTED, f"stopped at t = {time:g} s", time, residual)
 
 
-def unsolved(time: float, left: float, residual: float, cure: str = "") -> Status:
-    """One that ended before a step whose equations Newton's method left open by so much."""
+def unsolved(time: float, step_residual: float, residual: float, cure: str = "") -> Status:
+    """Status of a run that stopped at a step whose Newton iteration did not converge."""
     text = (
-        f"Newton's method did not converge at t = {time:.9g} s (relative residual {left:.3g}); use "
-        f"a shorter step{cure}"
+        f"Newton's method did not converge at t = {time:.9g} s "
+        f"(relative residual {step_residual:.3g}); use a shorter step{cure}"
     )
     return Status(Outcome.NOT_CONVERGED, text, time, residual)
 
 
 def eigenpairs_status(
-    message: str, left: float, time: float = 0.0, residual: float | None = None
+    message: str, pair_residual: float, time: float = 0.0, residual: float | None = None
 ) -> Status:
-    """Of modes, by what is left of the equation of the eigenpairs.
+    """Status of modes, judged by the residual of their eigenpairs.
 
     Parameters
     ----------
-    message : what was found
-    left : relative residual of the eigenpairs
+    message : summary of the modes
+    pair_residual : relative residual of the eigenpairs
     time : [s]
-    residual : that of the state they are about, told where the pairs are right; theirs by default
+    residual : of the linearised state, reported if the pairs converged; by default of the pairs
     """
-    if not left < CONVERGED:
-        return Status(Outcome.NOT_CONVERGED, f"residual {left:.3g}", time, left)
-    return Status(Outcome.COMPLETED, message, time, left if residual is None else residual)
+    if not pair_residual < CONVERGED:
+        return Status(Outcome.NOT_CONVERGED, f"residual {pair_residual:.3g}", time, pair_residual)
+    return Status(Outcome.COMPLETED, message, time, pair_residual if residual is None else residual)
+
+
+class Warnings(Sequence[str]):
+    """Texts of warnings, including deferred ones of expensive checks, which run on first access.
+
+    Parameters
+    ----------
+    texts : immediate warnings
+    deferred : function that returns further warnings
+    """
+
+    def __init__(self, texts: Iterable[str] = (), deferred: Callable[[], list[str]] | None = None):
+        self._texts, self._deferred = list(texts), deferred
+
+    @property
+    def texts(self) -> list[str]:
+        """All texts."""
+        if self._deferred is not None:
+            deferred, self._deferred = self._deferred, None
+            self._texts += deferred()
+        return self._texts
+
+    @overload
+    def __getitem__(self, index: int) -> str: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[str]: ...
+
+    def __getitem__(self, index: int | slice) -> str | list[str]:
+        return self.texts[index]
+
+    def __len__(self) -> int:
+        return len(self.texts)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and self.texts == list(other)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return repr(self.texts)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Warnings, (self.texts,)

@@ -106,7 +106,7 @@ class EigenvalueGradient:
 
     def _probes(self) -> Probes:
         """Probes from all eigenvalues that the response depends on."""
-        (jacobian, tangency), (states, rows) = self.state.alike, self.state.sizes
+        (jacobian, tangency), (states, rows) = self.state.scaled, self.state.sizes
         inverse = np.linalg.pinv(tangency)
         q, a, b = [], [], []
         for group, weight in self._groups():

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.dynamics.instants import end_by_event
+from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.events import Event, Occurrence, as_events
 from dalembert.analysis.timeline import checked_span
 from dalembert.errors import SingularityError

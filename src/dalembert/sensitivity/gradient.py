@@ -9,8 +9,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response, evaluate
-from dalembert.responses.batch import batch_response, representative
-from dalembert.responses.several import as_responses, expanded
+from dalembert.responses.evaluation import as_responses, batch_response, expanded, representative
 from dalembert.responses.values import At
 from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Result

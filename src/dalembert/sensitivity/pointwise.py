@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.kinematics.driven_instants import measure_rate
+from dalembert.analysis.kinematics.kinematics import measure_rate
 from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample, weights_change
 

@@ -17,7 +17,7 @@ from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient import Transient
 from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
-from dalembert.responses.several import expanded
+from dalembert.responses.evaluation import expanded
 from dalembert.results.result import Result
 from dalembert.sensitivity.eigenvalues import EigenvalueEngine
 from dalembert.sensitivity.engine import CombinedEngine, Engine

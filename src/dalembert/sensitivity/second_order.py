@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.times import follow_parameters
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response
-from dalembert.responses.several import as_responses
+from dalembert.responses.evaluation import as_responses
 from dalembert.responses.smooth_extreme import SmoothExtreme
 from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import (

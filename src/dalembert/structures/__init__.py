@@ -7,11 +7,11 @@ from dalembert.elements.fem.attached import (
     PointMass,
 )
 from dalembert.elements.fem.frame import Frame, TimoshenkoFrame
+from dalembert.elements.fem.lines import AxialSpring
 from dalembert.elements.fem.node import Node
 from dalembert.elements.fem.plane import Quadrilateral, Quadrilateral8, Triangle, Triangle6
 from dalembert.elements.fem.solid import Hexahedron, Hexahedron20, Tetrahedron, Tetrahedron10
 from dalembert.elements.fem.space_frame import SpaceFrame, TimoshenkoSpaceFrame
-from dalembert.elements.fem.springs import AxialSpring
 from dalembert.elements.fem.truss import Truss
 from dalembert.elements.sections import Material, Section, circle, i_section, rectangle, tube
 from dalembert.structures.elastic_structure import ElasticStructure

@@ -1,4 +1,4 @@
-"""What a structure consists of, checked as it is put together."""
+"""Description of a structure: supports and loads, checked on input."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.fem.nodal import ROTATIONS
-from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.node import ROTATIONS, Node
 from dalembert.errors import ModelError
-from dalembert.structures.evaluation.elements import Elements
-from dalembert.structures.loads.nodal_load import Load
-from dalembert.structures.loads.spread_loads import (
+from dalembert.structures.loads.load_records import (
     LineLoad,
+    Load,
     Spread,
     Weight,
     check_expansion,
@@ -22,17 +20,17 @@ from dalembert.structures.loads.spread_loads import (
     lines,
     tractions,
 )
-from dalembert.structures.nodes import Nodes
 from dalembert.structures.parts import StructureParts
+from dalembert.structures.sets import Elements, Nodes
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
 
 UNITS = {"u": "m", "r": "rad", "v": "m/s", "vr": "rad/s", "f": "N", "m": "N m"}
-"""First letters of a direction → unit of what is prescribed along or about it."""
+"""First letters of a direction → unit of the prescribed quantity."""
 
 
 class StructureDescription(StructureParts):
-    """Nodes, elements between them, supports and loads; the builder fills it.
+    """Nodes, elements between them, supports and loads; base of the builder.
 
     Every number may be a formula of parameters.
 
@@ -54,70 +52,72 @@ class StructureDescription(StructureParts):
     def support(self, node: Node | Nodes, **displacements) -> None:
         """Prescribe displacements of nodes, e.g. ``ux=0, uy=0.01`` [m], ``rz=0`` [rad].
 
-        Without any, all displacements are zero. For many nodes a value is for all, or an array
-        with one for each.
+        By default all displacements are zero. For a set of nodes a value is for all, or an array
+        has one value per node.
 
         Raises
         ------
         ModelError
-            An unknown direction; a displacement that is already prescribed otherwise.
+            An unknown direction, or a displacement already prescribed with another value.
         """
-        known, names = self._directions(node), self._names(node)
+        directions, names = self._directions(node), self._names(node)
         if not displacements:
             self.fixed += names
         for direction, value in displacements.items():
-            self._check_direction(node, direction, known)
-            for name, one in zip(names, self._each(node, value), strict=True):
-                made = as_expression(one, f"support {name}.{direction}", UNITS[direction[0]])
-                self._prescribe(name, direction, made)
+            self._check_direction(node, direction, directions)
+            for name, displacement in zip(names, self._each(node, value), strict=True):
+                expression = as_expression(
+                    displacement, f"support {name}.{direction}", UNITS[direction[0]]
+                )
+                self._prescribe(name, direction, expression)
 
     def gravity(self, *acceleration, case: str = "") -> None:
-        """Load the masses of all elements by a field of gravity, e.g. ``gravity(0, -9.81)`` [m/s²].
+        """Load the masses of all elements by gravity, e.g. ``gravity(0, -9.81)`` [m/s²].
 
         Raises
         ------
         ModelError
-            Not one number for each dimension.
+            Not one number per dimension.
         """
         field = self._vector("gravity", acceleration, "m/s^2")
         self.spread.setdefault(case, []).append(Weight(field))
 
     def line_load(self, parts, case: str = "", qx=0.0, qy=0.0, qz=0.0) -> None:
-        """Load bars and beams by forces per length [N/m], in the directions of space.
+        """Load bars and beams by forces per length [N/m], in global directions.
 
         Parameters
         ----------
         parts : an element, a set of elements, or several of them
         """
-        d, given = self.dimension, (qx, qy, qz)
-        for axis, value in zip("xyz"[d:], given[d:], strict=True):
+        d, components = self.dimension, (qx, qy, qz)
+        for axis, value in zip("xyz"[d:], components[d:], strict=True):
             if isinstance(value, Expression) or value != 0.0:
                 raise ModelError(f"there is no direction {axis} in {d} dimension(s)", "line_load")
-        force = self._vector("line_load", given[:d], "N/m")
+        force = self._vector("line_load", components[:d], "N/m")
         self.spread.setdefault(case, []).append(LineLoad(lines(parts), force))
 
     def heat(self, parts, case: str = "", **changes) -> None:
-        """Change the temperature of elements in a load case, beside their own change.
+        """Change the temperature of elements in a load case, in addition to their own change.
 
         Parameters
         ----------
         parts : an element, a set of elements, or several of them
-        **changes : ``temperature`` [K]; of frames ``temperature_gradient`` [K/m], in space
-            ``temperature_gradient_y`` and ``_z``; for all, or an array with one for each of a set
+        **changes : ``temperature`` [K]; for frames ``temperature_gradient`` [K/m], in space
+            ``temperature_gradient_y`` and ``_z``; for all elements, or an array with one value each
 
         Raises
         ------
         ModelError
-            Elements that do not feel this, or whose change is given twice.
+            Elements without this quantity, or a change given twice.
         """
-        known = self.temperatures.setdefault(case, {})
+        changes_of_case = self.temperatures.setdefault(case, {})
         for part in elements_of(parts, "heat"):
             if self.elements.get(part.name) is not part:
                 raise ModelError("is no element of this structure", part.name)
             for name, value in heating(part, changes).items():
-                if name in known.setdefault(part.name, {}):
+                if name in changes_of_case.setdefault(part.name, {}):
                     raise ModelError(f"is given twice in load case {case!r}", f"{part.name}.{name}")
-                known[part.name][name] = value
+                changes_of_case[part.name][name] = value
         check_expansion(elements_of(parts, "heat"))
 
     def traction(self, elements: Elements, nodes: Nodes, case: str = "", **values) -> None:
@@ -128,24 +128,24 @@ class StructureDescription(StructureParts):
 
         Parameters
         ----------
-        elements : cells of a continuum
-        nodes : the facets loaded are those with all their nodes here
+        elements : set of continuum elements
+        nodes : facets with all their nodes in this set are loaded
 
         Raises
         ------
         ModelError
-            No facet lies there, or the elements have none.
+            No facet has all its nodes there, or the elements have no facets.
         """
-        self._known(nodes)
+        self._check_nodes(nodes)
         name = f"traction{sum(len(s) for s in self.spread.values()) + 1}"
-        made = tractions(name, elements, nodes, values)
-        self.spread.setdefault(case, []).append(made)
+        load = tractions(name, elements, nodes, values)
+        self.spread.setdefault(case, []).append(load)
 
     def load(self, node: Node | Nodes, case: str = "", fixed_axes: bool = False, **forces) -> None:
         """Add forces and moments at nodes, e.g. ``fx=10, fy=-3`` [N], ``mz=2`` [N m].
 
-        Loads at one node add up. For many nodes a value acts at each of them, or an array has one
-        for each.
+        Loads at one node add up. For a set of nodes a value acts at each of them, or an array has
+        one value per node.
 
         Parameters
         ----------
@@ -156,44 +156,44 @@ class StructureDescription(StructureParts):
         """
         if not isinstance(fixed_axes, bool):
             raise ModelError(f"fixed_axes is {fixed_axes!r}; give True or False", node.name)
-        known = {d.replace("u", "f").replace("r", "m"): d for d in self._directions(node)}
+        directions = {d.replace("u", "f").replace("r", "m"): d for d in self._directions(node)}
         if not forces:
-            raise ModelError(f"gets no load; give one of {', '.join(known)}", node.name)
+            raise ModelError(f"gets no load; give one of {', '.join(directions)}", node.name)
         for direction, value in forces.items():
-            self._check_direction(node, direction, known)
-            motion = known[direction]
+            self._check_direction(node, direction, directions)
+            motion = directions[direction]
             entity = f"load {node.name}.{direction}"
             if isinstance(value, Expression) or np.ndim(value) != 1:
                 value = as_expression(value, entity, UNITS[direction[0]])
             else:
-                each = self._each(node, value)
-                value = [as_expression(v, entity, UNITS[direction[0]]) for v in each]
+                values = self._each(node, value)
+                value = [as_expression(v, entity, UNITS[direction[0]]) for v in values]
             fixed = fixed_axes and motion in ROTATIONS[3] and self.dimension == 3
-            made = Load(self._numbers(node), motion, value, entity, fixed)
-            self.loads.setdefault(case, []).append(made)
+            load = Load(self._numbers(node), motion, value, entity, fixed)
+            self.loads.setdefault(case, []).append(load)
 
     def initial(self, node: Node | Nodes, **motion) -> None:
-        """Give displacements or velocities at the beginning of a motion, e.g. ``ux=0.01, vy=2``.
+        """Prescribe initial displacements or velocities of a motion, e.g. ``ux=0.01, vy=2``.
 
         Translations are ``ux``, ``uy``, ``uz`` [m] and ``vx``, ``vy``, ``vz`` [m/s], rotations
-        ``rz`` [rad] and ``vrz`` [rad/s]. What is not given is zero. For many nodes a value is for
-        all, or an array with one for each.
+        ``rz`` [rad] and ``vrz`` [rad/s]. The default is zero. For a set of nodes a value is for
+        all, or an array has one value per node.
         """
-        known = self._directions(node)
-        velocities = {f"v{d.removeprefix('u')}": d for d in known}
+        directions = self._directions(node)
+        velocities = {f"v{d.removeprefix('u')}": d for d in directions}
         for name, value in motion.items():
-            self._check_direction(node, name, (*known, *velocities))
+            self._check_direction(node, name, (*directions, *velocities))
             entity = f"initial {node.name}.{name}"
             unit = UNITS[name[:2] if name.startswith("vr") else name[0]]
-            each = [as_expression(v, entity, unit) for v in self._each(node, value)]
+            values = [as_expression(v, entity, unit) for v in self._each(node, value)]
             kind = "velocity" if name in velocities else "displacement"
             direction = velocities.get(name, name)
-            self.initials[kind].append(Load(self._numbers(node), direction, each, entity))
+            self.initials[kind].append(Load(self._numbers(node), direction, values, entity))
 
     def _prescribe(self, name: str, direction: str, value: Expression) -> None:
-        known = self.supports.setdefault((name, direction), value)
-        if known is not value and not ca.is_equal(known.sx, value.sx, 1):
+        present = self.supports.setdefault((name, direction), value)
+        if present is not value and not ca.is_equal(present.sx, value.sx, 1):
             raise ModelError(
-                f"{direction} is prescribed twice, {known.sx} and {value.sx}; support it once",
+                f"{direction} is prescribed twice, {present.sx} and {value.sx}; support it once",
                 f"support {name}",
             )

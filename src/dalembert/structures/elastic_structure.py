@@ -1,8 +1,8 @@
-"""Structures as elements of mechanisms: every node is a body that joints and forces hold on.
+"""Structures as elements of mechanisms: every node is a body for joints and forces.
 
-Strain and kinetic energies are those of the finite elements, at displacements of any size; what a
-node is displaced by is where its body went. Many nodes make a large model: see ``FlexibleBody`` for
-the few shapes that matter.
+Strain and kinetic energies are those of the finite elements, at displacements of any size; the
+displacement of a node is that of its body. Many nodes give a large model: see ``FlexibleBody`` for
+models with few shapes.
 """
 
 from __future__ import annotations
@@ -24,10 +24,9 @@ from dalembert.elements.base import (
     option,
 )
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.fem.between_bodies import BetweenBodies
+from dalembert.elements.fem.between_bodies import BetweenBodies, NodeBody
 from dalembert.elements.fem.cell_functions import functions_of
 from dalembert.elements.fem.node import Node
-from dalembert.elements.fem.node_bodies import NodeBody
 from dalembert.elements.look import Strand
 from dalembert.elements.planar import node as planar
 from dalembert.elements.rotation import identity
@@ -36,7 +35,7 @@ from dalembert.errors import ModelError, UnsupportedError
 from dalembert.structures.description import StructureDescription
 from dalembert.structures.evaluation.blocks import Part
 from dalembert.structures.meshes.mesh import Mesh
-from dalembert.structures.nodes import Nodes
+from dalembert.structures.sets import Nodes
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, as_sx
 from dalembert.text.wording import unknown
@@ -44,16 +43,16 @@ from dalembert.text.wording import unknown
 
 @dataclass(eq=False)
 class ElasticStructure(ForceElement):
-    """A structure with all its nodes, which stands free of stress where it is drawn at the start.
+    """A structure with all its nodes as bodies, free of stress in its initial configuration.
 
-    What holds and loads it are joints and forces of the mechanism, on ``node("A")``.
+    It is supported and loaded by joints and forces of the mechanism, on ``node("A")``.
 
     Parameters
     ----------
-    structure : nodes and elements; its formulas are of parameters of the mechanism
-    velocity : of the whole at the start [m/s]
-    angular_velocity : about the origin at the start, one number in the plane, three in space
-        [rad/s]
+    structure : nodes and elements; their formulas use parameters of the mechanism
+    velocity : initial velocity of the structure [m/s]
+    angular_velocity : initial angular velocity about the origin, one number in the plane, three in
+        space [rad/s]
 
     Raises
     ------
@@ -86,22 +85,22 @@ class ElasticStructure(ForceElement):
         super().__post_init__()
         self._check()
         self.dimension = self.structure.dimension
-        self._spin = self._made_spin()
+        self._spin = self._initial_spin()
         self.parts_of_structure = [
-            Part.of(given, self.structure.numbers) for given in self.structure.elements.values()
+            Part.of(element, self.structure.numbers) for element in self.structure.elements.values()
         ]
         self.places = ca.horzcat(*self._places())
-        self.bodies = self._made_bodies()
+        self.bodies = self._node_bodies()
 
     def _check(self) -> None:
         s = self.structure
         if not isinstance(s, StructureDescription) or not s.elements:
             raise ModelError(f"structure must be a Structure with elements; got {s!r}", self.name)
-        held = {"supports": s.supports or s.fixed, "loads": s.loads or s.spread or s.temperatures}
-        for what, given in held.items():
-            if given:
+        own = {"supports": s.supports or s.fixed, "loads": s.loads or s.spread or s.temperatures}
+        for kind, quantities in own.items():
+            if quantities:
                 raise ModelError(
-                    f"its structure has {what} of its own; give the mechanism joints and forces "
+                    f"its structure has {kind} of its own; give the mechanism joints and forces "
                     f"on {self.name}.node(...) instead",
                     self.name,
                 )
@@ -116,25 +115,25 @@ class ElasticStructure(ForceElement):
 
     # nodes ------------------------------------------------------------------------------------
     def _places(self) -> Iterator[ca.SX]:
-        """(d,) where each node is free of stress."""
+        """(d,) stress-free position of each node."""
         for node in self.structure.nodes.values():
             if isinstance(node, Node):
                 yield node.position.sx
             else:
                 yield from (as_sx(list(row)) for row in node.points)
 
-    def _made_bodies(self) -> list[Any]:
-        turning = np.zeros(self.places.shape[1], dtype=bool)
+    def _node_bodies(self) -> list[Any]:
+        rotates = np.zeros(self.places.shape[1], dtype=bool)
         for part in self.parts_of_structure:
-            turning[part.nodes] |= part.cls.turns
+            rotates[part.nodes] |= part.cls.turns
         kinds = planar if self.dimension == 2 else spatial
-        found = []
+        bodies = []
         for name, place, turns in zip(
-            self._names(), ca.horzsplit(self.places), turning, strict=True
+            self._names(), ca.horzsplit(self.places), rotates, strict=True
         ):
             kind = kinds.ElementNode if turns else kinds.ElementPointNode
-            start = self._standing if turns else {}
-            found.append(
+            start = self._initial_rotation if turns else {}
+            bodies.append(
                 kind(
                     f"{self.name}.{name}",
                     position=Expression(place),
@@ -142,42 +141,42 @@ class ElasticStructure(ForceElement):
                     **start,
                 )
             )
-        return found
+        return bodies
 
-    def _made_spin(self) -> Expression:
-        """Its angular velocity at the start."""
+    def _initial_spin(self) -> Expression:
+        """Initial angular velocity."""
         size = 1 if self.dimension == 2 else 3
         still: Any = 0.0 if size == 1 else (0.0,) * 3
-        given = still if self.angular_velocity is None else self.angular_velocity
-        return as_expression(given, f"{self.name}.angular_velocity", "rad/s", size)
+        spin = still if self.angular_velocity is None else self.angular_velocity
+        return as_expression(spin, f"{self.name}.angular_velocity", "rad/s", size)
 
     @property
-    def _standing(self) -> dict[str, Any]:
-        """How nodes that turn stand at the start."""
+    def _initial_rotation(self) -> dict[str, Any]:
+        """Initial rotation of nodes with rotations."""
         still = {"angle": 0.0} if self.dimension == 2 else {"rotation": identity()}
         return {**still, "angular_velocity": self._spin}
 
     def _velocity_at(self, place: ca.SX) -> Expression:
-        given = ca.SX.zeros(self.dimension) if self.velocity is None else as_sx(self.velocity)
+        velocity = ca.SX.zeros(self.dimension) if self.velocity is None else as_sx(self.velocity)
         spin = self._spin.sx
         if self.dimension == 2:
-            return Expression(given + spin * ca.vertcat(-place[1], place[0]))
-        return Expression(given + ca.cross(spin, place))
+            return Expression(velocity + spin * ca.vertcat(-place[1], place[0]))
+        return Expression(velocity + ca.cross(spin, place))
 
     def _names(self) -> list[str]:
-        """Those of single nodes, and of sets with their number behind."""
-        found = []
+        """Names of single nodes, and of nodes of sets with their number appended."""
+        names = []
         for name, node in self.structure.nodes.items():
-            found += [name] if isinstance(node, Node) else [f"{name}{k}" for k in node.index]
-        return found
+            names += [name] if isinstance(node, Node) else [f"{name}{k}" for k in node.index]
+        return names
 
     def node(self, name: str | Node, number: int | None = None) -> Any:
-        """The body of a node, or of one of a set by its number."""
-        known = name.name if isinstance(name, Node) else name
-        wanted = f"{known}{'' if number is None else number}"
-        if wanted not in self.named_nodes:
-            raise ModelError(unknown("node", wanted, self.named_nodes), self.name)
-        return self.named_nodes[wanted]
+        """The body of a node, or of a node of a set by its number."""
+        base = name.name if isinstance(name, Node) else name
+        full_name = f"{base}{'' if number is None else number}"
+        if full_name not in self.named_nodes:
+            raise ModelError(unknown("node", full_name, self.named_nodes), self.name)
+        return self.named_nodes[full_name]
 
     def at(self, nodes: Node | Nodes) -> list[NodeBody]:
         """The bodies of nodes of the structure."""
@@ -187,12 +186,12 @@ class ElasticStructure(ForceElement):
 
     @property
     def mesh(self) -> Mesh:
-        """The one mesh that its structure was made of.
+        """The only mesh of its structure.
 
         Raises
         ------
         ModelError
-            There is none, or several.
+            No mesh, or several.
         """
         meshes = getattr(self.structure, "meshes", {})
         if len(meshes) != 1:
@@ -201,7 +200,7 @@ class ElasticStructure(ForceElement):
 
     @property
     def named_nodes(self) -> dict[str, NodeBody]:
-        """Its bodies by their names within it."""
+        """Bodies by the names of their nodes."""
         return dict(zip(self._names(), self.bodies, strict=True))
 
     def where(
@@ -211,19 +210,19 @@ class ElasticStructure(ForceElement):
         tolerance: float | None = None,
         **coordinates: float,
     ) -> list[NodeBody]:
-        """The bodies of nodes at given coordinates, e.g. ``x=0``, free of stress, or where
+        """The bodies of nodes with stress-free coordinates, e.g. ``x=0``, or where
         ``condition(x, y)`` is true.
 
         Raises
         ------
         ModelError
-            No node is there.
+            No node fulfils the condition.
         """
-        chosen = self._points.where(condition, tolerance=tolerance, **coordinates)
-        return [self.bodies[k] for k in chosen.index]
+        nodes = self._points.where(condition, tolerance=tolerance, **coordinates)
+        return [self.bodies[k] for k in nodes.index]
 
     def nearest(self, *place: float) -> NodeBody:
-        """The body of the one node nearest to a place [m], free of stress."""
+        """The body of the node nearest to a point [m] in the stress-free configuration."""
         return self.bodies[self._points.nearest(*place).index[0]]
 
     @property
@@ -242,7 +241,7 @@ class ElasticStructure(ForceElement):
     @cached_property
     def cells(self) -> list[BetweenBodies]:
         """Every finite element."""
-        found = []
+        cells = []
         for part in self.parts_of_structure:
             count, options = part.nodes.shape[1], tuple(part.options.items())
             kind: Any = part.cls
@@ -251,15 +250,15 @@ class ElasticStructure(ForceElement):
                 numbers = [self._number(part, f.name, row) for f in part.cls.quantity_fields()]
                 name = part.name if part.count is None else f"{part.name}{row}"
                 bodies = tuple(self.bodies[k] for k in nodes)
-                found.append(BetweenBodies(name, functions, bodies, ca.vertcat(*numbers)))
-        return found
+                cells.append(BetweenBodies(name, functions, bodies, ca.vertcat(*numbers)))
+        return cells
 
     @staticmethod
     def _number(part: Part, name: str, row: int) -> ca.SX:
-        given = part.quantities[name]
-        if isinstance(given, Expression):
-            return given.sx
-        return as_sx(np.atleast_1d(np.asarray(given)[row]).tolist())
+        values = part.quantities[name]
+        if isinstance(values, Expression):
+            return values.sx
+        return as_sx(np.atleast_1d(np.asarray(values)[row]).tolist())
 
     def powers(self, rate: Rate) -> Powers:
         return [pair for cell in self.cells for pair in cell.powers(rate)]
@@ -277,12 +276,12 @@ class ElasticStructure(ForceElement):
         return [*super().conditions(), *(c for cell in self.cells for c in cell.conditions())]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        found = {"strain_energy": (self.potential(), "J")}
+        measures = {"strain_energy": (self.potential(), "J")}
         for cell in self.cells:
             if cell.name in self.structure.elements:
                 for name, value in cell.recovered().items():
-                    found[f"{cell.name}.{name}"] = value
-        return found
+                    measures[f"{cell.name}.{name}"] = value
+        return measures
 
     def look(self) -> list[Look]:
         """Edges of the elements, each once."""

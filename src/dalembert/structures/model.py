@@ -17,24 +17,22 @@ from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.block import ElementBlock
 from dalembert.structures.evaluation.blocks import BlockMaker
 from dalembert.structures.evaluation.numbering import Numbering
-from dalembert.structures.initial_conditions import InitialConditions
-from dalembert.structures.loads.load_cases import LoadCaseMaker
+from dalembert.structures.loads.load_cases import InitialConditions, LoadCaseMaker
 from dalembert.structures.measuring.measures import Measure
 from dalembert.structures.measuring.named_measures import StructuralMeasures
 from dalembert.structures.reduction.basis import MEAN
 from dalembert.structures.reduction.craig_bampton import CraigBampton, craig_bampton
 from dalembert.structures.reduction.following import FollowingShapes
-from dalembert.structures.reduction.interface import GivenInterfaces, interfaces_of
-from dalembert.structures.reduction.rigid import node_places
+from dalembert.structures.reduction.rigid import GivenInterfaces, interfaces_of, node_positions
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
-from dalembert.symbolic.formulas.names import Names
+from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.parametric_array import ArrayEntries
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.cards import card, table
+from dalembert.text.wording import card, table
 
 
 class StructuralModel(ParametricModel):
-    """A structure, checked and frozen; made by ``Structure.build``.
+    """A structure, checked and frozen; returned by ``Structure.build``.
 
     Parameters
     ----------
@@ -51,8 +49,8 @@ class StructuralModel(ParametricModel):
     assembly : sums over elements in free and prescribed displacements
     prescribed : ParametricArray of the prescribed displacements, in their order
     loads : case → LoadCase
-    initial : where a motion begins
-    build_time : seconds it took to make it
+    initial : initial conditions of motions
+    build_time : time to build the model [s]
 
     Examples
     --------
@@ -118,21 +116,21 @@ class StructuralModel(ParametricModel):
             )
 
     def _supports(self) -> dict[tuple[str, str], Expression]:
-        found = dict(self.structure.supports)
-        for place in found:
-            if place not in self.degrees:
-                raise ModelError(f"{place[1]}: no element turns this node", f"support {place[0]}")
+        supports = dict(self.structure.supports)
+        for key in supports:
+            if key not in self.degrees:
+                raise ModelError(f"{key[1]}: no element turns this node", f"support {key[0]}")
         for name in self.structure.fixed:
             for direction in self.degrees.directions:
                 if (name, direction) not in self.degrees:
                     continue
-                given = found.setdefault((name, direction), Expression(0.0))
-                if not given.sx.is_zero():
+                value = supports.setdefault((name, direction), Expression(0.0))
+                if not value.sx.is_zero():
                     raise ModelError(
-                        f"is fixed, and {direction} is prescribed as {given.sx}; give one of them",
+                        f"is fixed, and {direction} is prescribed as {value.sx}; give one of them",
                         f"support {name}",
                     )
-        return found
+        return supports
 
     def _check_formulas(self) -> None:
         """Formulas of supports and loads contain parameters and time only."""
@@ -143,9 +141,9 @@ class StructuralModel(ParametricModel):
                 for value in load.value if isinstance(load.value, list) else [load.value]:
                     self._check_formula(value.sx, load.entity)
         for spread in self.structure.spread.values():
-            for given in spread:
-                for value in getattr(given, "acceleration", ()) or getattr(given, "force", ()):
-                    self._check_formula(value.sx, type(given).__name__.lower())
+            for field in spread:
+                for value in getattr(field, "acceleration", ()) or getattr(field, "force", ()):
+                    self._check_formula(value.sx, type(field).__name__.lower())
 
     def _check_formula(self, formula: ca.SX, entity: str) -> None:
         foreign = free_symbols(formula) - set(self.parameters) - {"t"}
@@ -156,17 +154,17 @@ class StructuralModel(ParametricModel):
 
     # parameters -----------------------------------------------------------------------------
     def check_values(self, p: np.ndarray) -> None:
-        """Quantities of elements must be finite and within their limits, their shapes possible.
+        """Raise unless quantities of elements are finite and within limits, and shapes are valid.
 
         Raises
         ------
         ModelError
-            One is not; names the element and the quantity.
+            Names the element and the quantity.
         """
         for block in self.blocks:
             _check_block(block, p)
 
-    # few shapes -----------------------------------------------------------------------------
+    # reduction ------------------------------------------------------------------------------
     def craig_bampton(
         self,
         interface: GivenInterfaces,
@@ -179,20 +177,20 @@ class StructuralModel(ParametricModel):
 
         Parameters
         ----------
-        interface : name → nodes that move as one rigid section, or nodes, each by itself
-        modes : how many modes between the interfaces, at most
-        up_to : only those up to this frequency [rad/s]
+        interface : name → nodes that move as one rigid section, or separate nodes
+        modes : upper limit of the number of fixed-interface modes
+        up_to : upper limit of their frequency [rad/s]
         parameters : new values of parameters, without rebuilding
 
         Raises
         ------
         ModelError, SingularityError
-            Wrong interfaces, supports, or parts that move without straining.
+            Wrong interfaces, supports, or parts that move without strain.
         """
         p, linear = self.values(parameters), self.linearized
-        places = node_places(self.blocks, self.degrees, p)
-        held = interfaces_of(interface, self.degrees, places)
-        return craig_bampton(linear.assembly, self.degrees, p, held, modes, up_to)
+        positions = node_positions(self.blocks, self.degrees, p)
+        interfaces = interfaces_of(interface, self.degrees, positions)
+        return craig_bampton(linear.assembly, self.degrees, p, interfaces, modes, up_to)
 
     def floating(
         self, interface: GivenInterfaces, modes: int = 6, **options: Any
@@ -212,12 +210,12 @@ class StructuralModel(ParametricModel):
     ) -> FollowingShapes:
         """Shapes in a frame that floats with the structure, for a ``FlexibleBody``.
 
-        They are chosen at some parameter values, and follow them to others.
+        They are chosen at some parameter values and follow the parameters smoothly.
 
         Parameters
         ----------
-        frame : interface in which the frame is fixed, or ``"mean"`` axes
-        second_order : with displacements of second order
+        frame : interface to which the frame is fixed, or ``"mean"`` axes
+        second_order : whether second-order displacements are included
         """
         return FollowingShapes(self, interface, modes, up_to, frame, second_order, parameters)
 
@@ -231,7 +229,7 @@ class StructuralModel(ParametricModel):
         return self.measures.find(name) if own is None else own
 
     def measure(self, symbol: str) -> Measure:
-        """What a symbol in a formula of measures stands for."""
+        """The measure of a symbol in a formula."""
         return self.measures.of(symbol)
 
 
@@ -242,14 +240,14 @@ def _check_block(block: ElementBlock, p: np.ndarray) -> None:
         meta = field.metadata
         values = data[row : row + meta["size"]]
         row += meta["size"]
-        for bound, wrong, least in (
+        for bound, wrong, limit in (
             (meta["above"], ~(values > meta["above"]), "above"),
             (meta["minimum"], ~(values >= meta["minimum"]), "at least"),
         ):
             if wrong.any():
                 k, e = (int(i) for i in np.argwhere(wrong)[0])
                 raise ModelError(
-                    f"is {values[k, e]:g} {meta['unit']}; it must be {least} {bound:g}",
+                    f"is {values[k, e]:g} {meta['unit']}; it must be {limit} {bound:g}",
                     f"{block.names.name(e)}.{field.name}",
                 )
     for e, wrong in kind.faults(data):

@@ -1,4 +1,4 @@
-"""Nodes and elements of a structure, each name once."""
+"""Nodes and elements of a structure, with unique names."""
 
 from __future__ import annotations
 
@@ -8,23 +8,20 @@ from typing import Any, TypeVar
 import numpy as np
 
 from dalembert.elements.fem.base import StructuralElement
-from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
-from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.node import ROTATIONS, TRANSLATIONS, Node
 from dalembert.errors import ModelError
-from dalembert.structures.evaluation.elements import Elements
-from dalembert.structures.loads.spread_loads import check_temperature
-from dalembert.structures.nodes import Nodes
-from dalembert.structures.spans import Spans
+from dalembert.structures.evaluation.numbering import Spans
+from dalembert.structures.loads.load_records import check_temperature
+from dalembert.structures.sets import Elements, Nodes
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.declared import Declared
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter
-from dalembert.text.cards import card, table
-from dalembert.text.wording import plain_text
+from dalembert.text.wording import card, plain_text, table
 
 MOST = 20
-"""Elements that a notebook lists."""
+"""Upper limit of the elements listed in a notebook."""
 S = TypeVar("S", bound=StructuralElement)
 
 
@@ -61,22 +58,22 @@ class StructureParts(Declared):
         return f"{nodes} nodes, {elements} elements, {len(self.parameters)} parameters"
 
     def node(self, name: str, *position) -> Node:
-        """Add a node at the given coordinates [m]; all nodes have the same number of them."""
+        """Add a node at coordinates [m]; all nodes have the same number of coordinates."""
         self._claim(name)
-        made = Node(name, position)
-        self._check_dimension(made)
+        node = Node(name, position)
+        self._check_dimension(node)
         self.numbers.add(name)
-        self.nodes[name] = made
-        return made
+        self.nodes[name] = node
+        return node
 
     def add_nodes(self, name: str, points) -> Nodes:
-        """Add many nodes at once, at ``points`` (count, d) [m], numbers or formulas."""
+        """Add a set of nodes at ``points`` (count, d) [m], numbers or formulas."""
         self._claim(name)
-        made = Nodes(name, points)
-        self._check_dimension(made)
-        self.numbers.add(name, len(made))
-        self.nodes[name] = made
-        return made
+        nodes = Nodes(name, points)
+        self._check_dimension(nodes)
+        self.numbers.add(name, len(nodes))
+        self.nodes[name] = nodes
+        return nodes
 
     def add(self, element: S) -> S:
         """Add an element; returns it."""
@@ -97,39 +94,39 @@ class StructureParts(Declared):
     def add_elements(
         self, name: str, cls: type[StructuralElement], nodes: Nodes, cells, **numbers: Any
     ) -> Elements:
-        """Add many elements of one class at once.
+        """Add a set of elements of one class.
 
         Parameters
         ----------
-        name : of the set; ``name[k]`` is one of them
+        name : of the set; its elements are called ``name[k]``
         cls : class of the elements
-        nodes : the nodes that ``cells`` counts
-        cells : (count, nodes of an element) numbers within ``nodes``
-        **numbers : quantities of the class, for all or an array with one for each; options
+        nodes : the nodes that ``cells`` refers to
+        cells : (count, nodes of an element) indices within ``nodes``
+        **numbers : quantities of the class, for all or an array with one per element; options
         """
         self._claim(name)
-        self._known(nodes)
-        made = Elements(name, cls, nodes, cells, **numbers)
-        check_temperature(made)
-        self.elements[name] = made
-        return made
+        self._check_nodes(nodes)
+        elements = Elements(name, cls, nodes, cells, **numbers)
+        check_temperature(elements)
+        self.elements[name] = elements
+        return elements
 
     @property
     def dimension(self) -> int:
-        """Of space."""
+        """Number of coordinates of the nodes."""
         return next((n.dimension for n in self.nodes.values()), 1)
 
-    def _known(self, node: Node | Nodes) -> None:
+    def _check_nodes(self, node: Node | Nodes) -> None:
         if not isinstance(node, (Node, Nodes)):
             raise ModelError(f"expected nodes of the structure, got {node!r}", self.name)
-        known = self.nodes.get(node.name)
-        if isinstance(known, Nodes) and isinstance(node, Nodes) and known.points is node.points:
+        present = self.nodes.get(node.name)
+        if isinstance(present, Nodes) and isinstance(node, Nodes) and present.points is node.points:
             return  # a selection of a set
-        if known is not node:
+        if present is not node:
             raise ModelError("is no node of this structure", node.name)
 
     def _directions(self, node: Node | Nodes) -> tuple[str, ...]:
-        self._known(node)
+        self._check_nodes(node)
         return TRANSLATIONS[: node.dimension] + ROTATIONS[node.dimension]
 
     def _names(self, node: Node | Nodes) -> list[str]:
@@ -141,7 +138,7 @@ class StructureParts(Declared):
 
     @staticmethod
     def _each(node: Node | Nodes, value: Any) -> Any:
-        """One value for each node."""
+        """One value per node."""
         count = len(node) if isinstance(node, Nodes) else 1
         if isinstance(value, Expression) or np.ndim(value) != 1:
             return [value] * count
@@ -149,12 +146,12 @@ class StructureParts(Declared):
             raise ModelError(f"has {count} node(s), got {len(value)} values", node.name)
         return value
 
-    def _check_dimension(self, made: Node | Nodes) -> None:
+    def _check_dimension(self, node: Node | Nodes) -> None:
         for other in self.nodes.values():
-            if other.dimension != made.dimension:
+            if other.dimension != node.dimension:
                 raise ModelError(
-                    f"has {made.dimension} coordinates, {other.name} has {other.dimension}",
-                    made.name,
+                    f"has {node.dimension} coordinates, {other.name} has {other.dimension}",
+                    node.name,
                 )
             return  # all others agree with the first
 

@@ -45,7 +45,7 @@ class Structure(Spelled, StructureDescription):
         def __getattr__(self, name: str):
             raise AttributeError(
                 f"{type(self).__name__} {vars(self).get('name', '')!r} has no {name!r}; analyses "
-                "take the model that its build() makes"
+                "use the model returned by its build()"
             )
 
     def add_mesh(self, name: str, mesh: Any, element: Classes = None, **quantities: Any) -> Mesh:
@@ -53,29 +53,29 @@ class Structure(Spelled, StructureDescription):
 
         Nodes are called ``name_nodes[k]``, elements ``name[k]`` (``name_shape[k]`` where cells of
         several shapes become elements). Points in the plane ``z = 0`` get two coordinates; points
-        that no element has are left out; cells of fewer dimensions, such as the edges of an area,
-        only serve as groups of nodes.
+        without elements are omitted; cells of lower dimension, such as the edges of an area, only
+        serve as groups of nodes.
 
         Parameters
         ----------
         name : of the mesh
         mesh : meshio.Mesh, path of a file that meshio reads, or ``(points, cells)`` with cells an
             array (cells, nodes) or a table of such arrays by shape
-        element : class of the elements, or a table of classes by shape; by shape and dimension if
-            None, lines always need it
-        **quantities : of the elements: a number or formula for all, an array with one for each, or
-            a table with one for each group of elements; options
+        element : class of the elements, or a table of classes by shape; by default chosen by shape
+            and dimension, except for lines
+        **quantities : of the elements: a number or formula for all, an array with one per element,
+            or a table with one per group of elements; options
 
         Raises
         ------
         ModelError, FileError, UnsupportedError
-            No mesh, an element that does not fit its cells, meshio missing.
+            Not a mesh, an element that does not fit its cells, meshio missing.
         """
-        made = self.meshes[name] = add_mesh(self, name, mesh, element, quantities)
-        return made
+        self.meshes[name] = add_mesh(self, name, mesh, element, quantities)
+        return self.meshes[name]
 
     def build(self) -> StructuralModel:
-        """Check and freeze.
+        """Check the structure and build the frozen model.
 
         Raises
         ------

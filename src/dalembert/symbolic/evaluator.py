@@ -1,19 +1,19 @@
-"""What methods ask of equations, whether a graph evaluates them or sums over many elements.
+"""Interface of equations to Newton's method and to implicit differentiation.
 
-Equations ``r(z, x) = 0`` determine an unknown ``z`` from what is given, ``x``: parameters, and what
-was found before. Near a solution they are asked for
+Equations ``r(z, x) = 0`` determine an unknown ``z`` from inputs ``x``: parameters and the results
+of earlier equations. Near a solution an evaluator provides
 
     value             r, with the scale of its terms (``newton.Residual``)
-    tangents          K = ∂r/∂z, by what solves with it:  K⁻¹ b  and  K⁻ᵀ w
-    push              dr = (∂r/∂x) dx     of a change of what is given
-    pull              x̄ = (∂r/∂x)ᵀ w      of weights of the equations
+    solve             K⁻¹ b  and  K⁻ᵀ w  with the Jacobian K = ∂r/∂z
+    push              dr = (∂r/∂x) dx     for a change of the inputs
+    pull              x̄ = (∂r/∂x)ᵀ w      for weights of the equations
 
-and whatever is made of them follows: Newton's step, and by the theorem of implicit functions
+Newton's step follows, and by the implicit function theorem
 
     ż = −K⁻¹ (∂r/∂x) ẋ,        x̄ = −(∂r/∂x)ᵀ K⁻ᵀ z̄.
 
-A ``Stage`` of an ``ImplicitFunction`` answers with expressions of a graph, an ``Unknown`` of a
-structure (``analysis/structural/instant.py``) with columns of numbers and sparse factors.
+A ``Stage`` of an ``ImplicitFunction`` evaluates expressions of a graph, an ``Unknown`` of a
+structure (``analysis/structural/instant.py``) columns of numbers with sparse factors.
 """
 
 from __future__ import annotations
@@ -35,20 +35,20 @@ class Evaluator(ABC):
 
     @abstractmethod
     def push(self, change: Any) -> Any:
-        """Change of the equations with what is given, the unknown held."""
+        """Change of the equations with their inputs at a fixed unknown."""
 
     @abstractmethod
     def pull(self, weights: Any) -> Any:
-        """Weights of what is given from those of the equations."""
+        """Weights of the inputs from weights of the equations."""
 
     def correction(self, value: Any) -> Any:
-        """What the unknown must change by where the equations are off by this value."""
+        """Newton correction of the unknown for a residual."""
         return -self.solve(value)
 
-    def moved(self, change: Any) -> Any:
-        """Change of the unknown with what is given."""
+    def tangent(self, change: Any) -> Any:
+        """Change of the unknown with the inputs."""
         return self.correction(self.push(change))
 
-    def weighed(self, weights: Any) -> Any:
-        """Weights of what is given from those of the unknown."""
+    def adjoint(self, weights: Any) -> Any:
+        """Weights of the inputs from weights of the unknown."""
         return self.pull(-self.solve_transposed(weights))

@@ -1,4 +1,4 @@
-"""Numbers, some of them formulas of the parameters, with exact derivatives both ways."""
+"""Arrays of constants and formulas of the parameters, with exact directional derivatives."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from dalembert.symbolic.formulas.expression import Expression, t
 
 
 class ParametricArray:
-    """A long vector of numbers, ``constants + Σ formula(p, t)`` at some places.
+    """A long vector of numbers, ``constants + Σ formula(p, t)`` at some entries.
 
     Parameters
     ----------
     constants : (n,) values
-    index : (k,) places where a formula is added
-    which : (k,) number of that formula; one may stand at many places
+    index : (k,) entries to which a formula is added
+    which : (k,) number of that formula; a formula may be added to many entries
     formulas : SX scalars of ``p`` and time
     p : (m,) SX symbols of the parameters
     """
@@ -46,36 +46,36 @@ class ParametricArray:
 
     @property
     def filled(self) -> np.ndarray:
-        """Places that hold anything but zero."""
+        """Indices of the entries that are not identically zero."""
         return np.union1d(np.flatnonzero(self.constants), self.index).astype(int)
 
     def values(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) numbers at ``p``."""
-        found = self.constants.copy()
-        self._spread(found, self._values, p, time)
-        return found
+        result = self.constants.copy()
+        self._spread(result, self._values, p, time)
+        return result
 
     def push(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) change of the numbers with a change of ``p``."""
-        found = np.zeros_like(self.constants)
-        self._spread(found, self._push, p, time, dp)
-        return found
+        result = np.zeros_like(self.constants)
+        self._spread(result, self._push, p, time, dp)
+        return result
 
     def pull(self, p: np.ndarray, weights: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(m,) weights of the parameters from weights (n,) of the numbers."""
         if not self.index.size:
             return np.zeros(self.parameter_count)
-        own = np.bincount(self.which, weights[self.index], minlength=self._count)
-        return self._pull(p, time, own)[0].ravel()
+        formula_weights = np.bincount(self.which, weights[self.index], minlength=self._count)
+        return self._pull(p, time, formula_weights)[0].ravel()
 
     def turn(
         self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray, time: float = 0.0
     ) -> np.ndarray:
-        """(m,) change of what ``pull`` gives with a change of ``p``."""
+        """(m,) change of the result of ``pull`` with a change of ``p``."""
         if not self.index.size:
             return np.zeros(self.parameter_count)
-        own = np.bincount(self.which, weights[self.index], minlength=self._count)
-        return self._turn(p, time, own, dp)[0].ravel()
+        formula_weights = np.bincount(self.which, weights[self.index], minlength=self._count)
+        return self._turn(p, time, formula_weights, dp)[0].ravel()
 
     @cached_property
     def _turn(self) -> Kernel:
@@ -86,7 +86,7 @@ class ParametricArray:
 
     @cached_property
     def derivative(self) -> ParametricArray:
-        """Time derivatives of the numbers, an array of its own."""
+        """Array of the time derivatives of the numbers."""
         slopes = [ca.gradient(formula, t.sx) for formula in self._formulas]
         return ParametricArray(
             np.zeros_like(self.constants), self.index, self.which, slopes, self._p
@@ -102,63 +102,63 @@ def _kernel(name: str, inputs: list[ca.SX], output: ca.SX) -> Kernel:
 
 
 class ArrayEntries:
-    """The places of a ``ParametricArray`` while they are filled; what is added sums up.
+    """Builder of a ``ParametricArray``; values added to the same entry are summed.
 
     Parameters
     ----------
-    size : number of places
+    size : number of entries
     """
 
     def __init__(self, size: int):
         self.constants = np.zeros(size)
         self.formulas: list[ca.SX] = []
-        self._known: dict[int, int] = {}
+        self._formula_numbers: dict[int, int] = {}
         self._index: list[np.ndarray] = []
         self._which: list[np.ndarray] = []
 
     def add(self, places: Any, value: Any) -> None:
-        """Add a number or formula for all places, or an array or list with one for each."""
+        """Add a number or formula to all entries ``places``, or an array or list of one each."""
         index = np.atleast_1d(np.asarray(places, dtype=int))
         if isinstance(value, Expression):
             if value.sx.is_constant():
                 np.add.at(self.constants, index, float(value.sx))
             else:
-                self._place(index, np.full(index.size, self._number(value.sx)))
+                self._append(index, np.full(index.size, self._number(value.sx)))
         elif isinstance(value, list) or np.asarray(value).dtype.hasobject:
             self._add_each(index, list(value))
         else:
             np.add.at(self.constants, index, np.asarray(value, dtype=float))
 
     def _add_each(self, index: np.ndarray, values: list[Any]) -> None:
-        """One value for each place; the same object at many places is one formula."""
+        """Add one value to each entry; the same object at many entries is one formula."""
         if len(values) != index.size:
             raise ValueError(f"{len(values)} values for {index.size} places")
-        own = np.fromiter(map(id, values), dtype=np.int64, count=len(values))
-        _, first, which = np.unique(own, return_index=True, return_inverse=True)
+        identities = np.fromiter(map(id, values), dtype=np.int64, count=len(values))
+        _, first, which = np.unique(identities, return_index=True, return_inverse=True)
         order = np.argsort(which, kind="stable")
         groups = np.split(order, np.searchsorted(which[order], np.arange(1, first.size)))
         for k, members in zip(first, groups, strict=True):
             self.add(index[members], values[k])
 
     def copy(self, other: ArrayEntries, sources: np.ndarray, places: np.ndarray) -> None:
-        """Add entries of another array, each of its places filled once at most, at places here."""
+        """Add ``sources`` of another array, each set at most once, to the entries ``places``."""
         np.add.at(self.constants, places, other.constants[sources])
         index, which = other.placed
         if index.size:
             slot = np.full(other.constants.size, -1)
             slot[index] = which
-            there = np.flatnonzero(slot[sources] >= 0)
-            own = np.array([self._number(formula) for formula in other.formulas], dtype=int)
-            self._place(places[there], own[slot[sources[there]]])
+            with_formula = np.flatnonzero(slot[sources] >= 0)
+            numbers = np.array([self._number(formula) for formula in other.formulas], dtype=int)
+            self._append(places[with_formula], numbers[slot[sources[with_formula]]])
 
     @property
     def placed(self) -> tuple[np.ndarray, np.ndarray]:
-        """Places of formulas, and their numbers."""
-        none = np.zeros(0, dtype=int)
-        return np.concatenate([none, *self._index]), np.concatenate([none, *self._which])
+        """Entries with formulas, and the numbers of these."""
+        empty = np.zeros(0, dtype=int)
+        return np.concatenate([empty, *self._index]), np.concatenate([empty, *self._which])
 
     def array(self, p: ca.SX) -> ParametricArray:
-        """The array, frozen."""
+        """The finished, immutable array."""
         index, which = self.placed
         used, which = np.unique(which, return_inverse=True)
         return ParametricArray(
@@ -167,11 +167,11 @@ class ArrayEntries:
 
     def _number(self, formula: ca.SX) -> int:
         key = formula.element_hash()  # the same node of the graph, however it is wrapped
-        if key not in self._known:
-            self._known[key] = len(self.formulas)
+        if key not in self._formula_numbers:
+            self._formula_numbers[key] = len(self.formulas)
             self.formulas.append(formula)
-        return self._known[key]
+        return self._formula_numbers[key]
 
-    def _place(self, index: np.ndarray, which: np.ndarray) -> None:
+    def _append(self, index: np.ndarray, which: np.ndarray) -> None:
         self._index.append(index)
         self._which.append(which)

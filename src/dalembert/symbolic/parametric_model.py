@@ -1,4 +1,4 @@
-"""What analyses need of a mechanism and of a structure alike: parameters, and measures by name."""
+"""Common base of mechanisms and structures: parameters, and measures by name."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.formulas.names import Names
 from dalembert.symbolic.formulas.parameter import Parameter, parameter_vector
+from dalembert.symbolic.formulas.parser import Names
 
 
 class ParametricModel(ABC):
@@ -33,7 +33,7 @@ class ParametricModel(ABC):
 
     @abstractmethod
     def check_values(self, p: np.ndarray) -> None:
-        """Refuse values with which elements cannot be.
+        """Check parameter values against the conditions of the elements.
 
         Raises
         ------
@@ -42,7 +42,7 @@ class ParametricModel(ABC):
         """
 
     def values(self, parameters: Mapping[str, float] | np.ndarray | None = None) -> np.ndarray:
-        """Parameter vector with some values replaced, or the whole vector as it is given.
+        """Parameter vector with some values replaced; a whole vector is passed through.
 
         Raises
         ------
@@ -57,7 +57,7 @@ class ParametricModel(ABC):
         return self.completed(p)
 
     def completed(self, p: np.ndarray) -> np.ndarray:
-        """The parameter vector with all that is computed from it outside of the graph."""
+        """The parameter vector, extended by the values computed from it outside of the graph."""
         return p
 
     def tangents(self, p: np.ndarray, columns: Sequence[int]) -> np.ndarray:
@@ -74,7 +74,7 @@ class ParametricModel(ABC):
         Raises
         ------
         UnknownNameError
-            A ``KeyError`` that tells the nearest names.
+            A ``KeyError`` that lists the nearest names.
         """
         return self.names.named(name)
 
@@ -94,6 +94,6 @@ class ParametricModel(ABC):
         Raises
         ------
         ExpressionError
-            A formula outside the grammar; ``UnknownNameError`` where a name is unknown.
+            A formula outside the grammar; ``UnknownNameError`` for an unknown name.
         """
         return self.names.expression(measure)

@@ -1,23 +1,48 @@
-"""Rotations in space by Euler parameters ``e = (e0, e1, e2, e3)``, the scalar first (Ch. 2).
+"""Spatial rotations by Euler parameters ``e = (e0, e1, e2, e3)``, the scalar first (Ch. 2).
 
-They turn the body frame into the inertial one, ``r = R(e) s'``, with ``|e| = 1``. Angular
-velocities and small turns are those in body axes, ``ω'`` and ``δ'``.
+They map body-frame components to the inertial frame, ``r = R(e) s'``, with ``|e| = 1``. Angular
+velocities ``ω'`` and small rotations ``δ'`` have components in body axes. Functions of an angle
+that are 0/0 at zero are power series.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from math import factorial
+
 import casadi as ca
 
 from dalembert.errors import ModelError
-from dalembert.symbolic.formulas.series import alternating, angle_over_sine
-from dalembert.symbolic.formulas.template import template
+from dalembert.symbolic.once import template
 
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 VERSINE_TERMS = 20
-"""Of the series of ``θ/sin θ`` in ``1 − cos θ``, exact to 1e-13 for turns by up to 1 rad."""
+"""Terms of the series of ``θ/sin θ`` in ``1 − cos θ``; exact to 1e-13 up to 1 rad."""
+TERMS = 10
+"""Terms of series in the square of an angle, exact to rounding up to 1.5 rad."""
 EULER_PARAMETERS = ("e0", "e1", "e2", "e3")
 SPIN = ("turn_x", "turn_y", "turn_z")
 """Names of the components of ``δ'``."""
+
+
+def power_series(argument: ca.SX, factors: Sequence[float]) -> ca.SX:
+    """``Σ cₖ xᵏ`` by Horner's rule."""
+    total = ca.SX(0)
+    for factor in reversed(factors):
+        total = total * argument + factor
+    return total
+
+
+def alternating(square: ca.SX, first: int) -> ca.SX:
+    """``Σ (−θ²)^k / (2k + first)!`` of ``θ²``: ``sin θ/θ``, ``(1 − cos θ)/θ²``, …"""
+    factors = [(-1) ** k / factorial(2 * k + first) for k in range(TERMS)]
+    return power_series(square, factors)
+
+
+def angle_over_sine(versine: ca.SX, terms: int) -> ca.SX:
+    """``θ/sin θ`` of ``1 − cos θ``."""
+    factors = [2**k * factorial(k) ** 2 / factorial(2 * k + 1) for k in range(terms)]
+    return power_series(versine, factors)
 
 
 def skew(a: ca.SX) -> ca.SX:
@@ -39,19 +64,19 @@ def matrix(e: ca.SX) -> ca.SX:
 
 
 def about_z(angle: ca.SX) -> ca.SX:
-    """A turn about the z axis."""
+    """Rotation about the z axis."""
     return ca.vertcat(ca.cos(angle / 2), 0, 0, ca.sin(angle / 2))
 
 
 @template(4, 4)
 def product(a: ca.SX, b: ca.SX) -> ca.SX:
-    """``a ⊗ b``: the turn b, seen in the frame that a has turned; ``R(a ⊗ b) = R(a) R(b)``."""
+    """``a ⊗ b``: rotation b in the frame rotated by a; ``R(a ⊗ b) = R(a) R(b)``."""
     vector = a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:])
     return ca.vertcat(a[0] * b[0] - ca.dot(a[1:], b[1:]), vector)
 
 
 def conjugate(e: ca.SX) -> ca.SX:
-    """The turn back."""
+    """The inverse rotation."""
     return ca.vertcat(e[0], -e[1:])
 
 
@@ -63,7 +88,7 @@ def rate(e: ca.SX, turning: ca.SX) -> ca.SX:
 
 @template(4, 3)
 def turned(e: ca.SX, turn: ca.SX) -> ca.SX:
-    """Where a small turn δ' leads, ``e ⊗ (1, δ'/2)`` at length one; the inverse of ``turn``.
+    """``e ⊗ (1, δ'/2)``, normalised: e after a small rotation δ'; the inverse of ``turn``.
 
     It agrees with the exponential to second order.
     """
@@ -73,13 +98,13 @@ def turned(e: ca.SX, turn: ca.SX) -> ca.SX:
 
 @template(4, 4)
 def turn(e: ca.SX, other: ca.SX) -> ca.SX:
-    """δ' from one orientation to another; infinite for half a turn."""
+    """Rotation δ' from one orientation to another; infinite for half a turn."""
     between = product(conjugate(e), other)
     return 2 * between[1:] / between[0]
 
 
 def vector(e: ca.SX) -> ca.SX:
-    """(3,) rotation vector of a turn by less than π/2, the same for e and −e.
+    """(3,) rotation vector of a rotation by less than π/2, the same for e and −e.
 
     ``θ/sin θ`` times the axial vector, by its series: smooth at zero without a branch.
     """
@@ -102,9 +127,9 @@ def turning_map(r: ca.SX) -> ca.SX:
 
 
 def across(z: ca.SX) -> ca.SX:
-    """(3, 2) unit vectors across another and each other, x, y, z right-handed.
+    """(3, 2) unit vectors perpendicular to z and to each other, right-handed.
 
-    By the formula of Duff et al. (2017), which is nowhere singular.
+    The formula of Duff et al. (2017) has no singularity.
     """
     sign = ca.if_else(z[2] < 0, -1, 1)
     a = -1 / (sign + z[2])
@@ -130,23 +155,23 @@ def from_matrix(r: ca.SX) -> ca.SX:
         ca.vertcat(a[1], b[0], squares[2], b[2]),
         ca.vertcat(a[2], b[1], b[2], squares[3]),
     ]
-    found, largest = rows[0], squares[0]
+    selected, largest = rows[0], squares[0]
     for row, square in zip(rows[1:], squares[1:], strict=True):
-        found = ca.if_else(square > largest, row, found)
+        selected = ca.if_else(square > largest, row, selected)
         largest = ca.fmax(square, largest)
-    return found / ca.sqrt(ca.sumsqr(found))
+    return selected / ca.sqrt(ca.sumsqr(selected))
 
 
 def angles(r: ca.SX, sequence: str) -> ca.SX:
-    """(3,) angles of turns about body axes that make up a rotation matrix; ``xyz``: Bryant angles.
+    """(3,) angles of successive rotations about body axes; ``xyz``: Bryant angles.
 
     Raises
     ------
     ModelError
-        Other than three axes, or one twice in a row.
+        Other than three axes, or the same axis twice in a row.
     """
-    known = isinstance(sequence, str) and len(sequence) == 3 and set(sequence) <= set("xyz")
-    if not known or sequence[1] in (sequence[0], sequence[2]):
+    valid = isinstance(sequence, str) and len(sequence) == 3 and set(sequence) <= set("xyz")
+    if not valid or sequence[1] in (sequence[0], sequence[2]):
         raise ModelError(
             f"angles are about three axes, none twice in a row, as 'xyz' or 'zxz'; got {sequence!r}"
         )

@@ -1,1 +1,1 @@
-"""What people read: wording, the nearest name, cards of notebooks."""
+"""Texts for users: wording, spelling suggestions, cards of notebooks."""

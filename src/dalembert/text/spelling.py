@@ -1,4 +1,4 @@
-"""Keywords that nothing takes, told with the nearest one that there is, and missing arguments."""
+"""Checks of arguments: unknown keywords, with the nearest known one, and missing arguments."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ POSITIONAL = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR
 OPEN = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
 
 
-def check_keywords(owner: str, given: Iterable[str], known: Iterable[str]) -> None:
-    """Refuse a keyword that is not known.
+def check_keywords(owner: str, keywords: Iterable[str], known: Iterable[str]) -> None:
+    """Refuse an unknown keyword.
 
     Raises
     ------
@@ -25,7 +25,7 @@ def check_keywords(owner: str, given: Iterable[str], known: Iterable[str]) -> No
         Names the owner, the keyword and the nearest one.
     """
     names = list(known)
-    for name in given:
+    for name in keywords:
         if name not in names:
             raise KeywordError(
                 f"unknown keyword {name!r}{nearest(name, names)}; known: {listed(names)}", owner
@@ -33,63 +33,70 @@ def check_keywords(owner: str, given: Iterable[str], known: Iterable[str]) -> No
 
 
 def check_complete(
-    owner: str, wanted: Sequence[inspect.Parameter], given: int, named: Iterable[str]
+    owner: str, parameters: Sequence[inspect.Parameter], count: int, keywords: Iterable[str]
 ) -> None:
-    """Refuse a call that leaves out an argument without default, or has too many without keyword.
+    """Refuse a call without a required argument, or with too many positional ones.
+
+    Parameters
+    ----------
+    owner : the function or class that is called
+    parameters : of its signature
+    count : number of positional arguments
+    keywords : names of the keyword arguments
 
     Raises
     ------
     KeywordError
-        Names the owner, what is missing and all that is needed, or what needs a keyword.
+        Names the owner and the missing and required arguments, or those that need a keyword.
     """
-    ordered = [one.name for one in wanted if one.kind in POSITIONAL]
-    there = {*ordered[:given], *named}
-    needed = [one.name for one in wanted if one.default is one.empty and one.kind not in OPEN]
-    missing = [name for name in needed if name not in there]
-    if given > len(ordered) and not any(one.kind is one.VAR_POSITIONAL for one in wanted):
-        rest = [one.name for one in wanted if one.kind is one.KEYWORD_ONLY]
-        by_name = missing or [name for name in rest if name not in named]
+    positional = [p.name for p in parameters if p.kind in POSITIONAL]
+    supplied = {*positional[:count], *keywords}
+    required = [p.name for p in parameters if p.default is p.empty and p.kind not in OPEN]
+    missing = [name for name in required if name not in supplied]
+    if count > len(positional) and not any(p.kind is p.VAR_POSITIONAL for p in parameters):
+        keyword_only = [p.name for p in parameters if p.kind is p.KEYWORD_ONLY]
+        by_name = missing or [name for name in keyword_only if name not in keywords]
         cure = f"; write {by_name[0]}=…" if by_name else ""
         raise KeywordError(
-            f"{given} argument(s) without a keyword, at most {len(ordered)} can be "
-            f"({listed(ordered)}){cure}",
+            f"{count} argument(s) without a keyword, at most {len(positional)} can be "
+            f"({listed(positional)}){cure}",
             owner,
         )
     if missing:
-        optional = [name for name in ordered[:given] if name not in needed]
-        read = f" (without a keyword, the order is {listed(ordered)})" if optional else ""
-        raise KeywordError(f"missing {listed(missing)}{read}; needed: {listed(needed)}", owner)
+        optional = [name for name in positional[:count] if name not in required]
+        order = f" (without a keyword, the order is {listed(positional)})" if optional else ""
+        raise KeywordError(f"missing {listed(missing)}{order}; needed: {listed(required)}", owner)
 
 
-def spelled_fields(cls: type, *given: Any, **named: Any) -> Any:
-    """A ``__new__`` that looks at arguments before ``__init__`` does.
+def spelled_fields(cls: type, *args: Any, **kwargs: Any) -> Any:
+    """A ``__new__`` that checks arguments before ``__init__`` runs.
 
-    Without any it is left to Python, for that is how objects are copied, too.
+    A call without arguments is not checked: objects are copied that way.
     """
-    wanted = arguments_of(cls)
-    if named:
-        check_keywords(cls.__name__, named, [one.name for one in wanted])
-    if given or named:
-        check_complete(cls.__name__, wanted, len(given), named)
+    parameters = arguments_of(cls)
+    if kwargs:
+        check_keywords(cls.__name__, kwargs, [p.name for p in parameters])
+    if args or kwargs:
+        check_complete(cls.__name__, parameters, len(args), kwargs)
     return object.__new__(cls)
 
 
 @functools.cache
 def arguments_of(cls: type) -> list[inspect.Parameter]:
-    """What making one takes."""
+    """Parameters of the constructor of a class."""
     return list(inspect.signature(cls).parameters.values())
 
 
 class OfInit:
-    """What ``inspect`` says of a class with ``spelled_fields``: the arguments of ``__init__``."""
+    """Signature of a class with ``spelled_fields``: the arguments of its ``__init__``."""
 
-    def __get__(self, made: Any, cls: Any) -> inspect.Signature:
-        own = inspect.signature(cls.__init__)
-        return own.replace(parameters=list(own.parameters.values())[1:])
+    def __get__(self, instance: Any, cls: Any) -> inspect.Signature:
+        signature = inspect.signature(cls.__init__)
+        return signature.replace(parameters=list(signature.parameters.values())[1:])
 
 
 class Spelled:
-    """A class that tells what is missing, and the nearest keyword of a wrong one."""
+    """Base of classes whose constructor names missing arguments and suggests keywords."""
 
     __slots__ = ()
     if not TYPE_CHECKING:
@@ -98,18 +105,18 @@ class Spelled:
 
 
 def spelled(function: Callable[P, T]) -> Callable[P, T]:
-    """The function or method, which tells what is missing, and the nearest of a wrong keyword."""
-    every = list(inspect.signature(function).parameters.values())
-    own = int(bool(every) and every[0].name == "self")
-    wanted = every[own:]
-    known = [one.name for one in wanted]
-    closed = not any(one.kind is one.VAR_KEYWORD for one in wanted)
+    """Decorator of a function or method: names missing arguments and suggests keywords."""
+    parameters = list(inspect.signature(function).parameters.values())
+    is_method = int(bool(parameters) and parameters[0].name == "self")
+    parameters = parameters[is_method:]
+    names = [p.name for p in parameters]
+    closed = not any(p.kind is p.VAR_KEYWORD for p in parameters)
 
     @functools.wraps(function)
-    def checked(*given: P.args, **named: P.kwargs) -> T:
+    def checked(*args: P.args, **kwargs: P.kwargs) -> T:
         if closed:
-            check_keywords(function.__name__, named, known)
-        check_complete(function.__name__, wanted, len(given) - own, named)
-        return function(*given, **named)
+            check_keywords(function.__name__, kwargs, names)
+        check_complete(function.__name__, parameters, len(args) - is_method, kwargs)
+        return function(*args, **kwargs)
 
     return checked

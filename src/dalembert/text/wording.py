@@ -1,12 +1,13 @@
-"""Text that is shown: on a terminal, in a result file, on a page; names that are not known."""
+"""Text for terminals, result files, pages and notebooks, and suggestions for unknown names."""
 
 from __future__ import annotations
 
 import difflib
+import html
 import json
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from dalembert.errors import ModelError
@@ -14,23 +15,23 @@ from dalembert.errors import ModelError
 HIDDEN = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]"
 )
-"""Control characters but tab and line end, marks that turn the direction of text, separators of
-lines that are not seen as such, lone surrogates."""
+"""Control characters except tab and newline, direction marks, Unicode line separators, lone
+surrogates."""
 
 
 LONGEST_NAME = 200
-"""Characters of a name; tables, pages and files repeat it for every quantity."""
+"""Upper limit of the length of a name; tables, pages and files repeat it for every quantity."""
 MOST = 24
-"""Names that a message lists."""
+"""Upper limit of the number of names in a message."""
 
 
 def visible(text: str) -> str:
-    """The text, with what is not seen or acts on a terminal as ``\\x1b``, ``\\u202e``."""
-    return HIDDEN.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+    """The text with invisible and control characters escaped as ``\\x1b``, ``\\u202e``."""
+    return HIDDEN.sub(lambda match: match[0].encode("unicode_escape").decode(), text)
 
 
 def check_length(name: str, owner: str) -> None:
-    """Refuse a name that no table or page can show.
+    """Refuse a name that is too long for tables and pages.
 
     Raises
     ------
@@ -45,33 +46,33 @@ def check_length(name: str, owner: str) -> None:
 
 
 def plain_text(text: Any, entity: str) -> str:
-    """A text that can be shown anywhere.
+    """Check that a value is a text without hidden characters.
 
     Raises
     ------
     ModelError
-        No text, or one with a hidden character; names the entity and the character.
+        Not a text, or a hidden character; names the entity and the character.
     """
     if not isinstance(text, str):
         raise ModelError(f"expected a text, got {text!r:.60}", entity)
-    found = HIDDEN.search(text)
-    if found:
+    match = HIDDEN.search(text)
+    if match:
         raise ModelError(
-            f"the text '{visible(text[:60])}' has the hidden character U+{ord(found[0]):04X} at "
-            f"place {found.start() + 1}; remove it",
+            f"the text '{visible(text[:60])}' has the hidden character U+{ord(match[0]):04X} at "
+            f"place {match.start() + 1}; remove it",
             visible(entity),
         )
     return text
 
 
 def as_document(data: Any) -> str:
-    """JSON; null where a number is not finite, and hidden characters as ``\\u202e``."""
+    """JSON text; numbers that are not finite are null, hidden characters escaped."""
     text = json.dumps(plain(data), indent=2, ensure_ascii=False, allow_nan=False)
-    return HIDDEN.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+    return HIDDEN.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 def plain(data: Any) -> Any:
-    """Built-in types only."""
+    """Data converted to built-in types."""
     if isinstance(data, dict):
         return {str(key): plain(value) for key, value in data.items()}
     if isinstance(data, (list, tuple)):
@@ -84,19 +85,66 @@ def plain(data: Any) -> Any:
 
 
 def nearest(name: Any, known: Iterable[str]) -> str:
-    """``(did you mean …?)`` if something known is close."""
-    # two letters of which one is right are near enough for short names
+    """``(did you mean …?)`` with the nearest known name, if one is close."""
+    # a cutoff of 0.5 accepts one wrong letter of two
     close = difflib.get_close_matches(str(name)[:80], list(known), 1, 0.5)
     return f" (did you mean {close[0]!r}?)" if close else ""
 
 
-def unknown(what: str, name: Any, known: Iterable[str]) -> str:
+def unknown(kind: str, name: Any, known: Iterable[str]) -> str:
     """``unknown body 'crnk' (did you mean 'crank'?); known: ground, crank``."""
     names = list(known)
-    return f"unknown {what} {name!r}{nearest(name, names)}; known: {listed(names)}"
+    return f"unknown {kind} {name!r}{nearest(name, names)}; known: {listed(names)}"
 
 
 def listed(names: Iterable[str]) -> str:
-    """The first of them with commas between."""
+    """The first names, separated by commas."""
     names = list(names)
     return (", ".join(names[:MOST]) + (", …" if len(names) > MOST else "")) or "none"
+
+
+COLOURS = {"info": "#5a6774", "warning": "#8a5a00", "error": "#b3261e"}
+
+
+def card(title: str, sentence: str, *parts: str) -> str:
+    """A title, a sentence and further HTML below."""
+    head = f"<b>{escaped(title)}</b> <span style='opacity:.75'>{escaped(sentence)}</span>"
+    return f"<div style='margin:.4em 0'>{head}{''.join(parts)}</div>"
+
+
+def table(rows: Iterable[Sequence[Any]], head: Sequence[str] = ()) -> str:
+    """Table whose first column holds names; an empty text without rows."""
+    cells = [[escaped(display_text(cell)) for cell in row] for row in rows]
+    if not cells:
+        return ""
+    align = "style='text-align:left'"
+    header = "".join(f"<th {align}>{escaped(name)}</th>" for name in head)
+    body = "".join(
+        f"<tr><th {align}>{row[0]}</th>{''.join(f'<td {align}>{c}</td>' for c in row[1:])}</tr>"
+        for row in cells
+    )
+    header = f"<thead><tr>{header}</tr></thead>" if header else ""
+    return f"<table>{header}<tbody>{body}</tbody></table>"
+
+
+def messages(entries: Iterable[tuple[str, str]]) -> str:
+    """Lines of (level, text), coloured by level."""
+    return "".join(
+        f"<div style='color:{COLOURS.get(level, COLOURS['info'])}'>{level}: {escaped(text)}</div>"
+        for level, text in entries
+    )
+
+
+def folded(name: str, content: str) -> str:
+    """Content that is hidden until the reader opens it."""
+    return f"<details><summary>{escaped(name)}</summary>{content}</details>"
+
+
+def display_text(value: Any) -> str:
+    """A value as text; numbers with six digits."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def escaped(text: str) -> str:
+    """Text with HTML escapes."""
+    return html.escape(visible(text))

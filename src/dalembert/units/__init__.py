@@ -1,1 +1,1 @@
-"""Numbers with units, their dimensions, and formulas in text."""
+"""Numbers with units, their dimensions, and the grammar of formulas."""

@@ -10,27 +10,27 @@ from dataclasses import dataclass
 from typing import Any
 
 from dalembert.errors import ExpressionError
-from dalembert.units.unit import SYMBOL, UNIT, Unit, made_unit, unit
+from dalembert.units.unit import SYMBOL, UNIT, Unit, coherent_unit, unit
 
 NUMBER = r"(?<![\w.])(?>(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
 _AMOUNT = re.compile(rf"({NUMBER})\s*(?!(?:e|pi|t)\b)({UNIT})(?![\w(.\[])")
 _FURTHER = re.compile(rf"([ ]?[*·/][ ]?|\s+)({UNIT})(?![\w(.\[])")
 NO_UNITS = re.compile(r"(?:e|pi|t)\b")
-"""Names of formulas that are no units: a number, a number, time."""
+"""Names of formulas that are not units: two constants and the time."""
 _WITH_VARIABLE = re.compile(r"^(?:e|pi)\b|[*·/]\s*(?:e|pi|t)\b")
-"""In a text of one amount: a number or the time as a factor; the unit of ``1.4 t`` is tonnes."""
+"""A constant or the time as a factor in a text of one amount; ``1.4 t`` alone is in tonnes."""
 _PLAIN = re.compile(SYMBOL)
 _ALONE = re.compile(rf"\s*({NUMBER})\s*((?:{UNIT}|1(?=\s*/))(?:(?:\s*[*·/]\s*|\s+){UNIT})*)\s*")
 
 
 @dataclass(frozen=True)
 class Amount:
-    """A number of SI units whose dimension is known.
+    """A number in SI units with its dimension.
 
     Attributes
     ----------
     value : in SI units
-    unit : of which dimension
+    unit : its coherent unit, which states the dimension
     """
 
     value: float
@@ -41,7 +41,7 @@ class Amount:
 
     @property
     def si(self) -> str:
-        """The coherent unit of its value; ``1`` where it has none."""
+        """The coherent unit of the value; ``1`` without a dimension."""
         return self.unit.si or "1"
 
     def __abs__(self) -> Amount:
@@ -49,7 +49,7 @@ class Amount:
 
     @property
     def is_plain(self) -> bool:
-        """A number without dimension, or an angle."""
+        """Whether it has no dimension or is an angle."""
         return set(self.unit.dimension) <= {"rad"}
 
     def __neg__(self) -> Amount:
@@ -59,29 +59,29 @@ class Amount:
         return self
 
     def __add__(self, other: Any) -> Any:
-        return self._alike(other, operator.add)
+        return self._sum(other, operator.add)
 
     def __radd__(self, other: Any) -> Any:
-        return self._alike(other, lambda a, b: b + a)
+        return self._sum(other, lambda a, b: b + a)
 
     def __sub__(self, other: Any) -> Any:
-        return self._alike(other, operator.sub)
+        return self._sum(other, operator.sub)
 
     def __rsub__(self, other: Any) -> Any:
-        return self._alike(other, lambda a, b: b - a)
+        return self._sum(other, lambda a, b: b - a)
 
     def __mul__(self, other: Any) -> Any:
-        return self._raised(other, 1, operator.mul)
+        return self._product(other, 1, operator.mul)
 
     def __rmul__(self, other: Any) -> Any:
         return self * other
 
     def __truediv__(self, other: Any) -> Any:
-        return self._raised(other, -1, operator.truediv)
+        return self._product(other, -1, operator.truediv)
 
     def __rtruediv__(self, other: Any) -> Any:
-        one = _as_amount(other)
-        return NotImplemented if one is None else one / self
+        numerator = _as_amount(other)
+        return NotImplemented if numerator is None else numerator / self
 
     def __pow__(self, other: Any) -> Any:
         if not isinstance(other, (int, float)):
@@ -89,31 +89,31 @@ class Amount:
         powers = {base: n * other for base, n in self.unit.dimension.items()}
         if self.value < 0 and other != int(other):
             raise ExpressionError("a root of a negative number")
-        return Amount(self.value**other, made_unit(powers))
+        return Amount(self.value**other, coherent_unit(powers))
 
-    def _alike(self, other: Any, operate: Callable[[float, float], float]) -> Any:
-        one = _as_amount(other)
-        if one is None:
+    def _sum(self, other: Any, operate: Callable[[float, float], float]) -> Any:
+        term = _as_amount(other)
+        if term is None:
             return NotImplemented
-        if not (self.is_plain and one.is_plain) and one.si != self.si:
-            raise ExpressionError(f"{self} and {one} cannot be added; give both units that fit")
-        return Amount(operate(self.value, one.value), self.unit if one.si == "1" else one.unit)
+        if not (self.is_plain and term.is_plain) and term.si != self.si:
+            raise ExpressionError(f"{self} and {term} cannot be added; give both units that fit")
+        return Amount(operate(self.value, term.value), self.unit if term.si == "1" else term.unit)
 
-    def _raised(self, other: Any, sign: int, operate: Callable[[float, float], float]) -> Any:
-        one = _as_amount(other)
-        if one is None:
+    def _product(self, other: Any, sign: int, operate: Callable[[float, float], float]) -> Any:
+        factor = _as_amount(other)
+        if factor is None:
             return NotImplemented
         powers = dict(self.unit.dimension)
-        for base, n in one.unit.dimension.items():
+        for base, n in factor.unit.dimension.items():
             powers[base] = powers.get(base, 0) + sign * n
-        kept = {base: n for base, n in powers.items() if n}
-        return Amount(operate(self.value, one.value), made_unit(kept))
+        nonzero = {base: n for base, n in powers.items() if n}
+        return Amount(operate(self.value, factor.value), coherent_unit(nonzero))
 
     def __str__(self) -> str:
         return f"{self.value:g} {self.unit.si}".strip()
 
 
-NO_UNIT = made_unit({})
+NO_UNIT = coherent_unit({})
 
 
 def _as_amount(value: Any) -> Amount | None:
@@ -123,48 +123,48 @@ def _as_amount(value: Any) -> Amount | None:
 
 
 def with_names(text: str, is_name: Callable[[str], bool]) -> tuple[str, dict[str, Amount]]:
-    """The formula with a name in place of each number that has a unit, and these names.
+    """The formula with a name in place of each number with a unit, and name → amount.
 
-    A unit follows its number, ``2*45 mm``. It goes on after a space, and after ``/`` or ``*``
-    where what follows is a unit and no name of the model.
+    A unit follows its number, ``2*45 mm``. It continues after a space, and after ``/`` or ``*``
+    if a unit follows that is not a name of the model.
 
     Raises
     ------
     ExpressionError
-        An unknown unit, or what may be a unit as well as a name.
+        An unknown unit, or a symbol that is both a unit and a name.
     """
     alone = _ALONE.fullmatch(text)
     if alone and not _WITH_VARIABLE.search(alone[2]) and _is_unit(alone[2]):
         return "_0", {"_0": _amount(alone[1], alone[2])}
-    found: dict[str, Amount] = {}
-    made, place = "", 0
+    amounts: dict[str, Amount] = {}
+    formula, position = "", 0
     for match in _AMOUNT.finditer(text):
-        if match.start() < place:
+        if match.start() < position:
             continue
         end = _end(text, match.end(), is_name)
-        name = f"_{len(found)}"
-        found[name] = _amount(match[1], text[match.start(2) : end])
-        made += text[place : match.start()] + name
-        place = end
-    return made + text[place:], found
+        name = f"_{len(amounts)}"
+        amounts[name] = _amount(match[1], text[match.start(2) : end])
+        formula += text[position : match.start()] + name
+        position = end
+    return formula + text[position:], amounts
 
 
 def _end(text: str, end: int, is_name: Callable[[str], bool]) -> int:
-    """Where a unit ends that has begun."""
+    """Position in the text at which a unit ends."""
     while further := _FURTHER.match(text, end):
         symbol = _PLAIN.match(further[2])
         assert symbol is not None
         if further[1].strip():
-            known, named = _is_unit(further[2]), is_name(symbol[0])
+            is_unit, is_model_name = _is_unit(further[2]), is_name(symbol[0])
             if NO_UNITS.match(symbol[0]):
                 break
-            if known and named:
+            if is_unit and is_model_name:
                 raise ExpressionError(
                     f"{symbol[0]!r} is a unit and a name of the model; write "
                     f"(… {further[1].strip()} {symbol[0]}) with brackets round the number and "
                     f"its unit, or name the quantity"
                 )
-            if not known:
+            if not is_unit:
                 break
         end = further.end()
     return end
@@ -179,31 +179,34 @@ def _is_unit(text: str) -> bool:
 
 
 def _amount(number: str, text: str) -> Amount:
-    meant = unit(text)
-    value = float(number) * meant.factor
+    parsed = unit(text)
+    value = float(number) * parsed.factor
     if not math.isfinite(value):
         raise ExpressionError(f"{number} {text} is not finite")
-    return Amount(value, meant)
+    return Amount(value, parsed)
 
 
-def check_unit(given: str, expected: str, entity: str, shown: str) -> None:
-    """A unit stands where one of its dimension is expected.
+def check_unit(symbol: str, expected: str, entity: str, subject: str) -> None:
+    """Check that a unit has the dimension of the expected one.
 
     Parameters
     ----------
-    shown : what has this unit, as messages tell it
+    symbol : the unit
+    expected : units that fit, separated by ``|``
+    entity : the field at fault
+    subject : the quantity with this unit, as messages quote it
 
     Raises
     ------
     ExpressionError
-        Names the entity, what was given and the unit expected.
+        Names the entity, the quantity and the expected unit.
     """
-    if unit(given).fits(expected):
+    if unit(symbol).fits(expected):
         return
-    what = expected if expected not in ("", "1") else "a plain number"
+    required = expected if expected not in ("", "1") else "a plain number"
     usual = SUGGESTED.get(expected.split("|")[0].strip())
     cure = f"; write it with a unit of that kind, such as {usual!r}" if usual else ""
-    raise ExpressionError(f"{shown} does not fit, expected {what}{cure}", entity)
+    raise ExpressionError(f"{subject} does not fit, expected {required}{cure}", entity)
 
 
 SUGGESTED: Mapping[str, str] = {
@@ -216,4 +219,4 @@ SUGGESTED: Mapping[str, str] = {
     "Pa": "MPa",
     "N/m": "N/mm",
 }
-"""Unit of a field → one that people write."""
+"""Unit of a field → unit that messages suggest."""

@@ -1,7 +1,7 @@
-"""Dimensions of formulas: what is added or compared is of one kind, where kinds are known.
+"""Dimensional analysis of formulas: terms of sums and comparisons have the same dimension.
 
-Names with units and numbers with units are known. A plain number is SI of any kind, ``2*x`` may be
-a force, so that nothing is known of its products, and it is added to anything.
+Names and numbers with units have a dimension. A plain number stands for an SI quantity of any
+dimension: ``2*x`` may be a force, so products with it are unknown, and it can be added to anything.
 """
 
 from __future__ import annotations
@@ -15,28 +15,28 @@ from dalembert.units.amounts import Amount
 from dalembert.units.unit import si_unit, unit
 
 Dimension = Mapping[str, float] | None
-"""Exponents of kg, m, s, …; None where it is not known."""
+"""Exponents of kg, m, s, …; None if unknown."""
 
 VERBS: dict[type, str] = {ast.Add: "added", ast.Sub: "subtracted"}
 ALIKE = ("abs", "min", "max", "hypot", "smooth_abs")
-"""Functions of arguments of one kind, of which their result is as well."""
+"""Functions whose arguments and result have the same dimension."""
 ANGLES = ("asin", "acos", "atan", "atan2")
 
 
 class Formula(Protocol):
-    """A formula that was read."""
+    """A parsed formula."""
 
     numbers: dict[ast.AST, Amount | float]
-    """Parts without names."""
+    """Values of the parts without names."""
 
-    def shown(self, node: ast.AST) -> str:
+    def source(self, node: ast.AST) -> str:
         """The text of a part."""
 
     def is_name(self, node: ast.AST) -> bool:
         """Whether a part is a name, dots included."""
 
-    def behind(self, node: ast.AST) -> Any:
-        """What stands behind a name."""
+    def value_of(self, node: ast.AST) -> Any:
+        """The value of a name."""
 
 
 def dimension_of(node: ast.AST, formula: Formula) -> Dimension:
@@ -58,14 +58,14 @@ def dimension_of(node: ast.AST, formula: Formula) -> Dimension:
         _alike("compared", [node.left, node.comparators[0]], formula)
         return {}
     if formula.is_name(node):
-        return known_dimension(getattr(formula.behind(node), "unit", ""))
+        return dimension_of_unit(getattr(formula.value_of(node), "unit", ""))
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
         return _function(node.func.id, node.args, formula)
     return None
 
 
-def known_dimension(text: str) -> Dimension:
-    """The dimension of a unit; None of none, and of what is no unit, such as ``N or N m``."""
+def dimension_of_unit(text: str) -> Dimension:
+    """The dimension of a unit; None without one, and for texts such as ``N or N m``."""
     try:
         return unit(text).dimension if text else None
     except ExpressionError:
@@ -75,16 +75,16 @@ def known_dimension(text: str) -> Dimension:
 def _combined(node: ast.BinOp, formula: Formula) -> Dimension:
     if type(node.op) in VERBS:
         return _alike(VERBS[type(node.op)], [node.left, node.right], formula)
-    left, right = dimension_of(node.left, formula), dimension_of(node.right, formula)
-    if left is None:
+    first, second = dimension_of(node.left, formula), dimension_of(node.right, formula)
+    if first is None:
         return None
     if isinstance(node.op, ast.Pow):
         power = formula.numbers.get(node.right)
-        return _raised(left, power) if isinstance(power, float) else None
-    if right is None:
+        return _raised(first, power) if isinstance(power, float) else None
+    if second is None:
         return None
     sign = 1 if isinstance(node.op, ast.Mult) else -1
-    return {b: left.get(b, 0) + sign * right.get(b, 0) for b in {**left, **right}}
+    return {b: first.get(b, 0) + sign * second.get(b, 0) for b in {**first, **second}}
 
 
 def _function(name: str, arguments: list[ast.expr], formula: Formula) -> Dimension:
@@ -92,27 +92,28 @@ def _function(name: str, arguments: list[ast.expr], formula: Formula) -> Dimensi
         dimension_of(arguments[0], formula)
         return _alike("chosen between", arguments[1:], formula)
     if name in ALIKE or name == "atan2":
-        found = _alike("taken together", arguments, formula)
+        dimension = _alike("taken together", arguments, formula)
     elif name == "interp":
         dimension_of(arguments[0], formula)
-        found = known_dimension(formula.behind(arguments[1]).units[1])
+        dimension = dimension_of_unit(formula.value_of(arguments[1]).units[1])
     else:
-        (found,) = (dimension_of(one, formula) for one in arguments)
+        (dimension,) = (dimension_of(argument, formula) for argument in arguments)
     if name in ANGLES:
         return {"rad": 1}
-    if name == "sqrt" and found is not None:
-        return _raised(found, 0.5)
-    return found if name in (*ALIKE, "interp") else None
+    if name == "sqrt" and dimension is not None:
+        return _raised(dimension, 0.5)
+    return dimension if name in (*ALIKE, "interp") else None
 
 
 def _alike(verb: str, parts: list[ast.expr], formula: Formula) -> Dimension:
-    """The common dimension of parts; None if one of them is not known."""
-    found = [(part, dimension_of(part, formula)) for part in parts]
-    known = [(part, one) for part, one in found if one is not None]
-    for part, one in known[1:]:
-        if _without_angle(one) != _without_angle(known[0][1]):
+    """The common dimension of parts; None if that of one is unknown."""
+    dimensions = [(part, dimension_of(part, formula)) for part in parts]
+    known = [(part, dimension) for part, dimension in dimensions if dimension is not None]
+    for part, dimension in known[1:]:
+        if _without_angle(dimension) != _without_angle(known[0][1]):
             first, second = (
-                f"{formula.shown(p)} [{si_unit(d) or '1'}]" for p, d in (known[0], (part, one))
+                f"{formula.source(p)} [{si_unit(d) or '1'}]"
+                for p, d in (known[0], (part, dimension))
             )
             raise ExpressionError(
                 f"{first} and {second} cannot be {verb}; a factor that leads from one to the other "
@@ -126,5 +127,5 @@ def _raised(dimension: Mapping[str, float], power: float) -> Dimension:
 
 
 def _without_angle(dimension: Mapping[str, float]) -> dict[str, float]:
-    """Angles may be left out, as in the ``N m`` of a stiffness."""
+    """The dimension without angles, which may be omitted, as in the ``N m`` of a stiffness."""
     return {base: n for base, n in dimension.items() if n and base != "rad"}

@@ -1,9 +1,8 @@
 """Formulas in text: an allow-listed grammar, parsed without ``eval``.
 
 Numbers, numbers with units, names, ``+ - * / **``, comparisons, and functions. A name may be dotted
-(``crank.end.x``), and its parts may have a number (``bars[3].stress``,
-``plate.von_mises.max(0.1)``). Length, depth and node count are limited, so that a hostile file
-cannot exhaust the machine.
+(``crank.end.x``), and its parts may have an index or an argument (``bars[3].stress``,
+``plate.von_mises.max(0.1)``). Length, depth and node count are limited to bound memory and time.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ MAX_LENGTH = 2000
 MAX_DEPTH = 50
 MAX_NODES = 1000
 TERM = 0.4
-"""Depth of a term of a sum, each of which stands one deeper than the next in the tree."""
+"""Weight of a term of a sum in the depth; the tree nests each term one deeper than the next."""
 
 _OPERATORS = {
     ast.Add: operator.add,
@@ -45,7 +44,7 @@ CONSTANTS = {"pi": math.pi, "e": math.e}
 
 Functions = Mapping[str, tuple[Callable[..., Any], int]]
 OF_AMOUNTS = {"atan2", "interp", "hypot", "max", "min", "smooth_abs", "where"}
-"""Functions of numbers that may have units."""
+"""Functions whose arguments may have units."""
 _OF_ONE = "sqrt sin cos tan asin acos atan sinh cosh tanh exp log floor".split()
 PLAIN_FUNCTIONS: Functions = {
     **{name: (getattr(math, name), 1) for name in _OF_ONE},
@@ -54,11 +53,11 @@ PLAIN_FUNCTIONS: Functions = {
     "min": (min, 2),
     "max": (max, 2),
 }
-"""Functions of texts that have numbers and units only."""
+"""Functions of formulas without names."""
 
 
 def amount_of(text: str) -> Amount | float:
-    """The number behind a text without names, with its dimension where it has a unit.
+    """The value of a formula without names, with its dimension if it has a unit.
 
     Raises
     ------
@@ -68,21 +67,21 @@ def amount_of(text: str) -> Amount | float:
     return Grammar(text, lambda name: None, list, PLAIN_FUNCTIONS).run()
 
 
-def _goes_on(node: ast.BinOp) -> bool:
-    """Whether it is a sum whose first term is one."""
+def _continues_sum(node: ast.BinOp) -> bool:
+    """Whether a node is a sum whose first term is a sum."""
     sums = (ast.Add, ast.Sub)
-    left = node.left
-    return isinstance(node.op, sums) and isinstance(left, ast.BinOp) and isinstance(left.op, sums)
+    first = node.left
+    return isinstance(node.op, sums) and isinstance(first, ast.BinOp) and isinstance(first.op, sums)
 
 
 class Grammar:
-    """Reads one formula; what names and functions stand for, the caller says.
+    """Parser of one formula; the caller supplies names and functions.
 
     Parameters
     ----------
     text : the formula, at most ``MAX_LENGTH`` characters
-    lookup : gives what is behind a (dotted) name, or None
-    known : gives the names to suggest from when one is unknown
+    lookup : (dotted) name → value, or None
+    known : returns the names to suggest from when one is unknown
     functions : name → (function, number of arguments)
     """
 
@@ -101,16 +100,16 @@ class Grammar:
         self.nodes = 0
 
     def fail(self, message: str) -> ExpressionError:
-        shown = self.text if len(self.text) <= 60 else self.text[:57] + "..."
-        return ExpressionError(f"in formula {shown!r}: {message}")
+        text = self.text if len(self.text) <= 60 else self.text[:57] + "..."
+        return ExpressionError(f"in formula {text!r}: {message}")
 
     def run(self) -> Any:
-        """A number, an amount, or what names and functions make of them.
+        """The value of the formula: a number, an amount, or the result of names and functions.
 
         Raises
         ------
         ExpressionError
-            With the text, the place and a cure; ``UnknownNameError`` where a name is unknown.
+            Quotes the formula and names a fix; ``UnknownNameError`` for an unknown name.
         """
         text = self.text
         if len(text) > MAX_LENGTH:
@@ -141,32 +140,32 @@ class Grammar:
             raise self.fail(error.message) from None
         return value
 
-    def shown(self, node: ast.AST) -> str:
+    def source(self, node: ast.AST) -> str:
         """The text of a part."""
-        written = ast.get_source_segment(self.formula, node) or ""
+        source = ast.get_source_segment(self.formula, node) or ""
         for name, amount in self.amounts.items():
-            told = f"{amount.value / amount.unit.factor:g} {amount.unit.text}"
-            written = re.sub(rf"\b{name}\b", told, written)
-        return written
+            original = f"{amount.value / amount.unit.factor:g} {amount.unit.text}"
+            source = re.sub(rf"\b{name}\b", original, source)
+        return source
 
-    def behind(self, node: ast.AST) -> Any:
-        """What stands behind a name."""
+    def value_of(self, node: ast.AST) -> Any:
+        """The value of a name."""
         return self.names.get(self.spelled(node))
 
     def is_known(self, name: str) -> bool:
-        """Whether something has this name, allowed here or not."""
+        """Whether the name exists, allowed here or not."""
         try:
             return self.lookup(name) is not None
         except ExpressionError:
             return True
 
     def visit(self, node: ast.AST, depth: float) -> Any:
-        value = self.evaluated(node, depth)
+        value = self.evaluate(node, depth)
         if isinstance(value, (Amount, float)):
             self.numbers[node] = value
         return value
 
-    def evaluated(self, node: ast.AST, depth: float) -> Any:
+    def evaluate(self, node: ast.AST, depth: float) -> Any:
         self.nodes += 1
         if depth > MAX_DEPTH or self.nodes > MAX_NODES:
             raise self.fail(f"too large (at most {MAX_NODES} parts, {MAX_DEPTH} deep)")
@@ -175,7 +174,7 @@ class Grammar:
         if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
             return self.apply(
                 _OPERATORS[type(node.op)],
-                self.visit(node.left, depth + (TERM if _goes_on(node) else 1)),
+                self.visit(node.left, depth + (TERM if _continues_sum(node) else 1)),
                 self.visit(node.right, depth + 1),
             )
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
@@ -233,38 +232,38 @@ class Grammar:
         function, arity = self.functions[node.func.id]
         if node.keywords or len(node.args) != arity:
             raise self.fail(f"{node.func.id} takes {arity} argument(s), got {len(node.args)}")
-        given = [self.visit(a, depth + 1) for a in node.args]
-        for value in given:
+        arguments = [self.visit(a, depth + 1) for a in node.args]
+        for value in arguments:
             if isinstance(value, Amount) and node.func.id not in OF_AMOUNTS and not value.is_plain:
                 raise self.fail(f"{node.func.id} takes a plain number or an angle, got {value}")
         try:
-            return function(*given)
+            return function(*arguments)
         except ExpressionError as error:
             raise self.fail(str(error)) from None
         except (ValueError, OverflowError):
             raise self.fail(f"{node.func.id} has no value there") from None
 
     def is_name(self, node: ast.AST) -> bool:
-        """A plain name, or one with further parts after dots."""
+        """Whether a node is a plain or dotted name."""
         dotted = isinstance(node, ast.Name)
         while isinstance(node, (ast.Attribute, ast.Subscript, ast.Call)):
             dotted |= isinstance(node, ast.Attribute)
             node = node.func if isinstance(node, ast.Call) else node.value
         if dotted and not isinstance(node, ast.Name):
-            raise self.fail("a dotted name must be made of names only")
+            raise self.fail("a dotted name must consist of names only")
         return dotted
 
     def spelled(self, node: ast.AST) -> str:
-        """A name without spaces."""
+        """The text of a name without spaces."""
         return "".join((ast.get_source_segment(self.formula, node) or "").split())
 
     def name(self, name: str) -> Any:
         if name in self.amounts:
             return self.amounts[name]
-        found = self.lookup(name)
-        if found is not None:
-            self.names[name] = found
-            return found
+        value = self.lookup(name)
+        if value is not None:
+            self.names[name] = value
+            return value
         if name in CONSTANTS:
             return CONSTANTS[name]
         fault = self.fail(f"unknown name {name!r}{nearest(name, self.known())}")

@@ -1,4 +1,4 @@
-"""Numbers that texts gave with a unit: ``"10 mm"`` as 0.01, which knows that it is a length."""
+"""Numbers read from texts with a unit: ``"10 mm"`` is 0.01 and records that it is a length."""
 
 from __future__ import annotations
 
@@ -10,33 +10,33 @@ from dalembert.units.grammar import amount_of
 
 
 class Measured(float):
-    """A number of SI units.
+    """A number in SI units that records its unit.
 
     Attributes
     ----------
     si : its unit
-    text : as messages show it
+    text : the original text, quoted in messages
     """
 
     si: str
     text: str
 
     def __new__(cls, value: float, si: str, text: str) -> Measured:
-        made = super().__new__(cls, value)
-        made.si, made.text = si, text
-        return made
+        number = super().__new__(cls, value)
+        number.si, number.text = si, text
+        return number
 
     def __getnewargs__(self) -> Any:
         return float(self), self.si, self.text
 
 
 def measured(value: Any) -> Any:
-    """The number in a text, which keeps its unit if it has one; what is no text as it is.
+    """The number in a text, with its unit if it has one; other values are returned unchanged.
 
     Raises
     ------
     ExpressionError
-        A text that is no number with a unit.
+        The text is not a number with a unit.
     """
     if not isinstance(value, str):
         return value
@@ -47,12 +47,12 @@ def measured(value: Any) -> Any:
 
 
 def check_measured(values: Iterable[Any], expected: str, entity: str) -> None:
-    """Numbers with units stand where ``expected`` is one of their dimension.
+    """Check that numbers with units have the dimension of the expected unit.
 
     Raises
     ------
     ExpressionError
-        Names the entity, what was given and the unit expected.
+        Names the entity, the number and the expected unit.
     """
     for value in values:
         if isinstance(value, Measured) and expected:

@@ -1,10 +1,10 @@
-"""Units in texts: ``45 mm``, ``60 rpm``, ``3 kN/mm``. All else is SI and radians.
+"""Units in texts: ``45 mm``, ``60 rpm``, ``3 kN/mm``. Internally all is SI and radians.
 
-The names are those of pint, with prefixes. The coherent ones, ``N m`` or ``kg/s^2``, are known
-here, so that what has no other units need not wait for a registry.
+The names are those of pint, with prefixes. Coherent units, ``N m`` or ``kg/s^2``, are parsed here,
+so that models in SI units do not load the registry of pint.
 
-Angles are a dimension, as far as one is given: ``rad/s`` is no ``1/s`` and no ``Hz``, which counts
-cycles; ``N m`` may stand for ``N m/rad``, as is usual.
+An angle that is stated is a dimension: ``rad/s`` is neither ``1/s`` nor ``Hz``, which counts
+cycles. An angle may be omitted: ``N m`` may stand for ``N m/rad``, as is usual.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ COHERENT: dict[str, dict[str, int]] = {
     "Hz": {"cycle": 1, "s": -1},
     "1": {},
 }
-"""Name of a unit that needs no number → exponents of the bases."""
+"""Coherent unit → exponents of the base units."""
 BASES = {
     "meter": "m",
     "kilogram": "kg",
@@ -40,12 +40,12 @@ BASES = {
     "ampere": "A",
     "count": "cycle",
 }
-"""How pint calls them."""
+"""Base units by pint's names."""
 OWN = {
     "radian = [] = rad": "radian = [angle] = rad",
     "hertz = 1 / second = Hz": "hertz = count / second = Hz",
 }
-"""Lines of pint's definitions, and what stands here instead."""
+"""Lines of pint's definitions → their replacements."""
 SYMBOL = r"(?:[^\W\d_]\w*|[°%]\w*)"
 POWER = r"(?:(?:\^|\*\*)-?\d+(?:\.\d+)?|[²³⁴])"
 UNIT = rf"{SYMBOL}{POWER}?"
@@ -56,14 +56,14 @@ _RAISED = {"²": 2, "³": 3, "⁴": 4}
 
 @dataclass(frozen=True)
 class Unit:
-    """So many SI units, of a dimension.
+    """A unit: its size in SI units and its dimension.
 
     Attributes
     ----------
-    text : as it was written
-    factor : SI units in one of it
+    text : as written
+    factor : its size in SI units
     dimension : exponents of kg, m, s, K, A, rad and cycle
-    si : the unit of SI in its place, ``N/m`` for ``kN/mm``
+    si : the coherent unit of the same dimension, ``N/m`` for ``kN/mm``
     """
 
     text: str
@@ -72,76 +72,76 @@ class Unit:
     si: str
 
     def fits(self, expected: str) -> bool:
-        """Whether a number in it can stand where ``m``, or ``m | rad``, is expected."""
+        """Whether its dimension is that of an expected unit such as ``m`` or ``m | rad``."""
         try:
-            wanted = [unit(one).dimension for one in expected.split("|")]
-        except ExpressionError:  # such as N/m^n, which any may be
+            accepted = [unit(text).dimension for text in expected.split("|")]
+        except ExpressionError:  # such as N/m^n, of any dimension
             return True
-        own = {base: n for base, n in self.dimension.items() if n}
-        return any(own in ({**w}, _without_angle(w)) for w in wanted)
+        dimension = {base: n for base, n in self.dimension.items() if n}
+        return any(dimension in ({**a}, _without_angle(a)) for a in accepted)
 
     def without_angle(self) -> Unit:
         """The coherent unit with angles taken as plain numbers."""
-        return made_unit(_without_angle(self.dimension))
+        return coherent_unit(_without_angle(self.dimension))
 
 
 LONGEST = 200
-"""Characters of a unit."""
+"""Upper limit of the length of a unit."""
 
 
 @functools.lru_cache(maxsize=1000)
 def unit(text: str) -> Unit:
-    """The unit behind a text such as ``N m/rad``, ``mm²`` or ``1/s``.
+    """The unit of a text such as ``N m/rad``, ``mm²`` or ``1/s``.
 
-    What follows a ``/`` divides, one unit only: ``N/m s`` is ``(N/m)·s``.
+    A ``/`` applies to the next unit only: ``N/m s`` is ``(N/m)·s``.
 
     Raises
     ------
     ExpressionError
-        A name that is no unit, a text that is none, or degrees of a temperature scale.
+        An unknown unit, a text that is not a unit, or degrees of a temperature scale.
     """
     if len(text) > LONGEST:
         raise ExpressionError(
             f"{text[:60]!r}… is no unit: it has {len(text)} characters, {LONGEST} at most"
         )
     factor, dimension, spelled, simple = 1.0, dict[str, float](), "", True
-    place, sign, rest = 0, 1, text.strip()
-    while place < len(rest):
-        found = _TOKEN.match(rest, place)
-        if not found:
+    position, sign, stripped = 0, 1, text.strip()
+    while position < len(stripped):
+        match = _TOKEN.match(stripped, position)
+        if not match:
             raise ExpressionError(f"{text!r} is no unit; write e.g. 'mm', 'N m', 'kg/m^3'")
-        place = found.end()
-        if found["by"]:
-            sign = -1 if found["by"] == "/" else 1
+        position = match.end()
+        if match["by"]:
+            sign = -1 if match["by"] == "/" else 1
             continue
-        power = found["power"] or "1"
+        power = match["power"] or "1"
         exponent = sign * (_RAISED.get(power) or float(power.lstrip("^*")))
         if abs(exponent) > MOST_POWER:
             raise ExpressionError(f"{text[:60]!r} is no unit; powers are up to {MOST_POWER}")
-        one = _named(found["name"])
-        factor *= one.factor**exponent
-        for base, n in one.dimension.items():
+        named = _named(match["name"])
+        factor *= named.factor**exponent
+        for base, n in named.dimension.items():
             dimension[base] = dimension.get(base, 0) + n * exponent
         spelled += "/" if sign < 0 else " " if spelled else ""
-        spelled += (one.si or "1") + (f"^{abs(exponent):g}" if abs(exponent) != 1 else "")
-        simple = simple and one.si.isalnum()
+        spelled += (named.si or "1") + (f"^{abs(exponent):g}" if abs(exponent) != 1 else "")
+        simple = simple and named.si.isalnum()
         sign = 1
-    kept = {base: n for base, n in dimension.items() if n}
-    return Unit(text, factor, MappingProxyType(kept), spelled if simple else si_unit(kept))
+    nonzero = {base: n for base, n in dimension.items() if n}
+    return Unit(text, factor, MappingProxyType(nonzero), spelled if simple else si_unit(nonzero))
 
 
 def si_unit(dimension: Mapping[str, float]) -> str:
     """The coherent unit of a dimension, such as ``kg m/s^2`` or ``N``."""
-    kept = {base: n for base, n in dimension.items() if n}
-    for name, known in COHERENT.items():
-        if known == kept:
+    nonzero = {base: n for base, n in dimension.items() if n}
+    for name, exponents in COHERENT.items():
+        if exponents == nonzero:
             return "" if name == "1" else name
-    up = [f"{base}^{n:g}" if n != 1 else base for base, n in kept.items() if n > 0]
-    down = [f"/{base}^{-n:g}" if n != -1 else f"/{base}" for base, n in kept.items() if n < 0]
+    up = [f"{base}^{n:g}" if n != 1 else base for base, n in nonzero.items() if n > 0]
+    down = [f"/{base}^{-n:g}" if n != -1 else f"/{base}" for base, n in nonzero.items() if n < 0]
     return (" ".join(up) or "1") + "".join(down)
 
 
-def made_unit(dimension: Mapping[str, float]) -> Unit:
+def coherent_unit(dimension: Mapping[str, float]) -> Unit:
     """The coherent unit of a dimension."""
     name = si_unit(dimension)
     return Unit(name, 1.0, dimension, name)
@@ -149,19 +149,19 @@ def made_unit(dimension: Mapping[str, float]) -> Unit:
 
 @functools.lru_cache(maxsize=1000)
 def _named(name: str) -> Unit:
-    """A unit by its plain name."""
+    """A unit by its name."""
     if name in COHERENT:
         return Unit(name, 1.0, COHERENT[name], name)
     registry = _registry()
     try:
-        one = registry.Quantity(1.0, registry.parse_units(name)).to_base_units()
-        two = registry.Quantity(2.0, registry.parse_units(name)).to_base_units()
-    except Exception:  # its errors are of many kinds
+        single = registry.Quantity(1.0, registry.parse_units(name)).to_base_units()
+        double = registry.Quantity(2.0, registry.parse_units(name)).to_base_units()
+    except Exception:  # pint raises many types
         raise ExpressionError(f"unknown unit {name!r}{_nearest(name)}") from None
-    if not math.isclose(two.magnitude, 2 * one.magnitude):
-        raise ExpressionError(f"{name} has a zero of its own; temperatures are changes, write 'K'")
-    found = {BASES.get(str(base), str(base)): n for base, n in one.unit_items()}
-    return Unit(name, float(one.magnitude), found, si_unit(found))
+    if not math.isclose(double.magnitude, 2 * single.magnitude):
+        raise ExpressionError(f"{name} has an offset; temperatures are differences, write 'K'")
+    dimension = {BASES.get(str(base), str(base)): n for base, n in single.unit_items()}
+    return Unit(name, float(single.magnitude), dimension, si_unit(dimension))
 
 
 @functools.cache
@@ -173,10 +173,10 @@ def _registry() -> Any:
 
     text = (files(pint) / "default_en.txt").read_text(encoding="utf-8")
     constants = (files(pint) / "constants_en.txt").read_text(encoding="utf-8")
-    for line, own in {**OWN, "@import constants_en.txt": constants}.items():
+    for line, replacement in {**OWN, "@import constants_en.txt": constants}.items():
         if line not in text:
-            raise ExpressionError(f"the units of pint {pint.__version__} are not known here")
-        text = text.replace(line, own)
+            raise ExpressionError(f"the units of pint {pint.__version__} are not supported")
+        text = text.replace(line, replacement)
     registry: Any = pint.UnitRegistry(None)
     registry.load_definitions(text.splitlines())
     registry.default_system = "mks"
@@ -193,12 +193,12 @@ def _without_angle(dimension: Mapping[str, float]) -> dict[str, float]:
 
 
 def shown_in(si: str, wanted: Sequence[str]) -> tuple[float, str]:
-    """Factor and name of the first wanted unit of the same dimension; 1 and its own if none is."""
-    if not wanted or not si or " or " in si:  # of a variable that holds forces and moments, say
+    """Factor and name of the first wanted unit of the same dimension; 1 and ``si`` without one."""
+    if not wanted or not si or " or " in si:  # a variable that holds forces and moments
         return 1.0, si
-    own = unit(si)
+    source = unit(si)
     for text in wanted:
-        other = unit(text)
-        if dict(other.dimension) == dict(own.dimension):
-            return other.factor / own.factor, text
+        target = unit(text)
+        if dict(target.dimension) == dict(source.dimension):
+            return target.factor / source.factor, text
     return 1.0, si

@@ -1,1 +1,1 @@
-"""Many designs of one model in one call."""
+"""Batches: many designs of one model in one call."""

@@ -1,8 +1,9 @@
-"""Dynamics of many designs under error control, each with steps of its own.
+"""Batches of dynamics under error control, with individual steps of each design.
 
-Attempted steps of several designs are evaluated side by side, one in each lane; a design that has
-come to its end waits for the others of its group. Outputs inside steps follow by parts of steps, of
-all designs at once. What is stiff, has events or switches, or does not pass the checks runs alone.
+Attempted steps of several designs are evaluated in parallel, one design in each lane; a design that
+has reached its end waits for the others of its group. Outputs inside steps are partial steps of all
+designs at once. Designs that are stiff, have events or switches, or fail the checks run
+individually.
 """
 
 from __future__ import annotations
@@ -13,32 +14,32 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.batch.side_by_side import SideBySide
-from dalembert.analysis.batch.states import MarchedStates
+from dalembert.analysis.batch.dynamics_batch import DynamicsBatch
+from dalembert.analysis.batch.states import MarchedStates, check_memory
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.marching.method_choice import STIFF, STIFF_SHARE
 from dalembert.model.model import Model
-from dalembert.symbolic.evaluation.lane_march import LaneMarch
+from dalembert.symbolic.evaluation.parallel import LaneMarch
 from dalembert.symbolic.once import once
 
 ATTEMPTS = 64
-"""Attempts of each design in a call."""
+"""Number of attempts of each design per call."""
 LONGEST = 20_000
-"""Attempts after which a design is left to a run of its own."""
+"""Number of attempts after which a design runs individually."""
 SUSPECTED = 256
-"""Attempts from which on a design is judged stiff."""
+"""Minimum number of steps before a design can count as stiff."""
 USUAL = 500
-"""Attempts of a design that are expected when machine code is weighed."""
+"""Expected number of attempts of a design in the decision on machine code."""
 
 
-class AdaptiveSteps(SideBySide):
-    """One execution of a batch with error control."""
+class AdaptiveSteps(DynamicsBatch):
+    """Execution of a batch with error control."""
 
     same_instants = False
 
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
-        """Whether attempts of explicit steps are all that runs take."""
+        """Whether runs consist of attempts of explicit steps only."""
         variant = cls.starting_variant(analysis, model)
         if variant is None or variant.equations.switches.count or variant.integrator.implicit:
             return False
@@ -51,7 +52,8 @@ class AdaptiveSteps(SideBySide):
 
     @property
     def steps_of_a_design(self) -> int:
-        return round(float(np.mean(self._taken[self._taken > 0]))) if self._taken.any() else 0
+        counts = self._accepted[self._accepted > 0]
+        return round(float(np.mean(counts))) if counts.size else 0
 
     def _march(
         self, started: np.ndarray, report: Callable[[float], None]
@@ -63,27 +65,28 @@ class AdaptiveSteps(SideBySide):
         self.times = run.requested
         times = np.union1d(self.times, [self.start, run.end])
         size = variant.step.size
-        self._afford(size)
+        check_memory(self.count, self.times.size, size)
         function = _recorded(attempt)
         columns, work = kernel.backend.columns(function, True, (1,)), USUAL * started.size
         self.marching = march = LaneMarch(function, columns, kernel.backend, work)
         longest = kernel.integrator.longest_in(run.end - self.start)
         head = np.array([self.start, min(run.first_step, longest), *attempt.memory])
-        begins = np.full((self.count, times.size, size + 2), np.nan)
-        self._taken = np.zeros(self.count, dtype=int)
+        step_begins = np.full((self.count, times.size, size + 2), np.nan)
+        self._accepted = np.zeros(self.count, dtype=int)
 
         def go(group: np.ndarray) -> None:
             x0, designs = self.starts.x0[group], started[group]
             ends = np.tile([run.end, longest], (group.size, 1))
             fixed = np.hstack([ends, self.starts.p[designs]])
             state = np.hstack([np.tile(head, (group.size, 1)), x0, np.zeros((group.size, 5))])
-            begins[designs] = self._states(march, state, fixed, times, head.size, designs)
+            step_begins[designs] = self._states(march, state, fixed, times, head.size, designs)
 
         ended = self._in_groups(march, go, started, report)
-        t, h, x_begin = begins[ended, :, 0], begins[ended, :, 1], begins[ended, :, 2:]
+        t, h = step_begins[ended, :, 0], step_begins[ended, :, 1]
+        x_begin = step_begins[ended, :, 2:]
         x = np.full((self.count, times.size, size), np.nan)
-        moved = self._partial(ended, t, h, x_begin)
-        x[ended] = np.where(h[..., None] == 0, x_begin, moved)
+        partial = self._partial(ended, t, h, x_begin)
+        x[ended] = np.where(h[..., None] == 0, x_begin, partial)
         ended = self._finite(x, ended)
         return self._marched(times, x), ended
 
@@ -98,7 +101,7 @@ class AdaptiveSteps(SideBySide):
     ) -> np.ndarray:
         """(designs, times, 2 + size) begin of the step to each time, length of the part, state.
 
-        NaN where a design has not come to a time.
+        NaN where a design has not reached a time.
         """
         size = state.shape[1] - head - 5
         begins = np.full((len(state), times.size, size + 2), np.nan)
@@ -110,36 +113,45 @@ class AdaptiveSteps(SideBySide):
             state, attempts = path[:, -1], attempts + ATTEMPTS
             for k, (old, new) in enumerate(zip(before, path, strict=True)):
                 t, h, _, accepted, stiffness = new[:, -5:].T
-                taken = np.flatnonzero((accepted > 0.5) & (h > 0))
-                self._taken[designs[k]] += taken.size
-                stiff[k] += np.sum(stiffness[taken] > STIFF)
-                _place(begins[k], times, old[taken, head:-5], t[taken], h[taken], new[taken, 0])
-            steps = self._taken[designs]
-            late = (steps > SUSPECTED) & (stiff >= STIFF_SHARE * steps)
-            if not np.all(np.isfinite(state)) or np.any(late):
-                lost = late | ~np.all(np.isfinite(state), axis=1)
-                begins[lost], state[lost] = np.nan, state[np.argmin(lost)]  # lost from the start
-                if lost.all():
+                lasting = np.flatnonzero((accepted > 0.5) & (h > 0))
+                self._accepted[designs[k]] += lasting.size
+                stiff[k] += np.sum(stiffness[lasting] > STIFF)
+                _store_partial_steps(
+                    begins[k],
+                    times,
+                    old[lasting, head:-5],
+                    t[lasting],
+                    h[lasting],
+                    new[lasting, 0],
+                )
+            steps = self._accepted[designs]
+            too_stiff = (steps > SUSPECTED) & (stiff >= STIFF_SHARE * steps)
+            if not np.all(np.isfinite(state)) or np.any(too_stiff):
+                dropped = too_stiff | ~np.all(np.isfinite(state), axis=1)
+                begins[dropped] = np.nan  # these run individually from the start
+                state[dropped] = state[np.argmin(dropped)]
+                if dropped.all():
                     break
         return begins
 
 
-def _place(begins: np.ndarray, times: np.ndarray, x: np.ndarray, t, h, ends) -> None:
-    """Parts of steps to the times that lie in them."""
+def _store_partial_steps(begins: np.ndarray, times: np.ndarray, x: np.ndarray, t, h, ends) -> None:
+    """Store the partial steps to the times inside steps."""
     if not t.size:
         return
     first, last = np.searchsorted(times, [t[0], ends[-1]], side="right")
-    wanted = np.arange(first, last)
-    step = np.searchsorted(ends, times[wanted])
-    begins[wanted, 0], begins[wanted, 2:] = t[step], x[step]
-    begins[wanted, 1] = np.where(times[wanted] == ends[step], h[step], times[wanted] - t[step])
+    inside = np.arange(first, last)
+    step = np.searchsorted(ends, times[inside])
+    begins[inside, 0], begins[inside, 2:] = t[step], x[step]
+    begins[inside, 1] = np.where(times[inside] == ends[step], h[step], times[inside] - t[step])
 
 
 @once
 def _recorded(attempt: Attempt) -> ca.Function:
     """``([state; record], fixed) → [state; record]`` of one attempt."""
     function = attempt.function
-    count, more = function.numel_in(0), function.numel_out(1)
-    both, fixed = ca.SX.sym("s", count + more), ca.SX.sym("f", function.numel_in(1))
-    out = function.call([both[:count], fixed])
-    return ca.Function("recorded", [both, fixed], [ca.densify(ca.vertcat(*out))])
+    count, record_size = function.numel_in(0), function.numel_out(1)
+    state_and_record = ca.SX.sym("s", count + record_size)
+    fixed = ca.SX.sym("f", function.numel_in(1))
+    out = function.call([state_and_record[:count], fixed])
+    return ca.Function("recorded", [state_and_record, fixed], [ca.densify(ca.vertcat(*out))])

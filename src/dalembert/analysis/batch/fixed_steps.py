@@ -1,4 +1,4 @@
-"""Dynamics of many designs in steps of the same lengths."""
+"""Batches of dynamics with fixed steps that all designs share."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.batch.side_by_side import SideBySide
-from dalembert.analysis.batch.states import MarchedStates
+from dalembert.analysis.batch.dynamics_batch import DynamicsBatch
+from dalembert.analysis.batch.states import MarchedStates, check_memory
 from dalembert.analysis.kinematics.branches import outputs_of
 from dalembert.analysis.timeline import uniform_grid
 from dalembert.integrators.marching.steps import Steps
 from dalembert.model.model import Model
 from dalembert.results.batch.designs import Designs
-from dalembert.symbolic.evaluation.lane_march import LaneMarch
+from dalembert.symbolic.evaluation.parallel import LaneMarch
 
 
-class FixedSteps(SideBySide):
-    """One execution of a batch with steps of given lengths."""
+class FixedSteps(DynamicsBatch):
+    """Execution of a batch with fixed steps."""
 
     def __init__(self, analysis: Any, model: Model, designs: Designs, workers: int):
         super().__init__(analysis, model, designs, workers)
@@ -45,28 +45,28 @@ class FixedSteps(SideBySide):
         steps = Steps(self.grid[:-1], h, x0[:1].T, corrected, np.full(h.size, self.mode))
         self.times, branches = outputs_of(steps, self.run.requested)
         ends = branches.index + branches.ends_of(steps)
-        wanted = np.union1d(ends, [0, h.size])
+        stored = np.union1d(ends, [0, h.size])
         size = kernel.variants[self.mode].step.size
-        self._afford(size)
+        check_memory(self.count, self.times.size, size)
         prepared = kernel.fixed.prepared(self.mode)
         single, columns = prepared.side_by_side, kernel.fixed.columns(self.mode)
         self.marching = march = LaneMarch(single, columns, kernel.backend, h.size * started.size)
         q = self.starts.evaluate(prepared.values, self.starts.p[started])[0]
-        x = np.full((self.count, wanted.size, size), np.nan)
+        x = np.full((self.count, stored.size, size), np.nan)
         x[started, 0] = x0
         shared = march.shared(steps.t, h, corrected.astype(float))
 
         def work(group: np.ndarray) -> None:
-            x[started[group], 1:] = march.run(x0[group], shared, q[group], wanted[1:] - 1)
+            x[started[group], 1:] = march.run(x0[group], shared, q[group], stored[1:] - 1)
 
         ended = self._finite(x, self._in_groups(march, work, started, report))
-        times = self.grid[wanted]
+        times = self.grid[stored]
         inside = np.flatnonzero((branches.length != 0) & ~branches.ends_of(steps))
         if inside.size:
-            begins = np.searchsorted(wanted, ends[inside])
-            moved = np.full((self.count, inside.size, size), np.nan)
-            places = times[begins], branches.length[inside], x[ended][:, begins]
-            moved[ended] = self._partial(ended, *places)
+            begins = np.searchsorted(stored, ends[inside])
+            partial = np.full((self.count, inside.size, size), np.nan)
+            arguments = times[begins], branches.length[inside], x[ended][:, begins]
+            partial[ended] = self._partial(ended, *arguments)
             times, order = np.unique(np.append(times, self.times[inside]), return_index=True)
-            x = np.concatenate([x, moved], axis=1)[:, order]
+            x = np.concatenate([x, partial], axis=1)[:, order]
         return self._marched(times, x), ended

@@ -1,4 +1,4 @@
-"""Where many designs start: all assembled at once, before they march together."""
+"""Initial states of many designs, assembled at once."""
 
 from __future__ import annotations
 
@@ -14,30 +14,29 @@ from dalembert.model.model import Model
 from dalembert.results.batch.designs import Designs
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.evaluation.backends import BACKENDS, Backend
-from dalembert.symbolic.evaluation.shared_columns import in_blocks
+from dalembert.symbolic.evaluation.parallel import in_blocks
 from dalembert.symbolic.formulas.expression import stack
 from dalembert.symbolic.once import once
 
 
 class Starts:
-    """Parameters and first states of many designs.
+    """Parameters and initial states of many designs.
 
     Parameters
     ----------
-    model, designs : what starts
-    backend, workers : what evaluates functions, and in how many threads
+    model, designs : model and parameters
+    backend, workers : evaluator of functions, and its number of threads
     span : start and end of the run [s]
-    needs_mass : every mass must stay one
-    first : ``(t, y, p) → x`` of assembled positions
+    needs_mass : masses must not become zero
+    first : ``(t, y, p) → x`` from assembled positions
 
     Attributes
     ----------
-    p : (designs, n) all that functions take for parameters; nominal ones where they are refused
-    known : numbers of the designs that start here
-    x0 : (known, size) their first states
+    p : (designs, n) parameters including computed ones; nominal ones of refused designs
+    started : numbers of the assembled designs
+    x0 : (started, size) initial states
     y0 : (designs, n) assembled positions of the bodies
-    statuses : number of the design → Status, of those that cannot be assembled
-    alone : numbers of the designs that are left to a run of their own
+    statuses : number of the design → Status of designs that cannot be assembled
     """
 
     def __init__(
@@ -54,13 +53,11 @@ class Starts:
         self.backend, self.workers, self.first = backend, workers, first
         (self.start, self.end), self.needs_mass = span, needs_mass
         self.statuses: dict[int, Status] = {}
-        self.alone: list[int] = []
-        self.p = self._parameters()
-        known = np.setdiff1d(np.arange(self.count), self.alone)
-        self.x0, self.known = self._starts(known)
+        self.p, candidates = self._parameters()
+        self.x0, self.started = self._starts(candidates)
 
-    def _parameters(self) -> np.ndarray:
-        """(designs, n) all that functions take for parameters; what may be wrong runs alone."""
+    def _parameters(self) -> tuple[np.ndarray, np.ndarray]:
+        """(designs, n) parameters including computed ones, and numbers of valid designs."""
         table, model = self.designs.values, self.model
         suspect = model.doubtful(table)
         p = np.tile(model.nominal, (self.count, 1))
@@ -77,11 +74,10 @@ class Starts:
                     check_driver_laws(model, instants, p[k])
                 except AnalysisError:
                     suspect[k] = True
-        self.alone = [int(k) for k in np.flatnonzero(suspect)]
-        return p
+        return p, np.flatnonzero(~suspect)
 
     def _lose_mass(self, p: np.ndarray) -> np.ndarray:
-        """(designs,) where a mass is zero that was not when the model was built."""
+        """(designs,) whether a mass is zero that was positive when the model was built."""
         if not self.needs_mass:
             return np.zeros(self.count, dtype=bool)
         y = np.tile(self.model.start.y, (self.count, 1))
@@ -90,31 +86,30 @@ class Starts:
         return np.any(mass == 0, axis=1)
 
     def evaluate(self, function: ca.Function, *arguments: np.ndarray) -> list[np.ndarray]:
-        """Results for rows of arguments."""
+        """Results of a function for rows of arguments."""
         return in_blocks(self.backend.columns(function), self.workers, *arguments)
 
-    def _starts(self, known: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """First states of the designs that can be assembled, and which these are."""
-        many, p = ManyStarts(self.model.closure, self.evaluate), self.p[known]
-        y, reached, found = many.positions(p, self.start)
+    def _starts(self, candidates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Initial states and numbers of the designs that can be assembled."""
+        many, p = ManyStarts(self.model.closure, self.evaluate), self.p[candidates]
+        y, fraction, assembled = many.positions(p, self.start)
         first = self.model.closure.anchor[0]
-        if (lost := np.flatnonzero(~found)).size:
-            there = first + reached[lost, None] * (p[lost] - first)
+        if (failed := np.flatnonzero(~assembled)).size:
+            failed_p = first + fraction[failed, None] * (p[failed] - first)
             for k, row, gap in zip(
-                known[lost], *many.gaps(self.start, y[lost], there), strict=True
+                candidates[failed], *many.gaps(self.start, y[failed], failed_p), strict=True
             ):
-                self.statuses[int(k)] = self._open(int(row), float(gap))
-        p, known = p[found], known[found]
-        t = np.full((known.size, 1), self.start)
-        (x0,) = self.evaluate(self.first, t, y[found], p)
+                self.statuses[int(k)] = self._not_assembled(int(row), float(gap))
+        p, candidates = p[assembled], candidates[assembled]
+        t = np.full((candidates.size, 1), self.start)
+        (x0,) = self.evaluate(self.first, t, y[assembled], p)
         defined = np.all(np.isfinite(x0), axis=1)
-        self.alone += [int(k) for k in known[~defined]]
         self.y0 = np.full((self.count, y.shape[1]), np.nan)
-        self.y0[known] = y[found]
-        return x0[defined], known[defined]
+        self.y0[candidates] = y[assembled]
+        return x0[defined], candidates[defined]
 
-    def _open(self, row: int, gap: float) -> Status:
-        """Of a design that cannot be assembled; the joint that is open most stands for all."""
+    def _not_assembled(self, row: int, gap: float) -> Status:
+        """Status of a design that cannot be assembled; it names the joint that is open most."""
         name, unit = "an initial condition", ""
         if row >= 0:
             constraint, k = self.model.closure.owners[row]
@@ -131,12 +126,12 @@ class Starts:
 
 @once
 def backend_of(model: Model) -> Backend:
-    """What evaluates the functions of analyses of this model that name no backend."""
+    """Default backend of analyses of a model."""
     return BACKENDS["auto"]()
 
 
 def starting_mode(kernel: DynamicsKernel, model: Model) -> int:
-    """The variant of the nominal start."""
+    """The mode of the nominal start."""
     start, p = model.start, model.nominal
     x = kernel.start.function(0.0, start.y, start.v, p).full().ravel()
     return kernel.choose(0.0, x, p)
@@ -151,16 +146,18 @@ def _masses(model: Model) -> ca.Function:
 
 @once
 def first_states(kernel: DynamicsKernel, mode: int) -> ca.Function:
-    """``(t, y, p) → x`` of assembled positions."""
+    """``(t, y, p) → x`` from assembled positions."""
     model = kernel.model
     t, y, p = (ca.SX.sym(s, n) for s, n in zip("typ", model.initial_state.input_sizes, strict=True))
-    place, speeds = model.initial_state.function(t, y, p)
-    x = kernel.start.function(t, place, speeds, p)
+    position, speeds = model.initial_state.function(t, y, p)
+    x = kernel.start.function(t, position, speeds, p)
     step = kernel.variants[mode].step
     if step.begin is None:
         return ca.Function("first", [t, y, p], [x], {"cse": True})
     first = ca.Function("first", [t, y, p], [x])
-    given = [ca.MX.sym(s, n) for s, n in zip("typ", model.initial_state.input_sizes, strict=True)]
-    state = first(*given)
-    memory = step.begin(given[0], state, given[2])
-    return ca.Function("first", given, [ca.densify(ca.vertcat(state, memory))])
+    arguments = [
+        ca.MX.sym(s, n) for s, n in zip("typ", model.initial_state.input_sizes, strict=True)
+    ]
+    state = first(*arguments)
+    memory = step.begin(arguments[0], state, arguments[2])
+    return ca.Function("first", arguments, [ca.densify(ca.vertcat(state, memory))])

@@ -1,4 +1,4 @@
-"""States of many designs at the outputs, and any measure of them."""
+"""States of many designs at the outputs, and evaluation of measures."""
 
 from __future__ import annotations
 
@@ -10,29 +10,30 @@ import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.variant import Variant
+from dalembert.budget import check_budget
 from dalembert.model.model import Model
-from dalembert.results.batch.samples import place
+from dalembert.results.batch.samples import write_samples
 from dalembert.results.result import Result
 from dalembert.symbolic.evaluation.backends import Backend
-from dalembert.symbolic.evaluation.shared_columns import BLOCK, gathered_blocks
+from dalembert.symbolic.evaluation.parallel import BLOCK, gathered_blocks
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
 
 @dataclass(eq=False)
 class States:
-    """States at the outputs; what else there is follows from them when asked for.
+    """States at the outputs; measures are evaluated from them on request.
 
     Attributes
     ----------
     model : Model
     bodies : ``(t, x, p) → y, v, v̇, λ`` of all bodies and equations
-    backend : what evaluates functions
+    backend : evaluator of functions
     time : (K,) outputs [s]
-    p : (designs, n) parameters with all that is computed of them
-    x : (designs, K, size) states; NaN where there is none
-    workers : threads
-    apart : number of the design → its result, of those that ran on their own
+    p : (designs, n) parameters including computed ones
+    x : (designs, K, size) states; NaN where there are none
+    workers : number of threads
+    individual : number of the design → result of its individual run
     """
 
     model: Model
@@ -42,47 +43,49 @@ class States:
     p: np.ndarray
     x: np.ndarray
     workers: int
-    apart: Mapping[int, Result] = field(default_factory=dict)
+    individual: Mapping[int, Result] = field(default_factory=dict)
 
     def table(self, measures: Sequence[Expression]) -> np.ndarray:
         function = measured(self.model, self.bodies, tuple(measures))
-        known = np.flatnonzero(np.isfinite(self.x[:, 0, 0])) if self.time.size else np.zeros(0, int)
+        finished = (
+            np.flatnonzero(np.isfinite(self.x[:, 0, 0])) if self.time.size else np.zeros(0, int)
+        )
         rows = function.numel_out(0)
-        found = np.full((len(self.x), rows, self.time.size), np.nan)
-        if known.size:
-            (values,) = self.evaluate(function, known, np.arange(self.time.size))
-            found[known] = values.transpose(0, 2, 1)
-        for k, result in self.apart.items():
-            place(found[k], self.time, result, measures)
-        return found
+        table = np.full((len(self.x), rows, self.time.size), np.nan)
+        if finished.size:
+            (values,) = self.evaluate(function, finished, np.arange(self.time.size))
+            table[finished] = values.transpose(0, 2, 1)
+        for k, result in self.individual.items():
+            write_samples(table[k], self.time, result, measures)
+        return table
 
     def evaluate(
         self, function: ca.Function, designs: np.ndarray, outputs: np.ndarray
     ) -> list[np.ndarray]:
-        """(designs, outputs, rows) of ``(t, x, p)`` functions at some outputs of some designs.
+        """(designs, outputs, rows) results of a ``(t, x, p)`` function at outputs of designs.
 
-        ``outputs`` are those of all, (outputs,), or of each, (designs, outputs).
+        ``outputs`` has the shape (outputs,), common to all designs, or (designs, outputs).
         """
-        each, size = outputs.shape[-1], function.numel_in(1)
-        every = each == self.time.size and outputs.ndim == 1
+        count, size = outputs.shape[-1], function.numel_in(1)
+        all_outputs = count == self.time.size and outputs.ndim == 1
 
-        def given(part: slice) -> list[np.ndarray]:
-            some = designs[part]
+        def arguments(part: slice) -> list[np.ndarray]:
+            selected = designs[part]
             chosen = outputs[part] if outputs.ndim > 1 else outputs
-            x = self.x[some] if every else self.x[some[:, None], chosen]
-            times = np.broadcast_to(self.time[chosen], (some.size, each))
-            p = np.repeat(self.p[some], each, axis=0)
+            x = self.x[selected] if all_outputs else self.x[selected[:, None], chosen]
+            times = np.broadcast_to(self.time[chosen], (selected.size, count))
+            p = np.repeat(self.p[selected], count, axis=0)
             return [times.reshape(-1, 1), x[..., :size].reshape(-1, size), p]
 
-        found = gathered_blocks(
+        blocks = gathered_blocks(
             self.backend.columns(function),
             self.workers,
             len(designs),
-            max(1, BLOCK // max(each, 1)),
-            given,
-            each,
+            max(1, BLOCK // max(count, 1)),
+            arguments,
+            count,
         )
-        return [values.reshape(len(designs), each, -1) for values in found]
+        return [values.reshape(len(designs), count, -1) for values in blocks]
 
 
 @dataclass(eq=False, kw_only=True)
@@ -91,7 +94,7 @@ class MarchedStates(States):
 
     Attributes
     ----------
-    kernel, mode : of the runs, and the variant that all have used
+    kernel, mode : kernel of the runs, and the mode of all steps
     """
 
     kernel: DynamicsKernel
@@ -102,9 +105,24 @@ class MarchedStates(States):
         return self.kernel.variants[self.mode]
 
 
+def check_memory(designs: int, outputs: int, size: int) -> None:
+    """Refuse more outputs than memory permits.
+
+    Parameters
+    ----------
+    designs, outputs : numbers of designs and of outputs of each
+    size : number of entries of a state
+    """
+    check_budget(
+        f"{designs} designs with {outputs} outputs of {size} numbers",
+        memory=24.0 * designs * outputs * size,
+        cure="request fewer, e.g. outputs=101, or run the designs in several batches",
+    )
+
+
 @once
 def measured(model: Model, bodies: ca.Function, measures: tuple[Expression, ...]) -> ca.Function:
-    """``(t, x, p) → measures`` one above the other, as a motion takes them."""
+    """``(t, x, p) → measures`` as one column, as in a motion."""
     function = model.function(*measures)
     t, x, p = bodies.sx_in()
     y, v, a, multiplier = bodies.call([t, x, p])

@@ -1,7 +1,7 @@
-"""How many workers there are, and work done in processes of their own.
+"""Number of workers, and execution of tasks in copies of this process.
 
-Machine code runs in threads. All else (the virtual machine, and what Python decides step by step)
-runs in copies of this process, where the system can copy one (Linux), else here.
+Machine code runs in threads. Other work (the virtual machine and Python) runs in copies of this
+process where the system supports them (Linux), otherwise in this process.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from dalembert.errors import AnalysisError
 from dalembert.options import is_whole
 
 SHARES = 8
-"""Parts of the work for each worker at least, so that none waits long for the last."""
+"""Minimum number of parts of the work per worker, so that all finish at about the same time."""
 LARGEST = 16
-"""Tasks of a part: after an interruption those begun are finished."""
+"""Upper limit of tasks in a part; a part that has begun is finished after an interruption."""
 
 _task: Callable[[int], Any] | None = None
-"""What the copies of this process were made for; they find it in their memory."""
+"""Task of the copies of this process, which inherit it."""
 
 
 def checked_workers(workers: int | None) -> int:
@@ -34,27 +34,27 @@ def checked_workers(workers: int | None) -> int:
     Raises
     ------
     AnalysisError
-        It is no whole number from 1 on.
+        Not a whole number from 1 on.
     """
     if workers is None:
-        some = getattr(os, "sched_getaffinity", None)
-        return len(some(0)) if some is not None else os.cpu_count() or 1
+        affinity = getattr(os, "sched_getaffinity", None)
+        return len(affinity(0)) if affinity is not None else os.cpu_count() or 1
     if not is_whole(workers) or workers < 1:
         raise AnalysisError(f"workers is {workers!r:.60}; give a whole number from 1 on")
     return int(workers)
 
 
 def can_copy() -> bool:
-    """Whether the system copies a process with all that it has made."""
+    """Whether the system can copy a process with its memory."""
     return sys.platform == "linux" and "fork" in multiprocessing.get_all_start_methods()
 
 
 def in_copies(
     task: Callable[[int], Any], numbers: Sequence[int], workers: int
 ) -> Iterator[tuple[int, Any]]:
-    """``(number, task(number))`` as they are finished, by copies of this process.
+    """Yield ``(number, task(number))`` from copies of this process in order of completion.
 
-    What has not been done when a copy dies, or what cannot be sent back, is left out.
+    Tasks of a copy that dies and results that cannot be pickled are left out.
     """
     global _task
     _task = task
@@ -76,7 +76,7 @@ def in_copies(
 
 
 def _end_when_interrupted() -> None:
-    """What is finished has been sent back; the process that was copied tells of it."""
+    """End quietly: finished results are sent, and the parent process reports the interruption."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 

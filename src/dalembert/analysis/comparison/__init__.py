@@ -1,1 +1,1 @@
-"""The same motion by many formulations and integrators, side by side."""
+"""Comparison of formulations and integrators on one mechanism."""

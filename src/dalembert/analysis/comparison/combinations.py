@@ -1,4 +1,4 @@
-"""What ``compare`` combines: strategies by name or instance, with steps and tolerances."""
+"""Combinations of strategies, steps and tolerances for ``compare``."""
 
 from __future__ import annotations
 
@@ -22,46 +22,48 @@ from dalembert.text.wording import nearest
 
 @dataclass(frozen=True)
 class Choice:
-    """Strategies of one kind, and the names of those compared by default."""
+    """Strategies of one kind, and the names compared by default."""
 
     kind: str
     base: type
-    known: Mapping[str, type]
+    registry: Mapping[str, type]
     default: tuple[str, ...]
 
     @property
     def usual(self) -> type:
-        """The first of them."""
-        return self.known[self.default[0]]
+        """The first default strategy."""
+        return self.registry[self.default[0]]
 
-    def read(self, given: Any) -> list[Any]:
+    def read(self, choice: Any) -> list[Any]:
         """Strategy objects from names, classes or objects, one or several; None for the default.
 
         Raises
         ------
         UnsupportedError
-            A name that is not known, or nothing to compare.
+            An unknown name, or nothing to compare.
         """
-        if given is None:
-            return [self.known[name]() for name in self.default]
-        several = isinstance(given, Iterable) and not isinstance(given, str)
-        made = list(dict.fromkeys(self._one(item) for item in (given if several else [given])))
-        if not made:
-            raise UnsupportedError(f"{self.kind}: name at least one of {', '.join(self.known)}")
-        return made
+        if choice is None:
+            return [self.registry[name]() for name in self.default]
+        several = isinstance(choice, Iterable) and not isinstance(choice, str)
+        strategies = list(
+            dict.fromkeys(self._strategy(item) for item in (choice if several else [choice]))
+        )
+        if not strategies:
+            raise UnsupportedError(f"{self.kind}: name at least one of {', '.join(self.registry)}")
+        return strategies
 
-    def _one(self, item: Any) -> Any:
-        if isinstance(item, str) and item in self.known:
-            return self.known[item]()
+    def _strategy(self, item: Any) -> Any:
+        if isinstance(item, str) and item in self.registry:
+            return self.registry[item]()
         if isinstance(item, type) and issubclass(item, self.base):
             return item()
         if isinstance(item, self.base):
             return item
-        hint = nearest(item, self.known)
+        hint = nearest(item, self.registry)
         if isinstance(item, str) and "(" in item:
             hint = "; for options give an object, or in a model file a table with its type"
         raise UnsupportedError(
-            f"{self.kind}: {item!r} is unknown{hint}; known: {', '.join(self.known)}"
+            f"{self.kind}: {item!r} is unknown{hint}; known: {', '.join(self.registry)}"
         )
 
 
@@ -78,14 +80,14 @@ CHOICES = {
     "stabilization": Choice("stabilizations", Stabilization, STABILIZATIONS, ("Projection",)),
     "integrator": Choice("integrators", Integrator, INTEGRATORS, ("RK4", "DormandPrince", "Radau")),
 }
-"""Field of ``Dynamics`` → what may stand there."""
+"""Field of ``Dynamics`` → admissible strategies."""
 
 TOLERANCES = (1e-4, 1e-6, 1e-8)
 
 
 @dataclass(frozen=True)
 class Combination:
-    """One run of a comparison; ``step`` or ``tolerance`` is None where it has no meaning."""
+    """One run of a comparison; ``step`` or ``tolerance`` is None where it does not apply."""
 
     coordinates: Any
     formulation: Any
@@ -101,7 +103,7 @@ class Combination:
 
     @property
     def labels(self) -> dict[str, str]:
-        """Kind → name of the strategy, with the options that are not the default."""
+        """Kind → name of the strategy, with the options that differ from the default."""
         swept = {"rtol", "atol"} if self.tolerance else set()
         return {kind: label(getattr(self, kind), swept) for kind in CHOICES}
 
@@ -125,42 +127,43 @@ def combinations(
     steps: Sequence[float],
     tolerances: Sequence[float],
 ) -> list[Combination]:
-    """Every combination of the choices; fixed methods by steps, adaptive ones by tolerances.
+    """All combinations of the choices; fixed methods with steps, adaptive ones with tolerances.
 
-    Choices that nobody made are combined where this tells something: see ``_needless``.
+    Default choices are combined where this is informative: see ``_needless``.
     """
     marches = [
         march
         for integrator in CHOICES["integrator"].read(integrators)
         for march in _settings(integrator, steps, tolerances)
     ]
-    made = itertools.product(
+    products = itertools.product(
         CHOICES["coordinates"].read(coordinates),
         CHOICES["formulation"].read(formulations),
         CHOICES["stabilization"].read(stabilizations),
         marches,
     )
-    found = [Combination(c, f, s, *march) for c, f, s, march in made]
-    given = {"coordinates": coordinates, "formulation": formulations, "integrator": integrators}
-    open_choices = {kind for kind, value in given.items() if value is None}
-    return [c for c in found if not _needless(c, open_choices)]
+    candidates = [Combination(c, f, s, *march) for c, f, s, march in products]
+    choices = {"coordinates": coordinates, "formulation": formulations, "integrator": integrators}
+    defaults = {kind for kind, value in choices.items() if value is None}
+    return [c for c in candidates if not _needless(c, defaults)]
 
 
-def _needless(c: Combination, open_choices: set[str]) -> bool:
-    """Whether a combination would only take time, and holds a choice that nobody made.
+def _needless(c: Combination, defaults: set[str]) -> bool:
+    """Whether a combination contains a default choice and is uninformative.
 
-    Implicit integrators that nobody asked for are tried with the formulations that need them, these
-    formulations with implicit integrators, and joint coordinates with the first formulation.
+    Default implicit integrators are combined with the formulations that need them, default
+    formulations of this kind with implicit integrators, and default joint coordinates with the
+    first formulation.
     """
-    needed, taken = not c.formulation.gives_accelerations, c.integrator.implicit
-    if "integrator" in open_choices and needed != taken:
+    needs_implicit, implicit = not c.formulation.gives_accelerations, c.integrator.implicit
+    if "integrator" in defaults and needs_implicit != implicit:
         return True
-    if "formulation" in open_choices and needed and not taken:
+    if "formulation" in defaults and needs_implicit and not implicit:
         return True
     usual, first = CHOICES["coordinates"].usual, CHOICES["formulation"].usual
-    if "coordinates" not in open_choices or type(c.coordinates) is usual:
+    if "coordinates" not in defaults or type(c.coordinates) is usual:
         return False
-    return "formulation" not in open_choices or type(c.formulation) is not first
+    return "formulation" not in defaults or type(c.formulation) is not first
 
 
 def _settings(
@@ -168,7 +171,7 @@ def _settings(
 ) -> Iterator[tuple[Any, float | None, float | None]]:
     names = {field.name for field in dataclasses.fields(integrator)}
     controlled = {"rtol", "atol"} <= names and not getattr(integrator, "fixed", False)
-    if controlled:  # some of them take steps of their own inside of given ones
+    if controlled:  # some divide prescribed steps into their own
         step = None if integrator.adaptive else steps[0]
         for value in tolerances:
             yield dataclasses.replace(integrator, rtol=value, atol=value), step, value
@@ -178,31 +181,31 @@ def _settings(
         yield from ((integrator, step, None) for step in steps)
 
 
-def checked_values(values: Any, what: str) -> tuple[float, ...]:
+def checked_values(values: Any, entity: str) -> tuple[float, ...]:
     """Positive numbers, one or several, the largest first.
 
     Raises
     ------
     AnalysisError
-        One that is not a positive number, or none.
+        A value is not a positive number, or there is none.
     """
     several = isinstance(values, Iterable) and not isinstance(values, str)
-    made = []
+    numbers = []
     for value in values if several else [values]:
         try:
             number = float(value)
         except (TypeError, ValueError):
             number = math.nan
         if not (math.isfinite(number) and number > 0):
-            raise AnalysisError(f"{what}: {value!r} is not a positive number")
-        made.append(number)
-    if not made:
-        raise AnalysisError(f"{what}: give at least one")
-    return tuple(sorted(set(made), reverse=True))
+            raise AnalysisError(f"{entity}: {value!r} is not a positive number")
+        numbers.append(number)
+    if not numbers:
+        raise AnalysisError(f"{entity}: give at least one")
+    return tuple(sorted(set(numbers), reverse=True))
 
 
 def usual_steps(length: float) -> tuple[float, ...]:
-    """Steps about a typical ``length`` [s], each half of the one before, the first one round."""
+    """Steps near a typical ``length`` [s], successively halved from a round number."""
     power = 10.0 ** math.floor(math.log10(4 * length))
     first = min((1, 2, 4, 5, 8, 10), key=lambda k: abs(math.log(k * power / (4 * length)))) * power
     return tuple(float(f"{first / 2**k:.6g}") for k in range(4))

@@ -1,4 +1,4 @@
-"""Formulations, coordinates, stabilizations and integrators compared on one mechanism."""
+"""Comparison of formulations, coordinates, stabilizations and integrators on one mechanism."""
 
 from __future__ import annotations
 
@@ -15,8 +15,13 @@ from dalembert.analysis.comparison.combinations import (
     usual_steps,
 )
 from dalembert.analysis.comparison.comparison_run import ComparisonRun
-from dalembert.analysis.comparison.observation import KINDS, Observation, observe
-from dalembert.analysis.comparison.reference import Reference, find_reference
+from dalembert.analysis.comparison.reference import (
+    KINDS,
+    Observation,
+    Reference,
+    find_reference,
+    observe,
+)
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import checked_span, output_times
@@ -30,7 +35,7 @@ from dalembert.text.spelling import spelled
 
 @options
 class Comparing:
-    """A comparison as a strategy object, its choices checked; parameters as in ``compare``."""
+    """Comparison as a strategy object with checked choices; parameters as in ``compare``."""
 
     duration: float | None = None
     formulations: Any = None
@@ -66,7 +71,7 @@ class Comparing:
         return checked_span(self.duration, self.t_span)
 
     def grid(self, usual: Sequence[float]) -> list[Combination]:
-        """Everything to run; ``usual`` are the steps where none are given."""
+        """All combinations to run; ``usual`` are the default steps."""
         return combinations(
             self.coordinates,
             self.formulations,
@@ -87,7 +92,7 @@ class Comparing:
         Raises
         ------
         AnalysisError
-            The reference run fails, or there is no such measure.
+            The reference run fails, or the measure is unknown.
         """
         p, observed = model.values(parameters), observe(model, self.measure)
         span = Dynamics(t_span=self.span, outputs=output_times(self.outputs, *self.span))  # type: ignore[arg-type]
@@ -104,7 +109,7 @@ class Comparing:
         return comparison_of(runs.rows, about)
 
     def _about(self, model: Model, observed: Observation, exact: Reference) -> dict[str, Any]:
-        made: dict[str, Any] = {
+        about: dict[str, Any] = {
             "model": model.name,
             "start": self.span[0],
             "end": self.span[1],
@@ -116,8 +121,8 @@ class Comparing:
         }
         for kind in KINDS:
             largest, last = exact.uncertainty.get(kind, (np.nan, np.nan))
-            made |= {f"uncertainty_{kind}": largest, f"uncertainty_{kind}_final": last}
-        return made
+            about |= {f"uncertainty_{kind}": largest, f"uncertainty_{kind}_final": last}
+        return about
 
 
 @spelled
@@ -139,15 +144,15 @@ def compare(
     t_span: tuple[float, float] | None = None,
     outputs: int | Sequence[float] = 201,
 ) -> Comparison:
-    """Run every combination of strategies: what it costs, and how far off it is.
+    """Run every combination of strategies and compare cost and accuracy.
 
     Errors are the largest difference from a reference over the outputs. The reference is checked
     by a second run with another formulation and tolerance; errors below the difference of the two
-    are marked, for they mean nothing. A combination that cannot work stays, with the reason.
+    are marked as insignificant. A combination that is not supported is listed with the reason.
 
-    By default ten seconds or so are spent: RangeSpace, Kkt, NullSpace and AugmentedLagrangian by
-    RK4 and DormandPrince, RangeSpace in joint coordinates too, and Dae(index=3) by Radau. Name what
-    you want to see beside these; all that you name is combined.
+    The default takes about ten seconds: RangeSpace, Kkt, NullSpace and AugmentedLagrangian with
+    RK4 and DormandPrince, RangeSpace in joint coordinates too, and Dae(index=3) with Radau. All
+    choices that are named explicitly are combined.
 
     Parameters
     ----------
@@ -155,12 +160,12 @@ def compare(
     duration : [s]; or ``t_span``, (start, end)
     formulations, integrators, stabilizations, coordinates : names or strategy objects, one or
         several
-    steps : of integrators with fixed steps [s]; by default four about what the motion asks for
-    tolerances : relative and absolute, of integrators that control their steps
-    measure : name, formula or expression whose error is told; by default all coordinates
+    steps : of integrators with fixed steps [s]; by default four suited to the motion
+    tolerances : relative and absolute, of integrators with step size control
+    measure : name, formula or expression whose error is reported; by default all coordinates
     parameters : new values of parameters, without rebuilding
     reference : ``Dynamics(...)`` or a motion that errors are measured against
-    repeat : how often each run is timed after a first one; the shortest time counts
+    repeat : number of timed runs after the first one; the shortest time counts
     progress : True for a bar, or a function of the fraction done
     outputs : number of equally spaced times of comparison, or the times [s]
     t_span : (start, end) of the run [s]
@@ -174,7 +179,7 @@ def compare(
     UnsupportedError
         An unknown name.
     AnalysisError
-        Numbers that cannot work, or a reference run that fails.
+        Invalid numbers, or a reference run that fails.
 
     Examples
     --------
@@ -183,9 +188,9 @@ def compare(
     >>> system = da.System("pendulum", gravity=(0, -9.81))
     >>> bob = system.add(planar.Bar("bob", length=1.0, mass=2.0))
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, bob.start))
-    >>> told = da.compare(system.build(), 1.0, formulations="RangeSpace", integrators="Heun",
+    >>> comparison = da.compare(system.build(), 1.0, formulations="RangeSpace", integrators="Heun",
     ...     steps=[0.02, 0.01], measure="bob.angle")
-    >>> errors = told.data["error_position"].values
+    >>> errors = comparison.data["error_position"].values
     >>> round(errors.max() / errors.min())  # order 2: half the step, a quarter of the error
     4
     """

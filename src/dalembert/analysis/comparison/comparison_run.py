@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.comparison.combinations import Combination
-from dalembert.analysis.comparison.observation import Observation, differences
-from dalembert.analysis.comparison.reference import Reference
+from dalembert.analysis.comparison.reference import Observation, Reference, differences
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.errors import DalembertError, ModelError, UnsupportedError
 from dalembert.model.model import Model
@@ -27,17 +26,17 @@ class ComparisonRun:
     Parameters
     ----------
     model : Model
-    span : ``Dynamics`` with the times
+    span : ``Dynamics`` with span and outputs
     p : parameter values
-    observed : what errors are taken of
+    observed : quantities whose errors are computed
     exact : Reference
-    repeat : how often each run is timed once it has run
+    repeat : number of timed runs after the first one
 
     Attributes
     ----------
     rows : one per run
-    unsupported : choices that cannot work
-    interrupted : the user stopped the last run
+    unsupported : strategies that are not supported
+    interrupted : whether the user stopped the last run
     """
 
     def __init__(
@@ -58,9 +57,9 @@ class ComparisonRun:
         self.cold, self.preparation = model, 0.0
 
     def add(self, combination: Combination) -> None:
-        """Costs, violations and errors of a combination, or why there are none.
+        """Append the costs, violations and errors of a combination, or the reason of its failure.
 
-        What cannot work at one step will not at another, so it is told once.
+        Unsupported strategies are reported once, not for every step.
         """
         names = combination.labels
         if names in self.unsupported:
@@ -89,14 +88,14 @@ class ComparisonRun:
     def timed(self, analysis: Dynamics) -> tuple[Motion, dict[str, Any]]:
         """A run, and the shortest time of its integration.
 
-        Changes of variant compile during the first run, which is why it is not the only one. The
-        steps of one choice share its functions, and the preparation of the first of them.
+        Changes of variant compile during the first run, so that it is not timed alone. The steps
+        of one choice share its functions and the preparation time of the first run.
         """
         choice = replace(analysis, step=None, outputs=None)
         first = choice != self.choice
         if first:
             self.choice, self.cold = choice, copy(self.model)
-            forget(self.cold)  # so that preparation is seen, and freed after the choice
+            forget(self.cold)  # preparation is measured, and its memory freed after the choice
         cold, begin = self.cold, clock.perf_counter()
         analysis.kernel(cold)
         building = clock.perf_counter() - begin
@@ -117,7 +116,7 @@ class ComparisonRun:
         }
 
     def quality(self, motion: Motion) -> dict[str, Any]:
-        """Violations, energy and errors, where the end was reached."""
+        """Violations, energy error and errors of a run that reached the end."""
         if motion.status.outcome not in (Outcome.COMPLETED, Outcome.NOT_CONVERGED):
             return {}
         largest = {
@@ -125,12 +124,12 @@ class ComparisonRun:
             for name in ("position_violation", "velocity_violation", "balance_error")
         }
         energy_error = largest.pop("balance_error") / self.exact.energy
-        made: dict[str, Any] = {**largest, "energy_error": energy_error}
-        found = differences(self.observed.of(motion), self.exact.values)
-        for kind, (most, last) in found.items():
-            made[f"error_{kind}"], made[f"error_{kind}_final"] = most, last
+        row: dict[str, Any] = {**largest, "energy_error": energy_error}
+        errors = differences(self.observed.of(motion), self.exact.values)
+        for kind, (maximum, last) in errors.items():
+            row[f"error_{kind}"], row[f"error_{kind}_final"] = maximum, last
         trusted = self.exact.uncertainty["position"][0]
-        return made | {"below_uncertainty": made["error_position"] <= trusted}
+        return row | {"below_uncertainty": row["error_position"] <= trusted}
 
 
 def _uninterrupted(motion: Motion) -> Motion:

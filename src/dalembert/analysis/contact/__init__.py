@@ -1,1 +1,1 @@
-"""Rigid contacts in time: impacts, lasting contact, sticking and sliding."""
+"""Rigid contacts: impacts, lasting contact, sticking and sliding."""

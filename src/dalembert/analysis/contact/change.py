@@ -1,8 +1,8 @@
-"""Gaps go over to other phases: a step of no length, with the jump of an impact if there is one.
+"""Changes of contact phases: steps of zero length, with a jump of the speeds at impacts.
 
 The instant ``t* = t + δ`` at which the guard reaches zero moves with the parameters, the times of
-the steps do not. So the old motion is followed to it, the speeds jump there, and the new motion is
-followed back:
+the steps do not. The old motion is continued to that instant, the speeds jump there, and the new
+motion is followed back:
 
     x⁺ = φ⁺(−δ, J(φ⁻(δ, x))),      guard(φ⁻(δ, x)) = 0
 
@@ -14,11 +14,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 
-from dalembert.analysis.contact.headings import Headings
-from dalembert.analysis.contact.jump import Jump
+from dalembert.analysis.contact.state_jumps import Headings, Jump
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.step import GraphStep
@@ -26,19 +26,19 @@ from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import Expression
 
 CORRECTIONS = 2
-"""Of the instant by Newton's method: one for its derivative, another for the second."""
+"""Newton corrections of the instant: one for its first derivative, one for the second."""
 
 
 class ContactChange(Variant):
-    """A step of no length between steps of two variants.
+    """A step of zero length between steps of two variants.
 
     Parameters
     ----------
     before, after : the variants
     guard : number of the guard of ``before`` that reaches zero; None where no instant moves
-    sudden : what is done to the state there: the jump of an impact, directions that are renewed
+    state_maps : maps of the state: the jump of an impact, new slip directions
     struck : there is an impact
-    closes : gaps that bounce no more, after bounces that accumulate
+    closes : gaps that stop bouncing after an accumulation of impacts
     together : gaps that reach zero at the same time
     """
 
@@ -49,7 +49,7 @@ class ContactChange(Variant):
         before: Variant,
         after: Variant,
         guard: int | None,
-        sudden: Sequence[Jump | Headings] = (),
+        state_maps: Sequence[Jump | Headings] = (),
         struck: bool = False,
         closes: frozenset[int] = frozenset(),
         together: tuple[int, ...] = (),
@@ -57,7 +57,7 @@ class ContactChange(Variant):
         strategies = before.formulation, before.stabilization, before.integrator
         super().__init__(before.view, before.rows, *strategies, before.phases, before.bare)
         self.before, self.after, self.guard = before, after, guard
-        self.sudden, self.struck = sudden, struck
+        self.state_maps, self.struck = state_maps, struck
         self.closes, self.together = closes, together
 
     @cached_property
@@ -65,42 +65,38 @@ class ContactChange(Variant):
         step, begin = self.before.step, self.after.step.begin
         t, h = ca.MX.sym("t"), ca.MX.sym("h")
         x, p = ca.MX.sym("x", step.size), ca.MX.sym("p", step.parameter_count)
-        there = self._passed(t, x[: step.state_size], p)
-        memory = x[step.state_size :] if begin is None else begin(t, there, p)
-        function = ca.Function("contact_change", [t, h, x, p], [ca.vertcat(there, memory)])
+        state = self._state_after(t, x[: step.state_size], p)
+        memory = x[step.state_size :] if begin is None else begin(t, state, p)
+        function = ca.Function("contact_change", [t, h, x, p], [ca.vertcat(state, memory)])
         return GraphStep(function, step.state_size, begin=begin)
 
-    def _passed(self, t: ca.MX, x: ca.MX, p: ca.MX) -> ca.MX:
-        """The state after it, without memory of steps."""
-        delay, _, there = self.meeting(t, x, p)
+    def _state_after(self, t: ca.MX, x: ca.MX, p: ca.MX) -> ca.MX:
+        """The state after the change, without memory of the integrator."""
+        delay, _, state = self.located(t, x, p)
         if self.guard is not None:
-            there = flow(self.after, t + delay, there, p, -delay)
-        return there
+            state = flow(self.after, t + delay, state, p, -delay)
+        return state
 
-    def meeting(self, t: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
+    def located(self, t: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
         """``δ``, and the states before and after the jump at ``t + δ``."""
-        there, delay = x, ca.MX(0)
+        state, delay = x, ca.MX(0)
         if self.guard is not None:
             for _ in range(CORRECTIONS):
-                values, rates = self._guards(t + delay, there, p)
-                value, rate = values[self.guard], rates[self.guard]
-                grazed = rate == 0
-                delay += ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
-                there = flow(self.before, t, x, p, delay)
-        before = there
-        for each in self.sudden:
-            there = each.function.call([t + delay, there, p])[0]
-        return delay, before, there
+                values, rates = self._guards(t + delay, state, p)
+                delay += delay_to_zero(values[self.guard], rates[self.guard])
+                state = flow(self.before, t, x, p, delay)
+        before = state
+        for state_map in self.state_maps:
+            state = state_map.function.call([t + delay, state, p])[0]
+        return delay, before, state
 
     @cached_property
     def instant(self) -> ca.Function:
-        """``(t, x, p) → δ`` to first order, whose derivative is that of the instant."""
+        """``(t, x, p) → δ`` to first order, with the derivative of the instant."""
         assert self.guard is not None
         t, x, p = self.rate.inputs
         values, rates = self._guards(t, x, p)
-        value, rate = values[self.guard], rates[self.guard]
-        grazed = rate == 0
-        delay = ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
+        delay = delay_to_zero(values[self.guard], rates[self.guard])
         return ca.Function("instant", [t, x, p], [delay])
 
     @property
@@ -126,7 +122,7 @@ class ContactChange(Variant):
             return None
         return self.before.guards.watched[self.guard].gap
 
-    # the state before it belongs to the motion before it
+    # the state before the change belongs to the motion before it
     def measured(self, measure: Expression) -> ImplicitFunction:  # type: ignore[override]
         return self.before.measured(measure)
 
@@ -139,8 +135,14 @@ class ContactChange(Variant):
         return self.before.attempt
 
 
+def delay_to_zero(value: Any, rate: Any) -> Any:
+    """``−g/ġ``, time to the zero of a function; zero where the motion only grazes it."""
+    grazed = rate == 0
+    return ca.if_else(grazed, 0, -value / ca.if_else(grazed, 1, rate))
+
+
 def flow(variant: Variant, t: ca.MX, x: ca.MX, p: ca.MX, length: ca.MX) -> ca.MX:
-    """The motion a moment on, right to second order (explicit midpoint rule)."""
+    """The motion after ``length``, of second order (explicit midpoint rule)."""
     rate = variant.rate.function
     middle = x + length / 2 * rate(t, x, p)
     return x + length * rate(t + length / 2, middle, p)

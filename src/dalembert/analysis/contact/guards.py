@@ -1,13 +1,13 @@
-"""What must stay positive while gaps are in their phases, and when it ceases to be.
+"""Guards of contact phases: functions that are positive while a gap stays in its phase.
 
 Apart: the gap ``g``. Closed: the normal force ``N``. Sticking: ``μ N − |T|``. Sliding: the slip in
-its sense, over a surface its component along the slip ``r`` remembered. Where ``s`` has turned away
-from it by 60°, has halved or is four times as large, it is remembered anew.
+its sense, over a surface its component along the stored slip ``r``. The stored slip is renewed when
+the slip ``s`` has turned by 60°, has halved or is four times as large.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
@@ -15,6 +15,7 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.events import locate
 from dalembert.formulations.base import state_symbols
 from dalembert.model.contacts import Phase, slow
 from dalembert.model.equations import Equations
@@ -22,15 +23,17 @@ from dalembert.model.rigid_gaps import RigidGap
 from dalembert.model.scales import Scales
 
 NEAR = 1e-12
-"""Natural sizes by which a guard may be negative without having been crossed."""
+"""Tolerance of a negative guard, in natural sizes."""
 SHRUNK, GROWN = 0.5, 4.0
-"""Share of the slip remembered at which it is remembered anew."""
-NOTHING = 1e-30
-"""Keeps the length of nothing differentiable."""
+"""Slip, relative to the stored slip, at which the stored slip is renewed."""
+SMALLEST = 1e-30
+"""Offset that makes the length of a zero vector differentiable."""
+HALVINGS = 50
+"""Upper limit of the halvings of a step that begins at a zero."""
 
 
 class Change(Enum):
-    """What happens where a guard reaches zero."""
+    """Event at a zero of a guard."""
 
     TOUCHES = "touches"
     LIFTS = "lifts off"
@@ -41,15 +44,15 @@ class Change(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Guard:
-    """One of them.
+    """A function that is positive while a gap stays in its phase.
 
     Attributes
     ----------
-    gap : its number
-    change : what happens at zero
+    gap : number of the gap
+    change : event at the zero
     value : SX
-    size : its natural size
-    stiff : beyond its zero a step is no motion, so that its end tells nothing
+    size : natural size of the value
+    stiff : a step beyond the zero is not a motion, so its end has no significance
     """
 
     gap: int
@@ -60,51 +63,51 @@ class Guard:
 
 
 def guards_of(e: Equations, phases: Sequence[Phase]) -> list[Guard]:
-    """The guards of all gaps in these phases."""
-    s, found = e.scales, []
+    """Guards of all gaps in the given phases."""
+    s, guards = e.scales, []
     length, speed, force = s.length, s.length / s.time, s.force
     for k, (gap, phase) in enumerate(zip(e.contacts, phases, strict=True)):
         if phase is Phase.APART:
-            found.append(Guard(k, Change.TOUCHES, gap.distance, length))
+            guards.append(Guard(k, Change.TOUCHES, gap.distance, length))
             continue
-        found.append(Guard(k, Change.LIFTS, gap.normal, force))
+        guards.append(Guard(k, Change.LIFTS, gap.normal, force))
         if phase is Phase.STICKING:
             cone = gap.impact.friction * gap.normal - _length(gap.tangential)
-            found.append(Guard(k, Change.SLIPS, cone, force))
+            guards.append(Guard(k, Change.SLIPS, cone, force))
         if phase.sense:
-            found.append(Guard(k, Change.STOPS, phase.sense * gap.slip, speed))
+            guards.append(Guard(k, Change.STOPS, phase.sense * gap.slip, speed))
         if phase is Phase.SLIDING:
-            found += _sliding(k, gap, s)
-    return found
+            guards += _sliding(k, gap, s)
+    return guards
 
 
 def _sliding(k: int, gap: RigidGap, scales: Scales) -> list[Guard]:
-    """It stops; or its slip has turned, grown or shrunk since it was remembered."""
+    """Guards of a sliding gap: end of sliding, and renewal of the stored slip."""
     speed, near = scales.length / scales.time, slow(scales)
-    known, size = _length(gap.heading), _length(gap.slip)
-    along = ca.dot(gap.slip, gap.heading) / known
-    shrunk = ca.if_else(known > 2 * near, along - SHRUNK * known, speed)
-    found = [Guard(k, Change.STOPS, along, speed, True)]
-    for value in (2 * along - size + near, GROWN * known - size, shrunk):
-        found.append(Guard(k, Change.TURNS, value, speed, True))
-    return found
+    stored, size = _length(gap.heading), _length(gap.slip)
+    along = ca.dot(gap.slip, gap.heading) / stored
+    shrunk = ca.if_else(stored > 2 * near, along - SHRUNK * stored, speed)
+    guards = [Guard(k, Change.STOPS, along, speed, True)]
+    for value in (2 * along - size + near, GROWN * stored - size, shrunk):
+        guards.append(Guard(k, Change.TURNS, value, speed, True))
+    return guards
 
 
 def _length(vector: ca.SX) -> ca.SX:
-    """Of a force or a slip, differentiable where there is none."""
+    """Length of a force or slip, differentiable at zero."""
     if vector.numel() == 1:
         return ca.fabs(vector)
-    return ca.sqrt(ca.sumsqr(vector) + NOTHING**2)
+    return ca.sqrt(ca.sumsqr(vector) + SMALLEST**2)
 
 
 class Guards:
-    """The guards of a variant as functions of the state.
+    """Guards of a variant as functions of the state.
 
     Parameters
     ----------
     e : Equations of the variant
     watched : the guards
-    values : ``(t, x, p)`` → their values
+    values : ``(t, x, p)`` → values of the guards
     rate : ``(t, x, p) → ẋ``
     """
 
@@ -122,5 +125,32 @@ class Guards:
         t, x, p = self._symbols
         values = self._values(t, x, p)
         rates = ca.jtimes(values, ca.vertcat(t, x), ca.vertcat(1, self._rate(t, x, p)))
-        found = [ca.densify(values), ca.densify(rates)]
-        return ca.Function("guards", [t, x, p], found, {"cse": True})
+        outputs = [ca.densify(values), ca.densify(rates)]
+        return ca.Function("guards", [t, x, p], outputs, {"cse": True})
+
+
+def first_zero(value: Callable[[float], float], inside: float, longest: float) -> float | None:
+    """The first zero of a function that is smooth only before it; None without a zero."""
+    before = inside
+    for k in range(HALVINGS - 1, -1, -1):
+        length = inside + (longest - inside) * 2.0**-k
+        if not value(length) > 0:
+            return locate(value, before, length)
+        before = length
+    return None
+
+
+def cubic(c, begin, end, slope, slope_end) -> np.ndarray:
+    """Cubic Hermite interpolation at fractions ``c`` of steps by values and slopes at the ends."""
+    values = (1 + 2 * c) * (1 - c) ** 2 * begin + c**2 * (3 - 2 * c) * end
+    return values + c * (1 - c) ** 2 * slope - c**2 * (1 - c) * slope_end
+
+
+def minimum_of_cubic(begin, end, slope, slope_end) -> np.ndarray:
+    """Fraction of every step at the minimum of the cubic inside; the middle without one."""
+    a = 6 * (begin - end) + 3 * (slope + slope_end)
+    b = -6 * (begin - end) - 4 * slope - 2 * slope_end
+    with np.errstate(all="ignore"):
+        root = np.sqrt(b**2 - 4 * a * slope)
+        fraction = np.where(b > 0, -2 * slope / (b + root), (root - b) / (2 * a))
+    return np.where((fraction > 0) & (fraction < 1), fraction, 0.5)

@@ -1,4 +1,4 @@
-"""The modes of a kernel in which rigid gaps are in other phases, and those between them."""
+"""Modes of a kernel for phases of rigid gaps, and for changes between them."""
 
 from __future__ import annotations
 
@@ -8,11 +8,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.contact.change import ContactChange
-from dalembert.analysis.contact.headings import Headings
-from dalembert.analysis.contact.jump import Jump
-from dalembert.analysis.contact.pattern import Pattern
-from dalembert.analysis.contact.quantities import ContactDynamics
-from dalembert.analysis.contact.ruling import Ruling
+from dalembert.analysis.contact.contact_dynamics import ContactDynamics
+from dalembert.analysis.contact.pattern import ActiveSet, Pattern
+from dalembert.analysis.contact.state_jumps import Headings, Jump
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.integrators.base import Integrator
 from dalembert.model.contacts import Phase, Phases
@@ -22,12 +20,12 @@ Choose = Callable[[float, np.ndarray, np.ndarray, tuple[int, ...], Phases, Integ
 
 
 class ContactModes:
-    """What contacts ask of a kernel.
+    """Variants and changes of a kernel for rigid contacts.
 
     Parameters
     ----------
-    view : the model in the coordinates that are integrated
-    variants : of the kernel, by mode; changes are added to it
+    view : the model in the integrated coordinates
+    variants : variants of the kernel by mode; changes are appended
     choose : ``(t, x, p, rows, phases, integrator)`` → mode
     """
 
@@ -39,27 +37,27 @@ class ContactModes:
         self._dynamics: dict[tuple, tuple[ContactDynamics, ca.Function]] = {}
 
     def phased(self, mode: int, phases: Phases, t: float, x: np.ndarray, p: np.ndarray) -> int:
-        """The mode with gaps in these phases, well conditioned at a state.
+        """The mode with the given phases of gaps, well conditioned at a state.
 
-        Closed gaps are further constraints, so that the formulation chooses anew.
+        Closed gaps are additional constraints, so the formulation chooses again.
         """
-        now = self.variants[mode]
-        if phases == now.phases:
+        variant = self.variants[mode]
+        if phases == variant.phases:
             return mode
-        wanted = (now.rows, phases, now.integrator)
-        for known, v in enumerate(self.variants):
-            alike = type(v) is Variant and (v.rows, v.phases, v.integrator) == wanted
-            if alike and v.is_conditioned(t, x, p):
-                return known
-        return self.choose(t, x, p, now.rows, phases, now.integrator)
+        key = (variant.rows, phases, variant.integrator)
+        for candidate, v in enumerate(self.variants):
+            same = type(v) is Variant and (v.rows, v.phases, v.integrator) == key
+            if same and v.is_conditioned(t, x, p):
+                return candidate
+        return self.choose(t, x, p, variant.rows, phases, variant.integrator)
 
     def dynamics(self, mode: int) -> tuple[ContactDynamics, ca.Function]:
-        """How gaps move with the constraints of a mode, and the same as a function."""
-        now = self.variants[mode]
-        key = (now.rows, now.bare)
+        """Contact dynamics with the constraints of a mode, and the same as a function."""
+        variant = self.variants[mode]
+        key = (variant.rows, variant.bare)
         if key not in self._dynamics:
-            made = ContactDynamics(self.view.with_rows(now.rows), now.bare)
-            self._dynamics[key] = made, made.function
+            dynamics = ContactDynamics(self.view.with_rows(variant.rows), variant.bare)
+            self._dynamics[key] = dynamics, dynamics.function
         return self._dynamics[key]
 
     def jump(
@@ -69,54 +67,52 @@ class ContactModes:
         patterns: tuple[Pattern, ...],
         dead: frozenset[int],
     ) -> Jump:
-        """An impact in which gaps do this."""
-        now = self.variants[mode]
-        key = (now.rows, now.bare, gaps, patterns, dead)
+        """The jump of an impact with the given patterns of gaps."""
+        variant = self.variants[mode]
+        key = (variant.rows, variant.bare, gaps, patterns, dead)
         if key not in self._jumps:
             self._jumps[key] = Jump(self.dynamics(mode)[0], gaps, patterns, dead)
         return self._jumps[key]
 
-    def headings(self, mode: int, ruling: Ruling) -> Headings | None:
-        """Directions of slip to remember, if there are some."""
-        if ruling.rest is None or Phase.SLIDING not in ruling.rest.phases:
+    def headings(self, mode: int, active_set: ActiveSet) -> Headings | None:
+        """Renewal of slip directions, None if no gap slides over a surface."""
+        resting, rest = active_set.resting, active_set.rest
+        if rest is None or Phase.SLIDING not in rest.phases:
             return None
-        now = self.variants[mode]
-        key = (now.rows, now.bare, ruling.resting, ruling.rest)
+        variant = self.variants[mode]
+        key = (variant.rows, variant.bare, resting, rest)
         if key not in self._headings:
-            self._headings[key] = Headings(self.dynamics(mode)[0], ruling.resting, ruling.rest)
+            self._headings[key] = Headings(self.dynamics(mode)[0], resting, rest)
         return self._headings[key]
 
-    def settling(self, mode: int, ruling: Ruling) -> Jump | None:
-        """What takes away the rest of slips over surfaces that stop."""
-        if ruling.rest is None:
+    def settling(self, mode: int, active_set: ActiveSet) -> Jump | None:
+        """Jump that removes residual slips where sliding over surfaces stops, None if none does."""
+        rest = active_set.rest
+        if rest is None:
             return None
-        before = self.variants[mode].phases
+        before, resting = self.variants[mode].phases, active_set.resting
         stops = [
-            before[k] is Phase.SLIDING and ruling.phases[k] is Phase.STICKING
-            for k in ruling.resting
+            before[k] is Phase.SLIDING and active_set.phases[k] is Phase.STICKING for k in resting
         ]
         if not any(stops):
             return None
-        held = Phase.APART, Phase.STICKING
-        kept = (phase if phase in held else Phase.SMOOTH for phase in ruling.rest.phases)
-        none: tuple[None, ...] = (None,) * len(ruling.resting)
-        pattern = Pattern(tuple(kept), ruling.rest.released, none)
-        return self.jump(mode, ruling.resting, (pattern,), frozenset(ruling.resting))
+        unchanged = Phase.APART, Phase.STICKING
+        phases = tuple(p if p in unchanged else Phase.SMOOTH for p in rest.phases)
+        none: tuple[None, ...] = (None,) * len(resting)
+        return self.jump(mode, resting, (Pattern(phases, rest.released, none),), frozenset(resting))
 
-    def change(self, mode: int, after: int, ruling: Ruling, guard: int | None) -> int:
-        """The mode in which gaps go over to the phases of the mode after it."""
-        given = ruling.phases, ruling.gaps, ruling.patterns, ruling.dead, ruling.together
-        key = (mode, after, guard, ruling.impulse is None, ruling.resting, ruling.rest, *given)
+    def change(self, mode: int, after: int, active_set: ActiveSet, guard: int | None) -> int:
+        """The mode of the change from one mode to the phases of another."""
+        impact = active_set.gaps, active_set.patterns, active_set.dead
+        phases = active_set.phases, active_set.resting, active_set.rest
+        struck = active_set.impulse is not None
+        key = (mode, after, guard, struck, *phases, *impact, active_set.together)
         if key not in self._changes:
-            struck = ruling.impulse is not None
-            jump = (
-                self.jump(mode, ruling.gaps, ruling.patterns, ruling.dead)
-                if struck
-                else self.settling(mode, ruling)
-            )
-            sudden = [each for each in (jump, self.headings(mode, ruling)) if each is not None]
-            ends = ruling.dead, ruling.together
-            between = self.variants[mode], self.variants[after]
-            self.variants.append(ContactChange(*between, guard, sudden, struck, *ends))
+            jump = self.jump(mode, *impact) if struck else self.settling(mode, active_set)
+            headings = self.headings(mode, active_set)
+            state_maps = [state_map for state_map in (jump, headings) if state_map is not None]
+            ends = active_set.dead, active_set.together
+            variants = self.variants[mode], self.variants[after]
+            self.variants.append(ContactChange(*variants, guard, state_maps, struck, *ends))
             self._changes[key] = len(self.variants) - 1
         return self._changes[key]

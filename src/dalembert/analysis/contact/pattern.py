@@ -1,7 +1,7 @@
-"""Patterns of gaps that press, stick and slide, and the impulses that follow from them.
+"""Patterns of contact phases, their impulses, and the active set of a state.
 
-In a pattern some rows of ``ξ = c + G P`` vanish and ``P`` has as many unknowns. Where a gap slides
-over a surface in a direction not known yet, that is the one of its ``ξ_T``:
+In a pattern some rows of ``ξ = c + G P`` vanish and ``P`` has as many unknowns. An unknown slip
+direction over a surface is that of ``ξ_T``:
 
     P_T = −μ P_N d,      ξ_T ∥ d,      d = (cos θ, sin θ)
 """
@@ -9,28 +9,29 @@ over a surface in a direction not known yet, that is the one of its ``ξ_T``:
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import pi
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from dalembert.model.contacts import Phase, Phases
 
 SECTORS = 16
-"""Of the directions over a surface, from the middles of which Newton's method starts."""
+"""Number of sectors of slip directions; Newton's method starts in the middle of one."""
 ITERATIONS = 7
-"""Of Newton's method, from the middle of a sector to rounding."""
+"""Newton iterations from the middle of a sector to rounding."""
 
 
 @dataclass(frozen=True)
-class Place:
-    """A gap of the problem.
+class GapRows:
+    """Rows of ``ξ`` of a gap.
 
     Attributes
     ----------
-    normal : its row of ``ξ``
-    slips : rows of its slip, none where nothing rubs
+    normal : row of the normal direction
+    slips : rows of the slip, none without friction
     """
 
     normal: int
@@ -39,13 +40,13 @@ class Place:
 
 @dataclass(frozen=True)
 class Pattern:
-    """What every gap of a problem does.
+    """Phases of all gaps of a problem.
 
     Attributes
     ----------
-    phases : of each
-    released : its normal impulse is the one given, and it may part
-    sectors : of directions that have to be found, None of others
+    phases : phase of each gap
+    released : the normal impulse is prescribed, and the gap may open
+    sectors : sectors of unknown slip directions, else None
     """
 
     phases: Phases
@@ -53,40 +54,72 @@ class Pattern:
     sectors: tuple[int | None, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class ActiveSet:
+    """Phases of all gaps from a state on, and the impact that leads to them.
+
+    Attributes
+    ----------
+    phases : phases of all gaps
+    gaps : numbers of the gaps in an impact
+    patterns : pattern of the impact, or two for compression and restitution; empty without impact
+    dead : gaps that do not bounce, after an accumulation of impacts
+    impulse : ``P`` of the impact, None without impact
+    together : gaps that closed at the same time
+    trouble : message if no unique active set exists, else empty
+    acceleration : ``u̇`` of all gaps in these phases
+    resting : numbers of the gaps that touch without separating
+    rest : pattern of the resting gaps
+    """
+
+    phases: Phases
+    gaps: tuple[int, ...] = ()
+    patterns: tuple[Pattern, ...] = ()
+    dead: frozenset[int] = field(default_factory=frozenset)
+    impulse: np.ndarray | None = None
+    together: tuple[int, ...] = ()
+    trouble: str = ""
+    acceleration: np.ndarray | None = None
+    resting: tuple[int, ...] = ()
+    rest: Pattern | None = None
+
+
 Entry = tuple[int, int, Any]
 
 
 def pattern_rows(
-    places: Sequence[Place],
+    gap_rows: Sequence[GapRows],
     pattern: Pattern,
     friction: Sequence[Any],
     along: Sequence[Any],
-    given: Sequence[Any],
+    prescribed: Sequence[Any],
 ) -> tuple[list[int], list[Entry], list[tuple[int, Any]]]:
     """Rows of ``ξ`` that vanish; ``P`` by entries (row, unknown, factor) and (row, value).
 
     Parameters
     ----------
     friction : ``μ`` of each gap
-    along : unit vector along which it slides, where it does
-    given : normal impulse of each that is released
+    along : unit vector of the slip of each sliding gap
+    prescribed : normal impulse of each released gap
     """
     zero: list[int] = []
     entries: list[Entry] = []
     fixed: list[tuple[int, Any]] = []
-    whole = zip(places, pattern.phases, pattern.released, friction, along, given, strict=True)
-    for place, phase, released, mu, way, impulse in whole:
+    conditions = zip(
+        gap_rows, pattern.phases, pattern.released, friction, along, prescribed, strict=True
+    )
+    for rows, phase, released, mu, direction, impulse in conditions:
         if phase is Phase.APART:
             continue
         slides = phase.sense or phase is Phase.SLIDING
-        rubs = [(row, -mu * way[k]) for k, row in enumerate(place.slips)] if slides else []
+        rubs = [(row, -mu * direction[k]) for k, row in enumerate(rows.slips)] if slides else []
         if released:
-            fixed += [(row, share * impulse) for row, share in [(place.normal, 1.0), *rubs]]
+            fixed += [(row, share * impulse) for row, share in [(rows.normal, 1.0), *rubs]]
         else:
-            entries += [(row, len(zero), share) for row, share in [(place.normal, 1.0), *rubs]]
-            zero.append(place.normal)
+            entries += [(row, len(zero), share) for row, share in [(rows.normal, 1.0), *rubs]]
+            zero.append(rows.normal)
         if phase is Phase.STICKING:
-            for row in place.slips:
+            for row in rows.slips:
                 entries.append((row, len(zero), 1.0))
                 zero.append(row)
     return zero, entries, fixed
@@ -99,22 +132,22 @@ class PatternImpulse:
     Attributes
     ----------
     delassus, c : ``G``, ``c``
-    places, pattern : what gaps do
-    friction, given : as of ``pattern_rows``
-    along : known directions; whatever it holds for others does not count
+    rows, pattern : rows and phases of the gaps
+    friction, prescribed : as in ``pattern_rows``
+    along : known directions; entries of unknown directions are ignored
     """
 
     delassus: ca.SX
     c: ca.SX
-    places: Sequence[Place]
+    rows: Sequence[GapRows]
     pattern: Pattern
     friction: Sequence[ca.SX]
-    given: Sequence[ca.SX]
+    prescribed: Sequence[ca.SX]
     along: Sequence[ca.SX]
 
     @property
     def solved(self) -> tuple[ca.SX, list[ca.SX]]:
-        """``P``, and the directions of all gaps."""
+        """``P``, and slip directions of all gaps."""
         unknown = [k for k, sector in enumerate(self.pattern.sectors) if sector is not None]
         along = list(self.along)
         if not unknown:
@@ -124,35 +157,35 @@ class PatternImpulse:
             along[k] = ca.vertcat(ca.cos(angles[n]), ca.sin(angles[n]))
         impulse = self._impulse(along)
         result = self.c + ca.mtimes(self.delassus, impulse)
-        slips = [result[list(self.places[k].slips)] for k in unknown]
-        turned = ca.vertcat(*(cross(along[k], u) for k, u in zip(unknown, slips, strict=True)))
-        step = ca.solve(ca.densify(ca.jacobian(turned, angles)), turned)
+        slips = [result[list(self.rows[k].slips)] for k in unknown]
+        cross_slips = ca.vertcat(*(cross(along[k], u) for k, u in zip(unknown, slips, strict=True)))
+        step = ca.solve(ca.densify(ca.jacobian(cross_slips, angles)), cross_slips)
         sectors = [self.pattern.sectors[k] or 0 for k in unknown]
-        found = ca.SX([middle_of(sector) for sector in sectors])
+        roots = ca.SX([middle_of(sector) for sector in sectors])
         for _ in range(ITERATIONS):
-            found = found - ca.substitute(step, angles, found)
-        impulse, *along = [ca.substitute(part, angles, found) for part in (impulse, *along)]
+            roots = roots - ca.substitute(step, angles, roots)
+        impulse, *along = [ca.substitute(part, angles, roots) for part in (impulse, *along)]
         return impulse, along
 
     def _impulse(self, along: Sequence[ca.SX]) -> ca.SX:
         zero, entries, fixed = pattern_rows(
-            self.places, self.pattern, self.friction, along, self.given
+            self.rows, self.pattern, self.friction, along, self.prescribed
         )
         impulse = ca.SX.zeros(self.c.numel())
         for row, value in fixed:
             impulse[row] += value
         if not zero:
             return impulse
-        spread = ca.SX.zeros(self.c.numel(), len(zero))
+        distribution = ca.SX.zeros(self.c.numel(), len(zero))
         for row, column, factor in entries:
-            spread[row, column] = factor
-        matrix = ca.mtimes(self.delassus, spread)[zero, :]
-        left = (self.c + ca.mtimes(self.delassus, impulse))[zero]
-        return impulse + ca.mtimes(spread, ca.solve(ca.densify(matrix), -left))
+            distribution[row, column] = factor
+        matrix = ca.mtimes(self.delassus, distribution)[zero, :]
+        constant = (self.c + ca.mtimes(self.delassus, impulse))[zero]
+        return impulse + ca.mtimes(distribution, ca.solve(ca.densify(matrix), -constant))
 
 
 def cross(a: Any, b: Any) -> Any:
-    """Of two vectors in a plane."""
+    """Cross product of two vectors in a plane."""
     return a[0] * b[1] - a[1] * b[0]
 
 

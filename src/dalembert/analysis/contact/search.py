@@ -1,8 +1,8 @@
-"""Where gaps change their phases in a run, and the steps that are put in place there.
+"""Active-set search for rigid contacts in the steps of a run.
 
-Steps are taken as if nothing changed. Where a guard of the phases becomes negative, the instant is
-located, the step cut there, and the state asked what it does: gaps that close bounce, all that
-touch at once by one law; those that rest press, stick or slide as the accelerations ask.
+Steps are taken with the phases frozen. Where a guard of the phases becomes negative, the instant is
+located, the step is cut there, and a new active set is selected: closing gaps bounce, all touching
+gaps at once by one law; resting gaps press, stick or slide according to the accelerations.
 """
 
 from __future__ import annotations
@@ -11,13 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.contact.choice import ContactChoice
-from dalembert.analysis.contact.guards import Guard, Guards
+from dalembert.analysis.contact.active_set import ActiveSetSelector
+from dalembert.analysis.contact.guards import (
+    HALVINGS,
+    Guard,
+    Guards,
+    cubic,
+    first_zero,
+    minimum_of_cubic,
+)
 from dalembert.analysis.contact.modes import ContactModes
-from dalembert.analysis.contact.ruling import Ruling
-from dalembert.analysis.contact.zeros import HALVINGS, cubic, first_zero, lowest
+from dalembert.analysis.contact.pattern import ActiveSet
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.passage import NOW, Passage
+from dalembert.analysis.dynamics.transition import SIMULTANEOUS, StepReplacement
 from dalembert.analysis.events import locate
 from dalembert.errors import SingularityError, UnsolvedPart, UnsupportedError
 from dalembert.formulations.base import state_symbols
@@ -27,21 +33,21 @@ from dalembert.results.recording import ImpactRecord
 from dalembert.symbolic.evaluation.kernel import Kernel
 
 PARTS = np.arange(1, 8)[:, None, None] / 8
-"""Of a step, where it is looked for a guard that becomes negative and positive again."""
+"""Fractions of a step at which guards are checked for temporary negative values."""
 UNEVEN = 0.02
-"""Distance of a guard from its cubic in the middle of a step, by its values and their changes at
-the ends, from which on it is evaluated inside."""
+"""Threshold for evaluations inside a step: deviation of a guard from its cubic in the middle,
+relative to values and changes at the ends."""
 MANY = 25
-"""Changes at one time that are recognised as chattering."""
+"""Threshold for chattering: number of changes at one time."""
 
 
 class ContactSearch:
-    """Looks for changes of phases in one run.
+    """Search for changes of contact phases in one run.
 
     Parameters
     ----------
     kernel : DynamicsKernel of the run
-    modes : its ContactModes
+    modes : ContactModes of the kernel
     p : (np,) parameters
     start, end : of the run [s]
 
@@ -50,19 +56,19 @@ class ContactSearch:
     impacts : ImpactRecord of every jump
     closed : (time, element) of contacts that closed after bounces
     together : (time, elements) of gaps that closed at one time
-    begun : (time, element) of slides over a surface that began at rest
-    trouble : why no motion goes on, or nothing
+    slides : (time, element) of sliding over a surface that began from rest
+    trouble : message if the motion cannot continue, else empty
     """
 
     def __init__(
         self, kernel: DynamicsKernel, modes: ContactModes, p: np.ndarray, start: float, end: float
     ):
         self.kernel, self.p, self.start, self.span = kernel, p, start, end - start
-        self.modes, self.choice = modes, ContactChoice(kernel, modes, p, end - start)
+        self.modes, self.selector = modes, ActiveSetSelector(kernel, modes, p, end - start)
         self.impacts: list[ImpactRecord] = []
         self.closed: list[tuple[float, str]] = []
         self.together: list[tuple[float, str]] = []
-        self.begun: list[tuple[float, str]] = []
+        self.slides: list[tuple[float, str]] = []
         self.trouble, self.inconsistent = "", False
         self._changes: list[float] = []
         self._kernels: dict[object, Kernel] = {}
@@ -70,64 +76,68 @@ class ContactSearch:
 
     def begin(self, x0: np.ndarray, mode: int) -> int:
         """The mode at the start, with gaps that touch and rest there closed."""
-        ruling = self.choice.at_start(self.start, x0[: self.size], mode)
-        self._told(ruling, self.start)
-        return self._phased(mode, begun(ruling), self.start, x0)
+        active_set = self.selector.at_start(self.start, x0[: self.size], mode)
+        self._note(active_set, self.start)
+        return self._phased(mode, initial_phases(active_set), self.start, x0)
 
     def statistics(self, end: float) -> dict[str, Any]:
-        """What happened up to a time, for people."""
-        found: dict[str, Any] = {"impacts": sum(i.time <= end for i in self.impacts)}
+        """Statistics of contacts up to a time."""
+        entries: dict[str, Any] = {"impacts": sum(i.time <= end for i in self.impacts)}
         if together := [f"{names} at t = {t:.9g} s" for t, names in self.together if t <= end]:
-            found["closed at one time"] = ", ".join(together)
+            entries["closed at one time"] = ", ".join(together)
         if closed := [f"{name} at t = {t:.9g} s" for t, name in self.closed if t <= end]:
-            found["closed after ever shorter bounces"] = ", ".join(closed)
-        return found
+            entries["closed after ever shorter bounces"] = ", ".join(closed)
+        return entries
 
     @property
-    def doubts(self) -> list[str]:
-        """Slides over surfaces that begin at rest, where directions are stiff at first."""
-        if self.kernel.adaptive is not None or not self.begun:
+    def warnings(self) -> list[str]:
+        """Warning about sliding over surfaces that begins from rest, where directions are stiff."""
+        if self.kernel.adaptive is not None or not self.slides:
             return []
-        time, name = self.begun[0]
+        time, name = self.slides[0]
         return [
             f"{name} begins to slide over a surface at t = {time:.6g} s: while the slip is small "
             "its direction follows the forces so fast that steps of given length miss it; use "
             "integrator=DormandPrince()"
         ]
 
-    # looking ------------------------------------------------------------------------------
+    # search ------------------------------------------------------------------------------
     def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
-        """What is put in place of the first step in which a guard becomes negative."""
+        """Replacement of the first step in which a guard becomes negative, if there is one."""
         if times.size < 2:
             return None
-        found = self._first(times, states, mode)
-        if found is None:
+        first = self._first(times, states, mode)
+        if first is None:
             return None
-        k, length, number = found
-        passage = Passage(float(times[k]), states[:, k])
+        k, length, number = first
+        replacement = StepReplacement(float(times[k]), states[:, k])
         if length > 0:
-            passage.add(length, self._state(mode, times[k], length, states[:, k]), mode)
-        moving = passage.time > self.start
-        after = self._change(passage, mode, number, moving)
-        if not passage.entries:  # no motion goes on from the start
-            passage.add(0.0, passage.x, mode)
-        made = passage.crossing(k, float(times[k + 1] - times[k]), self.trouble)
-        return made._replace(after=after)
+            replacement.add(length, self._state(mode, times[k], length, states[:, k]), mode)
+        moving = replacement.time > self.start
+        after = self._change(replacement, mode, number, moving)
+        if not replacement.entries:  # no motion leaves the start
+            replacement.add(0.0, replacement.x, mode)
+        crossing = replacement.crossing(k, float(times[k + 1] - times[k]), self.trouble)
+        return crossing._replace(after=after)
 
     def _first(self, times, states, mode: int) -> tuple[int, float, int] | None:
-        """Step, length from its beginning and number of the guard that becomes negative first."""
+        """Step, length from its beginning, and number of the guard that becomes negative first."""
         guards = self._guards(mode)
         count = 1 << (times.size - 1).bit_length()  # few sizes, for few functions
         whole = np.minimum(np.arange(count), times.size - 1)
-        looked = self.kernel.over(guards.function, count)
-        found = looked(times[whole], states[: self.size, whole], np.tile(self.p[:, None], count))
-        values, rates = (column[:, : times.size] for column in found)
+        guard_function = self.kernel.over(guards.function, count)
+        values_and_rates = guard_function(
+            times[whole], states[: self.size, whole], np.tile(self.p[:, None], count)
+        )
+        values, rates = (column[:, : times.size] for column in values_and_rates)
         near, h = guards.near[:, None], np.diff(times)
         beyond = ~(values[:, 1:] >= -near)
         ends_of = values[:, :-1], values[:, 1:], h * rates[:, :-1], h * rates[:, 1:]
-        parts = np.concatenate([np.broadcast_to(PARTS, (7, *beyond.shape)), [lowest(*ends_of)]])
-        led = values[:, :-1] + h * rates[:, :-1] < -near
-        beyond |= led & guards.stiff[:, None]
+        parts = np.concatenate(
+            [np.broadcast_to(PARTS, (7, *beyond.shape)), [minimum_of_cubic(*ends_of)]]
+        )
+        leading_negative = values[:, :-1] + h * rates[:, :-1] < -near
+        beyond |= leading_negative & guards.stiff[:, None]
         dips = cubic(parts, *ends_of) < -near
         dips[:-1] |= self._dips_between(times, states, mode, ends_of)
         for k in np.flatnonzero(beyond.any(axis=0) | dips.any(axis=(0, 1))):
@@ -148,20 +158,20 @@ class ContactSearch:
     def _dips_between(
         self, times: np.ndarray, states: np.ndarray, mode: int, ends_of: tuple[np.ndarray, ...]
     ) -> np.ndarray:
-        """(parts, guards, steps) where guards are negative inside steps that no cubic follows.
+        """(parts, guards, steps) negative guards inside steps in which cubics are inaccurate.
 
-        A surface may move faster than the body, whose motion alone determines the steps.
+        A surface may move faster than the body, whose motion determines the steps.
         """
         guards, count = self._guards(mode), times.size - 1
 
         def inside(parts: np.ndarray) -> np.ndarray:
-            at, x = self.kernel.between(times, states[: self.size], mode, self.p, parts)
-            looked = self.kernel.over(guards.function, at.size)
-            values = looked(at, x, np.tile(self.p[:, None], at.size))[0]
+            instants, x = self.kernel.between(times, states[: self.size], mode, self.p, parts)
+            guard_function = self.kernel.over(guards.function, instants.size)
+            values = guard_function(instants, x, np.tile(self.p[:, None], instants.size))[0]
             return values.reshape(values.shape[0], -1, parts.size)[:, :count]
 
         middle, cubics = inside(np.array([0.5]))[..., 0], cubic(0.5, *ends_of)
-        sizes = sum(np.abs(each) for each in ends_of)
+        sizes = sum(np.abs(terms) for terms in ends_of)
         if not np.any(np.abs(middle - cubics) > UNEVEN * sizes + guards.near[:, None]):
             return np.zeros((PARTS.size, *middle.shape), dtype=bool)
         values = inside(PARTS.ravel())
@@ -170,26 +180,26 @@ class ContactSearch:
     def _roots(
         self, mode: int, t: float, x: np.ndarray, ends: dict[int, float], low: dict[int, float]
     ) -> dict[int, float]:
-        """Zeros of guards in a step, that are negative at its end or perhaps inside."""
+        """Zeros in a step of guards that are negative at its end or possibly inside."""
         near = self._guards(mode).near
         for i, part in low.items():
             if not self._value(mode, i, t, part, x) >= -near[i]:
                 ends[i] = part
-        found = {i: self._locate(mode, i, t, x, end) for i, end in ends.items()}
-        return {i: root for i, root in found.items() if root is not None}
+        roots = {i: self._locate(mode, i, t, x, end) for i, end in ends.items()}
+        return {i: root for i, root in roots.items() if root is not None}
 
     def _locate(
         self, mode: int, number: int, t: float, x: np.ndarray, longest: float
     ) -> float | None:
-        """Time from the beginning of a step to the zero of a guard, if it has one."""
+        """Time from the beginning of a step to the zero of a guard, None without one [s]."""
 
         def value(length: float) -> float:
             return self._value(mode, number, t, length, x)
 
         inside, guards = 0.0, self._guards(mode)
-        if value(0.0) <= guards.near[number]:  # it begins at a zero: only a later one counts
-            tried = (longest * 2.0**-k for k in range(1, HALVINGS))
-            inside = next((length for length in tried if value(length) > 0), 0.0)
+        if value(0.0) <= guards.near[number]:  # the step begins at a zero: search for a later one
+            candidates = (longest * 2.0**-k for k in range(1, HALVINGS))
+            inside = next((length for length in candidates if value(length) > 0), 0.0)
             if not inside:
                 return 0.0
         if guards.stiff[number]:
@@ -199,53 +209,55 @@ class ContactSearch:
     def _value(self, mode: int, number: int, t: float, length: float, x: np.ndarray) -> float:
         state = self._state(mode, t, length, x) if length else x
         function = self._guards(mode).function
-        found = self._call(function, t + length, state[: self.size], self.p)[0].ravel()[number]
-        if not np.isfinite(found):
+        value = self._call(function, t + length, state[: self.size], self.p)[0].ravel()[number]
+        if not np.isfinite(value):
             raise FloatingPointError
-        return float(found)
+        return float(value)
 
     def _state(self, mode: int, t: float, h: float, x: np.ndarray) -> np.ndarray:
         return self._call(self.kernel.variants[mode].step.function, t, h, x, self.p)[0].ravel()
 
     def _guards(self, mode: int) -> Guards:
-        found = self.kernel.variants[mode].guards
-        assert found is not None
-        return found
+        guards = self.kernel.variants[mode].guards
+        assert guards is not None
+        return guards
 
     def _call(self, function, *arguments) -> list[np.ndarray]:
         if function not in self._kernels:
             self._kernels[function] = Kernel(function)
         return self._kernels[function](*arguments)
 
-    # going over ---------------------------------------------------------------------------
-    def _change(self, passage: Passage, mode: int, number: int, moving: bool) -> int:
-        """Let gaps go over to other phases, here and now; the mode after it."""
+    # changes ---------------------------------------------------------------------------
+    def _change(self, replacement: StepReplacement, mode: int, number: int, moving: bool) -> int:
+        """Add a change of phases at the current instant; return the mode after it."""
         guard: Guard = self._guards(mode).watched[number]
-        ruling = self.choice.ruled(passage.time, passage.x[: self.size], mode, guard)
-        self._told(ruling, passage.time)
-        self._changes.append(passage.time)
+        active_set = self.selector.at_guard(
+            replacement.time, replacement.x[: self.size], mode, guard
+        )
+        self._note(active_set, replacement.time)
+        self._changes.append(replacement.time)
         if self.trouble:
             return mode
-        passed = passage.time - np.array(self._changes)
-        if np.sum(passed <= NOW * self.span) > MANY:
+        elapsed = replacement.time - np.array(self._changes)
+        if np.sum(elapsed <= SIMULTANEOUS * self.span) > MANY:
             names = self.kernel.equations.contacts[guard.gap].name
             self.trouble = (
-                f"{names} opens and closes again and again at t = {passage.time:.9g} s; give it "
-                "restitution=0, or a compliant contact"
+                f"{names} opens and closes again and again at t = {replacement.time:.9g} s; "
+                "give it restitution=0, or a compliant contact"
             )
             return mode
-        after_mode = self._phased(mode, ruling.phases, passage.time, passage.x)
+        after_mode = self._phased(mode, active_set.phases, replacement.time, replacement.x)
         if self.trouble:
             return mode
-        change = self.modes.change(mode, after_mode, ruling, number if moving else None)
-        after = self._state(change, passage.time, 0.0, passage.x)
-        passage.add(0.0, after, change)
-        if ruling.impulse is not None:
-            self._record(passage.time, ruling, ruling.impulse)
+        change = self.modes.change(mode, after_mode, active_set, number if moving else None)
+        after = self._state(change, replacement.time, 0.0, replacement.x)
+        replacement.add(0.0, after, change)
+        if active_set.impulse is not None:
+            self._record(replacement.time, active_set, active_set.impulse)
         return after_mode
 
     def _phased(self, mode: int, phases: Phases, t: float, x: np.ndarray) -> int:
-        """The mode with gaps in these phases; the same one where none can be chosen."""
+        """The mode with the given phases; the same mode, and a message, if there is none."""
         try:
             return self.modes.phased(mode, phases, t, x[: self.size], self.p)
         except (SingularityError, UnsupportedError) as error:  # closed gaps are constraints as well
@@ -254,30 +266,32 @@ class ContactSearch:
             self.trouble = f"with {closed} closed at t = {t:.9g} s: {error}; use formulation=Kkt()"
             return mode
 
-    def _record(self, time: float, ruling: Ruling, impulse: np.ndarray) -> None:
-        gaps, slips = self.kernel.equations.contacts, self.choice.slips
-        for k in ruling.gaps:
+    def _record(self, time: float, active_set: ActiveSet, impulse: np.ndarray) -> None:
+        gaps, slips = self.kernel.equations.contacts, self.selector.slips
+        for k in active_set.gaps:
             if impulse[k] > 0:
                 tangential = impulse[slips[k]]
                 self.impacts.append(ImpactRecord(gaps[k].name, time, float(impulse[k]), tangential))
-        if ruling.together:
-            self.together.append((time, " and ".join(gaps[k].name for k in ruling.together)))
-        self.closed += [(time, gaps[k].name) for k in sorted(ruling.dead)]
+        if active_set.together:
+            self.together.append((time, " and ".join(gaps[k].name for k in active_set.together)))
+        self.closed += [(time, gaps[k].name) for k in sorted(active_set.dead)]
 
-    def _told(self, ruling: Ruling, time: float) -> None:
-        if ruling.rest is not None:
-            pairs = zip(ruling.resting, ruling.rest.sectors, strict=True)
+    def _note(self, active_set: ActiveSet, time: float) -> None:
+        if active_set.rest is not None:
+            pairs = zip(active_set.resting, active_set.rest.sectors, strict=True)
             names = (self.kernel.equations.contacts[k].name for k, n in pairs if n is not None)
-            self.begun += [(time, name) for name in names]
-        if ruling.trouble:
-            self.trouble, self.inconsistent = ruling.trouble, True
+            self.slides += [(time, name) for name in names]
+        if active_set.trouble:
+            self.trouble, self.inconsistent = active_set.trouble, True
 
 
-def begun(ruling: Ruling) -> Phases:
-    """Phases at the start; what begins to slide over a surface sticks until the first step, in
-    which its direction is found."""
-    phases = list(ruling.phases)
-    if ruling.rest is not None:
-        for k, sector in zip(ruling.resting, ruling.rest.sectors, strict=True):
+def initial_phases(active_set: ActiveSet) -> Phases:
+    """Phases at the start.
+
+    A gap that begins to slide over a surface sticks until the first step determines its direction.
+    """
+    phases = list(active_set.phases)
+    if active_set.rest is not None:
+        for k, sector in zip(active_set.resting, active_set.rest.sectors, strict=True):
             phases[k] = phases[k] if sector is None else Phase.STICKING
     return tuple(phases)

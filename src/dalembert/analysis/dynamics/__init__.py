@@ -1,1 +1,1 @@
-"""Motion of mechanisms under forces, from the start to the judgement of a run."""
+"""Forward dynamics of mechanisms."""

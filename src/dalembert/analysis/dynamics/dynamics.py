@@ -10,25 +10,23 @@ import numpy as np
 
 from dalembert.analysis.batch.adaptive_steps import AdaptiveSteps
 from dalembert.analysis.batch.fixed_steps import FixedSteps
-from dalembert.analysis.contact.start import refuse_overlap
-from dalembert.analysis.dynamics.continued_run import ContinuedRun, refuse_ended
-from dalembert.analysis.dynamics.dense_motion import peak_quadrature
-from dalembert.analysis.dynamics.energy_balance import check_balance
-from dalembert.analysis.dynamics.extension import extended
-from dalembert.analysis.dynamics.instants import end_by_event, ended_again, instant_of
+from dalembert.analysis.contact.gap_checks import refuse_overlap
+from dalembert.analysis.dynamics.continuation import ContinuedRun, extended, refuse_ended
+from dalembert.analysis.dynamics.dense_outputs import peak_quadrature
+from dalembert.analysis.dynamics.event_search import end_by_event, ended_again, instant_of
+from dalembert.analysis.dynamics.formulation_cost import cost_and_error
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.merits import merits_of
 from dalembert.analysis.dynamics.peaks import peaks
 from dalembert.analysis.dynamics.record import DynamicsRecord
+from dalembert.analysis.dynamics.residual_check import check_balance
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.events import Events, Occurrence
 from dalembert.analysis.kinematics.branches import Branches, outputs_of, place_outputs
-from dalembert.analysis.over_time import OverTime
-from dalembert.analysis.timeline import checked_span
+from dalembert.analysis.timeline import OverTime, checked_span
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.formulations.base import Formulation, Merits
+from dalembert.formulations.base import Formulation, Performance
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
 from dalembert.integrators.automatic import AutomaticIntegrator
@@ -43,49 +41,48 @@ from dalembert.symbolic.evaluation.backends import BACKENDS
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
-UNCHOSEN = AutomaticIntegrator()
-"""The integrator where none is chosen; with a step it gives way to RK4."""
+DEFAULT_INTEGRATOR = AutomaticIntegrator()
+"""Default integrator without a step; with a step the default is RK4."""
 STRATEGIES = {
     "coordinates": (Coordinates, AbsoluteCoordinates),
     "formulation": (Formulation, RangeSpace),
     "stabilization": (Stabilization, Projection),
     "integrator": (Integrator, RK4),
 }
-"""What each choice of a run must be, and what it usually is."""
-OF_OUTPUTS = 4
+"""Strategy of a run → its base class and default class."""
+OUTPUT_QUADRATURE_ORDER = 4
 """Order of the quadrature through the ends of equal steps."""
-OF_BATCH = 201
-"""Outputs of each design of a batch under error control, where none are chosen."""
+BATCH_OUTPUTS = 201
+"""Default number of outputs of each design of a batch under error control."""
 INTERVALS = 1000
-"""Where the integrator's own steps are not seen, integrals look at so many intervals at least."""
+"""Minimum number of intervals of integrals where the integrator hides its own steps."""
 
 
 @options
 class Dynamics(OverTime[Motion]):
-    """Forward dynamics as a strategy object: run it, repeat it, differentiate it.
+    """Forward dynamics as a strategy object that can be run, repeated and differentiated.
 
     Parameters
     ----------
     step : step length of fixed-step integrators, by default a thousandth of the run; first step
         of adaptive ones [s]
-    coordinates : in which coordinates the equations are integrated; ``AutomaticCoordinates()``
-        takes those that need fewer operations
-    formulation : how accelerations and multipliers are found; ``AutomaticFormulation()`` takes
-        the one that needs fewest operations of those that are accurate
-    stabilization : how violations of the constraints are kept small
-    integrator : how time advances; by default ``AutomaticIntegrator()``, which controls the error
-        and takes explicit or implicit steps as the problem is stiff or not, and ``RK4()`` where a
-        ``step`` is given
+    coordinates : coordinates in which the equations are integrated; ``AutomaticCoordinates()``
+        selects those that need fewer operations
+    formulation : method for accelerations and multipliers; ``AutomaticFormulation()`` selects the
+        accurate one with the fewest operations
+    stabilization : control of constraint violations
+    integrator : time integration method; by default ``AutomaticIntegrator()``, which controls the
+        error and takes implicit steps where the problem is stiff, and ``RK4()`` with a ``step``
     events : name → Event, or a formula that is recorded when it crosses zero
     strict : refuse inconsistent initial speeds instead of projecting them
-    backend : ``"auto"``, CasADi's virtual machine at first and machine code where the work repays
-        compiling; ``"vm"``, the virtual machine; ``"jit"``, machine code by LLVM; ``"c"``, by the
-        system's C compiler. What is compiled is kept on disk
+    backend : ``"auto"``, CasADi's virtual machine, and machine code when the run is long enough to
+        benefit; ``"vm"``, the virtual machine; ``"jit"``, machine code by LLVM; ``"c"``, by the
+        system's C compiler. Compiled code is cached on disk
     balance : largest error of the energy balance, over the energy that took part in the motion,
-        with which a run still counts as completed
-    memory : bytes for the states that gradients and later questions need; of a longer run only
-        few are kept and the others computed again when needed, which costs another run.
-        Without ``outputs`` everything is kept
+        up to which a run counts as completed
+    memory : upper limit of the memory for states that gradients and later evaluations need [bytes];
+        a longer run stores checkpoints and computes other states again when needed, which costs
+        another run. Without ``outputs`` all states are stored
 
     Examples
     --------
@@ -107,7 +104,7 @@ class Dynamics(OverTime[Motion]):
     coordinates: Coordinates = field(default_factory=AbsoluteCoordinates)
     formulation: Formulation = field(default_factory=RangeSpace)
     stabilization: Stabilization = field(default_factory=Projection)
-    integrator: Integrator = UNCHOSEN
+    integrator: Integrator = DEFAULT_INTEGRATOR
     events: Events | None = None
     strict: bool = False
     backend: str = "auto"
@@ -115,32 +112,32 @@ class Dynamics(OverTime[Motion]):
     memory: float = 2.0**27
 
     def __post_init__(self) -> None:
-        if self.integrator is UNCHOSEN and self.step is not None:
+        if self.integrator is DEFAULT_INTEGRATOR and self.step is not None:
             object.__setattr__(self, "integrator", RK4())
-        for name, (kind, usual) in STRATEGIES.items():
-            given = getattr(self, name)
-            if not isinstance(given, kind):
-                text = f"{name} is {given!r}; give a strategy such as {usual.__name__}()"
+        for name, (kind, default) in STRATEGIES.items():
+            strategy = getattr(self, name)
+            if not isinstance(strategy, kind):
+                text = f"{name} is {strategy!r}; give a strategy such as {default.__name__}()"
                 raise AnalysisError(text)
         check_balance(self.balance)
         if self.backend not in BACKENDS:
-            known = ", ".join(map(repr, BACKENDS))
-            raise UnsupportedError(f"unknown backend {self.backend!r}; known: {known}")
+            names = ", ".join(map(repr, BACKENDS))
+            raise UnsupportedError(f"unknown backend {self.backend!r}; known: {names}")
 
     def kernel(self, model: Model) -> DynamicsKernel:
-        """Compiled functions, made once per model and choice of strategies."""
+        """Compiled functions, built once per model and choice of strategies."""
         choices = (self.coordinates, self.formulation, self.stabilization, self.integrator)
         return _kernel(model, *choices, self.backend)
 
     @property
     def batched(self) -> type:  # type: ignore[override]
-        """What runs many designs side by side."""
+        """Class that runs a batch of designs."""
         return AdaptiveSteps if self.integrator.adaptive else FixedSteps
 
     def for_designs(self) -> Dynamics:
         """The same with outputs at common times: steps under error control differ by design."""
         if self.outputs is None and self.integrator.adaptive:
-            return replace(self, outputs=OF_BATCH)
+            return replace(self, outputs=BATCH_OUTPUTS)
         return self
 
     @property
@@ -148,33 +145,33 @@ class Dynamics(OverTime[Motion]):
         return self.integrator.gradient_error
 
     def checks(self, model: Model) -> dict[str, Callable[[], object]]:
-        """The strategies work together, and on this mechanism where it starts."""
+        """Checks of the strategies with each other and with the mechanism at its start."""
 
-        def definite() -> Variant:
+        def variant_at_start() -> Variant:
             return self.kernel(model).beginning[0]
 
         return {
             **super().checks(model),
             "stabilization": lambda: self.stabilization.check(self.formulation),
             "coordinates": lambda: self.coordinates.check(model, self.formulation.every_equation),
-            "formulation": definite,
-            "integrator": lambda: definite().integrator.check(definite().problem),
+            "formulation": variant_at_start,
+            "integrator": lambda: variant_at_start().integrator.check(variant_at_start().problem),
             "": lambda: refuse_overlap(model, checked_span(self.duration, self.t_span)[0]),
         }
 
     def continued(
         self, motion: Motion, duration: Any, options: Mapping[str, Any], progress: Any = False
     ) -> Motion:
-        """The motion, gone on with for so long.
+        """The motion, continued by a duration.
 
         Parameters
         ----------
-        options : step, outputs of what follows and events, where they are others than before
+        options : step, outputs of the continuation and events, if they differ from the earlier run
 
         Raises
         ------
         AnalysisError
-            The run broke down, or its times follow parameters.
+            The run failed, or its times follow parameters.
         """
         if "events" not in options:
             refuse_ended(motion, before=np.inf)
@@ -192,15 +189,17 @@ class Dynamics(OverTime[Motion]):
         return self._sampled(motion, times, place_outputs(motion.record.steps, times))
 
     def over_steps(self, motion: Motion) -> Motion:
-        """The motion where integrals over the run look at it."""
+        """The motion at the quadrature points of integrals over the run."""
         record: DynamicsRecord = motion.record
         kernel, steps, order = record.kernel, record.steps, self.integrator.order
         uneven = kernel.adaptive is not None or kernel.contacts is not None
-        if steps.count and (uneven or order > OF_OUTPUTS):
-            few = kernel.adaptive is not None  # steps as long as the motion permits
-            points = StepQuadrature.fine(steps, order) if few else StepQuadrature(steps, order)
-            made = self._sampled(motion, points.times, points.branches)
-            return replace(made, record=replace(made.record, quadrature=points))
+        if steps.count and (uneven or order > OUTPUT_QUADRATURE_ORDER):
+            long_steps = kernel.adaptive is not None  # steps are as long as the tolerance permits
+            points = (
+                StepQuadrature.fine(steps, order) if long_steps else StepQuadrature(steps, order)
+            )
+            sampled = self._sampled(motion, points.times, points.branches)
+            return replace(sampled, record=replace(sampled.record, quadrature=points))
         if steps.count and kernel.fixed.at_once(int(steps.mode[0])):
             finer = steps.divided(-(-INTERVALS // steps.count))
             steps = kernel.fixed.repeat(finer, steps.x[:, 0], motion.parameters)
@@ -221,8 +220,8 @@ class Dynamics(OverTime[Motion]):
         points = peak_quadrature(motion, measure, sharpness, sign, self.integrator.order)
         if points is None:
             return motion
-        made = self._sampled(motion, points.times, points.branches)
-        return replace(made, record=replace(made.record, quadrature=points))
+        sampled = self._sampled(motion, points.times, points.branches)
+        return replace(sampled, record=replace(sampled.record, quadrature=points))
 
     def at_event(self, motion: Motion, occurrence: Occurrence) -> Motion:
         """The motion at the instant of an event.
@@ -230,11 +229,11 @@ class Dynamics(OverTime[Motion]):
         Raises
         ------
         AnalysisError
-            Unknown event, or it did not happen so often.
+            Unknown event, or fewer occurrences.
         """
-        found = instant_of(motion, occurrence)
-        time = motion.record.steps.t[found.index] + found.length
-        return self._sampled(motion, np.array([time]), found.branches)
+        instant = instant_of(motion, occurrence)
+        time = motion.record.steps.t[instant.index] + instant.length
+        return self._sampled(motion, np.array([time]), instant.branches)
 
     def _sampled(self, motion: Motion, times: np.ndarray, branches: Branches) -> Motion:
         kernel, steps = motion.record.kernel, motion.record.steps
@@ -248,20 +247,20 @@ class Dynamics(OverTime[Motion]):
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
         """The same steps and outputs at other parameter values: the discrete map itself.
 
-        A run that ended by an event ends by it again, with a last step of another length.
+        A run that an event ended ends at the same event, with a last step of another length.
 
         Raises
         ------
         AnalysisError
-            With these values a step fails.
+            A step fails with these values.
         """
         record: DynamicsRecord = motion.record
-        kernel, old = record.kernel, record.steps
-        state = motion.model.assemble(p, float(old.t[0]))
-        start = float(old.t[0])
-        x0, mode = kernel.initial(state, start, p, old.x[:, 0])
-        x0 = kernel.remembered(start, x0, p, int(old.mode[0]) if old.count else mode)
-        steps = kernel.fixed.repeat(old, x0, p)
+        kernel, original = record.kernel, record.steps
+        state = motion.model.assemble(p, float(original.t[0]))
+        start = float(original.t[0])
+        x0, mode = kernel.initial(state, start, p, original.x[:, 0])
+        x0 = kernel.remembered(start, x0, p, int(original.mode[0]) if original.count else mode)
+        steps = kernel.fixed.repeat(original, x0, p)
         if steps.interrupted:
             raise KeyboardInterrupt
         if steps.message:
@@ -292,14 +291,17 @@ def _kernel(
     backend: str,
 ) -> DynamicsKernel:
     strategies = formulation, stabilization, integrator
-    chosen = coordinates.chosen(lambda one: _kernel(model, one, *strategies, backend).operations)
+    chosen = coordinates.chosen(
+        lambda candidate: _kernel(model, candidate, *strategies, backend).operations
+    )
     if chosen is not coordinates:
         return _kernel(model, chosen, *strategies, backend)
 
-    def merits(one: Formulation) -> Merits:
-        return merits_of(_kernel(model, coordinates, one, stabilization, integrator, backend))
+    def merits_with(candidate: Formulation) -> Performance:
+        kernel = _kernel(model, coordinates, candidate, stabilization, integrator, backend)
+        return cost_and_error(kernel)
 
-    definite = formulation.chosen(merits, integrator.implicit)
-    if definite is not formulation:
-        return _kernel(model, coordinates, definite, stabilization, integrator, backend)
+    selected = formulation.select(merits_with, integrator.implicit)
+    if selected is not formulation:
+        return _kernel(model, coordinates, selected, stabilization, integrator, backend)
     return DynamicsKernel(model, chosen, *strategies, BACKENDS[backend]())

@@ -1,11 +1,11 @@
-"""The numerical motion between the ends of its steps, and how fast measures change along it.
+"""The numerical motion inside its steps, and rates of measures along it.
 
-Inside step ``k`` the motion is what a part of the step makes of its beginning, ``x(t_k + s) =
-step(t_k, s, x_k, p)``. So the rate of a measure that belongs to the discrete run is
+Inside step ``k`` the motion is a partial step from its beginning, ``x(t_k + s) = step(t_k, s, x_k,
+p)``. The rate of a measure along the discrete motion is
 
     ṁ = ∂m/∂t + (∂m/∂x) ∂step/∂s,
 
-accelerations and multipliers in ``m`` included: they are functions of the state.
+where accelerations and multipliers in ``m`` are functions of the state.
 """
 
 from __future__ import annotations
@@ -44,28 +44,28 @@ class Flow:
         return self._advanced(k)(self.steps.t[k], length, x, self.p)[0].ravel()
 
     def bodies(self, k: int, length: float) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) coordinates and speeds of the bodies there."""
+        """(n,) coordinates and (n,) speeds of the bodies at that instant."""
         variant = self._variant(k)
         x = self.state(k, length)[: variant.step.state_size]
         y, v, *_ = Kernel(variant.bodies)(self.steps.t[k] + length, x, self.p)
         return y.ravel(), v.ravel()
 
-    def ended(self, k: int, length: float) -> Steps:
-        """The steps up to the ``k``-th, which is given this length."""
-        made = self.steps.cut(k + 1)
-        made.h, made.corrected = made.h.copy(), made.corrected.copy()
-        made.h[k], made.corrected[k] = length, True
-        made.x = ended_states(made.x, k + 1, self.state(k, length))
-        return made
+    def shortened(self, k: int, length: float) -> Steps:
+        """The steps up to the ``k``-th, whose length becomes ``length``."""
+        steps = self.steps.cut(k + 1)
+        steps.h, steps.corrected = steps.h.copy(), steps.corrected.copy()
+        steps.h[k], steps.corrected[k] = length, True
+        steps.x = ended_states(steps.x, k + 1, self.state(k, length))
+        return steps
 
     def value(self, measure: Expression, k: int, length: float) -> float:
-        """The measure there."""
+        """The measure at that instant."""
         function = Kernel(self._variant(k).measured(measure).function)
         x = self.state(k, length)[: self._variant(k).step.state_size]
         return float(function(self.steps.t[k] + length, x, self.p)[0].item())
 
     def rate(self, measure: Expression, k: int, length: float) -> float:
-        """``ṁ`` there [unit of the measure per second]."""
+        """``ṁ`` at that instant [unit of the measure per second]."""
         size = self._variant(k).step.state_size
         x = self.state(k, length)[:size]
         x_rate = self._state_rate(k)(self.steps.t[k], length, self.steps.x[:, k], self.p)[0]

@@ -1,4 +1,4 @@
-"""Compiled functions of a dynamic analysis: its marches, and what is read off their steps."""
+"""Compiled functions of a dynamic analysis: marches, and evaluation of their steps."""
 
 from __future__ import annotations
 
@@ -9,16 +9,15 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.contact.change import ContactChange
-from dalembert.analysis.contact.headings import first_headings
+from dalembert.analysis.contact.contact_dynamics import check_contacts
 from dalembert.analysis.contact.modes import ContactModes
-from dalembert.analysis.contact.quantities import check_contacts
-from dalembert.analysis.dynamics.moving_sides import MovingSide
+from dalembert.analysis.contact.state_jumps import first_headings
 from dalembert.analysis.dynamics.step_outputs import StepOutputs
-from dalembert.analysis.dynamics.transition import Transition, crossed, distances
+from dalembert.analysis.dynamics.transition import MovingSide, Transition, crossed, distances
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation
-from dalembert.formulations.redundancy import TRUSTED, best_rows, largest_share
+from dalembert.formulations.partition import LARGEST_COEFFICIENT, best_rows, largest_coefficient
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator
 from dalembert.integrators.marching.adaptive import AdaptiveMarch
@@ -33,36 +32,36 @@ from dalembert.symbolic.evaluation.backends import Backend, VirtualMachine
 from dalembert.symbolic.evaluation.columns import Columns
 
 STAGES = 4
-"""Accelerations of a step, about."""
+"""Typical number of evaluations of accelerations per step."""
 
 
 class DynamicsKernel(StepOutputs):
     """Compiled functions of one model under one choice of strategies.
 
-    Made once by ``Dynamics.kernel`` and shared by runs, replays and gradients. Formulations that
-    lean on a choice of independent speeds have one ``Variant`` per choice met so far, and each
-    switch that was met has a ``Transition``; a *mode* is the index of one, and every step remembers
-    the mode it was taken in.
+    Built once by ``Dynamics.kernel`` and shared by runs, replays and gradients. Formulations that
+    depend on a choice of independent speeds have one ``Variant`` per choice used so far, and each
+    crossed switch has a ``Transition``; a *mode* is the index of a variant, and every step stores
+    its mode.
 
     Parameters
     ----------
     model : Model
     coordinates, formulation, stabilization, integrator : as in ``Dynamics``
-    backend : what evaluates the functions
+    backend : evaluator of the functions
 
     Attributes
     ----------
     view : CoordinateView, the model in the coordinates that are integrated
-    equations : Equations in these coordinates, the ones formulations see
+    equations : Equations in these coordinates, as passed to formulations
     variants : list of Variant and Transition, by mode
     contacts : ContactModes of rigid gaps, None where there are none
-    fixed : FixedMarch over given steps; repeats those of adaptive runs, too
+    fixed : FixedMarch over given steps; also repeats steps of adaptive runs
     adaptive : AdaptiveMarch, or None for integrators of fixed steps
 
     Raises
     ------
     UnsupportedError, ModelError
-        The model cannot be described in these coordinates, or the strategies do not go together.
+        The model cannot be described in these coordinates, or the strategies are incompatible.
     """
 
     def __init__(
@@ -76,13 +75,15 @@ class DynamicsKernel(StepOutputs):
     ):
         self.model, self.formulation, self.stabilization = model, formulation, stabilization
         self.coordinates, self.integrator = coordinates, integrator
-        possible = formulation.gives_accelerations
-        self.methods = [m for m in integrator.methods if possible or m.implicit] or [integrator]
+        explicit_allowed = formulation.gives_accelerations
+        self.methods = [m for m in integrator.methods if explicit_allowed or m.implicit] or [
+            integrator
+        ]
         self.backend = backend or VirtualMachine()
         stabilization.check(formulation)
         self.view = coordinates.view(model, formulation.every_equation)
         if integrator.adaptive:
-            self.view.hold_switches()
+            self.view.freeze_branches()
         self.equations = self.view.equations
         self.variants: list[Variant] = []
         self.contacts: ContactModes | None = None
@@ -116,9 +117,9 @@ class DynamicsKernel(StepOutputs):
         phases: Phases | None = None,
         method: Integrator | None = None,
     ) -> int:
-        """The variant for a state, with some rows of the equations or, by default, good ones.
+        """The mode for a state, with given rows of the equations or, by default, independent ones.
 
-        Rigid gaps are apart by default, and the integrator is the one that runs begin with.
+        By default rigid gaps are open, and the integrator is the initial one of runs.
         """
         y = x[: self.equations.coordinate_count]
         rows = self._rows(t, y, p) if rows is None else rows
@@ -138,9 +139,9 @@ class DynamicsKernel(StepOutputs):
         method: Integrator,
         bare: Formulation,
     ) -> int:
-        wanted = (rows, chosen, phases, method)
+        key = (rows, chosen, phases, method)
         for mode, v in enumerate(self.variants):
-            if (v.rows, v.formulation, v.phases, v.integrator) == wanted:
+            if (v.rows, v.formulation, v.phases, v.integrator) == key:
                 return mode
         strategies = chosen, self.stabilization, method
         self.variants.append(Variant(self.view, rows, *strategies, phases, bare))
@@ -148,22 +149,24 @@ class DynamicsKernel(StepOutputs):
 
     @property
     def latest(self) -> int:
-        """The mode of a run without steps: the newest that is no transition."""
+        """The mode of a run without steps: the latest one that is not a transition."""
         return max(k for k, variant in enumerate(self.variants) if type(variant) is Variant)
 
     def implicit(self, mode: int) -> bool:
-        """Whether steps of a mode solve equations."""
+        """Whether the integrator of a mode is implicit."""
         return self.variants[mode].integrator.implicit
 
     def cost(self, mode: int) -> float:
-        """Operations of an attempted step of a mode, about."""
+        """Approximate number of operations of an attempted step of a mode."""
         return self._attempt(mode).cost
 
     def by_other_method(self, mode: int) -> int:
-        """The mode of the same equations with the other of two methods, if it suits them."""
-        now = self.variants[mode]
-        (other,) = (method for method in self.methods if method != now.integrator)
-        following = self._mode(now.rows, now.formulation, now.phases, other, now.bare)
+        """The mode of the same equations with the other of two methods, if it is applicable."""
+        variant = self.variants[mode]
+        (other,) = (method for method in self.methods if method != variant.integrator)
+        following = self._mode(
+            variant.rows, variant.formulation, variant.phases, other, variant.bare
+        )
         try:
             other.check(self.variants[following].problem)
         except UnsupportedError:
@@ -171,12 +174,16 @@ class DynamicsKernel(StepOutputs):
         return following
 
     def _rows(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
-        """The rows of the start where the others follow well from them, else the best ones."""
+        """The rows of the start if the others follow accurately from them, else the best rows."""
         rows, whole = self.view.rows, self.view.whole
         if len(rows) == whole.constraint_count:
             return rows
-        share = ca.Function("W", [whole.t, whole.y, whole.p], [largest_share(whole, rows)])
-        return rows if float(share(t, y, p)) <= TRUSTED else best_rows(whole, rows, t, y, p)
+        share = ca.Function("W", [whole.t, whole.y, whole.p], [largest_coefficient(whole, rows)])
+        return (
+            rows
+            if float(share(t, y, p)) <= LARGEST_COEFFICIENT
+            else best_rows(whole, rows, t, y, p)
+        )
 
     @cached_property
     def distances(self) -> ca.Function:
@@ -185,11 +192,11 @@ class DynamicsKernel(StepOutputs):
 
     @cached_property
     def crossed(self) -> ca.Function:
-        """``(t, x, p)`` → how far a state lies beyond each switch, rounding left out."""
+        """``(t, x, p)`` → distance of a state beyond each switch, less rounding."""
         return crossed(self.equations)
 
     def transition(self, mode: int, number: int, moving: bool) -> int:
-        """The mode in which a switch goes over between steps of a mode."""
+        """The mode of the transition of a switch between steps of a mode."""
         key = (mode, number, moving)
         if key not in self._transitions:
             self.variants.append(Transition(self.variants[mode], number, moving))
@@ -206,10 +213,10 @@ class DynamicsKernel(StepOutputs):
         return self._sides[mode, after]
 
     def crossings(self, steps: Steps) -> list[tuple[int, Transition | ContactChange]]:
-        """Steps that are transitions at which forces change."""
-        found = [(int(k), self.variants[steps.mode[k]]) for k in np.flatnonzero(steps.h == 0)]
+        """Steps that are transitions at which forces or contacts change."""
+        changes = [(int(k), self.variants[steps.mode[k]]) for k in np.flatnonzero(steps.h == 0)]
         kinds = Transition, ContactChange
-        return [(k, v) for k, v in found if isinstance(v, kinds) and v.moving]
+        return [(k, v) for k, v in changes if isinstance(v, kinds) and v.moving]
 
     def jumps(self, steps: Steps) -> np.ndarray:
         """Steps in which speeds jump."""
@@ -217,39 +224,39 @@ class DynamicsKernel(StepOutputs):
         return np.array([k for k, change in changes if change.struck], dtype=int)
 
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray) -> Switch:
-        """How many of these steps to keep, and the variant after them."""
-        everything, now = Switch(times.size - 1, mode), self.variants[mode]
-        if now.conditioning is None:
-            return everything
+        """Number of steps to accept, and the mode after them."""
+        accept_all, variant = Switch(times.size - 1, mode), self.variants[mode]
+        if variant.conditioning is None:
+            return accept_all
         y = states[: self.equations.coordinate_count]
-        watched = self.over(now.conditioning, times.size)
-        shares, values = watched(times, y, np.tile(p[:, None], times.size))
+        conditioning = self.over(variant.conditioning, times.size)
+        shares, values = conditioning(times, y, np.tile(p[:, None], times.size))
         bad = np.flatnonzero(~((shares.ravel() <= 1) & (values.ravel() <= 1)))
         if not bad.size:
-            return everything
-        last_good, rows = max(int(bad[0]) - 1, 0), now.rows
-        for kept in (last_good, int(bad[0])):
-            t, x = float(times[kept]), states[:, kept]
+            return accept_all
+        last_good, rows = max(int(bad[0]) - 1, 0), variant.rows
+        for accepted in (last_good, int(bad[0])):
+            t, x = float(times[accepted]), states[:, accepted]
             try:
                 if not shares.ravel()[bad[0]] <= 1:
-                    rows = best_rows(self.view.whole, rows, t, y[:, kept], p)
-                following = self.choose(t, x, p, rows, now.phases, now.integrator)
+                    rows = best_rows(self.view.whole, rows, t, y[:, accepted], p)
+                following = self.choose(t, x, p, rows, variant.phases, variant.integrator)
             except SingularityError as error:
                 return Switch(last_good, mode, str(error))
             if following != mode:
-                return Switch(kept, following)
-        return everything
+                return Switch(accepted, following)
+        return accept_all
 
     @cached_property
     def beginning(self) -> tuple[Variant, np.ndarray]:
-        """The variant where the model starts, and the state there."""
+        """The variant and the state at the start of the model."""
         start, p = self.model.start, self.model.nominal
         x = self.start.function(0.0, start.y, start.v, p).full().ravel()
         return self.variants[self.choose(0.0, x, p)], x
 
     @cached_property
     def operations(self) -> int:
-        """What a step costs where the model starts: of its accelerations and its correction.
+        """Operations of a step at the start of the model: accelerations and correction.
 
         Raises
         ------
@@ -269,8 +276,10 @@ class DynamicsKernel(StepOutputs):
         return partial(self.backend.columns(function), count)
 
     def marched(self, function: ca.Function, fixed: tuple[int, ...]) -> Columns:
-        """A function whose result is its first argument for the next column; ``fixed`` are the
-        numbers of arguments that are the same for all."""
+        """A function whose result is the first argument of the next column.
+
+        ``fixed`` are the numbers of the arguments that all columns share.
+        """
         return self.backend.columns(function, True, fixed)
 
     def steps(self, mode: int) -> Columns:
@@ -287,14 +296,16 @@ class DynamicsKernel(StepOutputs):
         energy = self.stabilization.reference_energy(e)
         sides = e.switches.actual
         energy = ca.substitute(energy, e.switches.sides, sides)
-        seen = [ca.vertcat(ca.SX(0), ca.densify(energy), first_headings(e), sides)]
-        (more,) = ca.substitute(seen, [ca.vertcat(e.t, e.y, e.v, e.p)], [ca.vertcat(t, q, u, p)])
-        return ImplicitFunction("start", reduce.inputs, [], [ca.vertcat(q, u, more)])
+        initial_memory = [ca.vertcat(ca.SX(0), ca.densify(energy), first_headings(e), sides)]
+        (memory,) = ca.substitute(
+            initial_memory, [ca.vertcat(e.t, e.y, e.v, e.p)], [ca.vertcat(t, q, u, p)]
+        )
+        return ImplicitFunction("start", reduce.inputs, [], [ca.vertcat(q, u, memory)])
 
     def initial(
         self, state: AssembledState, t: float, p: np.ndarray, like: np.ndarray | None = None
     ) -> tuple[np.ndarray, int]:
-        """State with memory at the start, and its variant; switches on the sides of ``like``."""
+        """Initial state with memory, and its mode; signs of switching functions as in ``like``."""
         x = self.start.function(t, state.y, state.v, p).full().ravel()
         if like is not None:
             sides = slice(x.size - self.equations.switches.count, x.size)
@@ -303,7 +314,7 @@ class DynamicsKernel(StepOutputs):
         return self.remembered(t, x, p, mode), mode
 
     def remembered(self, t: float, x: np.ndarray, p: np.ndarray, mode: int) -> np.ndarray:
-        """A state with what the steps of a mode remember at their start."""
+        """A state with the initial memory of the steps of a mode."""
         step = self.variants[mode].step
         if step.begin is None:
             return x

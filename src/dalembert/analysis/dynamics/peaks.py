@@ -1,10 +1,10 @@
 """Largest value of a measure between the steps of a run with error control.
 
-The measure is evaluated at dense outputs, and more densely where its curvature leaves room for a
-larger value. The instant of the largest one is the root of its rate ``ṁ`` along the discrete motion
+The measure is evaluated at dense outputs, and more densely where its curvature permits a larger
+value. The instant of the maximum is the root of its rate ``ṁ`` along the discrete motion
 (Brent), or an end of a smooth stretch: of the run, or of the motion before and after an impact or
 a switch. At a root a change of the instant is of second order, so the gradient at the fixed instant
-is exact; at impacts and switches the sample moves with their instant (``MovingSide``).
+is exact; samples at impacts and switches move with their instant (``MovingSide``).
 """
 
 from __future__ import annotations
@@ -13,8 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dalembert.analysis.dynamics.dense_motion import dense
-from dalembert.analysis.dynamics.dense_outputs import jumps_between
+from dalembert.analysis.dynamics.dense_outputs import dense, jumps_between, sagittas
 from dalembert.analysis.dynamics.flow import Flow
 from dalembert.analysis.dynamics.step_quadrature import INSIDE
 from dalembert.analysis.events import locate
@@ -24,32 +23,32 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
 ROOM = 3.0
-"""Distance above its ends that a measure may reach within an interval, by that of a parabola."""
+"""Safety factor of the parabolic bound of a measure within an interval."""
 FLAT = 1e-3
-"""Such a distance, relative to the range of the measure, that is no reason to look closer."""
+"""Bound above the samples, relative to the range of the measure, below which none are added."""
 ROUNDS, MOST = 8, 4000
-"""Times that intervals are halved, and measures evaluated there."""
+"""Upper limits of the halvings of intervals, and of the evaluations added by them."""
 LOCATED = 8
-"""Local maxima whose instants are located, the most promising first."""
+"""Upper limit of the number of local maxima whose instants are located."""
 NEARLY = 1e-6
-"""Share of a part of a step at its beginning in which no root is looked for."""
+"""Fraction at the beginning of a part of a step that the search for a root excludes."""
 TOGETHER = 1e-8
-"""Distance of two samples, relative to the run, that are one instant."""
+"""Difference of times, relative to the run, below which samples belong to one instant."""
 SAME = 1e-10
-"""Difference of maxima, relative to the largest, that counts as none."""
+"""Difference of maxima, relative to the largest, below which they are equal."""
 
 
 @once
 def peaks(motion: Motion, measure: str | Expression, sign: float) -> Motion:
     """The motion where ``sign`` times a measure is largest; at several instants if they tie."""
-    finely = dense(motion)
-    if not finely.record.dense:
+    dense_motion = dense(motion)
+    if not dense_motion.record.dense:
         return motion
-    return PeakSearch(finely, measure, sign).found
+    return PeakSearch(dense_motion, measure, sign).motion_at_peaks
 
 
 class PeakSearch:
-    """Looks for the largest value.
+    """Search for the largest value of a measure.
 
     Parameters
     ----------
@@ -71,15 +70,15 @@ class PeakSearch:
         self.m = self._values(np.arange(self.time.size))
 
     @property
-    def found(self) -> Motion:
+    def motion_at_peaks(self) -> Motion:
         """The motion at the instant of the largest value, or at several of the same value."""
         if np.all(np.isfinite(self.m)):
-            self._look_closer()
+            self._refine()
             self._locate()
         if np.isnan(self.m).any():
             return self._at(np.flatnonzero(np.isnan(self.m)))
         best = np.flatnonzero(self.m >= self.m.max() - SAME * np.abs(self.m).max())
-        # of samples at one instant that one which moves with it
+        # of samples at one instant, the sample that moves with it
         new = np.diff(self.time[best], prepend=-np.inf) > TOGETHER * np.ptp(self.motion.time)
         groups = np.split(best, np.flatnonzero(new)[1:])
         chosen = [max(group, key=lambda k: (self.modes[k], self.m[k])) for group in groups]
@@ -89,14 +88,14 @@ class PeakSearch:
     def _at(self, some: np.ndarray) -> Motion:
         branches = Branches(self.index[some], self.length[some], self.modes[some])
         trajectory = self.kernel.trajectory(self.time[some], self.steps, branches, self.p)
-        made = replace(self.record, branches=branches, dense=False)
-        return replace(self.motion, trajectory=trajectory, record=made)
+        record = replace(self.record, branches=branches, dense=False)
+        return replace(self.motion, trajectory=trajectory, record=record)
 
     def _values(self, some: np.ndarray) -> np.ndarray:
         return np.asarray(self.sign * self._at(some).values(self.measure), dtype=float)
 
     def _add(self, index: np.ndarray, length: np.ndarray) -> None:
-        """Samples inside steps, in order among the others."""
+        """Add samples inside steps in temporal order."""
         first = self.time.size
         self.index, self.length = np.append(self.index, index), np.append(self.length, length)
         self.time = np.append(self.time, self.steps.t[index] + length)
@@ -107,65 +106,61 @@ class PeakSearch:
             setattr(self, name, getattr(self, name)[order])
 
     def _move_sides(self) -> None:
-        """Samples on both sides of impacts and switches move with their instants.
+        """Let samples on both sides of impacts and switches move with their instants.
 
-        Where steps are repeated with other parameters, others are dropped that this passes by.
+        In a run repeated with other parameters, samples passed by a moved instant are dropped.
         """
-        steps, kept = self.steps, np.ones(self.time.size, dtype=bool)
+        steps, valid = self.steps, np.ones(self.time.size, dtype=bool)
         for k, change in self.kernel.crossings(steps):
             following = k + 1
             if (k and steps.h[k - 1] == 0) or not steps.h[following : following + 1].any():
-                continue  # one of several at one instant
+                continue  # another change at the same instant
             mode, size = int(steps.mode[k]), change.step.state_size
             before = self._before(k)
             after = np.flatnonzero((self.index == following) & (self.length == 0))
-            place = self.kernel.variants[self.kernel.side(mode, False)].place
-            instant = steps.t[k] + float(place(steps.t[k], steps.x[:size, k], self.p)[0])
-            kept &= ~np.where(self.index < k, self.time > instant, False)
-            kept &= ~np.where(self.index > k, self.time < instant, False)
-            for at, behind in ((before, False), (after, True)):
-                self.index[at], self.length[at] = k, 0.0
-                self.modes[at] = self.kernel.side(mode, behind)
-                self.time[at] += instant - steps.t[k]
-                kept[at] = True
+            location = self.kernel.variants[self.kernel.side(mode, False)].location
+            instant = steps.t[k] + float(location(steps.t[k], steps.x[:size, k], self.p)[0])
+            valid &= ~np.where(self.index < k, self.time > instant, False)
+            valid &= ~np.where(self.index > k, self.time < instant, False)
+            for samples, after_change in ((before, False), (after, True)):
+                self.index[samples], self.length[samples] = k, 0.0
+                self.modes[samples] = self.kernel.side(mode, after_change)
+                self.time[samples] += instant - steps.t[k]
+                valid[samples] = True
         for name in ("index", "length", "time", "modes"):
-            setattr(self, name, getattr(self, name)[kept])
+            setattr(self, name, getattr(self, name)[valid])
 
     def _before(self, k: int) -> np.ndarray:
-        """The sample before a change."""
-        found = np.flatnonzero((self.index == k) & (self.length == 0))
-        if found.size or not k:
-            return found
+        """Number of the sample before a change."""
+        samples = np.flatnonzero((self.index == k) & (self.length == 0))
+        if samples.size or not k:
+            return samples
         last = self.length > (1 - 2 * INSIDE) * self.steps.h[k - 1]
         return np.flatnonzero((self.index == k - 1) & last)
 
-    # looking closer --------------------------------------------------------------------
+    # refinement --------------------------------------------------------------------
     @property
-    def _apart(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lengths of the intervals, and which of them are jumps."""
+    def _intervals(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lengths of the intervals, and whether they are jumps."""
         return np.diff(self.time), jumps_between(self.steps, self.time, self.index)
 
-    def _rooms(self) -> np.ndarray:
-        """How far the measure may reach above the ends of each interval."""
-        apart, jump = self._apart
-        apart = np.where(jump, 1.0, apart)
-        slopes = np.diff(self.m) / apart
-        curvature = np.where(jump[1:] | jump[:-1], 0.0, np.abs(np.diff(slopes)))
-        curvature = 2 * curvature / (apart[1:] + apart[:-1])
-        most = np.maximum(np.append(curvature, 0.0), np.append(0.0, curvature))
-        return np.where(jump, 0.0, ROOM * most * apart**2 / 8)
+    def _bounds(self) -> np.ndarray:
+        """Upper bound of the measure above the ends of each interval."""
+        intervals, jump = self._intervals
+        spacing = np.where(jump, 1.0, intervals)
+        return np.where(jump, 0.0, ROOM * sagittas(self.m[None], spacing, jump))
 
-    def _look_closer(self) -> None:
-        """Halve intervals in which the measure may be larger than it is anywhere by now."""
-        left = MOST
+    def _refine(self) -> None:
+        """Halve intervals in which the measure may exceed the current maximum."""
+        budget = MOST
         for _ in range(ROUNDS):
-            rooms, size = self._rooms(), np.ptp(self.m)
-            top = np.maximum(self.m[1:], self.m[:-1]) + rooms
-            wanted = np.flatnonzero((top > self.m.max()) & (rooms > FLAT * size))
-            if not wanted.size or wanted.size > left:
+            bounds, size = self._bounds(), np.ptp(self.m)
+            top = np.maximum(self.m[1:], self.m[:-1]) + bounds
+            refined = np.flatnonzero((top > self.m.max()) & (bounds > FLAT * size))
+            if not refined.size or refined.size > budget:
                 return
-            left -= wanted.size
-            index, begin, end = self._inside(wanted)
+            budget -= refined.size
+            index, begin, end = self._inside(refined)
             self._add(index, (begin + end) / 2)
 
     def _inside(self, intervals: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -179,18 +174,18 @@ class PeakSearch:
     # the instant -----------------------------------------------------------------------
     def _locate(self) -> None:
         """Add the roots of the rate beside the largest samples."""
-        rooms = self._rooms()
-        beside = np.maximum(np.append(rooms, 0.0), np.append(0.0, rooms))
-        promise = self.m + beside
-        apart, jump = self._apart
+        bounds = self._bounds()
+        margin = np.maximum(np.append(bounds, 0.0), np.append(0.0, bounds))
+        upper_bound = self.m + margin
+        intervals, jump = self._intervals
         lower = np.append(self.m[1:] <= self.m[:-1], True) | np.append(jump, True)
         lower &= np.append(True, self.m[:-1] <= self.m[1:]) | np.append(True, jump)
-        tops = np.flatnonzero(lower & (promise >= self.m.max()))
-        tops = tops[np.argsort(-promise[tops], kind="stable")][:LOCATED]
+        tops = np.flatnonzero(lower & (upper_bound >= self.m.max()))
+        tops = tops[np.argsort(-upper_bound[tops], kind="stable")][:LOCATED]
         index: list[int] = []
         length: list[float] = []
         for interval in sorted({k for top in tops for k in (top - 1, top)}):
-            if not 0 <= interval < apart.size or jump[interval]:
+            if not 0 <= interval < intervals.size or jump[interval]:
                 continue
             (k,), (begin,), (end,) = self._inside(np.array([interval]))
             if (root := self._root(int(k), float(begin), float(end))) is not None:
@@ -200,12 +195,12 @@ class PeakSearch:
             self._add(np.array(index), np.array(length))
 
     def _root(self, k: int, begin: float, end: float) -> float | None:
-        """Where the measure stops rising within a part of a step; None where it does not."""
+        """Length at which the measure stops rising within a part of a step; None if it does not."""
 
         def rate(length: float) -> float:
             return self.sign * self.flow.rate(self.measure, k, length)
 
-        begin = max(begin, NEARLY * end)  # where steps of some methods have no rate
+        begin = max(begin, NEARLY * end)  # some methods have no rate at the beginning
         if not (begin < end and rate(begin) > 0 > rate(end)):
             return None
         return locate(rate, begin, end)

@@ -1,4 +1,4 @@
-"""Integrating the equations of motion: start, march, events, outputs, status."""
+"""Execution of a dynamic analysis: start, march, events, outputs, status."""
 
 from __future__ import annotations
 
@@ -7,23 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.choices import doubts
+from dalembert.analysis.contact.gap_checks import refuse_collisions, touching_model
 from dalembert.analysis.contact.search import ContactSearch
-from dalembert.analysis.contact.start import touching_model
-from dalembert.analysis.contact.unseen import refuse_collisions
 from dalembert.analysis.dynamics.dense_outputs import DenseOutputs, contact_changes
 from dalembert.analysis.dynamics.event_search import EventSearch
 from dalembert.analysis.dynamics.record import DynamicsRecord
-from dalembert.analysis.dynamics.status import Ending, statistics
+from dalembert.analysis.dynamics.residual_check import DynamicsResidualCheck
+from dalembert.analysis.dynamics.status import RunEnd, statistics
 from dalembert.analysis.dynamics.step_accuracy import StepAccuracy
-from dalembert.analysis.dynamics.stiffness import too_long_for
+from dalembert.analysis.dynamics.step_length_checks import BranchJumps, unstable_step_warnings
 from dalembert.analysis.dynamics.switch_search import SwitchSearch
-from dalembert.analysis.dynamics.truth import DynamicsTruth
-from dalembert.analysis.elastic_range import elastic_doubts
+from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.events import as_events
-from dalembert.analysis.kinematics.branch_jumps import BranchJumps
 from dalembert.analysis.kinematics.branches import outputs_of
 from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.strategy_warnings import strategy_warnings
 from dalembert.analysis.timeline import (
     Pace,
     afford_states,
@@ -50,18 +48,16 @@ from dalembert.integrators.marching.steps import (
 from dalembert.model.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord
-from dalembert.results.status import Outcome, Status
-from dalembert.results.warnings import Warnings
+from dalembert.results.status import Outcome, Status, Warnings
 from dalembert.timing import Timing
 
 SHORTEST = 1e-12
-"""Step length, relative to the time, at which an adaptive run is asked why it ended."""
-REFUSED = (Outcome.VIOLATED, Outcome.UNBALANCED)
-"""Runs to the end that are no motion of the model: which steps would do is told there too."""
+"""Step length, relative to the time, of the failed step of an adaptive run."""
+REJECTED = (Outcome.VIOLATED, Outcome.UNBALANCED)
+"""Outcomes of complete runs that are not motions of the model; they recommend a step, too."""
 PASSING = ", or use formulation=AugmentedLagrangian(), which passes through such positions"
-
 COPIES = 8
-"""Memory of a run in units of its states: trajectory, measures and what they are computed from."""
+"""Memory of a run in units of its states: trajectory, measures and their arguments."""
 
 
 class DynamicsRun:
@@ -80,7 +76,7 @@ class DynamicsRun:
         self.begin = self.start
         self.step = checked_step(analysis.step, self.start, self.end)
         self.requested = output_times(analysis.outputs, self.start, self.end)
-        self._afford()
+        self._check_budget()
         self.p = model.values(parameters)
         model, self.closed_gaps = touching_model(model, self.p, self.start)
         self.model = model
@@ -97,8 +93,8 @@ class DynamicsRun:
         if modes := self.kernel.contacts:
             self.contacts = ContactSearch(self.kernel, modes, self.p, self.start, self.end)
 
-    def _afford(self) -> None:
-        """Steps and outputs that are too many are refused; of adaptive steps the fewest count."""
+    def _check_budget(self) -> None:
+        """Refuse too many steps and outputs; adaptive runs count their smallest number of steps."""
         e, integrator = self.model.equations, self.analysis.integrator
         longest = integrator.longest_step or self.end - self.start
         step = min(longest, self.end - self.start) if integrator.adaptive else self.step
@@ -108,7 +104,7 @@ class DynamicsRun:
         afford_states(count, COPIES * numbers)
 
     def _refuse_lost_mass(self) -> None:
-        """A mass that was not zero when the model was built must not become zero."""
+        """Refuse a zero mass that was positive when the model was built."""
         mass = np.diag(self.model.mass_matrix(self.p))
         lost = set(np.flatnonzero(mass == 0)) - set(self.model.equations.massless)
         if lost and self.kernel.formulation.needs_mass:
@@ -121,8 +117,10 @@ class DynamicsRun:
     def initial_state(self) -> tuple[np.ndarray, int]:
         state = self.model.assemble(self.p, self.start)
         length = self.end - self.start
-        integrator = self.analysis.integrator
-        self.forewarned = too_long_for(self.model, state, self.p, integrator, self.step, length)
+        method = self.analysis.integrator
+        self.stability_warnings = unstable_step_warnings(
+            self.model, state, self.p, method, self.step, length
+        )
         if self.analysis.strict and state.projected_speeds:
             raise AssemblyError(
                 "initial speeds are inconsistent with the joints: "
@@ -136,32 +134,33 @@ class DynamicsRun:
         mode = self.contacts.begin(x0, mode)
         return self.kernel.remembered(self.start, x0, self.p, mode), mode
 
-    def doubts(self, motion: Motion, truth: DynamicsTruth) -> list[str]:
-        """Warnings about the choices made; an exchange of energy below round-off counts as none."""
+    def warnings(self, motion: Motion, check: DynamicsResidualCheck) -> list[str]:
+        """Warnings about strategies and results; energy exchange below rounding counts as zero."""
         a = self.analysis
         exchanged = float(np.max(np.abs(motion.trajectory.work), initial=0.0))
         if exchanged <= 1e-9 * np.max(motion.values("kinetic_energy"), initial=0.0):
             exchanged = 0.0
         freedom = self.model.diagnosis.free
         formulation = self.kernel.formulation
-        found = doubts(formulation, a.stabilization, a.integrator, self.step, freedom, exchanged)
-        found += self.forewarned
-        found += self.contacts.doubts if self.contacts else []
-        found += halving_warnings(self.halved(motion.record.steps))
+        choice = formulation, a.stabilization, a.integrator
+        warnings = strategy_warnings(*choice, self.step, freedom, exchanged)
+        warnings += self.stability_warnings
+        warnings += self.contacts.warnings if self.contacts else []
+        warnings += halving_warnings(self.halved_steps(motion.record.steps))
         if motion.status.success:
-            found += truth.doubts + BranchJumps(self.kernel, motion.record.steps).doubts
-        found += elastic_doubts(self.model, motion.trajectory, self.p)
-        return found
+            warnings += check.warnings + BranchJumps(self.kernel, motion.record.steps).warnings
+        warnings += elastic_warnings(self.model, motion.trajectory, self.p)
+        return warnings
 
-    def of_accuracy(self, motion: Motion) -> list[str]:
-        """Warnings about an estimated error beyond what was chosen."""
+    def accuracy_warnings(self, motion: Motion) -> list[str]:
+        """Warnings about an estimated error above the tolerance."""
         accuracy, integrator = motion.record.accuracy, self.analysis.integrator
-        if accuracy is None or not (motion.status.success or motion.status.outcome in REFUSED):
+        if accuracy is None or not (motion.status.success or motion.status.outcome in REJECTED):
             return []
         if not integrator.controls_error:
-            return accuracy.of_fixed_steps  # type: ignore[no-any-return]
+            return accuracy.fixed_step_warnings  # type: ignore[no-any-return]
         rtol = integrator.run_tolerance
-        return [] if rtol is None else accuracy.of_tolerance(rtol)
+        return [] if rtol is None else accuracy.tolerance_warnings(rtol)
 
     def execute(self, progress) -> Motion:
         timing = Timing()
@@ -173,31 +172,32 @@ class DynamicsRun:
             watch = self.watch(report)
             steps = self.march(x0, mode, watch)
         timing.lap("integration")
-        happened, ends = self.events.find(steps)
+        events, ends = self.events.find(steps)
         if ends is not None:
             steps = self.events.cut(steps, *ends)
         adaptive = self.kernel.adaptive is not None
         jumps = contact_changes(self.kernel, steps) if adaptive else self.kernel.jumps(steps)
-        wanted = self.requested
-        if wanted is None and self.contacts is None and self.halved(steps):
-            wanted = self.instants
-        times, branches = outputs_of(steps, wanted, ends is not None, jumps)
-        dense = wanted is None and adaptive
+        requested = self.requested
+        if requested is None and self.contacts is None and self.halved_steps(steps):
+            requested = self.instants
+        times, branches = outputs_of(steps, requested, ends is not None, jumps)
+        dense = requested is None and adaptive
         if dense:
             outputs = DenseOutputs(self.kernel, steps, times, branches, self.p)
             branches, trajectory = outputs.branches, outputs.trajectory
         else:
             trajectory = self.kernel.trajectory(times, steps, branches, self.p)
         timing.lap("outputs")
-        truth = DynamicsTruth(self.kernel, steps, trajectory, self.p, self.analysis.balance)
+        balance = self.analysis.balance
+        check = DynamicsResidualCheck(self.kernel, steps, trajectory, self.p, balance)
         motion = Motion(
             model=self.model,
             analysis=self.analysis,
             parameters=self.p,
             trajectory=trajectory,
-            status=self.status(steps, truth, happened if ends is not None else []),
+            status=self.status(steps, check, events if ends is not None else []),
             statistics=statistics(self.kernel, steps, trajectory, self.p, timing),
-            events=happened,
+            events=events,
             record=DynamicsRecord(
                 self.kernel, steps, branches, dense=dense, accuracy=self.accuracy(steps)
             ),
@@ -207,20 +207,21 @@ class DynamicsRun:
             if self.closed_gaps:
                 motion.statistics["overlaps closed at the start"] = self.closed_gaps
             motion.impacts = [i for i in self.contacts.impacts if i.time <= steps.end]
-        motion.warnings = Warnings(self.doubts(motion, truth), lambda: self.of_accuracy(motion))
+        warnings = self.warnings(motion, check)
+        motion.warnings = Warnings(warnings, lambda: self.accuracy_warnings(motion))
         timing.lap("checks")
         motion.statistics |= timing.statistics
         return motion
 
     def accuracy(self, steps: Steps) -> StepAccuracy | None:
-        """Estimate of the error, computed when it is read; None for methods of several steps."""
+        """Error estimate, computed when it is read; None for multistep methods."""
         methods = self.kernel.methods
         if any(m.controls_error and m.stability is None for m in methods):
             return None
         return StepAccuracy(self.kernel, steps, self.p)
 
     def prepare(self, mode: int) -> None:
-        """Compile the march, so that its time is its own."""
+        """Compile the march, so that compilation is not part of its time."""
         if self.kernel.adaptive is not None:
             self.kernel.adaptive.prepare(mode)
         else:
@@ -238,14 +239,14 @@ class DynamicsRun:
         """Ends of the fixed steps of the whole run."""
         return self.grid
 
-    def halved(self, steps: Steps) -> int:
-        """How often a fixed step was taken in halves; without other wishes the grid is told."""
+    def halved_steps(self, steps: Steps) -> int:
+        """Number of fixed steps that were halved."""
         return steps.rejected if self.kernel.adaptive is None else 0
 
     # marching ----------------------------------------------------------------------
     def march(self, x0: np.ndarray, mode: int, watch: Watch) -> Steps:
         kernel = self.kernel
-        if self.contacts and self.contacts.trouble:  # nothing goes on from the start
+        if self.contacts and self.contacts.trouble:  # no motion leaves the start
             return standstill(self.begin, x0, self.contacts.trouble)
         if kernel.adaptive is None and self.contacts:
             return ChangingMarch(kernel.fixed).run(self.grid, x0, self.p, mode, watch)
@@ -257,55 +258,58 @@ class DynamicsRun:
 
     @property
     def first_step(self) -> float:
-        """That an adaptive integrator tries."""
+        """Length of the first attempted step of an adaptive integrator [s]."""
         return self.step if self.analysis.step else 1e-4 * (self.end - self.start)
 
     def watch(self, report: Callable[[float], None]) -> Watch:
-        """What follows the march: states of every step are kept where all are outputs anyway."""
-        every = self.requested is None
-        kept = 24.0 * self.model.equations.coordinate_count if every else 0.0
-        self.pace = Pace(self.start, self.end, STEP + kept)
-        memory = np.inf if every else self.analysis.memory
+        """Callbacks of the march; the states of all steps are stored where all are outputs."""
+        store_all = self.requested is None
+        stored = 24.0 * self.model.equations.coordinate_count if store_all else 0.0
+        self.pace = Pace(self.start, self.end, STEP + stored)
+        memory = np.inf if store_all else self.analysis.memory
         choice, kernel = None, self.kernel
         if len(kernel.methods) > 1:
-            of_modes = kernel.implicit, kernel.cost, kernel.by_other_method
-            choice = MethodChoice(self.end, *of_modes)
+            mode_functions = kernel.implicit, kernel.cost, kernel.by_other_method
+            choice = MethodChoice(self.end, *mode_functions)
         hooks = report, self.ends, self.switch, self.cross
         return Watch(*hooks, choice, memory, self.requested)
 
     def ends(self, ends: np.ndarray, states: np.ndarray, modes: np.ndarray) -> bool:
-        """Whether a terminal event happens in these steps, or they lead to too many."""
+        """Whether a terminal event happens in these steps, or the run would need too many."""
         return self.events.terminal_crossing(ends, states, modes) or self.pace.exceeds(ends)
 
     def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
         """The first change of a rigid contact or of a switch in these steps."""
-        found = self.contacts.cross(times, states, mode) if self.contacts else None
+        contact = self.contacts.cross(times, states, mode) if self.contacts else None
         if self.kernel.adaptive is None or not self.kernel.equations.switches.count:
-            return found
-        if found is not None:
-            times, states = times[: found.accepted + 2], states[:, : found.accepted + 2]
-        other = self.switches.cross(times, states, mode)
-        if found is None or other is None:
-            return found or other
-        return min(found, other, key=lambda crossing: crossing.t[0] + crossing.h[0])
+            return contact
+        if contact is not None:
+            times, states = times[: contact.accepted + 2], states[:, : contact.accepted + 2]
+        switch = self.switches.cross(times, states, mode)
+        if contact is None or switch is None:
+            return contact or switch
+        return min(contact, switch, key=lambda crossing: crossing.t[0] + crossing.h[0])
 
     def switch(self, times: np.ndarray, states: np.ndarray, mode: int) -> Switch:
         return self.kernel.switch(times, states, mode, self.p)
 
-    # what is told ------------------------------------------------------------------
-    def status(self, steps: Steps, truth: DynamicsTruth, ended_by: list[EventRecord]) -> Status:
-        """How the run ended; ``ended_by`` are the events up to a terminal one."""
-        ending = Ending(self.kernel, steps, truth.s, self.p, self.following_length(steps), truth)
+    # status ------------------------------------------------------------------
+    def status(
+        self, steps: Steps, check: DynamicsResidualCheck, ended_by: list[EventRecord]
+    ) -> Status:
+        """Status of the run; ``ended_by`` are the events up to a terminal one."""
+        following = self.following_length(steps)
+        end = RunEnd(self.kernel, steps, check.s, self.p, following, check)
         if self.contacts and self.contacts.trouble and not ended_by:
-            return ending.contact(self.contacts.trouble, self.contacts.inconsistent)
+            return end.contact(self.contacts.trouble, self.contacts.inconsistent)
         if self.switches.trouble and not ended_by:
-            return ending.chattering(self.switches.trouble)
+            return end.chattering(self.switches.trouble)
         if self.pace.excess:
-            return ending.given_up(self.pace.excess)
-        return ending.status(ended_by[-1] if ended_by else None)
+            return end.over_budget(self.pace.excess)
+        return end.status(ended_by[-1] if ended_by else None)
 
     def following_length(self, steps: Steps) -> float:
-        """Length of the step that comes, or would have come, after the last one."""
+        """Length of the step after the last one [s]."""
         if self.kernel.adaptive is not None:
             return SHORTEST * max(self.end - self.start, abs(steps.end))
         lengths, done = np.diff(self.grid), np.searchsorted(self.grid, steps.end + steps.instant)

@@ -1,4 +1,4 @@
-"""The verb of dynamics, of mechanisms and of structures."""
+"""``solve_dynamics`` of mechanisms and structures."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.keywords import DynamicsKeywords, TransientKeywords
-from dalembert.analysis.served import need_model
+from dalembert.analysis.requirements import need_model
 from dalembert.analysis.structural.transient import Transient
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.model.model import Model
@@ -80,7 +80,7 @@ def solve_dynamics(
 ) -> Motion | StructuralMotion | Batch:
     """Integrate the equations of motion, ``M v̇ + d = f − Cᵀλ``, ``C v̇ = ξ`` (5.2).
 
-    Those of a structure are those of ``solve_transient``, with its options.
+    A structure is solved as by ``solve_transient``, with the same options.
 
     Parameters
     ----------
@@ -88,8 +88,8 @@ def solve_dynamics(
     duration : [s]
     parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
         of dicts for a batch
-    progress : True for a bar, or a function of the fraction done
-    workers : of a batch; by default one for each core
+    progress : True for a progress bar, or a function of the completed fraction
+    workers : number of workers of a batch, by default one for each core
     **options : fields of ``Dynamics``: step, outputs, formulation, stabilization, integrator, …
 
     Raises
@@ -108,12 +108,12 @@ def solve_dynamics(
     -20.0
     """
     if isinstance(model, StructuralModel):
-        made: Any = analysis_of(
+        analysis: Any = analysis_of(
             Transient, "solve_dynamics", model, parameters, duration=duration, **options
         )
     else:
-        made = analysis_of(
+        analysis = analysis_of(
             Dynamics, "solve_dynamics", model, parameters, duration=duration, **options
         )
     need_model(model, "solve_dynamics")
-    return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]
+    return run_analysis(analysis, model, parameters, progress, workers)  # type: ignore[no-any-return]

@@ -1,4 +1,4 @@
-"""How a dynamic run ended, and what is told about it."""
+"""Status and statistics of a dynamic run."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.truth import DynamicsTruth
+from dalembert.analysis.dynamics.residual_check import DynamicsResidualCheck
 from dalembert.analysis.singular_positions import LOST, SingularPosition, near_singular_position
 from dalembert.integrators.marching.steps import Steps
-from dalembert.model.table_ranges import left_table
+from dalembert.model.assembly.regularity import left_table
 from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.symbolic.once import once
 from dalembert.timing import Timing
 
 
-class Ending:
-    """The end of a run, examined.
+class RunEnd:
+    """Diagnosis of the end of a run.
 
     Parameters
     ----------
     kernel, steps, trajectory : of the run
     p : (np,) parameters
-    following : length of the step that comes, or would have come, after the last one [s]
-    truth : the trajectory against the model's own equations
+    following : length of the step after the last one [s]
+    residual_check : DynamicsResidualCheck of the trajectory
     """
 
     def __init__(
@@ -37,52 +37,52 @@ class Ending:
         trajectory: Trajectory,
         p: np.ndarray,
         following: float,
-        truth: DynamicsTruth,
+        residual_check: DynamicsResidualCheck,
     ):
         self.kernel, self.steps, self.s, self.p = kernel, steps, trajectory, p
-        self.following, self.truth = following, truth
+        self.following, self.residual_check = following, residual_check
         self.time = float(trajectory.t[-1])
         self.lost = LOST * kernel.model.scales.length
 
     @property
     def violations(self) -> np.ndarray:
         """Largest violation of a position constraint at every output."""
-        return self.truth.residuals.violations
+        return self.residual_check.residuals.violations
 
     def _ends(self, outcome: Outcome, text: str) -> Status:
         return Status(outcome, text, self.time, float(np.max(self.violations, initial=0.0)))
 
-    def given_up(self, text: str) -> Status:
-        """Ended for what it would take."""
+    def over_budget(self, text: str) -> Status:
+        """Status of a run that would exceed its budget."""
         return self._ends(Outcome.NOT_CONVERGED, text)
 
     def chattering(self, text: str) -> Status:
-        """Ended at a switch that no motion leaves."""
+        """Status of a run that chatters at a switch."""
         return self._ends(Outcome.CHATTERING, text)
 
     def contact(self, text: str, undecided: bool) -> Status:
-        """Ended where rigid contacts have no motion or several, or open and close for ever."""
+        """Status of a run without a unique contact state, or with contacts that chatter."""
         return self._ends(Outcome.UNDECIDED if undecided else Outcome.CHATTERING, text)
 
     def status(self, ended_by: EventRecord | None) -> Status:
-        """Outcome, message and residual."""
+        """Outcome, message and residual of the run."""
         steps, s = self.steps, self.s
         residual = float(np.max(self.violations, initial=0.0))
         if steps.interrupted:
             return stopped(self.time, residual)
-        lacking = self.left_table() if steps.message and not steps.explained else ""
-        if lacking:
-            return self._ends(Outcome.DIVERGED, f"after t = {steps.end:.9g} s {lacking}")
+        table_end = self.left_table() if steps.message and not steps.explained else ""
+        if table_end:
+            return self._ends(Outcome.DIVERGED, f"after t = {steps.end:.9g} s {table_end}")
         if steps.explained:
             if singular := self.singular_position():
                 return self._ends(Outcome.SINGULAR, singular)
             text = f"after t = {steps.end:.9g} s {steps.message}"
             return self._ends(Outcome.DIVERGED, text)
-        left = self.left_open() if steps.message else None
-        if left is not None:
-            joined = self.kernel.equations.constraint_count
-            cure = ", or look for a singular position there" if joined else ""
-            return replace(unsolved(steps.end, left, residual, cure), time=self.time)
+        newton_residual = self.newton_residual() if steps.message else None
+        if newton_residual is not None:
+            constraints = self.kernel.equations.constraint_count
+            cure = ", or look for a singular position there" if constraints else ""
+            return replace(unsolved(steps.end, newton_residual, residual, cure), time=self.time)
         lost = steps.message or not residual <= self.lost
         singular = self.singular_position() if lost else ""
         if singular:
@@ -97,7 +97,7 @@ class Ending:
         if self.kernel.variants[0].step.corrects and residual > self.lost:
             text = f"the projection left a violation of {residual:.3g}; use a shorter step"
             return self._ends(Outcome.NOT_CONVERGED, text)
-        if objection := self.truth.objection:
+        if objection := self.residual_check.objection:
             return self._ends(*objection)
         if ended_by:
             text = f"{ended_by.name} at t = {ended_by.time:.9g} s"
@@ -106,58 +106,60 @@ class Ending:
 
     @property
     def reason(self) -> str:
-        """Why a run ended whose steps became too short, or whose state is not finite."""
+        """Probable cause where steps became too short or the state is not finite."""
         kernel, rates = self.kernel, self.s.a[:, -1:]
         singular = "the mechanism may be at a singular position"
         if kernel.adaptive is None:
-            joined = kernel.equations.constraint_count
-            return f"{singular}, or the step too long" if joined else "the step may be too long"
-        known = np.flatnonzero(np.isfinite(rates[:, 0]))
-        if not known.size:
+            constraints = kernel.equations.constraint_count
+            return (
+                f"{singular}, or the step too long" if constraints else "the step may be too long"
+            )
+        finite = np.flatnonzero(np.isfinite(rates[:, 0]))
+        if not finite.size:
             return "accelerations are not finite there"
-        shares = np.abs(rates[known, 0]) / kernel.model.scales.speeds[known]
-        k = int(known[np.argmax(shares)])
+        shares = np.abs(rates[finite, 0]) / kernel.model.scales.speeds[finite]
+        k = int(finite[np.argmax(shares)])
         name = kernel.model.guesses.speed_names[k]
         text = f"{name} changes by {rates[k, 0]:.3g} per second there, the fastest of all speeds; "
         text += "a force may jump or grow without bound"
         return f"{text}, or {singular}" if kernel.equations.constraint_count else text
 
     def left_table(self) -> str:
-        """Which table ends where the run does; empty if none does."""
+        """Message about a table that ends where the run ends; empty if none does."""
         model, s = self.kernel.model, self.s
         states = [(s.t[k], s.y[:, k], s.v[:, k]) for k in range(max(0, s.t.size - 2), s.t.size)]
         return left_table(model.parts, model.all_equations, states, self.p)
 
-    def left_open(self) -> float | None:
-        """Relative residual that Newton's method left in the step that failed, if it did."""
+    def newton_residual(self) -> float | None:
+        """Relative residual of Newton's method in the failed step; None if Newton converged."""
         steps = self.steps
         step = self.kernel.variants[steps.mode[-1] if steps.count else self.kernel.latest].step
         if step.residual is None:
             return None
-        where = (steps.end, self.following, steps.x[:, -1], self.p)
-        if np.all(np.isfinite(step.function(*where).full())):
+        arguments = (steps.end, self.following, steps.x[:, -1], self.p)
+        if np.all(np.isfinite(step.function(*arguments).full())):
             return None
-        return float(step.residual(*where))
+        return float(step.residual(*arguments))
 
     def singular_position(self) -> str:
-        """What to say where a run lost its constraints at a singular position; else empty."""
+        """Message if the run lost its constraints at a singular position, else empty."""
         if self.kernel.formulation.every_equation:
             return ""
         lost = ~(self.violations < self.lost)
         lost_at = float(self.s.t[np.argmax(lost)] if lost.any() else self.s.t[-1])
         kernel, steps = self.kernel, self.steps
         variant = kernel.variants[steps.mode[-1] if steps.count else kernel.latest]
-        found = near_singular_position(
+        position = near_singular_position(
             variant.equations, self.steps, self.p, lost_at, self.following
         )
-        if found is None:
+        if position is None:
             return ""
-        time, smallest, place = found
-        y = self.kernel.view.body_coordinates(time, place, self.p)
+        time, smallest, state = position
+        y = self.kernel.view.body_coordinates(time, state, self.p)
         there = SingularPosition(self.kernel.model, time, y, self.p)
         cure = "formulation=AugmentedLagrangian() passes through such positions"
-        if not self.kernel.model.diagnosis.free:  # beyond a lock there is no motion at all
-            cure = f"solve_kinematics tells whether the drivers lock there; if not, {cure}"
+        if not self.kernel.model.diagnosis.free:  # no motion exists beyond a lock
+            cure = f"solve_kinematics shows whether the drivers lock there; if not, {cure}"
         return (
             f"the constraints were lost at t = {time:.6g} s near a singular position{there.drivers}"
             f", where {there.joints} lose their independence (smallest singular value of C "
@@ -172,7 +174,7 @@ def statistics(
     p: np.ndarray,
     timing: Timing,
 ) -> dict[str, Any]:
-    """What was done, for people, and how long its parts took."""
+    """Statistics of a run: strategies, counts of steps, and computation times."""
     elapsed, parts = timing.parts["integration"], timing.parts
     choices = {
         "coordinates": kernel.coordinates,
@@ -180,11 +182,11 @@ def statistics(
         "stabilization": kernel.stabilization,
         "integrator": kernel.integrator,
     }
-    made: dict[str, Any] = {name: type(choice).__name__ for name, choice in choices.items()}
+    entries: dict[str, Any] = {name: type(choice).__name__ for name, choice in choices.items()}
     columns = kernel.steps(int(steps.mode[-1]) if steps.count else 0)
-    made["backend"] = columns.report
-    made |= dict(zip(("pieces of code", "different pieces"), columns.pieces, strict=False))
-    made |= {
+    entries["backend"] = columns.report
+    entries |= dict(zip(("pieces of code", "different pieces"), columns.pieces, strict=False))
+    entries |= {
         "steps": steps.lasting.size,
         "rejected steps": steps.rejected,
         **_counts(kernel, steps),
@@ -192,37 +194,39 @@ def statistics(
         "preparation time [s]": round(parts["assembly"] + parts["compile"], 6),
         **timing.statistics,
     }
-    made |= kernel.formulation.report
-    if kernel.formulation.every_equation:  # whose multipliers are iterated or only nearly right
-        made["largest |C v̇ − ξ|"] = _acceleration_residual(kernel, s, p)
+    entries |= kernel.formulation.report
+    if kernel.formulation.every_equation:  # multipliers are iterated or approximate
+        entries["largest |C v̇ − ξ|"] = _acceleration_residual(kernel, s, p)
     modes, h = steps.mode[steps.lasting], steps.h[steps.lasting]
     if np.unique(modes).size > 1:
-        made["changes of variant"] = int(np.sum(np.diff(modes) != 0))
+        entries["changes of variant"] = int(np.sum(np.diff(modes) != 0))
     if len(kernel.methods) > 1:
         implicit = [v.integrator.implicit for v in kernel.variants]
-        made["implicit steps"] = int(np.sum(np.array(implicit, dtype=bool)[modes]))
+        entries["implicit steps"] = int(np.sum(np.array(implicit, dtype=bool)[modes]))
     if crossings := kernel.crossings(steps):
-        made["changes of contacts" if kernel.contacts else "switches"] = len(crossings)
+        entries["changes of contacts" if kernel.contacts else "switches"] = len(crossings)
     if h.size:
-        made["time per step [µs]"] = round(1e6 * elapsed / h.size, 2)
-        made["shortest step [s]"] = float(h.min())
-        made["longest step [s]"] = float(h.max())
-    return made
+        entries["time per step [µs]"] = round(1e6 * elapsed / h.size, 2)
+        entries["shortest step [s]"] = float(h.min())
+        entries["longest step [s]"] = float(h.max())
+    return entries
 
 
 def _counts(kernel: DynamicsKernel, steps: Steps) -> dict[str, int]:
-    """How often something was evaluated, where that can be told from outside of a step."""
-    found: dict[str, int] = {}
-    if each := kernel.integrator.evaluations:
-        found["evaluations of accelerations"] = each * (int(steps.lasting.size) + steps.rejected)
+    """Counts of evaluations that are visible outside of a step."""
+    counts: dict[str, int] = {}
+    if evaluations := kernel.integrator.evaluations:
+        counts["evaluations of accelerations"] = evaluations * (
+            int(steps.lasting.size) + steps.rejected
+        )
     last = steps.lasting[-1:]
     if last.size and kernel.variants[int(steps.mode[last[0]])].problem.correction is not None:
-        found["projections"] = int(np.sum(steps.corrected))
-    return found
+        counts["projections"] = int(np.sum(steps.corrected))
+    return counts
 
 
 @once
-def _left_out(kernel: DynamicsKernel) -> ca.Function:
+def _largest_residual(kernel: DynamicsKernel) -> ca.Function:
     """``(t, y, v, v̇, p) → |C v̇ − ξ|`` of all equations."""
     e = kernel.model.all_equations
     rest = ca.mtimes(e.jacobian, e.a) - kernel.stabilization.constraint_acceleration(e)
@@ -233,4 +237,6 @@ def _left_out(kernel: DynamicsKernel) -> ca.Function:
 def _acceleration_residual(kernel: DynamicsKernel, s: Trajectory, p: np.ndarray) -> float:
     """Largest ``|C v̇ − ξ|`` of all equations over the outputs."""
     parameters = np.tile(p[:, None], s.t.size)
-    return float(_left_out(kernel).map(s.t.size)(s.t, s.y, s.v, s.a, parameters).full().max())
+    return float(
+        _largest_residual(kernel).map(s.t.size)(s.t, s.y, s.v, s.a, parameters).full().max()
+    )

@@ -1,10 +1,10 @@
-"""Estimated error of a run: its steps are repeated in halves.
+"""Error estimate of a run by repetition with halved steps.
 
-With steps of half the length a method of order q makes an error smaller by 2^q, so that the
-difference of both runs is the error of the first, but for a factor of ``2^q / (2^q − 1)``. All
-steps are repeated, so that the estimate follows how errors cancel and how the motion amplifies
-them. Of runs too long for that a few steps are repeated, those in which the state changes fastest
-among them; their errors are added up.
+With steps of half the length the error of a method of order q is smaller by 2^q, so the error of
+the run is the difference of both runs times ``2^q / (2^q − 1)``. All steps are repeated, so the
+estimate includes cancellation of errors and their amplification by the motion. Of long runs only
+some steps are repeated, among them those in which the state changes fastest, and their errors are
+added.
 """
 
 from __future__ import annotations
@@ -15,26 +15,26 @@ from functools import cached_property
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.step_outputs import alike
+from dalembert.analysis.dynamics.step_outputs import columns_by_mode
 from dalembert.errors import SolverFailure
 from dalembert.integrators.marching.checkpoints import Checkpoints
 from dalembert.integrators.marching.steps import Steps
 
 ALLOWED, TARGET = 1e-2, 5e-3
-"""Estimated error, relative to the motion, up to which fixed steps raise no warning; that of the
-steps that a warning proposes."""
+"""Estimated error, relative to the motion: threshold for a warning about fixed steps, and target of
+the proposed steps."""
 ENOUGH = 10.0
-"""A stated tolerance is kept up to this factor."""
+"""Threshold for a warning: factor by which the estimate exceeds the relative tolerance."""
 ENTRIES, OPERATIONS = 2e7, 1e9
-"""Numbers of states, and operations, up to which all steps are repeated."""
+"""Upper limits for a repetition of all steps: number of state entries, and of operations."""
 FASTEST, EVEN = 24, 16
-"""Steps that are repeated of longer runs: where the state changes fastest, and evenly spaced."""
+"""Numbers of repeated steps of longer runs: fastest changes of the state, and evenly spaced."""
 CANDIDATES = 20_000
-"""Steps among which the fastest are looked for."""
+"""Upper limit of the number of steps in the search for the fastest changes."""
 SMALL = 1e-2
-"""Way or speed, relative to the largest of the same unit: minimum size of an entry."""
+"""Minimum size of a range or speed, relative to the largest of the same unit."""
 REST = 1e-8
-"""The same by natural sizes, for what stands still: rounding moves it, too."""
+"""Minimum size relative to natural sizes; below it a moving entry is rounding."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class ErrorEstimate:
     ----------
     share : relative to the range of the coordinate, or to the largest magnitude of the speed;
         infinite where steps half as long fail
-    name : of the coordinate or speed
-    time : at which it is largest [s]
+    name : coordinate or speed with the largest error
+    time : instant of the largest error [s]
     """
 
     share: float
@@ -65,7 +65,7 @@ class ErrorEstimate:
 
 
 class StepAccuracy:
-    """The error of a run of steps of a one-step method.
+    """Error of a run of a one-step method.
 
     Parameters
     ----------
@@ -81,11 +81,11 @@ class StepAccuracy:
 
     @cached_property
     def estimate(self) -> ErrorEstimate | None:
-        """The estimate, without bound where shorter steps fail; None where nothing moves."""
+        """The estimate, infinite where shorter steps fail; None where nothing moves."""
         if not self.steps.lasting.size:
             return None
         try:
-            return self._of_all if self._affordable else self._of_some
+            return self._from_all_steps if self._affordable else self._from_some_steps
         except SolverFailure:
             return ErrorEstimate(np.inf, "", float(self.steps.t[0]))
 
@@ -94,8 +94,8 @@ class StepAccuracy:
         return self.estimate is not None and self.estimate.share > limit
 
     @property
-    def of_fixed_steps(self) -> list[str]:
-        """Warning where fixed steps are too long for the motion."""
+    def fixed_step_warnings(self) -> list[str]:
+        """Warning if fixed steps are too long for the motion."""
         if not self.exceeds(ALLOWED) or self.estimate is None:
             return []
         lasting = self.steps.lasting
@@ -107,8 +107,8 @@ class StepAccuracy:
             "control"
         ]
 
-    def of_tolerance(self, rtol: float) -> list[str]:
-        """Warning where a run with a relative tolerance for the whole does not keep it."""
+    def tolerance_warnings(self, rtol: float) -> list[str]:
+        """Warning if a run exceeds its relative tolerance for the whole run."""
         if not self.exceeds(ENOUGH * rtol) or self.estimate is None:
             return []
         text = f"the estimated error of the run is {self.estimate.text}, above rtol = {rtol:g}"
@@ -128,7 +128,7 @@ class StepAccuracy:
         return operations <= OPERATIONS and 3 * counts.sum() * steps[0].size <= ENTRIES
 
     @property
-    def _of_all(self) -> ErrorEstimate | None:
+    def _from_all_steps(self) -> ErrorEstimate | None:
         halved = self.steps.divided(2)
         repeated = self.kernel.fixed.repeat(halved, self.steps.x[:, 0], self.p)
         if repeated.interrupted:
@@ -145,9 +145,9 @@ class StepAccuracy:
     def _order(self, k: int) -> int:
         return self.kernel.variants[int(self.steps.mode[k])].integrator.convergence_order
 
-    def _largest(self, error, seen: np.ndarray, times: np.ndarray) -> ErrorEstimate | None:
-        """Where an error over some time is largest, relative to the motion."""
-        sizes = self._sizes(seen)
+    def _largest(self, error, states: np.ndarray, times: np.ndarray) -> ErrorEstimate | None:
+        """Largest error over some times, relative to the motion."""
+        sizes = self._sizes(states)
         moving = np.flatnonzero(sizes > 0)
         if not moving.size:
             return None
@@ -159,60 +159,60 @@ class StepAccuracy:
         name = speed + names[moving[row]]
         return ErrorEstimate(float(share[row, k]), name, float(times[k]))
 
-    def _sizes(self, seen: np.ndarray) -> np.ndarray:
+    def _sizes(self, states: np.ndarray) -> np.ndarray:
         """(n,) range of each coordinate, largest magnitude of each speed."""
         view = self.kernel.view
-        way = np.ptp(seen[: self.positions], axis=1)
-        speed = np.abs(seen[self.positions :]).max(axis=1)
-        found = np.concatenate([_at_least(way, view.units), _at_least(speed, view.speed_units)])
+        ranges = np.ptp(states[: self.positions], axis=1)
+        speeds = np.abs(states[self.positions :]).max(axis=1)
+        sizes = np.concatenate([_at_least(ranges, view.units), _at_least(speeds, view.speed_units)])
         scales = self.kernel.equations.scales
         natural = REST * np.concatenate([scales.coordinates, scales.speeds])
-        return np.maximum(found, np.where(found > 0, natural, 0.0))
+        return np.maximum(sizes, np.where(sizes > 0, natural, 0.0))
 
     # some steps --------------------------------------------------------------------
     @property
-    def _of_some(self) -> ErrorEstimate | None:
-        """Errors of single steps, added up as if none cancelled and none were amplified."""
-        x, chosen, share = self._chosen
+    def _from_some_steps(self) -> ErrorEstimate | None:
+        """Sum of the errors of single steps, without cancellation or amplification."""
+        x, chosen, share = self._sample
         begins = self.steps.x[:, chosen]
-        once, twice = self._ends(chosen, begins, 1), self._ends(chosen, begins, 2)
+        whole, halved = self._ends(chosen, begins, 1), self._ends(chosen, begins, 2)
         order = self._order(int(chosen[0]))
         factor = 2**order / (2**order - 1)
-        error = np.abs(once - twice) * factor
+        error = np.abs(whole - halved) * factor
         error = (error * share).sum(axis=1, keepdims=True)
         end = np.array([self.steps.end])
-        return self._largest(error, np.column_stack([x, once]), end)
+        return self._largest(error, np.column_stack([x, whole]), end)
 
     @property
-    def _chosen(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """States looked at, numbers of some steps, and for how many steps each one stands."""
+    def _sample(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Candidate states, numbers of the sampled steps, and number of steps each represents."""
         steps, lasting = self.steps, self.steps.lasting
-        kept = steps.x.number[:-1] if isinstance(steps.x, Checkpoints) else lasting
-        kept = np.intersect1d(kept, lasting)
-        kept = kept[:: max(1, kept.size // CANDIDATES)]
-        x = steps.x[:, kept][: self.size]
-        change = np.zeros(kept.size)
-        if kept.size > 2:
+        candidates = steps.x.number[:-1] if isinstance(steps.x, Checkpoints) else lasting
+        candidates = np.intersect1d(candidates, lasting)
+        candidates = candidates[:: max(1, candidates.size // CANDIDATES)]
+        x = steps.x[:, candidates][: self.size]
+        change = np.zeros(candidates.size)
+        if candidates.size > 2:
             speeds = x[self.positions :]
-            apart = np.abs(np.diff(speeds, axis=1)) / np.maximum(
+            changes = np.abs(np.diff(speeds, axis=1)) / np.maximum(
                 self._sizes(x)[self.positions :, None], 1e-300
             )
-            change[1:] = apart.max(axis=0, initial=0.0)
+            change[1:] = changes.max(axis=0, initial=0.0)
         fastest = np.argsort(change)[::-1][:FASTEST]
-        even = ((np.arange(EVEN) + 0.5) / EVEN * kept.size).astype(int)
+        even = ((np.arange(EVEN) + 0.5) / EVEN * candidates.size).astype(int)
         even = np.setdiff1d(even, fastest)
-        places = np.concatenate([fastest, even])
-        each = np.ones(places.size)
-        each *= lasting.size / kept.size
+        sampled = np.concatenate([fastest, even])
+        represented = np.ones(sampled.size)
+        represented *= lasting.size / candidates.size
         if even.size:
-            each[fastest.size :] *= max(1.0, (kept.size - fastest.size) / even.size)
-        return x, kept[places], each
+            represented[fastest.size :] *= max(1.0, (candidates.size - fastest.size) / even.size)
+        return x, candidates[sampled], represented
 
     def _ends(self, chosen: np.ndarray, begins: np.ndarray, parts: int) -> np.ndarray:
-        """Positions and speeds after some steps, each taken in so many parts."""
+        """Positions and speeds after some steps, each divided into equal parts."""
         x, t, h = begins.copy(), self.steps.t[chosen], self.steps.h[chosen] / parts
         for i in range(parts):
-            for mode, some in alike(self.steps.mode[chosen], np.arange(chosen.size)):
+            for mode, some in columns_by_mode(self.steps.mode[chosen], np.arange(chosen.size)):
                 p = np.tile(self.p[:, None], some.size)
                 step = self.kernel.over(self.kernel.variants[mode].step.function, some.size)
                 (x[:, some],) = step(t[some] + i * h[some], h[some], x[:, some], p)
@@ -220,7 +220,7 @@ class StepAccuracy:
 
 
 def _at_least(sizes: np.ndarray, units: list[str]) -> np.ndarray:
-    """Sizes of entries, no smaller than a share of the largest one of the same unit."""
+    """Sizes of entries, bounded below by a share of the largest of the same unit."""
     kinds = np.array(units)
     largest = [sizes[kinds == unit].max() for unit in units]
     return np.maximum(sizes, SMALL * np.array(largest))

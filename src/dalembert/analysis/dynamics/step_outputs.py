@@ -1,4 +1,4 @@
-"""What is read off the steps of a run: states of all bodies at its outputs."""
+"""Evaluation of the steps of a run: states of all bodies at its outputs."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from dalembert.model.equations import Equations
 from dalembert.results.recording import Trajectory
 
 BLOCK = 5000
-"""Columns of a mapped function at once, so that what it is given takes little memory."""
+"""Upper limit of the columns of a mapped function, to bound its memory."""
 
 
 class StepOutputs:
-    """Reads outputs, each by the variant of the motion that it belongs to.
+    """Evaluation of outputs, each by the variant of its part of the motion.
 
     Attributes
     ----------
-    variants : the first one, and others as runs come to them
+    variants : variants used by runs so far
     equations : Equations of the run
     """
 
@@ -40,11 +40,11 @@ class StepOutputs:
         raise NotImplementedError
 
     def branch_states(self, steps: Steps, branches: Branches, p: np.ndarray) -> np.ndarray:
-        """States at the outputs: ends of steps as they are, others by a partial step."""
+        """States at the outputs: stored ends of steps, else the result of a partial step."""
         k, ends = branches.index, branches.ends_of(steps)
         states = steps.x[:, k + ends]
         inside = np.flatnonzero((branches.length != 0) & ~ends)
-        for mode, part in alike(steps.mode[k[inside]], inside):
+        for mode, part in columns_by_mode(steps.mode[k[inside]], inside):
             (states[:, part],) = self.over(self.variants[mode].step.function, part.size)(
                 steps.t[k[part]],
                 branches.length[part],
@@ -56,7 +56,7 @@ class StepOutputs:
     def between(
         self, times: np.ndarray, states: np.ndarray, mode: int, p: np.ndarray, parts: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Times and states at parts of steps, by cubics; their number is a power of two."""
+        """Times and states at fractions of steps, by cubics; padded to a power of two of steps."""
         count = times.size - 1
         whole = np.minimum(np.arange((1 << (count - 1).bit_length()) + 1), count)
         t, x = times[whole], states[:, whole]
@@ -85,21 +85,21 @@ class StepOutputs:
         times: np.ndarray,
         states: States,
         p: np.ndarray,
-        *more: np.ndarray,
+        *columns: np.ndarray,
     ) -> list[np.ndarray]:
         """``(t, x, p, …)`` functions of the variants over outputs, each by its own variant."""
         results: list[np.ndarray] = []
         size = self.variants[0].step.state_size
-        for mode, part in alike(modes, np.arange(modes.size)):
+        for mode, part in columns_by_mode(modes, np.arange(modes.size)):
             function = function_of(self.variants[mode])
-            found = self.over(function, part.size)(
+            parts = self.over(function, part.size)(
                 times[part],
                 states[:size, part],
                 np.tile(p[:, None], part.size),
-                *(column[:, part] for column in more),
+                *(column[:, part] for column in columns),
             )
-            results = results or [np.zeros((r.shape[0], modes.size)) for r in found]
-            for whole, piece in zip(results, found, strict=True):
+            results = results or [np.zeros((r.shape[0], modes.size)) for r in parts]
+            for whole, piece in zip(results, parts, strict=True):
                 whole[:, part] = piece
         return results
 
@@ -115,8 +115,8 @@ class StepOutputs:
         return Trajectory(times, y, v, a, multiplier, work)
 
 
-def alike(modes: np.ndarray, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-    """Parts of the chosen columns that have one mode, ``BLOCK`` at most."""
+def columns_by_mode(modes: np.ndarray, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+    """Blocks of the chosen columns that share a mode, at most ``BLOCK`` columns each."""
     for mode in np.unique(modes):
         part = chosen[modes == mode]
         for begin in range(0, part.size, BLOCK):

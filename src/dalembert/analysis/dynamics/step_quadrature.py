@@ -1,10 +1,9 @@
-"""Integrals over a run by points inside the steps that were taken.
+"""Quadrature over a run with points inside its steps.
 
 Gauss–Lobatto points in each step, ``∫ m dt ≈ Σ_k h_k Σ_i b_i m(t_k + c_i h_k)``: its ends and
-parts of it. With n points the quadrature has order 2n − 2, taken no less than that of the
-steps, so that the integral of a measure as smooth as the motion is as exact as the motion. Steps
-are long where the motion is simple. A measure need not be simple there, so that long steps are
-divided.
+interior points. With n points the quadrature has order 2n − 2, at least that of the steps, so the
+integral of a measure as smooth as the motion is as accurate as the motion. Long steps are divided,
+because a measure may vary faster than the motion.
 """
 
 from __future__ import annotations
@@ -27,22 +26,22 @@ def lobatto(count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 INSIDE = 1e-9
-"""Share of a step by which a point keeps away from a switch, where measures may jump."""
+"""Distance of a point from a switch, where measures may jump, relative to the step."""
 LEAST = 200
-"""Intervals in which integrals take a run at least; plots of a run show as many."""
+"""Minimum number of intervals of an integral over a run."""
 SAME = 1e-6
-"""Relative difference of lengths that are equal up to rounding."""
+"""Relative difference below which lengths are equal."""
 
 
 @dataclass(frozen=True)
 class StepQuadrature:
-    """Points and weights of all steps of a run, the ends of steps shared.
+    """Points and weights over all steps of a run; neighbouring steps share their ends.
 
     Parameters
     ----------
     steps : Steps taken, at least one
-    order : of the quadrature at least
-    parts : (n,) equal parts of each step, one by default
+    order : minimum order of the quadrature
+    parts : (n,) number of equal parts of each step, one by default
     """
 
     steps: Steps
@@ -52,7 +51,7 @@ class StepQuadrature:
 
     @classmethod
     def fine(cls, steps: Steps, order: int) -> StepQuadrature:
-        """The quadrature with parts of steps that are no longer than a share of the run."""
+        """The quadrature with parts of steps no longer than a share of the run."""
         longest = (steps.end - float(steps.t[0])) / LEAST
         parts = np.maximum(np.ceil((1 - SAME) * steps.h / longest), 1).astype(int)
         return cls(steps, order, parts)
@@ -63,7 +62,7 @@ class StepQuadrature:
 
     @cached_property
     def _pieces(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Number of the step, beginning and length as shares of it, of all parts."""
+        """Step number, beginning and length of all parts; lengths as shares of the step."""
         h = self.steps.h
         parts = np.ones(h.size, int) if self.parts is None else np.where(h > 0, self.parts, 1)
         index = np.repeat(np.arange(h.size), parts)
@@ -73,9 +72,9 @@ class StepQuadrature:
 
     @property
     def branches(self) -> Branches:
-        """Where the points lie: the start, then of each part those after its beginning.
+        """Positions of the points: the start, then for each part the points after its beginning.
 
-        Those of a transition, which has no length, are the beginning of the step after it.
+        Points of a transition, which has no length, lie at the beginning of the following step.
         """
         inside, h = self._rule[0][1:], self.steps.h
         piece, begin, share = self._pieces
@@ -114,8 +113,8 @@ class StepQuadrature:
     @property
     def shares(self) -> np.ndarray:
         c, (piece, begin, share) = self._rule[0][1:], self._pieces
-        found = np.where(piece == piece[-1], begin, 0.0)[:, None] + np.outer(share, c)
-        return np.append(0.0, found * (piece == piece[-1])[:, None])
+        begins = np.where(piece == piece[-1], begin, 0.0)[:, None] + np.outer(share, c)
+        return np.append(0.0, begins * (piece == piece[-1])[:, None])
 
     @property
     def span(self) -> float:
@@ -126,12 +125,12 @@ class StepQuadrature:
         return np.eye(1, self.weights.size, self.weights.size - 1).ravel()
 
     def time_weights(self, samples: np.ndarray) -> np.ndarray:
-        """By the ends of the steps, with which the lengths of the steps beside them change."""
-        b, (piece, _, share), found = self._rule[1], self._pieces, np.zeros(samples.size)
+        """Derivative by the ends of the steps, which change the lengths of both adjacent steps."""
+        b, (piece, _, share), weights = self._rule[1], self._pieces, np.zeros(samples.size)
         inside = (np.arange(piece.size) * (b.size - 1))[:, None] + np.arange(b.size)
         means = np.bincount(piece, share * (samples[inside] @ b), self.steps.count)
         means[self.steps.h == 0] = 0.0
         ends = self._ends
-        found[ends[1:]] += means
-        found[ends[:-1]] -= means
-        return found
+        weights[ends[1:]] += means
+        weights[ends[:-1]] -= means
+        return weights

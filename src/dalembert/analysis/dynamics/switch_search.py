@@ -1,8 +1,8 @@
-"""Switches of forces and laws, located in the steps of an adaptive run, which starts anew there.
+"""Search for switches of forces and laws in the steps of an adaptive run.
 
-Steps are taken with all switches held on their sides. Where the end of a step lies beyond a switch,
-the switch is located inside, the step cut there, and the switch goes over to its other side. One
-whose sides make no difference, such as that of a damper out of contact, goes over at the end.
+Steps are taken with the signs of all switching functions frozen. If a step ends beyond a switch,
+the switch is located inside the step, the step is cut there, and the sign changes. A switch without
+effect on the rate, such as that of a damper out of contact, changes at the end of the step.
 """
 
 from __future__ import annotations
@@ -11,33 +11,38 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.passage import NOW, Passage
-from dalembert.analysis.dynamics.switch_owners import owner_of
+from dalembert.analysis.dynamics.transition import SIMULTANEOUS, StepReplacement
 from dalembert.analysis.events import locate
+from dalembert.elements.base import Constraint, Element, ForceElement
+from dalembert.elements.coordinates import rate_of
 from dalembert.formulations.base import state_symbols
 from dalembert.integrators.marching.steps import Crossing
+from dalembert.model.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.formulas.switches import freeze_branches
 
 ROUNDING = 4 * float(np.finfo(float).eps)
 RESTART = 1e-4
 """First step, relative to the run, of methods that lose their memory at a switch."""
 HALVINGS = 50
-"""Of a step that begins at a switch, in search of its first part."""
+"""Upper limit of the halvings of a step that begins at a switch."""
 PARTS = np.arange(1, 8) / 8
-"""Of a step, where it is looked for a switch that it goes across and back."""
+"""Fractions of a step at which double crossings of a switch are searched."""
 JUMPED = 1e4
-"""Distance behind a located switch, in those that count as none, to which it has jumped."""
-AT_ONCE = 3
-"""Crossings of one switch at an instant that others may bring about, on whose sides it depends."""
+"""Threshold for a jump of a switching function at its crossing, relative to its rounding."""
+SIMULTANEOUS_CROSSINGS = 3
+"""Upper limit of crossings of one switch at an instant that other switches may cause."""
 MANY, SHORTLY = 100, 1e-7
-"""Crossings in a time, relative to the run, that are recognised as chattering."""
+"""Threshold for chattering: number of crossings, within a time relative to the run."""
 
 
-CURE = "smooth it, for friction by tanh(speed/transition) or JointFriction"
+REMEDY = "smooth it, for friction by tanh(speed/transition) or JointFriction"
+SAME = 1e-9
+"""Relative difference below which two switching functions are equal at a state."""
 
 
 class SwitchSearch:
-    """Looks for crossed switches in one run.
+    """Search for crossed switches in one run.
 
     Parameters
     ----------
@@ -55,56 +60,61 @@ class SwitchSearch:
         self._kernels: dict[ca.Function, Kernel] = {}
 
     def cross(self, times: np.ndarray, states: np.ndarray, mode: int) -> Crossing | None:
-        """What is put in place of the first step that went across a switch, to stay or and back."""
+        """Replacement of the first step that crosses a switch, once or back and forth."""
         length = times[-1] - times[-2] if times.size > 1 else RESTART * self.span
         if inside := self._inside(times, states, mode):
             k, part = inside
             length = times[k + 1] - times[k]
-            there = self._state(mode, times[k], part, states[:, k])
+            state = self._state(mode, times[k], part, states[:, k])
             times = np.append(times[: k + 1], times[k] + part)
-            states = np.column_stack([states[:, : k + 1], there])
-        end, arrived, kept = float(times[-1]), states[:, -1], times.size - 1
+            states = np.column_stack([states[:, : k + 1], state])
+        end, arrived, count = float(times[-1]), states[:, -1], times.size - 1
         beyond = self._beyond(end, arrived)
         if not beyond:
             return None
-        acting = [k for k in beyond if self._acts(mode, k, end, arrived)]
-        if not acting and self._hides(mode, beyond, end, arrived):
-            acting = beyond
-        if not (acting and kept):
-            passage = Passage(end, arrived)
-            self._turn(passage, mode, beyond, moving=False)
-            return passage.crossing(kept, length, self._chattering(mode, passage, beyond))
+        effective = [k for k in beyond if self._is_effective(mode, k, end, arrived)]
+        if not effective and self._hides_effective(mode, beyond, end, arrived):
+            effective = beyond
+        if not (effective and count):
+            replacement = StepReplacement(end, arrived)
+            self._turn(replacement, mode, beyond, moving=False)
+            return replacement.crossing(count, length, self._chattering(mode, replacement, beyond))
         begin, x = float(times[-2]), states[:, -2]
-        found = {k: self._locate(k, mode, begin, x, end - begin) for k in acting}
-        first = min(found.values())
-        together = [k for k in acting if found[k] <= first + ROUNDING * abs(begin)]
-        passage = Passage(begin, x)
+        lengths = {k: self._locate(k, mode, begin, x, end - begin) for k in effective}
+        first = min(lengths.values())
+        simultaneous = [k for k in effective if lengths[k] <= first + ROUNDING * abs(begin)]
+        replacement = StepReplacement(begin, x)
         if first > 0:
-            passage.add(first, self._state(mode, begin, first, x), mode)
-        idle = [k for k in self._beyond(passage.time, passage.x) if k not in acting]
-        self._turn(passage, mode, idle, moving=False)
-        for k in together:  # at the start, and where g jumps over zero, no instant moves
-            moving = passage.time > self.start and self._on_surface(k, passage)
-            self._turn(passage, mode, [k], moving)
+            replacement.add(first, self._state(mode, begin, first, x), mode)
+        idle = [k for k in self._beyond(replacement.time, replacement.x) if k not in effective]
+        self._turn(replacement, mode, idle, moving=False)
+        for k in simultaneous:  # no instant moves at the start and where g jumps over zero
+            moving = replacement.time > self.start and self._on_surface(k, replacement)
+            self._turn(replacement, mode, [k], moving)
         if self.kernel.variants[mode].step.begin is not None:
             length = min(length, RESTART * self.span)
-        return passage.crossing(kept - 1, length, self._chattering(mode, passage, together))
+        return replacement.crossing(
+            count - 1, length, self._chattering(mode, replacement, simultaneous)
+        )
 
     def _inside(self, times: np.ndarray, states: np.ndarray, mode: int) -> tuple[int, float] | None:
-        """First step and part of it that ends beyond a switch that acts, by cubics of the steps."""
+        """First step, and a length in it, beyond an effective switch, by cubics of the steps."""
         count, size = times.size - 1, self.size
         if not count:
             return None
         c, p = PARTS, self.p[:, None]
         h = np.diff(times)[:, None]
-        at, between = self.kernel.between(times, states[:size], mode, self.p, c)
-        looked = self.kernel.over(self.kernel.crossed, at.size)
-        (beyond,) = looked(at, between, np.tile(p, at.size))
-        for place in np.flatnonzero((beyond[:, : count * c.size] > 0).any(axis=0)):
-            k, part = divmod(int(place), c.size)
+        instants, between = self.kernel.between(times, states[:size], mode, self.p, c)
+        crossed = self.kernel.over(self.kernel.crossed, instants.size)
+        (beyond,) = crossed(instants, between, np.tile(p, instants.size))
+        for column in np.flatnonzero((beyond[:, : count * c.size] > 0).any(axis=0)):
+            k, part = divmod(int(column), c.size)
             length = float(h[k, 0] * c[part])
-            there = self._state(mode, times[k], length, states[:, k])
-            if any(self._acts(mode, j, at[place], there) for j in self._beyond(at[place], there)):
+            state = self._state(mode, times[k], length, states[:, k])
+            if any(
+                self._is_effective(mode, j, instants[column], state)
+                for j in self._beyond(instants[column], state)
+            ):
                 return k, length
         return None
 
@@ -118,44 +128,44 @@ class SwitchSearch:
         return self._call(self.kernel.variants[mode].step.function, t, h, x, self.p)
 
     def _beyond(self, t: float, x: np.ndarray) -> list[int]:
-        """Switches beyond which a state lies."""
+        """Numbers of the switches beyond which a state lies."""
         margins = self._call(self.kernel.crossed, t, x[: self.size], self.p)
         return [int(k) for k in np.flatnonzero(margins > 0)]
 
-    def _on_surface(self, k: int, passage: Passage) -> bool:
-        """Whether a switching function is zero there, and has not jumped over it."""
-        where = (passage.time, passage.x[: self.size], self.p)
+    def _on_surface(self, k: int, replacement: StepReplacement) -> bool:
+        """Whether a switching function is zero there and has not jumped."""
+        where = (replacement.time, replacement.x[: self.size], self.p)
         distance = self._call(self.kernel.distances, *where)[k]
         near = -distance - self._call(self.kernel.crossed, *where)[k]
         return bool(abs(distance) <= JUMPED * near)
 
-    def _acts(self, mode: int, k: int, t: float, x: np.ndarray) -> bool:
-        """Whether the sides of a switch differ in what the state does."""
-        state, other = x[: self.size], x[: self.size].copy()
-        place = self.size - self.count + k
-        other[place] = 1 - other[place]
+    def _is_effective(self, mode: int, k: int, t: float, x: np.ndarray) -> bool:
+        """Whether the rate of the state depends on the sign of a switch."""
+        state, flipped = x[: self.size], x[: self.size].copy()
+        entry = self.size - self.count + k
+        flipped[entry] = 1 - flipped[entry]
         rate = self.kernel.variants[mode].rate.function
-        before, after = (self._call(rate, t, s, self.p) for s in (state, other))
+        before, after = (self._call(rate, t, s, self.p) for s in (state, flipped))
         return not np.array_equal(before, after, equal_nan=True)
 
-    def _hides(self, mode: int, switches: list[int], t: float, x: np.ndarray) -> bool:
-        """Whether a state is beyond one that acts, too, once it is on the sides of these.
+    def _hides_effective(self, mode: int, switches: list[int], t: float, x: np.ndarray) -> bool:
+        """Whether the state lies beyond an effective switch after a change of these signs.
 
-        So it is where these choose between distances, such as those from the edges of a shape, and
-        another one asks whether the distance chosen is gone.
+        This happens where these switches select a distance, such as those from the edges of a
+        shape, and another switch compares the selected distance with zero.
         """
-        state, known = x.copy(), list(switches)
+        state, visited = x.copy(), list(switches)
         while switches:
-            places = [self.size - self.count + k for k in switches]
-            state[places] = 1 - state[places]
-            switches = [k for k in self._beyond(t, state) if k not in known]
-            if any(self._acts(mode, k, t, state) for k in switches):
+            entries = [self.size - self.count + k for k in switches]
+            state[entries] = 1 - state[entries]
+            switches = [k for k in self._beyond(t, state) if k not in visited]
+            if any(self._is_effective(mode, k, t, state) for k in switches):
                 return True
-            known += switches
+            visited += switches
         return False
 
     def _locate(self, k: int, mode: int, t: float, x: np.ndarray, longest: float) -> float:
-        """Time from the beginning of a step across a switch until just beyond it."""
+        """Time from the beginning of a step to just beyond a switch [s]."""
 
         def distance(length: float) -> float:
             state = self._state(mode, t, length, x) if length else x
@@ -163,40 +173,73 @@ class SwitchSearch:
             return float(self._call(self.kernel.distances, *where)[k])
 
         inside = 0.0
-        if distance(0.0) <= 0:  # from the switch itself, into its side first or out at once
-            tried = (longest * 2.0**-k for k in range(1, HALVINGS))
-            inside = next((length for length in tried if distance(length) > 0), 0.0)
+        if distance(0.0) <= 0:  # the step begins at the switch
+            candidates = (longest * 2.0**-k for k in range(1, HALVINGS))
+            inside = next((length for length in candidates if distance(length) > 0), 0.0)
             if not inside:
                 return 0.0
-        length, more = locate(distance, inside, longest), ROUNDING * max(longest, abs(t))
+        length, increment = locate(distance, inside, longest), ROUNDING * max(longest, abs(t))
         while length < longest and distance(length) > 0:
-            length, more = min(length + more, longest), 2 * more
+            length, increment = min(length + increment, longest), 2 * increment
         return length
 
-    # going over ---------------------------------------------------------------------------
-    def _turn(self, passage: Passage, mode: int, switches: list[int], moving: bool) -> None:
-        """Let switches go over to their other sides, here and now."""
+    # transitions ---------------------------------------------------------------------------
+    def _turn(
+        self, replacement: StepReplacement, mode: int, switches: list[int], moving: bool
+    ) -> None:
+        """Add transitions of switches at the current instant."""
         for k in switches:
-            made = self.kernel.transition(mode, k, moving)
-            passage.add(0.0, self._state(made, passage.time, 0.0, passage.x), made)
-            self.crossings.append((passage.time, k))
+            transition = self.kernel.transition(mode, k, moving)
+            replacement.add(
+                0.0, self._state(transition, replacement.time, 0.0, replacement.x), transition
+            )
+            self.crossings.append((replacement.time, k))
 
-    def _chattering(self, mode: int, passage: Passage, switches: list[int]) -> str:
-        """Why no motion goes on from switches just crossed, or nothing."""
-        passed = passage.time - np.array([t for t, _ in self.crossings])
-        now = [
-            k for (_, k), ago in zip(self.crossings, passed, strict=True) if ago <= NOW * self.span
+    def _chattering(self, mode: int, replacement: StepReplacement, switches: list[int]) -> str:
+        """Message if the crossed switches chatter, else empty."""
+        elapsed = replacement.time - np.array([t for t, _ in self.crossings])
+        simultaneous = [
+            k
+            for (_, k), ago in zip(self.crossings, elapsed, strict=True)
+            if ago <= SIMULTANEOUS * self.span
         ]
-        stuck = [k for k in switches if now.count(k) > AT_ONCE]
-        often = int(np.sum(passed <= SHORTLY * self.span))
-        if not stuck and often <= MANY:
+        stuck = [k for k in switches if simultaneous.count(k) > SIMULTANEOUS_CROSSINGS]
+        count = int(np.sum(elapsed <= SHORTLY * self.span))
+        if not stuck and count <= MANY:
             return ""
-        place = (passage.time, passage.x[: self.size], self.p)
-        where = owner_of(self.kernel, mode, (stuck or switches)[0], *place)
-        self.trouble = f"{where} switches back and forth at t = {passage.time:.9g} s: " + (
-            "on both sides it drives the motion back across, so that none goes on; "
+        at = (replacement.time, replacement.x[: self.size], self.p)
+        owner = owner_of(self.kernel, mode, (stuck or switches)[0], *at)
+        self.trouble = f"{owner} switches back and forth at t = {replacement.time:.9g} s: " + (
+            "on both sides it drives the motion back across, so no motion continues; "
             if stuck
-            else f"{often} times within {SHORTLY * self.span:.2g} s; "
+            else f"{count} times within {SHORTLY * self.span:.2g} s; "
         )
-        self.trouble += CURE
+        self.trouble += REMEDY
         return self.trouble
+
+
+def owner_of(kernel: DynamicsKernel, mode: int, number: int, t: float, x: np.ndarray, p) -> str:
+    """Names of the elements whose switching functions have the value of this one at a state."""
+    model = kernel.model
+    distance = float(kernel.distances(t, x, p)[number])
+    y, v, *_ = kernel.variants[mode].bodies(t, x, p)
+    names = []
+    for element in [*model.forces, *model.constraints]:
+        values = np.abs(_values(model, element, t, y, v, p))
+        if np.any(np.abs(values - abs(distance)) <= SAME * np.maximum(values, SAME)):
+            names.append(element.name)
+    return f"the force of {', '.join(names)}" if names else "a force"
+
+
+def _values(model: Model, element: Element, t, y, v, p) -> np.ndarray:
+    """The switching functions of one element."""
+    e = model.all_equations
+    if isinstance(element, ForceElement):
+        owners = element.parts() or model.coordinates
+        powers = element.powers(lambda s: rate_of(s, owners, e.t))
+        formulas = [model.at_ground(effort) for _, effort in powers]
+    else:
+        formulas = [model.at_ground(element.equations)] if isinstance(element, Constraint) else []
+    _, switches = freeze_branches(formulas, ca.vertcat(e.t, e.y, e.v))
+    g = ca.substitute(switches.functions, switches.sides, switches.actual)
+    return ca.Function("g", [e.t, e.y, e.v, e.p], [g])(t, y, v, p).full().ravel()

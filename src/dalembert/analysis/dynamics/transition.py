@@ -1,11 +1,13 @@
-"""Switches of held equations: when they are crossed, and what a run does there.
+"""Transitions at switching functions, and both sides of changes of forces or contacts.
 
 The instant ``t*`` of ``g(t*, x, p) = 0`` moves with the parameters, the times of the steps do not.
-A change of it by ``δt`` gives the motion the old branch for so long, and takes the new one from it:
+A change of it by ``δt`` extends the old branch of the motion by ``δt`` and shortens the new one:
 
     x⁺ = x + (ẋ⁻ − ẋ⁺) δt,      δt = −g/ġ,      ġ = ∂g/∂t + (∂g/∂x) ẋ⁻
 
-(Aizerman and Gantmacher 1958). In the run itself ``δt`` is zero but for rounding.
+(Aizerman and Gantmacher 1958). In the run itself ``δt`` is zero but for rounding. With the state
+``x`` at the end of the step before the change, a measure before the change is ``m⁻(t + δ, φ⁻(δ,
+x))``, and after it ``m⁺(t + δ, J(φ⁻(δ, x)))``.
 """
 
 from __future__ import annotations
@@ -13,25 +15,32 @@ from __future__ import annotations
 from functools import cached_property
 
 import casadi as ca
+import numpy as np
 
+from dalembert.analysis.contact.change import ContactChange, delay_to_zero
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.formulations.base import state_sizes, state_symbols
 from dalembert.integrators.base import Attempt
-from dalembert.integrators.step import GraphStep
+from dalembert.integrators.marching.steps import Crossing
+from dalembert.integrators.step import GraphStep, Step
 from dalembert.model.equations import Equations
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.once import once
 
 SURFACE = 1e-13
-"""Distance from a switch, relative to the state and its natural sizes, that counts as none."""
+"""Rounding of a switching function, relative to the state and its natural sizes."""
+SIMULTANEOUS = 1e-13
+"""Difference of times, relative to the run, below which events are simultaneous."""
 
 
 class Transition(Variant):
-    """A switch goes over to its other side: a step of no length between steps of a variant.
+    """Sign change of a switching function: a step of zero length between steps of a variant.
 
     Parameters
     ----------
-    variant : of the steps before and after
-    number : of the switch
-    moving : the forces change there; else the side is all that does
+    variant : Variant of the steps before and after
+    number : number of the switch
+    moving : forces change at the switch; otherwise only the stored sign
     """
 
     def __init__(self, variant: Variant, number: int, moving: bool):
@@ -56,32 +65,30 @@ class Transition(Variant):
 
     def _turned(self, x: ca.MX) -> ca.MX:
         """The state on the other side of the switch."""
-        place = self.variant.step.state_size - self.variant.equations.switches.count + self.number
-        return ca.vertcat(x[:place], x[place] < 0.5, x[place + 1 :])
+        entry = self.variant.step.state_size - self.variant.equations.switches.count + self.number
+        return ca.vertcat(x[:entry], x[entry] < 0.5, x[entry + 1 :])
 
-    def meeting(self, t: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
-        """``δ``, and the states on both sides of the switch at ``t + δ``."""
+    def located(self, t: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX, ca.MX]:
+        """``δ``, and the states before and after the switch at ``t + δ``."""
         if not self.moving:
             return ca.MX(0), x, self._turned(x)
         rate = self.variant.rate.function(t, x, p)
         delay = self.delay(t, x, p, rate)
-        there = x + rate * delay
-        return delay, there, self._turned(there)
+        state = x + rate * delay
+        return delay, state, self._turned(state)
 
     @cached_property
     def delay(self) -> ca.Function:
-        """``(t, x, p, ẋ) → δt``; none where the switch is only grazed."""
+        """``(t, x, p, ẋ) → δt``; zero where the motion only grazes the switch."""
         e = self.variant.equations
         x, rate = state_symbols(e), ca.SX.sym("rate", state_symbols(e).numel())
         g = e.switches.functions[self.number]
         change = ca.jtimes(g, ca.vertcat(e.t, x), ca.vertcat(1, rate))
-        grazed = change == 0
-        delay = ca.if_else(grazed, 0, -g / ca.if_else(grazed, 1, change))
-        return ca.Function("delay", [e.t, x, e.p, rate], [delay])
+        return ca.Function("delay", [e.t, x, e.p, rate], [delay_to_zero(g, change)])
 
     @cached_property
     def instant(self) -> ca.Function:
-        """``(t, x, p) → δt``, whose derivative is that of the instant."""
+        """``(t, x, p) → δt`` with the derivative of the instant."""
         t, x, p = self.variant.rate.inputs
         rate = self.variant.rate.function(t, x, p)
         return ca.Function("instant", [t, x, p], [self.delay(t, x, p, rate)])
@@ -99,7 +106,7 @@ class Transition(Variant):
 
     @property
     def bodies(self) -> ca.Function:  # type: ignore[override]
-        """Of the state before it, which may lie on the other side by rounding."""
+        """Function of the state before the switch, with the stored sign."""
         return self.held_bodies
 
     @property
@@ -108,15 +115,118 @@ class Transition(Variant):
 
 
 def distances(e: Equations) -> ca.Function:
-    """``(t, x, p)`` → distance to each switch on the side of the state, negative beyond it."""
+    """``(t, x, p)`` → distance to each switch, negative beyond it."""
     inside = (2 * e.switches.sides - 1) * e.switches.functions
     return ca.Function("distances", [e.t, state_symbols(e), e.p], [ca.densify(inside)])
 
 
 def crossed(e: Equations) -> ca.Function:
-    """``(t, x, p)`` → how far a state lies beyond each switch; rounding is not beyond."""
+    """``(t, x, p)`` → distance of a state beyond each switch, less rounding."""
     x, g = state_symbols(e), e.switches.functions
     slopes = ca.fabs(ca.jacobian(g, ca.vertcat(e.t, x)))
     near = SURFACE * ca.mtimes(slopes, ca.vertcat(0, state_sizes(e)) + ca.fabs(ca.vertcat(e.t, x)))
     beyond = (1 - 2 * e.switches.sides) * g - near
     return ca.Function("crossed", [e.t, x, e.p], [ca.densify(beyond)], {"cse": True})
+
+
+Change = Transition | ContactChange
+
+
+class MovingSide(Variant):
+    """The motion just before or just after a change as a function of the state before it.
+
+    Parameters
+    ----------
+    change : a step of zero length
+    after : the side after the change
+    """
+
+    def __init__(self, change: Change, after: bool):
+        before = change.before if isinstance(change, ContactChange) else change.variant
+        behind = change.after if isinstance(change, ContactChange) else change.variant
+        self.change, self.variant_at_side = change, behind if after else before
+        strategies = before.formulation, before.stabilization, before.integrator
+        super().__init__(before.view, before.rows, *strategies, before.phases)
+        self.after = after
+
+    @property
+    def step(self) -> Step:  # type: ignore[override]
+        return self.change.step
+
+    @cached_property
+    def location(self) -> ca.Function:
+        """``(t, x, p) → δ, x`` on this side of the change."""
+        size = self.change.step.state_size
+        t, x = ca.MX.sym("t"), ca.MX.sym("x", size)
+        p = ca.MX.sym("p", self.change.step.parameter_count)
+        delay, before, after = self.change.located(t, x, p)
+        state = after if self.after else before
+        return ca.Function("location", [t, x, p], [ca.densify(delay), ca.densify(state)])
+
+    @once
+    def measured(self, measure: Expression) -> MovingMeasure:  # type: ignore[override]
+        return MovingMeasure(self._at_change(self.variant_at_side.measured(measure).function))
+
+    @cached_property
+    def bodies(self) -> ca.Function:
+        return self._at_change(self.variant_at_side.held_bodies)
+
+    def _at_change(self, function: ca.Function) -> ca.Function:
+        """A ``(t, x, p)`` function on this side as a function of the state before the change."""
+        t, x, p = (ca.MX.sym(*s) for s in zip("txp", self._sizes, strict=True))
+        delay, state = self.location(t, x, p)
+        return ca.Function("at_change", [t, x, p], function.call([t + delay, state, p]))
+
+    @property
+    def _sizes(self) -> tuple[int, int, int]:
+        return 1, self.change.step.state_size, self.change.step.parameter_count
+
+
+class MovingMeasure:
+    """A function ``(t, x, p) → m`` with its tangent and adjoint functions."""
+
+    def __init__(self, function: ca.Function):
+        self.function = function
+
+    @cached_property
+    def tangent(self) -> ca.Function:
+        """``(t, x, p, ṫ, ẋ, ṗ) → ṁ``."""
+        inputs, rates = self._symbols(""), self._symbols("d")
+        rate = self.function.forward(1)(*inputs, self.function(*inputs), *rates)
+        return ca.Function("tangent", [*inputs, *rates], [ca.densify(rate)])
+
+    @cached_property
+    def adjoint(self) -> ca.Function:
+        """``(t, x, p, m̄) → t̄, x̄, p̄``."""
+        inputs, weight = self._symbols(""), ca.MX.sym("w")
+        weights = self.function.reverse(1)(*inputs, self.function(*inputs), weight)
+        return ca.Function("adjoint", [*inputs, weight], [ca.densify(part) for part in weights])
+
+    def tangents(self, count: int) -> ca.Function:
+        """``(t, x, p, dx, dp) → dm`` in ``count`` columns."""
+        inputs = self._symbols("")
+        _, x, p = inputs
+        dx, dp = (ca.MX.sym(f"d{i}", s.numel(), count) for i, s in enumerate((x, p)))
+        forward = self.function.forward(count)
+        changes = forward(*inputs, self.function(*inputs), ca.MX(1, count), dx, dp)
+        return ca.Function("tangents", [*inputs, dx, dp], [ca.densify(changes)])
+
+    def _symbols(self, prefix: str) -> list[ca.MX]:
+        return [ca.MX.sym(prefix + n, self.function.numel_in(i)) for i, n in enumerate("txp")]
+
+
+class StepReplacement:
+    """First part of a step, then transitions, each an entry with its end state."""
+
+    def __init__(self, time: float, x: np.ndarray):
+        self.time, self.x = time, x
+        self.entries: list[tuple[float, float, np.ndarray, int]] = []
+
+    def add(self, length: float, x: np.ndarray, mode: int) -> None:
+        self.entries.append((self.time, length, x, mode))
+        self.time, self.x = self.time + length, x
+
+    def crossing(self, accepted: int, following: float, reason: str) -> Crossing:
+        t, h, columns, modes = zip(*self.entries, strict=True)
+        x = np.column_stack(columns)
+        return Crossing(accepted, np.array(t), np.array(h), x, np.array(modes), following, reason)

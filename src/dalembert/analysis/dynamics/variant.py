@@ -1,4 +1,4 @@
-"""Compiled functions of one definite formulation; a run may change from one to another."""
+"""Compiled functions of one definite formulation; a run may change between variants."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from dalembert.formulations.base import (
     state_symbols,
 )
 from dalembert.formulations.consistency import with_consistent_speeds
-from dalembert.formulations.redundancy import TRUSTED, largest_share
+from dalembert.formulations.partition import LARGEST_COEFFICIENT, largest_coefficient
 from dalembert.formulations.sliding import SlidingSolver
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator, Problem
@@ -34,13 +34,13 @@ class Variant:
 
     Parameters
     ----------
-    view : the model in the coordinates that are integrated
-    rows : of its constraint equations, those that are solved
-    formulation : as ``Formulation.choose`` made it
+    view : the model in the integrated coordinates
+    rows : constraint equations that are solved
+    formulation : result of ``Formulation.choose``
     stabilization, integrator : of the run
     phases : of rigid gaps
-    bare : as ``Formulation.choose`` made it for the equations with all gaps apart, which impacts
-        take; ``formulation`` by default
+    bare : result of ``Formulation.choose`` for the equations with all gaps open, for impacts;
+        ``formulation`` by default
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class Variant:
 
     @cached_property
     def problem(self) -> Problem:
-        """The equations as integrators take them."""
+        """The equations in the form of integrators."""
         e, formulation, stabilization = self.equations, self.formulation, self.stabilization
         rate = correction = tangential = None
         if formulation.gives_accelerations and not self.integrator.implicit:
@@ -87,7 +87,7 @@ class Variant:
 
     @property
     def _open_rows(self) -> int:
-        """Equations that rigid gaps would add if all of them stuck."""
+        """Number of equations that rigid gaps would add if all of them stuck."""
         e = self.equations
         most = sum(gap.forces().numel() for gap in e.contacts) + len(self.rows)
         return most - e.constraint_count
@@ -109,31 +109,31 @@ class Variant:
     @once
     def measured(self, measure: Expression) -> ImplicitFunction:
         """``(t, x, p) → measure`` of the bodies, accelerations and multipliers included."""
-        return self._seen(self.equations, [self.view.lift(measure.sx)], "measured")
+        return self._of_view(self.equations, [self.view.lift(measure.sx)], "measured")
 
     @cached_property
     def bodies(self) -> ca.Function:
-        """``(t, x, p) → y, v, v̇, λ`` of all bodies and equations, on the sides formulas choose."""
+        """``(t, x, p) → y, v, v̇, λ`` of all bodies and equations, with actual signs of switches."""
         e = self.equations
         if not e.switches.count:
             return self.held_bodies
-        choosing = touching(self.view.choosing.with_rows(list(self.rows)), self.phases)
-        found = self._seen(choosing, self.view.everything, "bodies").function
-        x, count = state_symbols(e), found.numel_in(1)
-        return ca.Function("bodies", [e.t, x, e.p], found.call([e.t, x[:count], e.p]))
+        choosing = touching(self.view.with_free_branches.with_rows(list(self.rows)), self.phases)
+        function = self._of_view(choosing, self.view.everything, "bodies").function
+        x, count = state_symbols(e), function.numel_in(1)
+        return ca.Function("bodies", [e.t, x, e.p], function.call([e.t, x[:count], e.p]))
 
     @cached_property
     def held_bodies(self) -> ca.Function:
-        """The same on the sides of switches that belong to the state."""
-        return self._seen(self.equations, self.view.everything, "bodies").function
+        """The same with the signs of switching functions stored in the state."""
+        return self._of_view(self.equations, self.view.everything, "bodies").function
 
-    def _seen(self, e: Equations, expressions: list[ca.SX], name: str) -> ImplicitFunction:
-        """Expressions of the view, with the multipliers of equations not solved at zero."""
+    def _of_view(self, e: Equations, expressions: list[ca.SX], name: str) -> ImplicitFunction:
+        """Expressions of the view; multipliers of dropped equations are zero."""
         outputs = [e.without_dropped(expression) for expression in expressions]
         return self._accelerated(e, outputs, name)
 
     def _accelerated(self, e: Equations, outputs: list[ca.SX], name: str) -> ImplicitFunction:
-        """Outputs of accelerations and multipliers, by a solver that knows of sliding friction."""
+        """Outputs of accelerations and multipliers, including sliding friction."""
         xi = self.stabilization.constraint_acceleration(e)
         return self.formulation.acceleration(e, xi, outputs, name, self._saddle(e))
 
@@ -143,16 +143,16 @@ class Variant:
 
     @cached_property
     def guards(self) -> Guards | None:
-        """What ends the phases of its gaps; None where there are no gaps."""
+        """Guards of the phases of rigid gaps; None without gaps."""
         e = self.equations
         if not e.contacts:
             return None
         watched = guards_of(e, self.phases)
-        values = self._seen(e, [stack(g.value for g in watched)], "guards").function
+        values = self._of_view(e, [stack(g.value for g in watched)], "guards").function
         return Guards(e, watched, values, self.rate.function)
 
     def is_conditioned(self, t: float, x: np.ndarray, p: np.ndarray) -> bool:
-        """Equations and formulation are well conditioned at a state."""
+        """Whether equations and formulation are well conditioned at a state."""
         if self.conditioning is None:
             return True
         shares = self.conditioning(t, x[: self.equations.coordinate_count], p)
@@ -160,15 +160,19 @@ class Variant:
 
     @cached_property
     def conditioning(self) -> ca.Function | None:
-        """``(t, y, p) → (share, value)`` of the equations left out and of the formulation.
+        """``(t, y, p) → (share, value)`` of the dropped equations and of the formulation.
 
-        Both relative to the limit above which another variant is chosen; None where nothing is.
+        Both are relative to the limit above which another variant is chosen; None if never.
         """
-        e, nothing = self.equations, ca.SX(0)
-        found = self.formulation.conditioning(e)
+        e, zero = self.equations, ca.SX(0)
+        condition = self.formulation.conditioning(e)
         redundant = len(self.rows) < self.view.whole.constraint_count
-        if found is None and not redundant:
+        if condition is None and not redundant:
             return None
-        share = largest_share(self.view.whole, self.rows) / TRUSTED if redundant else nothing
-        value = nothing if found is None else found[0] / found[1]
+        share = (
+            largest_coefficient(self.view.whole, self.rows) / LARGEST_COEFFICIENT
+            if redundant
+            else zero
+        )
+        value = zero if condition is None else condition[0] / condition[1]
         return ca.Function("conditioning", [e.t, e.y, e.p], [share, value])

@@ -1,1 +1,1 @@
-"""Where forces balance, and small motions about a state."""
+"""Static equilibrium, and linearisation about a state."""

@@ -1,8 +1,8 @@
-"""Static equilibrium: positions at which applied forces and reactions balance.
+"""Static equilibrium: balance of applied forces and reactions.
 
 ``f(y, 0) − d(y, 0) − Cᵀ λ = 0``, ``Φ(y) = 0``. On the tangent space of the constraints this is
-``r = Zᵀ f = 0``; Newton's method uses the tangent stiffness ``Zᵀ K Z`` made positive definite,
-so that it descends towards a stable position.
+``r = Zᵀ f = 0``. Newton's method uses a positive definite modification of the tangent stiffness
+``Zᵀ K Z``, so that it descends towards a stable position.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 
-from dalembert.analysis.batch.rests import Rests
+from dalembert.analysis.batch.equilibrium_batch import EquilibriumBatch
 from dalembert.analysis.batch.solve import run_analysis
-from dalembert.analysis.contact.unseen import unseen_contacts
-from dalembert.analysis.elastic_range import elastic_doubts
+from dalembert.analysis.contact.gap_checks import ignored_contacts
+from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.equilibrium.static_balance import (
     StaticBalance,
     StaticsKernel,
@@ -24,12 +24,12 @@ from dalembert.analysis.equilibrium.static_balance import (
     statics_kernel,
 )
 from dalembert.analysis.keywords import EquilibriumKeywords, NonlinearStaticsKeywords
-from dalembert.analysis.model_truth import MOTION, ModelTruth
-from dalembert.analysis.served import need_model
+from dalembert.analysis.requirements import need_model
+from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
-from dalembert.formulations.levels import Level
+from dalembert.formulations.base import Level
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
@@ -46,11 +46,12 @@ if TYPE_CHECKING:
     from dalembert.results.batch.designs import ManyDesigns
 
 TOLERANCE = 1e-10
+"""Default tolerance of the residual, relative to the largest applied force."""
 
 
 @dataclass(frozen=True)
 class EquilibriumRecord:
-    """What a gradient needs."""
+    """Record of an equilibrium for gradients."""
 
     kernel: StaticsKernel
 
@@ -61,9 +62,9 @@ class Equilibrium(Analysis[Model, Motion]):
 
     Parameters
     ----------
-    time : instant at which laws and forces are taken [s]
-    tolerance : of the residual relative to the largest applied force
-    max_iterations : of Newton's method
+    time : instant at which laws and forces are evaluated [s]
+    tolerance : tolerance of the residual, relative to the largest applied force
+    max_iterations : upper limit of Newton iterations
 
     Examples
     --------
@@ -74,7 +75,7 @@ class Equilibrium(Analysis[Model, Motion]):
     >>> pan = system.add(planar.Particle("pan", mass=weight, position=(0, -0.1)))
     >>> spring = planar.Spring("spring", system.ground.center, pan.center, stiffness=100.0)
     >>> hung = system.add(spring)
-    >>> analysis = da.Equilibrium()  # an analysis that can be repeated, and designed for
+    >>> analysis = da.Equilibrium()  # an analysis that can be repeated and optimised
     >>> model = system.build()
     >>> [round(analysis.run(model, {"weight": m})["pan.y"].item(), 6) for m in (2, 4)]  # -m g/k
     [-0.2, -0.4]
@@ -82,7 +83,7 @@ class Equilibrium(Analysis[Model, Motion]):
 
     spoken = "static equilibrium"
     at_rest = True
-    batched = Rests
+    batched = EquilibriumBatch
 
     time: float = 0.0
     tolerance: float = TOLERANCE
@@ -95,9 +96,9 @@ class Equilibrium(Analysis[Model, Motion]):
         progress: Any = False,
         start: np.ndarray | None = None,
     ) -> Motion:
-        """Find the equilibrium nearest to the assembled position, or to the pose ``start``.
+        """Compute the equilibrium near the assembled position, or near the pose ``start``.
 
-        The result is a motion of one instant; ``statistics`` tells whether it is stable.
+        The result is a motion with one instant; ``statistics`` contains its stability.
 
         Raises
         ------
@@ -108,7 +109,7 @@ class Equilibrium(Analysis[Model, Motion]):
         return _Search(self, model, p).execute(start)
 
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
-        """The equilibrium at other parameter values, reached from this one."""
+        """The equilibrium at other parameter values, starting from this one."""
         return self.run(motion.model, p, start=motion.trajectory.y[:, 0])
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
@@ -122,13 +123,13 @@ class Equilibrium(Analysis[Model, Motion]):
         if np.any(times != self.time):
             raise AnalysisError(
                 f"an equilibrium has one instant, t = {self.time:g} s, and t = {times[0]:g} s was "
-                "asked for; take the final value"
+                "requested; use the final value"
             )
         return motion
 
 
 class _Search:
-    """From the assembled position to the equilibrium."""
+    """Search for an equilibrium from the assembled position."""
 
     def __init__(self, analysis: Equilibrium, model: Model, p: np.ndarray):
         self.analysis, self.model, self.p = analysis, model, p
@@ -147,34 +148,34 @@ class _Search:
         )
         return self.result(balance, solve(balance, y, settings))
 
-    def result(self, balance: StaticBalance, found: Solution[np.ndarray]) -> Motion:
-        n, here = self.model.equations.speed_count, balance.residual(found.x)
-        residual = float(np.abs(here.value).max(initial=0.0)) / self.model.scales.length
-        stable = bool(np.all(here.resistance > 0)) if here.conservative else here.stable
-        text = rest_text(residual, found.iterations, stable, here.conservative)
-        outcome = Outcome.COMPLETED if found.accepted else Outcome.NOT_CONVERGED
-        status = Status(outcome, text, self.analysis.time, found.residual)
+    def result(self, balance: StaticBalance, solution: Solution[np.ndarray]) -> Motion:
+        n, forces = self.model.equations.speed_count, balance.residual(solution.x)
+        residual = float(np.abs(forces.value).max(initial=0.0)) / self.model.scales.length
+        stable = bool(np.all(forces.resistance > 0)) if forces.conservative else forces.stable
+        text = rest_text(residual, solution.iterations, stable, forces.conservative)
+        outcome = Outcome.COMPLETED if solution.accepted else Outcome.NOT_CONVERGED
+        status = Status(outcome, text, self.analysis.time, solution.residual)
         column = (-1, 1)
         trajectory = Trajectory(
             np.array([self.analysis.time]),
-            found.x.reshape(column),
+            solution.x.reshape(column),
             np.zeros((n, 1)),
             np.zeros((n, 1)),
-            self.model.all_multipliers(here.multiplier.reshape(column)),
+            self.model.all_multipliers(forces.multiplier.reshape(column)),
             np.zeros((2, 1)),
         )
-        may_be_open = max(MOTION, self.analysis.tolerance)
-        truth = ModelTruth(self.model, trajectory, self.p, [Level.POSITION], may_be_open)
+        tolerance = max(MOTION, self.analysis.tolerance)
+        check = ResidualCheck(self.model, trajectory, self.p, [Level.POSITION], tolerance)
         return Motion(
             self.model,
             self.analysis,
             self.p,
             trajectory,
-            truth.judged(status),
-            {"iterations": found.iterations, "stable": stable, "residual [N or N m]": residual},
+            check.verify(status),
+            {"iterations": solution.iterations, "stable": stable, "residual [N or N m]": residual},
             warnings=[
-                *unseen_contacts(self.model, trajectory, self.p),
-                *elastic_doubts(self.model, trajectory, self.p),
+                *ignored_contacts(self.model, trajectory, self.p),
+                *elastic_warnings(self.model, trajectory, self.p),
             ],
             record=EquilibriumRecord(self.kernel),
         )
@@ -228,21 +229,21 @@ def solve_equilibrium(
 ) -> Motion | StructuralResult | Batch:
     """Static equilibrium near the assembled position, ``f − d − Cᵀλ = 0`` at rest.
 
-    That of a structure is ``solve_statics(nonlinear=True)``, at displacements of any size.
+    A structure is solved as by ``solve_statics(nonlinear=True)``, with displacements of any size.
 
     Parameters
     ----------
     model : Model or StructuralModel
     parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
         of dicts for a batch
-    workers : of a batch; by default one for each core
+    workers : number of workers of a batch, by default one for each core
     **options : fields of ``Equilibrium``: time, tolerance, max_iterations
 
     Raises
     ------
     AnalysisError
-        Wrong options; ``AssemblyError`` where the mechanism cannot be put together. A search that
-        does not converge says so in its status.
+        Wrong options; ``AssemblyError`` where the mechanism cannot be assembled. A search that
+        does not converge reports it in its status.
 
     Examples
     --------
@@ -257,8 +258,10 @@ def solve_equilibrium(
     array([ 0.6, -0.8])
     """
     if isinstance(model, StructuralModel):
-        made: Any = analysis_of(NonlinearStatics, "solve_equilibrium", model, parameters, **options)
+        analysis: Any = analysis_of(
+            NonlinearStatics, "solve_equilibrium", model, parameters, **options
+        )
     else:
-        made = analysis_of(Equilibrium, "solve_equilibrium", model, parameters, **options)
+        analysis = analysis_of(Equilibrium, "solve_equilibrium", model, parameters, **options)
     need_model(model, "solve_equilibrium")
-    return run_analysis(made, model, parameters, workers=workers)  # type: ignore[no-any-return]
+    return run_analysis(analysis, model, parameters, workers=workers)  # type: ignore[no-any-return]

@@ -16,7 +16,7 @@ import numpy as np
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
 from dalembert.analysis.equilibrium.linearization_kernel import Linearized, linearization_kernel
 from dalembert.analysis.keywords import LinearizationKeywords
-from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.requirements import need_mechanism
 from dalembert.analysis.spectral import SpectralAnalysis
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
@@ -25,10 +25,11 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.mechanism_modes import Modes
 from dalembert.results.motion import Motion
-from dalembert.results.result import Given
+from dalembert.results.result import ParameterValues
 from dalembert.text.spelling import spelled
 
 ABSOLUTE = AbsoluteCoordinates()
+"""Default coordinates."""
 __all__ = ["Linearization", "Modes", "MotionLinearization", "linearize"]
 
 
@@ -38,11 +39,11 @@ class Linearization(SpectralAnalysis[Model, Modes]):
 
     Parameters
     ----------
-    time : instant at which laws and forces are taken [s]
-    equilibrium : first find the static equilibrium; otherwise take the assembled state
-    coordinates : in which small motions are described. In a steady motion, such as of a wheel that
-        rolls or of a governor that turns, eigenvalues mean something where nothing but cyclic
-        coordinates change: those of joints, ``JointCoordinates()``
+    time : instant at which laws and forces are evaluated [s]
+    equilibrium : linearise about the static equilibrium; otherwise about the assembled state
+    coordinates : coordinates of small motions. In a steady motion, such as that of a rolling wheel
+        or a spinning governor, eigenvalues are meaningful if only cyclic coordinates change, as
+        with ``JointCoordinates()``
 
     Examples
     --------
@@ -57,14 +58,14 @@ class Linearization(SpectralAnalysis[Model, Modes]):
     """
 
     spoken = "modes"
-    makes = Modes
+    modes_class = Modes
 
     time: float = 0.0
     equilibrium: bool = True
     coordinates: Coordinates = ABSOLUTE
 
     def spectrum(self, model: Model, p: np.ndarray) -> Linearized:
-        """About the equilibrium or the assembled state.
+        """Linearised system about the equilibrium or the assembled state.
 
         Raises
         ------
@@ -81,8 +82,8 @@ class Linearization(SpectralAnalysis[Model, Modes]):
         if not self.equilibrium:
             return self.spectrum(result.model, p)
         start = result.record.near[: result.model.equations.coordinate_count]
-        found = Equilibrium(self.time).run(result.model, p, start=start)
-        return at_rest(found, self.coordinates)
+        equilibrium = Equilibrium(self.time).run(result.model, p, start=start)
+        return at_rest(equilibrium, self.coordinates)
 
 
 @dataclass(frozen=True)
@@ -92,19 +93,19 @@ class MotionLinearization(SpectralAnalysis[Model, Modes]):
     Parameters
     ----------
     motion : Motion
-    coordinates : as of ``Linearization``
+    coordinates : as in ``Linearization``
     """
 
     spoken = "modes"
-    makes = Modes
+    modes_class = Modes
 
     motion: Motion
     coordinates: Coordinates = ABSOLUTE
 
-    def run(self, model: Model, parameters: Given = None, progress: Any = False) -> Modes:
-        """The modes at the end of the motion, at its own parameters where none are given."""
+    def run(self, model: Model, parameters: ParameterValues = None, progress: Any = False) -> Modes:
+        """The modes at the end of the motion, by default at its own parameters."""
         if model is not self.motion.model:
-            raise AnalysisError("the motion is of another model; linearize with the one it is of")
+            raise AnalysisError("the motion belongs to another model; pass the model of the motion")
         return super().run(model, self.motion.parameters if parameters is None else parameters)
 
     def spectrum(self, model: Model, p: np.ndarray) -> Linearized:
@@ -112,12 +113,12 @@ class MotionLinearization(SpectralAnalysis[Model, Modes]):
 
 
 def at_rest(motion: Motion, coordinates: Coordinates) -> Linearized:
-    """The system about an equilibrium.
+    """Linearised system about an equilibrium.
 
     Raises
     ------
     AnalysisError
-        The search for it failed.
+        The search for the equilibrium failed.
     """
     status, s = motion.status, motion.trajectory
     kernel = linearization_kernel(motion.model, coordinates)
@@ -129,7 +130,7 @@ def at_rest(motion: Motion, coordinates: Coordinates) -> Linearized:
 
 
 def last_instant(motion: Motion, coordinates: Coordinates) -> Linearized:
-    """The system about the end of a motion; how it depends on the parameters is not told."""
+    """Linearised system about the end of a motion, without dependence on the parameters."""
     s, kernel = motion.trajectory, linearization_kernel(motion.model, coordinates)
     x = kernel.state(float(s.t[-1]), s.y[:, -1], s.v[:, -1], motion.parameters)
     return Linearized(kernel, float(s.t[-1]), x, motion.parameters)
@@ -146,15 +147,15 @@ def linearize(
 ) -> Modes:
     """Eigenfrequencies, damping ratios and mode shapes on the constraint tangent space.
 
-    Those of a structure are found by ``solve_modes``, some of many.
+    Use ``solve_modes`` for the lowest modes of a structure.
 
     Parameters
     ----------
     model : Model
-    at : a motion or equilibrium whose last instant is the state; default: search the equilibrium
+    at : a motion or equilibrium whose last instant is the state; by default the equilibrium
     parameters : new values of parameters, without rebuilding
-    coordinates : in which small motions are described; ``JointCoordinates()`` about a steady motion
-        in which cyclic coordinates change
+    coordinates : coordinates of small motions; ``JointCoordinates()`` about a steady motion with
+        changing cyclic coordinates
     **options : fields of ``Linearization``: time, equilibrium
 
     Raises
@@ -180,14 +181,14 @@ def linearize(
     """
     if at is not None:
         if parameters or options:
-            given = ", ".join([*(parameters or ()), *options])
-            raise AnalysisError(f"linearize: {given} cannot be given with at=, which has its own")
+            names = ", ".join([*(parameters or ()), *options])
+            raise AnalysisError(f"linearize: {names} cannot be given with at=, which has its own")
         if at.analysis.at_rest:
             analysis = Linearization(float(at.time[0]), coordinates=coordinates)
             return analysis.modes(at_rest(at, coordinates))
         return MotionLinearization(at, coordinates).modes(last_instant(at, coordinates))
-    made = analysis_of(
+    linearization = analysis_of(
         Linearization, "linearize", model, parameters, coordinates=coordinates, **options
     )
-    need_mechanism(model, "linearize", "take solve_modes")
-    return made.run(model, parameters)
+    need_mechanism(model, "linearize", "use solve_modes")
+    return linearization.run(model, parameters)

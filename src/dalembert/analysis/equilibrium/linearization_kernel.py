@@ -1,6 +1,6 @@
-"""The linearised system about a state, and its whole spectrum.
+"""Linearised system about a state and its complete spectrum.
 
-``J = ∂F/∂x`` of ``ẋ = F(x)`` and ``G = ∂(Φ, Ψ)/∂x``; with an orthonormal basis ``B`` of the null
+For ``J = ∂F/∂x`` of ``ẋ = F(x)``, ``G = ∂(Φ, Ψ)/∂x`` and an orthonormal basis ``B`` of the null
 space of ``G`` the reduced matrix is ``A = Bᵀ J B``.
 """
 
@@ -12,8 +12,8 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.contact.unseen import unseen_contacts
-from dalembert.analysis.elastic_range import elastic_doubts
+from dalembert.analysis.contact.gap_checks import ignored_contacts
+from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.elements.flexible.nodes import Noded
 from dalembert.formulations.base import state_rate
@@ -27,22 +27,22 @@ from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 
 RESTING = 1e-9
-"""Change of the state within a natural time that counts as none."""
+"""Threshold for a resting state: relative change within a natural time."""
 SHORT = 1e-4
-"""Of a natural time, the step in which a change is looked for."""
+"""Step for the change of the matrix, relative to the natural time."""
 STEADY = 1e-3
-"""Change of the matrix within a natural time that a steady motion may show."""
-OF_AN_INSTANT = (
-    "the motion is not steady in these coordinates: eigenvalues are those of an instant and say "
-    "little about stability; "
+"""Upper limit of the relative change of the matrix of a steady motion within a natural time."""
+UNSTEADY = (
+    "the motion is not steady in these coordinates: eigenvalues hold for one instant and do "
+    "not determine stability; "
 )
-BY_JOINTS = (
-    "coordinates=JointCoordinates() helps where only cyclic angles change, "
-    "with the bodies that do not spin carrying the others"
+USE_JOINTS = (
+    "coordinates=JointCoordinates() helps if only cyclic angles change and "
+    "non-spinning bodies carry the spinning ones"
 )
-BY_SHAPES = (
-    "the nodes of {} go round, which no coordinates make steady; make it a FlexibleBody with "
-    "stiffening=True, whose shapes stand still in a frame that turns"
+USE_SHAPES = (
+    "the nodes of {} go round, which is not steady in any coordinates; use a FlexibleBody with "
+    "stiffening=True, whose shapes are steady in a rotating frame"
 )
 
 
@@ -52,7 +52,7 @@ class LinearizationKernel:
     Raises
     ------
     SingularityError
-        Something can move without any mass moving.
+        A motion has no mass.
     """
 
     def __init__(self, model: Model, coordinates: Coordinates):
@@ -63,63 +63,63 @@ class LinearizationKernel:
 
     @cached_property
     def system(self) -> ImplicitFunction:
-        """``(t, x, p) → F, (Φ, Ψ)`` with ``x = [y; v]``; Φ with what binds y to its manifold."""
+        """``(t, x, p) → F, (Φ, Ψ)`` with ``x = [y; v]``; Φ with the equations of the manifold."""
         e = self.e
         rate = state_rate(e)[: e.coordinate_count + e.speed_count]
-        holds = e.constraints[list(e.holds), :]
-        level = ca.vertcat(holds, e.manifold.bounds, e.velocity_constraints)
-        found = Kkt().acceleration(e, e.constraint_acceleration, [rate, level])
+        position_constraints = e.constraints[list(e.holds), :]
+        level = ca.vertcat(position_constraints, e.manifold.bounds, e.velocity_constraints)
+        accelerations = Kkt().acceleration(e, e.constraint_acceleration, [rate, level])
         inputs = [e.t, ca.vertcat(e.y, e.v), e.p]
-        return ImplicitFunction("linearized", inputs, found.stages, found.outputs)
+        return ImplicitFunction("linearized", inputs, accelerations.stages, accelerations.outputs)
 
     @cached_property
     def resting(self) -> ImplicitFunction:
         """``(t, [y; λ] nearby, p) → x`` of the equilibrium."""
-        found = statics_kernel(self.model).configuration
+        equilibrium = statics_kernel(self.model).configuration
         e = self.model.equations
-        still = ca.substitute(self._seen, e.v, ca.SX.zeros(e.speed_count))
-        return ImplicitFunction("resting", found.inputs, found.stages, [still])
+        still = ca.substitute(self._state_of_bodies, e.v, ca.SX.zeros(e.speed_count))
+        return ImplicitFunction("resting", equilibrium.inputs, equilibrium.stages, [still])
 
     @cached_property
     def assembled(self) -> ImplicitFunction:
         """``(t, y nearby, p) → x`` of the assembled state."""
-        found, e = self.model.initial_state, self.model.equations
-        x = ca.substitute(self._seen, ca.vertcat(e.y, e.v), ca.vertcat(*found.outputs))
-        return ImplicitFunction("assembled", found.inputs, found.stages, [x])
+        start, e = self.model.initial_state, self.model.equations
+        x = ca.substitute(self._state_of_bodies, ca.vertcat(e.y, e.v), ca.vertcat(*start.outputs))
+        return ImplicitFunction("assembled", start.inputs, start.stages, [x])
 
     @property
-    def _seen(self) -> ca.SX:
-        """``x`` in these coordinates, of t, y, v and p of the bodies."""
+    def _state_of_bodies(self) -> ca.SX:
+        """``x`` in these coordinates as expression in t, y, v and p of the bodies."""
         return ca.vertcat(*self.view.reduce.outputs)
 
     def state(self, t: float, y: np.ndarray, v: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """``x`` of bodies that stand and move so."""
+        """``x`` from positions and speeds of the bodies."""
         return np.concatenate(
             [part.full().ravel() for part in self.view.reduce.function(t, y, v, p)]
         )
 
     def bodies(self, t: float, x: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """``y`` of all bodies in a state."""
+        """``y`` of all bodies from a state."""
         return self.view.body_coordinates(t, x[: self.e.coordinate_count], p)
 
     def matrices(self, t: float, x: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
         """``J`` and ``G``."""
         unit, still = np.eye(x.size), np.zeros((p.size, x.size))
-        found = self.system.tangent.map(x.size)(t, x, p, 0, unit, still)
-        return [matrix.full() for matrix in found]
+        matrices = self.system.tangent.map(x.size)(t, x, p, 0, unit, still)
+        return [matrix.full() for matrix in matrices]
 
 
 @dataclass(frozen=True, eq=False)
 class Linearized:
-    """The linearised system about a state.
+    """Linearised system about a state.
 
     Attributes
     ----------
     kernel : LinearizationKernel
     time, x, p : the state, (N,), and the parameters
-    origin : ``(t, near, p) → x``, how the state follows the parameters; None if that is not known
-    near : its second argument
-    residual : of the state
+    origin : ``(t, near, p) → x``, dependence of the state on the parameters; None if unavailable
+    near : second argument of ``origin``
+    residual : residual of the state
     """
 
     kernel: LinearizationKernel
@@ -149,40 +149,42 @@ class Linearized:
         return np.concatenate([s.coordinates, s.speeds]), by_level
 
     @cached_property
-    def alike(self) -> tuple[np.ndarray, np.ndarray]:
-        """``J`` and ``G`` of a state and equations measured by their natural sizes."""
+    def scaled(self) -> tuple[np.ndarray, np.ndarray]:
+        """``J`` and ``G`` with state and equations relative to their natural sizes."""
         (jacobian, tangency), (states, rows) = self.derivatives, self.sizes
         return jacobian * states / states[:, None], tangency * states / rows[:, None]
 
     @cached_property
     def unsteadiness(self) -> float:
-        """How much the matrix changes within a natural time while the state goes on, relative."""
+        """Relative change of the matrix within a natural time along the motion."""
         inputs, time = (self.time, self.x, self.p), self.model.scales.time
         rate = self.kernel.system.function(*inputs)[0].full().ravel()
         if np.max(np.abs(rate) * time / self.sizes[0], initial=0.0) < RESTING:
             return 0.0
-        short = SHORT * time
-        later = replace(self, time=self.time + short, x=self.x + short * rate)
-        here, there = self.alike[0], later.alike[0]
-        largest = np.abs(here).max(initial=0.0)
-        return float(np.abs(there - here).max() / (SHORT * largest)) if largest else 0.0
+        step = SHORT * time
+        later = replace(self, time=self.time + step, x=self.x + step * rate)
+        matrix, later_matrix = self.scaled[0], later.scaled[0]
+        largest = np.abs(matrix).max(initial=0.0)
+        return float(np.abs(later_matrix - matrix).max() / (SHORT * largest)) if largest else 0.0
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """A motion that is not steady, and contacts that small motions would open or close."""
+        """Warnings about unsteady motion, and contacts that small motions open or close."""
         y, model = self.kernel.bodies(self.time, self.x, self.p)[:, None], self.model
         still, none = np.zeros((model.equations.speed_count, 1)), np.zeros((0, 1))
         instant = Trajectory(np.array([self.time]), y, still, still, none, np.zeros((2, 1)))
-        unsteady = (OF_AN_INSTANT + self._cure,) if self.unsteadiness > STEADY else ()
-        seen = unseen_contacts(model, instant, self.p, forces=True)
-        return (*unsteady, *seen, *elastic_doubts(model, instant, self.p))
+        unsteady = (UNSTEADY + self._cure,) if self.unsteadiness > STEADY else ()
+        contacts = ignored_contacts(model, instant, self.p, forces=True)
+        return (*unsteady, *contacts, *elastic_warnings(model, instant, self.p))
 
     @property
     def _cure(self) -> str:
-        noded = [
-            one.name for one in self.model.forces if isinstance(one, (Noded, ElasticStructure))
+        names = [
+            element.name
+            for element in self.model.forces
+            if isinstance(element, (Noded, ElasticStructure))
         ]
-        return BY_SHAPES.format(", ".join(noded[:3])) if noded else BY_JOINTS
+        return USE_SHAPES.format(", ".join(names[:3])) if names else USE_JOINTS
 
     @property
     def statistics(self) -> dict[str, int]:
@@ -192,14 +194,14 @@ class Linearized:
     @cached_property
     def basis(self) -> np.ndarray:
         """``B`` (N, f): directions along the constraints, orthonormal by natural sizes."""
-        tangency = self.alike[1]
+        tangency = self.scaled[1]
         rank = tangency.shape[0]
         return np.linalg.svd(tangency)[2][rank:].T if rank else np.eye(self.x.size)
 
     @cached_property
     def matrix(self) -> np.ndarray:
         """``A = Bᵀ J B`` (f, f)."""
-        return self.basis.T @ self.alike[0] @ self.basis
+        return self.basis.T @ self.scaled[0] @ self.basis
 
     @cached_property
     def _pairs(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -219,20 +221,20 @@ class Linearized:
 
     @property
     def left(self) -> float:
-        """What is left of the equation of the eigenpairs."""
+        """Residual of the eigenvalue equation."""
         values, _, right = self._pairs
         size = np.abs(self.matrix).max(initial=0.0)  # vectors have the length one
         return residual(self.matrix, np.eye(values.size), values, right, size)
 
     @cached_property
     def groups(self) -> list[list[int]]:
-        """Positions of eigenvalues, those together that coincide."""
+        """Positions of eigenvalues in groups of coinciding ones."""
         values, left, right = self._pairs
         return coinciding(values, error_sizes(self.matrix, values, left, right))
 
     @property
     def eigenvalues(self) -> np.ndarray:
-        """(f,) all of them; conjugate ones are neighbours, the positive imaginary part first."""
+        """(f,) eigenvalues; conjugate pairs are neighbours, the positive imaginary part first."""
         return self._spectrum[0]
 
     def wanted(self) -> np.ndarray:
@@ -240,13 +242,13 @@ class Linearized:
         values = self.eigenvalues
         unit = np.abs(values).max(initial=0.0) or 1.0
         order = np.lexsort((np.abs(values.imag), np.round(np.abs(values) / unit, 12)))
-        kept = [i for i in order if values[i].imag >= -1e-12 * unit]
-        return np.array(kept, dtype=int)
+        positions = [i for i in order if values[i].imag >= -1e-12 * unit]
+        return np.array(positions, dtype=int)
 
     def following(self, earlier: Linearized, positions: np.ndarray) -> np.ndarray:
-        """Positions of the modes that were these ones in an earlier spectrum.
+        """Positions of the modes that correspond to modes of an earlier spectrum.
 
-        Left vectors of a spectrum are orthogonal to the right ones of all other modes, so the
+        Left vectors of a spectrum are orthogonal to the right vectors of all other modes, so the
         modes are paired for the largest ``Σ |wᵢᴴ vⱼ|``.
         """
         from scipy.optimize import linear_sum_assignment
@@ -255,7 +257,7 @@ class Linearized:
         return linear_sum_assignment(np.abs(left.conj().T @ right), maximize=True)[1]
 
     def displacements(self, positions: np.ndarray) -> np.ndarray:
-        """(n, k) shapes by displacements, their largest entries one."""
+        """(n, k) shapes by displacements with largest entries of one."""
         e = self.kernel.e
         shapes = self._spectrum[2][: e.coordinate_count, positions]
         if not e.manifold.flat:
@@ -272,4 +274,4 @@ class Linearized:
 
 
 linearization_kernel = once(LinearizationKernel)
-"""The one of a model and a choice of coordinates."""
+"""Kernel of a model and a choice of coordinates, compiled once."""

@@ -1,4 +1,4 @@
-"""The balance of forces on the tangent space of the constraints, ``r(y) = Zᵀ f = 0``."""
+"""Balance of forces on the tangent space of the constraints, ``r(y) = Zᵀ f = 0``."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
 LONGEST = 0.5
-"""Longest step, in characteristic lengths and radians."""
+"""Upper limit of a step, in characteristic lengths and radians."""
 CURVED = 1e-12
-"""Stiffness, relative to the largest, from which on a direction counts as stable."""
+"""Threshold for a stable direction: stiffness relative to the largest one."""
 SKEW = 1e-9
-"""Asymmetry of a stiffness, relative to it, that is rounding."""
+"""Threshold for an asymmetric stiffness, relative to its largest entry."""
 BENT = 1e-3
-"""Deflection, in natural sizes, whose elastic force is a force that counts."""
+"""Deflection, in natural sizes, whose elastic force scales the residual."""
 STIFF = 1e4
-"""Resistance, relative to the smallest, of what is kept straight on the way along the others."""
+"""Threshold for stiff directions: resistance relative to the smallest one."""
 CLOSED = NewtonSettings(tolerance=1e-13, max_iterations=20)
+"""Settings for the closure of the constraints."""
 
 
 class StaticsKernel:
@@ -54,13 +55,15 @@ class StaticsKernel:
 
     @property
     def configuration(self) -> ImplicitFunction:
-        """``(t, [y; λ] nearby, p) → y, λ`` with their exact derivatives."""
+        """``(t, [y; λ] nearby, p) → y, λ`` with exact derivatives."""
         e = self.model.equations
         near = ca.SX.sym("near", e.coordinate_count + e.constraint_count)
         unknown = ca.vertcat(e.y, e.multiplier)
-        way = e.manifold.displacement(near[: e.coordinate_count], e.y)
-        held = e.constraints + ca.mtimes(e.slip_jacobian, way) if e.slips else e.constraints
-        residual = ca.vertcat(self.balance, held)
+        displacement = e.manifold.displacement(near[: e.coordinate_count], e.y)
+        constraints = e.constraints
+        if e.slips:
+            constraints = constraints + ca.mtimes(e.slip_jacobian, displacement)
+        residual = ca.vertcat(self.balance, constraints)
         sizes = e.scales
         rows = np.concatenate([sizes.efforts, sizes.rows])
         stages = position_stages(
@@ -72,31 +75,31 @@ class StaticsKernel:
     def measured(self, measure: Expression) -> ImplicitFunction:
         """A measure of the equilibrium; speeds and accelerations are zero."""
         e = self.model.equations
-        still = ca.vertcat(e.v, e.a)
-        at_rest = ca.substitute(e.without_dropped(measure.sx), still, ca.SX.zeros(still.numel()))
-        found = self.configuration
-        return ImplicitFunction("measured", found.inputs, found.stages, [at_rest])
+        rates = ca.vertcat(e.v, e.a)
+        at_rest = ca.substitute(e.without_dropped(measure.sx), rates, ca.SX.zeros(rates.numel()))
+        configuration = self.configuration
+        return ImplicitFunction("measured", configuration.inputs, configuration.stages, [at_rest])
 
     def near(self, s: Trajectory) -> np.ndarray:
-        """Where the configuration is differentiated."""
+        """Positions and multipliers at which the configuration is differentiated."""
         return np.vstack([s.y, s.multiplier[self.model.closure.rows]])
 
 
 statics_kernel = once(StaticsKernel)
-"""The one of a model."""
+"""Kernel of a model, compiled once."""
 
 
 @dataclass(frozen=True)
 class Forces(Residual):
-    """Work of the forces along the free directions, and what is needed to go on.
+    """Work of the forces along the free directions, with the terms of the next step.
 
     Attributes
     ----------
     y : (n,) position
     force : (n,) applied forces
-    multiplier : λ that balances them best
+    multiplier : λ of the best balance
     free : (n, k) free directions ``Z``, orthonormal in natural sizes
-    resistance : (k,) of each free direction
+    resistance : (k,) stiffness of each free direction
     stiffness : (k, k) ``Zᵀ K Z``, its symmetric part diagonal
     """
 
@@ -109,28 +112,30 @@ class Forces(Residual):
 
     @cached_property
     def conservative(self) -> bool:
-        """The stiffness is symmetric: the forces have a potential, as far as is seen here."""
+        """Whether the stiffness is symmetric, as for forces with a potential."""
         skew = np.abs(self.stiffness - self.stiffness.T).max(initial=0.0)
         return not skew > SKEW * np.abs(self.stiffness).max(initial=0.0)
 
     @cached_property
     def stable(self) -> bool:
-        """Every free direction resists; without a potential, no displacement runs away by itself
-        (no divergence; flutter is a matter of masses)."""
-        resisting = self.resistance
+        """Whether every free direction has positive stiffness.
+
+        Without a potential: whether no displacement diverges; flutter depends on masses.
+        """
+        stiffnesses = self.resistance
         if not self.conservative and np.all(np.isfinite(self.stiffness)):
-            resisting = np.linalg.eigvals(self.stiffness).real
+            stiffnesses = np.linalg.eigvals(self.stiffness).real
         largest = np.abs(self.resistance).max(initial=0.0)
-        return bool(np.all(resisting > CURVED * largest))
+        return bool(np.all(stiffnesses > CURVED * largest))
 
     @property
     def stiff(self) -> np.ndarray:
-        """(k,) magnitudes of the resistances, none of them nothing."""
+        """(k,) magnitudes of the resistances, bounded below."""
         sizes = np.abs(self.resistance)
         return np.maximum(sizes, CURVED * sizes.max(initial=0.0))
 
     def deflection(self, force: np.ndarray) -> np.ndarray:
-        """Of the free directions by a force."""
+        """Deflection along the free directions by a force."""
         return np.asarray(np.linalg.solve(self.stiffness, force))
 
 
@@ -165,14 +170,14 @@ class StaticBalance(Equations[np.ndarray]):
         free = np.linalg.svd(c)[2][c.shape[0] :].T if c.size else np.eye(force.size)
         free = free * unit[:, None]
         stiffness = self.evaluate(x, multiplier)[2]
-        resistance, turned = _spectrum(free.T @ stiffness @ free)
-        free = free @ turned
-        stiff, place = np.abs(resistance), np.abs(x / self.sizes.coordinates).max(initial=0.0)
+        resistance, rotation = _spectrum(free.T @ stiffness @ free)
+        free = free @ rotation
+        stiff, position = np.abs(resistance), np.abs(x / self.sizes.coordinates).max(initial=0.0)
         scale = np.maximum(np.abs(force).max(initial=0.0), BENT * stiff)
         return Forces(
             free.T @ (force / unit),
             scale,
-            ROUNDING * np.maximum(scale, stiff * place),
+            ROUNDING * np.maximum(scale, stiff * position),
             y=x,
             force=force / unit,
             multiplier=multiplier,
@@ -182,14 +187,14 @@ class StaticBalance(Equations[np.ndarray]):
         )
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
-        """Newton's step; where some direction does not resist, one that falls instead."""
+        """Newton step, or a descent step if a direction has no positive stiffness."""
         assert isinstance(residual, Forces)
         if residual.stable:
             return residual.free @ residual.deflection(residual.value)
         return residual.free @ (residual.value / residual.stiff)
 
     def steps(self, x: np.ndarray, residual: Residual) -> Iterator[np.ndarray]:
-        """Steps that end where what is stiff is straight again: soft ones turn it, so it bends."""
+        """Steps with a correction along stiff directions, which steps along soft ones rotate."""
         assert isinstance(residual, Forces)
         stiff = residual.stiff > STIFF * residual.stiff.min(initial=np.inf)
         across = residual.free[:, stiff] / residual.stiff[stiff]
@@ -197,48 +202,48 @@ class StaticBalance(Equations[np.ndarray]):
             if stiff.any():
                 force = self.residual(self.retract(x, step))
                 assert isinstance(force, Forces)
-                step = step + across @ self.seen(residual, force)[stiff]
+                step = step + across @ self.projected(residual, force)[stiff]
             yield step
 
-    def seen(self, here: Forces, there: Forces) -> np.ndarray:
-        """What is left at one place along the free directions of another."""
-        turned = here.free.T / self.sizes.displacements**2
-        return np.asarray(turned @ there.free @ there.value)
+    def projected(self, here: Forces, there: Forces) -> np.ndarray:
+        """Residual at one position along the free directions of another."""
+        directions = here.free.T / self.sizes.displacements**2
+        return np.asarray(directions @ there.free @ there.value)
 
     def nearer(self, here: Residual, there: Residual, zero: np.ndarray) -> bool:
-        """By the work done on the way; where all directions resist, by deflections left as well.
+        """Whether a step is accepted by positive work or, in stable positions, smaller deflection.
 
-        Residuals would not do: a step along a soft direction bends a stiff one by a little.
+        Residuals are unsuitable, because steps along soft directions bend stiff ones slightly.
         """
         assert isinstance(here, Forces) and isinstance(there, Forces)
-        way = self.kernel.model.equations.manifold.lead(here.y, there.y)
-        if (here.force + there.force) @ way > 0:
+        displacement = self.kernel.model.equations.manifold.lead(here.y, there.y)
+        if (here.force + there.force) @ displacement > 0:
             return True
         if not (here.stable and np.all(np.isfinite(there.value))):
             return False
-        left = np.linalg.norm(here.deflection(self.seen(here, there)))
-        return bool(left < np.linalg.norm(here.deflection(here.value)))
+        deflection = np.linalg.norm(here.deflection(self.projected(here, there)))
+        return bool(deflection < np.linalg.norm(here.deflection(here.value)))
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """The assembled position near ``x + step``, not a number where there is none."""
-        moved = self.onto_constraints(self.kernel.model.equations.manifold.go(x, step))
-        return np.full_like(x, np.nan) if moved is None else moved
+        """The assembled position near ``x + step``, NaN if there is none."""
+        position = self.onto_constraints(self.kernel.model.equations.manifold.go(x, step))
+        return np.full_like(x, np.nan) if position is None else position
 
     def onto_constraints(self, y: np.ndarray) -> np.ndarray | None:
-        """The assembled position nearest to ``y``, None where there is none near."""
-        found = solve(_Nearest(self), y, CLOSED)
-        return found.x if found.accepted else None
+        """The assembled position nearest to ``y``, None if there is none nearby."""
+        root = solve(_Closure(self), y, CLOSED)
+        return root.x if root.accepted else None
 
 
 @dataclass(frozen=True)
-class Openness(Residual):
+class Violation(Residual):
     """Violations of the constraints, and their Jacobian ``C``."""
 
     jacobian: np.ndarray = field(kw_only=True)
 
 
-class _Nearest(Equations[np.ndarray]):
-    """The constraints at an instant, with the shortest steps to them."""
+class _Closure(Equations[np.ndarray]):
+    """Constraints at an instant with the shortest steps to them."""
 
     def __init__(self, balance: StaticBalance):
         self.balance = balance
@@ -246,19 +251,19 @@ class _Nearest(Equations[np.ndarray]):
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         return self.balance.kernel.model.equations.manifold.go(x, step)
 
-    def residual(self, x: np.ndarray) -> Openness:
+    def residual(self, x: np.ndarray) -> Violation:
         _, c, _, phi = self.balance.evaluate(x, self.balance.idle)
-        return Openness(phi, self.balance.sizes.rows, jacobian=c)
+        return Violation(phi, self.balance.sizes.rows, jacobian=c)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
-        assert isinstance(residual, Openness)
+        assert isinstance(residual, Violation)
         unit, row = self.balance.sizes.displacements, self.balance.sizes.rows
-        alike = residual.jacobian * unit / row[:, None]
-        return -unit * np.linalg.lstsq(alike, residual.value / row, rcond=None)[0]
+        scaled = residual.jacobian * unit / row[:, None]
+        return -unit * np.linalg.lstsq(scaled, residual.value / row, rcond=None)[0]
 
 
 def rest_text(residual: float, iterations: int, stable: bool, conservative: bool = True) -> str:
-    """What is said of an equilibrium."""
+    """Message of the status of an equilibrium."""
     kind = "stable" if stable else "not a stable position"
     if stable and not conservative:
         kind = "statically stable (loads without potential: linearize tells of flutter)"
@@ -266,7 +271,7 @@ def rest_text(residual: float, iterations: int, stable: bool, conservative: bool
 
 
 def _spectrum(stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues and vectors of the symmetric part."""
+    """Eigenvalues and eigenvectors of the symmetric part."""
     if not np.all(np.isfinite(stiffness)):
         return np.full(stiffness.shape[0], np.nan), np.eye(stiffness.shape[0])
     return np.linalg.eigh((stiffness + stiffness.T) / 2)

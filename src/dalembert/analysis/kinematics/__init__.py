@@ -1,1 +1,1 @@
-"""How driven mechanisms move, and what moves them."""
+"""Kinematics and inverse dynamics of driven mechanisms."""

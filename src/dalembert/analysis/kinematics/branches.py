@@ -1,4 +1,4 @@
-"""Where the outputs of a run lie among its steps."""
+"""Positions of the outputs of a run among its steps."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from dalembert.integrators.marching.steps import Steps
 
 NO_JUMPS = np.zeros(0, dtype=int)
 SHORT = 1e-2
-"""Length of a last step, relative to the one before, whose beginning is no output by itself."""
+"""Length of a last step, relative to the previous one, whose beginning is not an output."""
 
 
 @dataclass(frozen=True)
 class Branches:
-    """Where the outputs lie: ``length`` seconds after the beginning of step ``index``.
+    """Positions of outputs: ``length`` seconds after the beginning of step ``index``.
 
-    ``modes`` are the variants that evaluate them; that of the step where negative, or without any.
+    ``modes`` are the modes that evaluate the outputs; by default, and where negative, those of the
+    steps.
     """
 
     index: np.ndarray
@@ -26,20 +27,20 @@ class Branches:
     modes: np.ndarray | None = None
 
     def ends_of(self, steps: Steps) -> np.ndarray:
-        """Whether an output is the end of its step."""
+        """Whether each output is the end of its step."""
         if not steps.count:
             return np.zeros(self.index.size, dtype=bool)
         return (self.length > 0) & np.isclose(self.length, steps.h[self.index], rtol=1e-12, atol=0)
 
     def ended(self, steps: Steps) -> Branches:
-        """With the last output at the end of the last step."""
+        """The same positions with the last output at the end of the last step."""
         return Branches(
             np.append(self.index[:-1], steps.count - 1), np.append(self.length[:-1], steps.h[-1])
         )
 
 
 def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
-    """Where times lie among the steps taken.
+    """Positions of times among the steps.
 
     Raises
     ------
@@ -67,11 +68,11 @@ def outputs_of(
     at_event: bool = False,
     jumps: np.ndarray = NO_JUMPS,
 ) -> tuple[np.ndarray, Branches]:
-    """Times of the outputs and where they lie: those asked for, or the ends of all steps.
+    """Times and positions of the outputs: the requested times, or the ends of all steps.
 
-    Where the run ended early, its end is an output too; where an event ended it right after the
-    beginning of a step, the end stands for both. Of steps of no length in which the state jumps,
-    ``jumps``, the state before is an output a rounding earlier.
+    The end of a run that ended early is an output, too. If an event ended the run right after the
+    beginning of a step, the end replaces that output. ``jumps`` are steps of zero length in which
+    the state jumps; the state before is an output one rounding earlier.
     """
     count = steps.count
     if requested is None and at_event and count > 1 and steps.h[-1] < SHORT * steps.h[-2]:

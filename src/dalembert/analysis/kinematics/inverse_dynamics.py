@@ -1,6 +1,6 @@
-"""Inverse dynamics: the efforts of the drivers and all reactions of a driven mechanism.
+"""Inverse dynamics: driver efforts and reactions of a driven mechanism.
 
-With the motion known from kinematics, ``Cᵀ λ = f − d − M v̇`` gives every multiplier (1.49).
+With the motion from kinematics, ``Cᵀ λ = f − d − M v̇`` gives every multiplier (1.49).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.keywords import OverTimeKeywords
 from dalembert.analysis.kinematics.kinematics import Kinematics
-from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.requirements import need_mechanism
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.model.model import Model
 from dalembert.options import options
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @options
 class InverseDynamics(Kinematics):
-    """Kinematic simulation followed by the forces it needs, as a strategy object.
+    """Kinematic simulation with driver efforts and reactions as a strategy object.
 
     Examples
     --------
@@ -89,15 +89,15 @@ def solve_inverse_dynamics(
     duration : [s]
     parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
         of dicts for a batch
-    progress : True for a bar, or a function of the fraction done
-    workers : of a batch; by default one for each core
+    progress : True for a progress bar, or a function of the completed fraction
+    workers : number of workers of a batch, by default one for each core
     **options : fields of ``InverseDynamics``: step, outputs, t_span
 
     Raises
     ------
     AnalysisError
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
-        cannot be put together.
+        cannot be assembled.
 
     Examples
     --------
@@ -111,8 +111,8 @@ def solve_inverse_dynamics(
     >>> motion["motor.effort"].values.round(6) + 0.0  # m g l/2 cos t
     array([15.      , 10.606602,  0.      ])
     """
-    made = analysis_of(
+    analysis = analysis_of(
         InverseDynamics, "solve_inverse_dynamics", model, parameters, duration=duration, **options
     )
-    need_mechanism(model, "solve_inverse_dynamics", "take solve_transient")
-    return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]
+    need_mechanism(model, "solve_inverse_dynamics", "use solve_transient")
+    return run_analysis(analysis, model, parameters, progress, workers)  # type: ignore[no-any-return]

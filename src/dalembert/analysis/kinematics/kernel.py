@@ -1,4 +1,4 @@
-"""Compiled functions of a driven mechanism: its configuration at one time, and chunks of them."""
+"""Compiled functions of a driven mechanism: configuration at a time, and chunks of steps."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
 ITERATIONS = 5
+"""Newton iterations of a position."""
 
 
 class KinematicsKernel:
@@ -40,13 +41,13 @@ class KinematicsKernel:
         if self.e.slips:
             rolling = [model.closure.owners[model.closure.rows[k]][0].name for k in self.e.slips]
             raise UnsupportedError(
-                f"{', '.join(dict.fromkeys(rolling))}: positions depend on the way that led there, "
-                "so that they cannot be found instant by instant; use solve_dynamics"
+                f"{', '.join(dict.fromkeys(rolling))}: positions depend on the path, so they "
+                "cannot be computed instant by instant; use solve_dynamics"
             )
 
     @cached_property
     def configuration(self) -> ImplicitFunction:
-        """``(t, y_near, p) → (y, v, v̇, λ)``, every stage with its exact derivative."""
+        """``(t, y_near, p) → (y, v, v̇, λ)`` with the exact derivative of every stage."""
         e = self.e
         near = ca.SX.sym("y_near", e.coordinate_count)
         c = e.jacobian
@@ -86,19 +87,21 @@ class KinematicsKernel:
     @once
     def measured(self, measure: Expression) -> ImplicitFunction:
         """A measure of the configuration."""
-        found = self.configuration
-        seen = self.e.without_dropped(measure.sx)
-        return ImplicitFunction("measured", found.inputs, found.stages, [seen])
+        configuration = self.configuration
+        expression = self.e.without_dropped(measure.sx)
+        return ImplicitFunction(
+            "measured", configuration.inputs, configuration.stages, [expression]
+        )
 
     def near(self, s: Trajectory) -> np.ndarray:
-        """Where the configuration is differentiated."""
+        """Positions at which the configuration is differentiated."""
         return s.y
 
     @cached_property
     def single(self) -> ca.Function:
         """``([y; v; v̇; …], t, h, p) → next; regularity, residual, prediction error``.
 
-        These three have no units: pivots, rows and coordinates are measured by their natural sizes.
+        The last three have no units: pivots, rows and coordinates are relative to natural sizes.
         """
         e, sizes = self.e, self.e.scales
         n, k, m = e.coordinate_count, e.speed_count, e.constraint_count
@@ -106,8 +109,8 @@ class KinematicsKernel:
         y, v, a = last[:n], last[n : n + k], last[n + k : n + 2 * k]
         predicted = e.manifold.retract(y, h * v + h**2 / 2 * a)
         new = self.configuration.function(e.t, predicted, e.p)
-        open_by = ca.Function("r", [e.t, e.y, e.p], [e.constraints])(e.t, new[0], e.p)
-        residual = ca.norm_inf(open_by / sizes.rows)
+        violation = ca.Function("r", [e.t, e.y, e.p], [e.constraints])(e.t, new[0], e.p)
+        residual = ca.norm_inf(violation / sizes.rows)
         change = ca.norm_inf(e.manifold.displacement(predicted, new[0]) / sizes.displacements)
         pivots = ca.fabs(QrFactor(e.jacobian, sizes.rows, sizes.displacements).pivots)
         regular = ca.mmin(pivots) / ca.mmax(pivots)
@@ -130,7 +133,7 @@ class KinematicsKernel:
 
     @cached_property
     def powers(self) -> ca.Function:
-        """``(t, y, v, v̇, λ, p) →`` dissipated and given power."""
+        """``(t, y, v, v̇, λ, p) →`` dissipated and input power."""
         e = self.e
         return ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [e.powers])
 
@@ -143,15 +146,18 @@ class KinematicsKernel:
 
 
 kinematics_kernel = once(KinematicsKernel)
-"""The one of a model."""
+"""Kernel of a model, compiled once."""
 
 
 @dataclass(frozen=True)
 class KinematicsRecord:
-    """What a gradient needs: the kernel; each output stands for itself.
+    """Record of a kinematic run for gradients.
 
-    ``path`` has all positions that the run went through, outputs or not. ``origin`` is the run
-    that this one repeats, if it does.
+    Attributes
+    ----------
+    kernel : KinematicsKernel
+    path : Trajectory of all positions of the run
+    origin : the run that this one repeats, None for an original run
     """
 
     kernel: KinematicsKernel

@@ -1,8 +1,8 @@
 """Kinematic simulation: positions, velocities and accelerations of a driven mechanism.
 
 At each time ``Φ(y, t) = 0``, ``C v = −Φ_t`` and ``C v̇ = ξ`` are solved with one square Jacobian
-(1.32–1.41). Each position starts from the Taylor prediction of the one before, and the steps are
-short enough for Newton's corrections to stay small against the motion, so the branch is kept.
+(1.32–1.41). Each position starts from the Taylor prediction of the previous one. Steps are so short
+that Newton's corrections remain small relative to the motion, which stays on its branch.
 """
 
 from __future__ import annotations
@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 
-from dalembert.analysis.batch.driven_steps import DrivenSteps
+from dalembert.analysis.batch.kinematics_batch import KinematicsBatch
 from dalembert.analysis.batch.solve import run_analysis
-from dalembert.analysis.events import Occurrence
+from dalembert.analysis.events import Occurrence, locate, locate_again
 from dalembert.analysis.keywords import OverTimeKeywords
-from dalembert.analysis.kinematics.driven_instants import driven_instant
 from dalembert.analysis.kinematics.run import TOLERANCE, KinematicsRun
-from dalembert.analysis.over_time import OverTime
-from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.requirements import need_mechanism
+from dalembert.analysis.timeline import OverTime
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
@@ -28,6 +27,8 @@ from dalembert.options import options
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.once import once
 from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
@@ -40,8 +41,8 @@ class Kinematics(OverTime[Motion]):
 
     Parameters
     ----------
-    step : time between positions [s]; by default a thousandth of the run, or where only outputs are
-        asked for and no efforts, as long as none goes further than a tenth of a radian
+    step : time between positions [s]; by default a thousandth of the run, or, with outputs and
+        without efforts, the longest step with displacements below a tenth of a radian
 
     Examples
     --------
@@ -59,7 +60,7 @@ class Kinematics(OverTime[Motion]):
 
     spoken = "kinematics"
     execution = KinematicsRun
-    batched = DrivenSteps
+    batched = KinematicsBatch
 
     @property
     def efforts(self) -> bool:
@@ -67,12 +68,12 @@ class Kinematics(OverTime[Motion]):
         return False
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
-        """The motion at other times, each reached from the nearest position of the run.
+        """The motion at other times, each computed from the nearest position of the run.
 
         Raises
         ------
         AnalysisError
-            A time outside the run, or one that needs shorter steps.
+            A time is outside the run, or needs shorter steps.
         """
         if motion.record.origin is not None:
             near = self.resample(motion.record.origin, times).trajectory.y
@@ -80,9 +81,9 @@ class Kinematics(OverTime[Motion]):
         s = motion.record.path
         refuse_outside(times, s.t)
         nearest = np.searchsorted((s.t[1:] + s.t[:-1]) / 2, times)
-        ahead = times - s.t[nearest]
-        way = ahead * s.v[:, nearest] + ahead**2 / 2 * s.a[:, nearest]
-        near = motion.model.equations.manifold.go(s.y[:, nearest], way)
+        delay = times - s.t[nearest]
+        displacement = delay * s.v[:, nearest] + delay**2 / 2 * s.a[:, nearest]
+        near = motion.model.equations.manifold.go(s.y[:, nearest], displacement)
         return self.solve_at(motion, times, near, motion.parameters)
 
     def replay(self, motion: Motion, p: np.ndarray) -> Motion:
@@ -91,19 +92,19 @@ class Kinematics(OverTime[Motion]):
         Raises
         ------
         AnalysisError
-            They are too far off for that.
+            The values differ too much.
         """
         repeated = self.solve_at(motion, motion.time, motion.trajectory.y, p)
         repeated.record = replace(motion.record, origin=motion)
         return repeated
 
     def at_event(self, motion: Motion, occurrence: Occurrence) -> Motion:
-        """The motion at the instant of an event, looked for between the positions of the run.
+        """The motion at the instant of an event, located between the positions of the run.
 
         Raises
         ------
         AnalysisError
-            A name instead of an Event, or it did not happen so often.
+            A name instead of an Event, or fewer occurrences.
         """
         return self.resample(motion, np.array([driven_instant(motion, occurrence)]))
 
@@ -115,15 +116,15 @@ class Kinematics(OverTime[Motion]):
         Raises
         ------
         AnalysisError
-            None is found so near.
+            No configuration exists so near.
         """
         function = motion.record.kernel.configuration.function
         values = np.tile(p[:, None], times.size)
         parts = function.map(times.size)(times, near, values)
         y, v, a, multiplier = (part.full() for part in parts)
-        open_by = motion.record.kernel.jacobian.map(times.size)(times, y, values)[0].full()
+        violation = motion.record.kernel.jacobian.map(times.size)(times, y, values)[0].full()
         sizes = motion.model.equations.scales.rows
-        refuse_open(times, np.abs(open_by / sizes[:, None]).max(axis=0, initial=0.0))
+        refuse_open(times, np.abs(violation / sizes[:, None]).max(axis=0, initial=0.0))
         multiplier = motion.model.all_multipliers(multiplier)
         if not self.efforts:
             multiplier = np.full_like(multiplier, np.nan)
@@ -178,15 +179,15 @@ def solve_kinematics(
     duration : [s]
     parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
         of dicts for a batch
-    progress : True for a bar, or a function of the fraction done
-    workers : of a batch; by default one for each core
+    progress : True for a progress bar, or a function of the completed fraction
+    workers : number of workers of a batch, by default one for each core
     **options : fields of ``Kinematics``: step, outputs, t_span
 
     Raises
     ------
     AnalysisError
         Not fully driven, a singular start, or wrong options; ``AssemblyError`` where the mechanism
-        cannot be put together.
+        cannot be assembled.
 
     Examples
     --------
@@ -203,14 +204,15 @@ def solve_kinematics(
     >>> motion["rod.end.x"].values.round(6)  # dead centres: l + r, l - r
     array([0.4, 0.2])
     """
-    made = analysis_of(
+    analysis = analysis_of(
         Kinematics, "solve_kinematics", model, parameters, duration=duration, **options
     )
-    need_mechanism(model, "solve_kinematics", "take solve_statics")
-    return run_analysis(made, model, parameters, progress, workers)  # type: ignore[no-any-return]
+    need_mechanism(model, "solve_kinematics", "use solve_statics")
+    return run_analysis(analysis, model, parameters, progress, workers)  # type: ignore[no-any-return]
 
 
 def refuse_outside(times: np.ndarray, run: np.ndarray) -> None:
+    """Refuse times outside a run."""
     slack = 1e-12 * max(abs(run[0]), abs(run[-1]))
     inside = (times >= run[0] - slack) & (times <= run[-1] + slack)
     if not inside.all():
@@ -220,10 +222,46 @@ def refuse_outside(times: np.ndarray, run: np.ndarray) -> None:
 
 
 def refuse_open(times: np.ndarray, residual: np.ndarray) -> None:
-    open_ = ~(residual < TOLERANCE)
-    if open_.any():
+    """Refuse positions that violate the constraints."""
+    violated = ~(residual < TOLERANCE)
+    if violated.any():
         raise AnalysisError(
-            f"no position was found at t = {times[open_][0]:.9g} s near the one before it "
-            f"(relative residual {residual[open_][0]:.2g}); take shorter steps",
-            float(residual[open_][0]),
+            f"no position was found at t = {times[violated][0]:.9g} s near the previous one "
+            f"(relative residual {residual[violated][0]:.2g}); use shorter steps",
+            float(residual[violated][0]),
         )
+
+
+@once
+def driven_instant(motion: Motion, occurrence: Occurrence) -> float:
+    """Time of an event [s], located between the positions of the run.
+
+    Raises
+    ------
+    AnalysisError
+        The event is a name, or has fewer occurrences.
+    """
+    event = occurrence.declared({})
+    measure = motion.model.expression(event.measure)
+
+    def value(time: float) -> float:
+        return float(motion.at(np.array([time])).values(measure)[0])
+
+    def rate(time: float) -> float:
+        return measure_rate(motion.at(np.array([time])), measure)
+
+    if motion.record.origin is not None:
+        original = driven_instant(motion.record.origin, occurrence)
+        span = float(np.ptp(motion.record.path.t))
+        return locate_again(value, rate, original, str(occurrence), span)
+    path = replace(motion, trajectory=motion.record.path)
+    k = occurrence.among(event.crossings(path.values(measure)).tolist())
+    return locate(value, float(path.time[k]), float(path.time[k + 1]))
+
+
+def measure_rate(motion: Motion, measure: Expression, k: int = -1) -> float:
+    """``ṁ`` at the ``k``-th instant, the total derivative along the driven motion."""
+    s, p = motion.trajectory, motion.parameters
+    y = motion.record.kernel.near(s)[:, k]
+    tangent = motion.record.kernel.measured(measure).tangent
+    return float(tangent(s.t[k], y, p, 1.0, np.zeros(y.size), np.zeros(p.size)))

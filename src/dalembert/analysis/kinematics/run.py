@@ -1,4 +1,4 @@
-"""Moving a driven mechanism through time on one branch, to its end or its dead centre."""
+"""Execution of a kinematic analysis on one branch, up to its end or a dead centre."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.contact.unseen import unseen_contacts
-from dalembert.analysis.elastic_range import elastic_doubts
-from dalembert.analysis.kinematics.branch_points import BranchPoints
-from dalembert.analysis.kinematics.dead_centres import Fold, find_fold
+from dalembert.analysis.contact.gap_checks import ignored_contacts
+from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.kinematics.kernel import KinematicsRecord, kinematics_kernel
-from dalembert.analysis.model_truth import MOTION, ModelTruth
+from dalembert.analysis.kinematics.singularities import BranchPoints, Fold, find_fold
 from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.analysis.singular_positions import SingularPosition
 from dalembert.analysis.timeline import (
     afford_states,
@@ -25,30 +24,32 @@ from dalembert.analysis.timeline import (
     uniform_grid,
 )
 from dalembert.errors import AnalysisError
+from dalembert.model.assembly.regularity import left_ahead
 from dalembert.model.model import Model
-from dalembert.model.table_ranges import left_ahead
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status, reached, stopped
 
 CHUNK = 200
+"""Number of steps per call."""
 NEAR = 1e-9
-"""Distance of two times, in steps, below which they are one."""
+"""Difference of times, in steps, below which they are equal."""
 LOOK = 1e-3
-"""Share of the run by which a motion is looked back, and ahead, for tables that end."""
+"""Share of the run before and after its end that is searched for ends of tables."""
 TOLERANCE = 1e-10
-"""Largest violation of a position that counts as found, by the natural size of its equation."""
+"""Tolerance of the constraints, relative to the natural sizes of the equations."""
 LARGEST_TURN = 0.1
-"""Longest correction of a prediction, relative to the motion of its step."""
+"""Upper limit of the correction of a prediction, relative to the motion of the step."""
 SMALL_TURN = 1e-9, 1e-3
-"""Corrections that are small anyway: in natural sizes, and per share of the run."""
+"""Corrections that are always accepted: in natural sizes, and per share of the run."""
 REGULAR = 1e-5
 """Smallest pivot ratio of a trusted Jacobian: the error of its velocities is ε over its square."""
 SMALLEST_FRACTION = 2.0**-30
-FEW = 64
-"""Steps in which the motion is looked at first where only some outputs are asked for."""
-SHORT_WAY = 0.1
-"""Way of a step, in natural sizes (so an angle in radians), that needs no shorter ones."""
+"""Shortest substep, relative to the step."""
+COARSE_STEPS = 64
+"""Number of steps of a first pass that determines the number of steps."""
+STEP_DISPLACEMENT = 0.1
+"""Largest displacement per step, in natural sizes (angles in radians)."""
 
 
 class KinematicsRun:
@@ -72,7 +73,7 @@ class KinematicsRun:
         e = model.equations
         n = e.speed_count  # matrices of all instants are solved at once
         afford_states(grid.size, 11 * (e.coordinate_count + 2 * n) + 6 * n * n)
-        if requested is not None:  # a time right beside one of the grid is that one
+        if requested is not None:  # snap times to the grid
             near = grid[np.clip(np.searchsorted(grid, requested - step / 2), 0, grid.size - 1)]
             requested = np.where(abs(near - requested) < NEAR * step, near, requested)
         self.grid = grid if requested is None else np.union1d(grid, requested)
@@ -86,7 +87,7 @@ class KinematicsRun:
         self.parts = [slice(*pair) for pair in pairwise(ends)]
         self.fold: Fold | None = None
         self.substeps = 0
-        self.message, self.lacking, self.interrupted = "", "", False
+        self.message, self.table_end, self.interrupted = "", "", False
 
     def execute(self, progress) -> Motion:
         begin = clock.perf_counter()
@@ -98,7 +99,7 @@ class KinematicsRun:
         path = self.trajectory(times, table)
         trajectory = path.some(np.isin(times, self.requested))
         branches = BranchPoints(self.kernel, self.p, times, table)
-        events = [self.singular("branch point", *found) for found in branches]
+        events = [self.singular("branch point", *branch_point) for branch_point in branches]
         if self.fold is not None:
             events.append(self.singular("dead centre", self.fold.time, self.fold.y))
         statistics = {
@@ -117,8 +118,8 @@ class KinematicsRun:
             statistics,
             sorted(events, key=lambda e: e.time),
             warnings=[
-                *unseen_contacts(self.model, trajectory, self.p, self.analysis.efforts),
-                *elastic_doubts(self.model, trajectory, self.p),
+                *ignored_contacts(self.model, trajectory, self.p, self.analysis.efforts),
+                *elastic_warnings(self.model, trajectory, self.p),
             ],
             record=KinematicsRecord(self.kernel, path),
         )
@@ -139,22 +140,21 @@ class KinematicsRun:
 
     # marching ----------------------------------------------------------------------
     def shorten(self, first: np.ndarray) -> None:
-        """Take no more steps than the way asks for, where only some outputs are wanted.
+        """Reduce the number of steps according to the displacements, if few outputs are requested.
 
-        Looks ahead in few steps; where one of them is difficult, the grid stays as it is.
+        Uses a coarse first pass; the grid is unchanged if one of its steps is not trusted.
         """
-        times = np.linspace(self.start, self.end, FEW + 1)
+        times = np.linspace(self.start, self.end, COARSE_STEPS + 1)
         h = np.diff(times)
-        (out,) = self.kernel.chunk(FEW)(first, times[1:], h, self.p)
+        (out,) = self.kernel.chunk(COARSE_STEPS)(first, times[1:], h, self.p)
         table = np.column_stack([first, out])
         if not self.trusted(table, h).all():
             return
-        y = table[: self.n]
-        turned = self.manifold.lead(y[:, :-1], y[:, 1:]) / self.sizes.displacements[:, None]
-        count = max(FEW, int(np.ceil(FEW * np.abs(turned).max(initial=0.0) / SHORT_WAY)))
+        largest = self.displacements(table).max(initial=0.0)
+        count = max(COARSE_STEPS, int(np.ceil(COARSE_STEPS * largest / STEP_DISPLACEMENT)))
         if count + self.requested.size < self.grid.size:
-            needed = np.linspace(self.start, self.end, count + 1)
-            self.grid = np.union1d(needed, self.requested)
+            uniform = np.linspace(self.start, self.end, count + 1)
+            self.grid = np.union1d(uniform, self.requested)
 
     def march(self, first: np.ndarray, report) -> tuple[np.ndarray, np.ndarray]:
         columns, times, done = [first.reshape(-1, 1)], [self.grid[:1]], 0
@@ -172,9 +172,8 @@ class KinematicsRun:
                 times.append(self.grid[done + 1 : done + 1 + valid])
                 done += valid
                 if valid < count:
-                    bridge = self.bridge(
-                        columns, times, float(self.grid[done]), float(self.grid[done + 1])
-                    )
+                    low, high = map(float, self.grid[done : done + 2])
+                    bridge = self.bridge(columns, low, high)
                     if bridge is None:
                         break
                     columns.append(bridge.reshape(-1, 1))
@@ -186,20 +185,24 @@ class KinematicsRun:
         return np.concatenate(times), np.hstack([c for c in columns if c.size])
 
     def trusted(self, table: np.ndarray, h: np.ndarray) -> np.ndarray:
-        """Steps that converged with a correction small against the motion of the step."""
+        """Steps that converged with a correction smaller than the motion of the step."""
         regular, residual, change = table[-3, 1:], table[-2, 1:], table[-1, 1:]
-        y = table[: self.n]
-        turned = self.manifold.lead(y[:, :-1], y[:, 1:]) / self.sizes.displacements[:, None]
-        moved = np.abs(turned).max(axis=0, initial=0.0)
+        displacements = self.displacements(table)
         finite = np.all(np.isfinite(table[:, 1:]), axis=0)
         always, share = SMALL_TURN
         small = np.maximum(always, share * np.abs(h) / (self.end - self.start))
         with np.errstate(invalid="ignore"):
-            sound = finite & (residual < TOLERANCE) & (regular > REGULAR)
-            return sound & (change <= np.maximum(LARGEST_TURN * moved, small))
+            converged = finite & (residual < TOLERANCE) & (regular > REGULAR)
+            return converged & (change <= np.maximum(LARGEST_TURN * displacements, small))
 
-    def bridge(self, columns, times, low: float, high: float) -> np.ndarray | None:
-        """Cross a difficult interval; None where the motion ends."""
+    def displacements(self, table: np.ndarray) -> np.ndarray:
+        """(k,) largest displacement of each step, in natural sizes."""
+        y = table[: self.n]
+        relative = self.manifold.lead(y[:, :-1], y[:, 1:]) / self.sizes.displacements[:, None]
+        return np.abs(relative).max(axis=0, initial=0.0)
+
+    def bridge(self, columns, low: float, high: float) -> np.ndarray | None:
+        """Cross a difficult interval by substeps; None if the motion ends."""
         last = next(c for c in reversed(columns) if c.size)[:, -1]
         crossed = self.cross(last, low, high)
         if crossed is not None:
@@ -225,41 +228,40 @@ class KinematicsRun:
         return new if trusted else None
 
     def cross(self, last: np.ndarray, low: float, high: float) -> np.ndarray | None:
-        """Configuration at ``high`` where just this instant is a branch point.
+        """Configuration at ``high`` if this instant is a branch point.
 
-        The motion is smooth there but the Jacobian singular: step a little over it and
-        interpolate, which is exact to the fourth power of that little. Where the Jacobian is
-        regular, as beside a knot of a driver law, the constraints correct the interpolation.
+        The motion is smooth there but the Jacobian is singular: interpolate between positions
+        shortly before and after, with an error of fourth order in their distance. Where the
+        Jacobian is regular, as at a knot of a driver law, the constraints correct the result.
         """
         for fraction in (0.1, 0.5, 0.02):
-            little = fraction * self.typical
-            if little > high - low:
+            offset = fraction * self.typical
+            if offset > high - low:
                 continue
-            after = self.advance(last, low, high + little)
-            before = self.advance(last, low, high - little)
+            after = self.advance(last, low, high + offset)
+            before = self.advance(last, low, high - offset)
             if after is not None and before is not None:
-                return self.corrected(before, after, 2 * little, high)
+                return self.corrected(before, after, 2 * offset, high)
         return None
 
     def corrected(
         self, before: np.ndarray, after: np.ndarray, gap: float, time: float
     ) -> np.ndarray:
-        """The interpolation between two positions, solved where the Jacobian is regular."""
+        """The interpolation between two positions, corrected if the Jacobian is regular."""
         middle = self.between(before, after, gap)
-        y = self.parts[0]
-        way = np.abs(self.manifold.lead(before[y], after[y]) / self.sizes.displacements).max()
+        displacement = self.displacements(np.column_stack([before, after]))[0]
         new = self.kernel.single(middle, time, 0.0, self.p).full().ravel()
         regular, residual, change = new[-3:]
-        sound = np.all(np.isfinite(new)) and regular > REGULAR and residual < TOLERANCE
-        return new if sound and change <= LARGEST_TURN * way else middle
+        converged = np.all(np.isfinite(new)) and regular > REGULAR and residual < TOLERANCE
+        return new if converged and change <= LARGEST_TURN * displacement else middle
 
     def between(self, before: np.ndarray, after: np.ndarray, gap: float) -> np.ndarray:
-        """Half way between two positions, by cubic Hermite polynomials of positions and speeds."""
+        """Middle between two positions by cubic Hermite polynomials of positions and speeds."""
         middle = (before + after) / 2
         y, v, a, _ = self.parts
         bend = gap / 8 * (before - after)
-        way = self.manifold.lead(before[y], after[y]) / 2
-        middle[y] = self.manifold.go(before[y], way + bend[v])
+        half = self.manifold.lead(before[y], after[y]) / 2
+        middle[y] = self.manifold.go(before[y], half + bend[v])
         middle[v] += bend[a]
         return middle
 
@@ -277,12 +279,12 @@ class KinematicsRun:
             self.message = f"no continuous position was found after t = {now:.9g} s{there.drivers}"
             v, model = last[self.parts[1]], self.model
             back = LOOK * float(np.ptp(self.grid))
-            self.lacking = left_ahead(model.parts, model.all_equations, now, (y, v), back, self.p)
-            self.message = self.lacking or self.message
+            self.table_end = left_ahead(model.parts, model.all_equations, now, (y, v), back, self.p)
+            self.message = self.table_end or self.message
 
-    # what was found ----------------------------------------------------------------
+    # results ----------------------------------------------------------------
     def singular(self, name: str, time: float, y: np.ndarray) -> EventRecord:
-        """An event at a position in which the speeds are not determined."""
+        """Event at a position with undetermined speeds."""
         return EventRecord(name, time, 0, y, np.full(self.model.equations.speed_count, np.nan))
 
     def trajectory(self, times: np.ndarray, table: np.ndarray) -> Trajectory:
@@ -293,7 +295,7 @@ class KinematicsRun:
         return Trajectory(times, table[y], table[v], table[a], multiplier, self.work(times, table))
 
     def work(self, times: np.ndarray, table: np.ndarray) -> np.ndarray:
-        """Energy dissipated and put in, by integrating the powers over the positions computed."""
+        """Dissipated and input energy by integration of the powers over all positions."""
         if not self.analysis.efforts:
             return np.full((2, times.size), np.nan)
         if times.size < 2:
@@ -311,7 +313,7 @@ class KinematicsRun:
             return stopped(time, residual)
         if self.message:
             ended = Outcome.LOCKED if self.fold else Outcome.SINGULAR
-            ended = Outcome.DIVERGED if self.lacking else ended
+            ended = Outcome.DIVERGED if self.table_end else ended
             return Status(ended, self.message, time, residual)
         forces = MOTION if self.analysis.efforts else np.inf
-        return ModelTruth(self.model, s, self.p, motion=forces).judged(reached(time, residual))
+        return ResidualCheck(self.model, s, self.p, motion=forces).verify(reached(time, residual))

@@ -1,1 +1,1 @@
-"""Motions with many impacts, steps in which contact and friction are solved at once."""
+"""Nonsmooth contact dynamics by time stepping."""

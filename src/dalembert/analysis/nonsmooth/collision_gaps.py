@@ -1,4 +1,4 @@
-"""Gaps among many balls: who is near whom is found outside the graph, all pairs at once."""
+"""Gaps among many balls, with a numerical search for near pairs; all gap sources of a model."""
 
 from __future__ import annotations
 
@@ -6,16 +6,17 @@ import casadi as ca
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.gap_source import GapSource, StatedGap
-from dalembert.elements.contact.balls import meeting_at_wall, meeting_of_balls
+from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource, SymbolicGap
 from dalembert.elements.contact.collisions import Collisions
+from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
+from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel
-from dalembert.symbolic.evaluation.patterned import Patterned
+from dalembert.symbolic.evaluation.kernel import Kernel, Patterned
+from dalembert.symbolic.once import once
 
 SMALLEST = 16
-"""Columns of the smallest mapped function; others have twice, four times … as many."""
+"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
 TWIST = 6
 """Components of a velocity and an angular velocity."""
 
@@ -35,22 +36,24 @@ class CollisionGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.width = [element], element.dimension
         e, balls, walls = model.all_equations, element.balls, element.walls
-        points = [*(b.center for b in balls), *(w.point for w in walls)]
-        places = [_in_space(p.position.sx) for p in points]
+        points = [shape.point for shape in (*balls, *walls)]
+        positions = [_in_space(p.position.sx) for p in points]
         twists = [
-            ca.vertcat(p.body.velocity_at(place), p.body.turning)
-            for p, place in zip(points, places, strict=True)
+            ca.vertcat(p.body.velocity_at(position), p.body.turning)
+            for p, position in zip(points, positions, strict=True)
         ]
-        turned = [_in_space(w.point.body.turned(w.normal)) for w in walls]
+        normals = [_in_space(wall.outward) for wall in walls]
         radii = ca.vertcat(*(b.radius.sx for b in balls))
-        shares = ca.vertcat(element.restitution.sx, element.tangential.sx, element.friction.sx)
+        coefficients = ca.vertcat(
+            element.restitution.sx, element.tangential.sx, element.friction.sx
+        )
         moving, inputs = model.at_ground(ca.vertcat(*twists)), [e.t, e.y, e.p]
         self._velocities = Patterned("velocities", inputs, [ca.jacobian(moving, e.v)])
-        columns = [ca.horzcat(*places), ca.horzcat(*turned) if turned else ca.SX(3, 0)]
+        columns = [ca.horzcat(*positions), ca.horzcat(*normals) if normals else ca.SX(3, 0)]
         columns = [model.at_ground(ca.densify(c)) if c.numel() else c for c in columns]
-        self._stated = moving, *columns, radii, shares
-        outputs = [*columns, ca.densify(radii), shares]
-        self._places = Kernel(ca.Function("places", inputs, outputs))
+        self._symbolic = moving, *columns, radii, coefficients
+        outputs = [*columns, ca.densify(radii), coefficients]
+        self._geometry = Kernel(ca.Function("geometry", inputs, outputs))
         names = [p.body.name for p in points]
         self._body = np.array([names.index(name) for name in names])
         self._kernels: dict[tuple[bool, int], Kernel] = {}
@@ -58,77 +61,81 @@ class CollisionGaps(GapSource):
     def near(
         self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
     ) -> Contacts:
-        places, normals, radii, shares = self._places(time, y, p)
-        places, normals, radii = places.T, normals.T, radii.ravel()
+        positions, normals, radii, coefficients = self._geometry(time, y, p)
+        positions, normals, radii = positions.T, normals.T, radii.ravel()
         velocities = self._velocities(time, y, p)[0]
-        moved = (velocities @ travels).reshape(places.shape[0], TWIST, -1)[:, :3]
+        moved = (velocities @ travels).reshape(positions.shape[0], TWIST, -1)[:, :3]
         reach = 2 * float(np.linalg.norm(moved, axis=1).max(initial=0.0))
-        pairs, against = (
-            self._pairs(places, radii, reach),
-            self._walls(places, normals, radii, reach),
+        pairs, wall_pairs = (
+            self._pairs(positions, radii, reach),
+            self._walls(positions, normals, radii, reach),
         )
         parts = [
-            self._meet(pairs, places, radii, None),
-            self._meet(against, places, radii, normals),
+            self._evaluate(pairs, positions, radii, None),
+            self._evaluate(wall_pairs, positions, radii, normals),
         ]
         distance = np.concatenate([part[0] for part in parts])
         blocks = np.concatenate([part[1] for part in parts])
-        first, second = np.hstack([pairs, against])
+        first, second = np.hstack([pairs, wall_pairs])
         count = distance.size
-        directions = self._assembled(blocks, first, second, places.shape[0], width)
-        same = np.repeat(shares, count, axis=1)
+        directions = self._assembled(blocks, first, second, positions.shape[0], width)
+        laws = np.repeat(coefficients, count, axis=1)
         return Contacts(
             distance,
             scipy.sparse.csr_array(directions @ velocities),
             np.zeros((count, width)),
-            same[0],
-            same[1],
-            same[2],
-            first * places.shape[0] + second,
+            laws[0],
+            laws[1],
+            laws[2],
+            first * positions.shape[0] + second,
             np.zeros(count, dtype=int),
         ).some(distance <= reach)
 
-    def stated(self, key: int) -> StatedGap:
-        moving, places, normals, radii, shares = self._stated
-        here, there = divmod(key, places.shape[1])
+    def symbolic(self, key: int) -> SymbolicGap:
+        moving, positions, normals, radii, coefficients = self._symbolic
+        here, there = divmod(key, positions.shape[1])
         wall, balls = here >= radii.numel(), radii.numel()
         own = normals[:, here - balls] if wall else radii[here]
         twists = [moving[k * TWIST : (k + 1) * TWIST] for k in (here, there)]
-        distance, directions = _meeting(self.width, wall)(
-            ca.vertcat(places[:, here], own), ca.vertcat(places[:, there], radii[there])
+        distance, directions = _gap_function(self.width, wall)(
+            ca.vertcat(positions[:, here], own), ca.vertcat(positions[:, there], radii[there])
         )
         speeds = ca.mtimes(directions, ca.vertcat(*twists))
-        return StatedGap(distance, speeds, *ca.vertsplit(shares))
+        return SymbolicGap(distance, speeds, *ca.vertsplit(coefficients))
 
-    # who is near whom -----------------------------------------------------------------------
-    def _pairs(self, places: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
-        """(2, n) balls of different bodies whose gap may be within reach."""
+    # search for near pairs ------------------------------------------------------------------
+    def _pairs(self, positions: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
+        """(2, n) pairs of balls of different bodies whose gap is within reach."""
         from scipy.spatial import cKDTree
 
-        centers = places[: radii.size]
-        near = 2 * radii.max() + reach
-        first, second = cKDTree(centers).query_pairs(near, output_type="ndarray").T
+        centers = positions[: radii.size]
+        largest = 2 * radii.max() + reach
+        first, second = cKDTree(centers).query_pairs(largest, output_type="ndarray").T
         gap = np.linalg.norm(centers[first] - centers[second], axis=1)
-        kept = gap <= radii[first] + radii[second] + reach
-        kept &= self._body[first] != self._body[second]
-        found = np.stack([first[kept], second[kept]])
-        return found[:, np.lexsort(found[::-1])]
+        near = gap <= radii[first] + radii[second] + reach
+        near &= self._body[first] != self._body[second]
+        pairs = np.stack([first[near], second[near]])
+        return pairs[:, np.lexsort(pairs[::-1])]
 
     def _walls(
-        self, places: np.ndarray, normals: np.ndarray, radii: np.ndarray, reach: float
+        self, positions: np.ndarray, normals: np.ndarray, radii: np.ndarray, reach: float
     ) -> np.ndarray:
-        """(2, n) walls, numbered behind the balls, and balls whose gap may be within reach."""
+        """(2, n) walls (numbered after the balls) and balls whose gap is within reach."""
         balls = radii.size
-        depth = normals @ places[:balls].T - np.sum(normals * places[balls:], axis=1)[:, None]
+        depth = normals @ positions[:balls].T - np.sum(normals * positions[balls:], axis=1)[:, None]
         wall, ball = np.nonzero(depth - radii <= reach)
         apart = self._body[balls + wall] != self._body[ball]
         return np.stack([balls + wall[apart], ball[apart]])
 
-    # what pairs do ---------------------------------------------------------------------------
-    def _meet(
-        self, pairs: np.ndarray, places: np.ndarray, radii: np.ndarray, normals: np.ndarray | None
+    # gaps of pairs ---------------------------------------------------------------------------
+    def _evaluate(
+        self,
+        pairs: np.ndarray,
+        positions: np.ndarray,
+        radii: np.ndarray,
+        normals: np.ndarray | None,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) distances and (n, k, 12) directions by both velocities."""
+        """(n,) distances and (n, k, 12) derivatives of gap velocities by both twists."""
         count = pairs.shape[1]
         if not count:
             return np.zeros(0), np.zeros((0, self.width, 2 * TWIST))
@@ -138,24 +145,24 @@ class CollisionGaps(GapSource):
         )
         first, second = padded
         if normals is None:
-            about = np.vstack([places[first].T, radii[first]])
+            about = np.vstack([positions[first].T, radii[first]])
         else:
-            about = np.vstack([places[first].T, normals[first - radii.size].T])
+            about = np.vstack([positions[first].T, normals[first - radii.size].T])
         kernel = self._kernel(normals is not None, size)
-        distance, blocks = kernel(about, np.vstack([places[second].T, radii[second]]))
+        distance, blocks = kernel(about, np.vstack([positions[second].T, radii[second]]))
         blocks = blocks.reshape(self.width, 2 * TWIST, size, order="F")
         return distance.ravel()[:count], np.moveaxis(blocks, 2, 0)[:count]
 
     def _kernel(self, wall: bool, size: int) -> Kernel:
-        """What two balls, or a wall and a ball, do, for so many of them."""
+        """Gap function of two balls, or of a wall and a ball, mapped over ``size`` pairs."""
         if (wall, size) not in self._kernels:
-            self._kernels[wall, size] = Kernel(_meeting(self.width, wall).map(size))
+            self._kernels[wall, size] = Kernel(_gap_function(self.width, wall).map(size))
         return self._kernels[wall, size]
 
     def _assembled(
-        self, blocks: np.ndarray, first: np.ndarray, second: np.ndarray, things: int, width: int
+        self, blocks: np.ndarray, first: np.ndarray, second: np.ndarray, objects: int, width: int
     ) -> scipy.sparse.csr_array:
-        """``K`` (n width, 6 things)."""
+        """``K`` (n width, 6 objects)."""
         count = first.size
         rows = np.arange(count)[:, None] * width + np.arange(self.width)
         behind = np.arange(TWIST)
@@ -163,25 +170,41 @@ class CollisionGaps(GapSource):
         row = np.broadcast_to(rows[:, :, None], blocks.shape)
         column = np.broadcast_to(columns[:, None, :], blocks.shape)
         entries = (blocks.ravel(), (row.ravel(), column.ravel()))
-        return scipy.sparse.csr_array(entries, shape=(count * width, TWIST * things))
+        return scipy.sparse.csr_array(entries, shape=(count * width, TWIST * objects))
+
+
+@once
+def gap_sources(model: Model) -> list[GapSource]:
+    """Sources of all gaps of a model."""
+    elements = list(model.parts.elements.values())
+    unilateral = [e for e in elements if isinstance(e, Unilateral) and e.impact() is not None]
+    sources: list[GapSource] = [FormulaGaps(model, unilateral)] if unilateral else []
+    return [*sources, *collision_gaps(model)]
+
+
+@once
+def collision_gaps(model: Model) -> list[CollisionGaps]:
+    """Sources of the gaps between balls and walls."""
+    elements = model.parts.elements.values()
+    return [CollisionGaps(model, e) for e in elements if isinstance(e, Collisions)]
 
 
 def _in_space(vector: ca.SX) -> ca.SX:
     return vector if vector.numel() == 3 else ca.vertcat(vector, 0)
 
 
-def _meeting(dimension: int, wall: bool) -> ca.Function:
+def _gap_function(dimension: int, wall: bool) -> ca.Function:
     """``(place and radius, or place and normal; place and radius) → g, ∂u/∂twists``."""
     first, second = ca.SX.sym("first", 6 if wall else 4), ca.SX.sym("second", 4)
     twist = ca.SX.sym("twist", 2 * TWIST)
     here, there = first[:dimension], second[:dimension]
     if wall:
-        met = meeting_at_wall(here, first[3 : 3 + dimension], there, second[3])
+        gap = contact_at_wall(here, first[3 : 3 + dimension], there, second[3])
     else:
-        met = meeting_of_balls(here, first[3], there, second[3])
-    speed = met.speeds(
-        lambda place: twist[:3] + ca.cross(twist[3:6], place - first[:3]),
-        lambda place: twist[6:9] + ca.cross(twist[9:], place - second[:3]),
+        gap = contact_of_balls(here, first[3], there, second[3])
+    speed = gap.speeds(
+        lambda point: twist[:3] + ca.cross(twist[3:6], point - first[:3]),
+        lambda point: twist[6:9] + ca.cross(twist[9:], point - second[:3]),
     )
     directions = ca.densify(ca.jacobian(speed, twist))
-    return ca.Function("meeting", [first, second], [met.distance, directions])
+    return ca.Function("meeting", [first, second], [gap.distance, directions])

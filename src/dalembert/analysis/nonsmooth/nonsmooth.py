@@ -1,4 +1,4 @@
-"""Dynamics with rigid contacts in fixed steps, however many of them act at once."""
+"""Nonsmooth contact dynamics: rigid contacts by time stepping with fixed steps."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Unpack
 
 import numpy as np
 
-from dalembert.analysis.dynamics.energy_balance import check_balance
+from dalembert.analysis.dynamics.residual_check import check_balance
 from dalembert.analysis.keywords import NonsmoothKeywords
 from dalembert.analysis.kinematics.kinematics import refuse_outside
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
-from dalembert.analysis.nonsmooth.sampling import sampled
-from dalembert.analysis.over_time import OverTime
+from dalembert.analysis.nonsmooth.step_log import interpolate
+from dalembert.analysis.timeline import OverTime
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_solver import ContactSolver
@@ -28,15 +28,15 @@ from dalembert.text.spelling import spelled
 class Nonsmooth(OverTime[NonsmoothMotion]):
     """Dynamics with rigid contacts as a strategy object.
 
-    Impacts are not located: all that fall into a step are solved at once, as impulses. The motion
-    is of first order in the step, and so are gradients, which ``MoreauJean`` has.
+    Impacts are not located: all contacts of a step are solved together as impulses. The motion is
+    of first order in the step, and so are gradients, which require ``MoreauJean``.
 
     Parameters
     ----------
     integrator : ``AnticipatedImpacts()`` or ``MoreauJean()``
-    solver : of the impulses
-    balance : largest error of the energy balance, over the energy that took part in the motion,
-        with which a run still counts as completed
+    solver : solver of the impulses
+    balance : largest error of the energy balance, relative to the exchanged energy, with which a
+        run still counts as completed
 
     Examples
     --------
@@ -44,8 +44,9 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     >>> from dalembert import planar
     >>> system = da.System("landing", gravity=(0, -10))
     >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3)))
-    >>> floor = (system.ground.center, (0, 1))
-    >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor]))
+    >>> contact = planar.contact
+    >>> shapes = [contact.Circle(ball.center, 0.1), contact.HalfPlane(system.ground.center)]
+    >>> hits = system.add(planar.Collisions("hits", shapes))
     >>> analysis = da.Nonsmooth(duration=0.4, step=0.01, integrator=da.MoreauJean())
     >>> motion = analysis.run(system.build())
     >>> round(motion["ball.y"][-1].item(), 6)  # it lies on its radius
@@ -70,7 +71,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
         check_balance(self.balance)
 
     def resample(self, motion: NonsmoothMotion, times: np.ndarray) -> NonsmoothMotion:
-        """The motion at other times within the run; steps go straight from end to end.
+        """The motion at other times within the run, linear within steps.
 
         Raises
         ------
@@ -78,7 +79,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
             A time outside the run.
         """
         refuse_outside(times, motion.record.t)
-        return replace(motion, trajectory=sampled(motion.model, motion.record, times))
+        return replace(motion, trajectory=interpolate(motion.model, motion.record, times))
 
 
 @spelled
@@ -92,7 +93,7 @@ def solve_nonsmooth(
 ) -> NonsmoothMotion:
     """Integrate ``M dv = (f − d) dt − Cᵀ dΛ + Wᵀ dP``, ``0 ≤ g ⟂ dP_N ≥ 0``.
 
-    Impacts follow Newton's law and friction Coulomb's, in fixed steps.
+    Impacts follow Newton's law and friction follows Coulomb's law, in fixed steps.
 
     Parameters
     ----------
@@ -114,8 +115,9 @@ def solve_nonsmooth(
     >>> system = da.System("pile", gravity=(0, -10))
     >>> low = system.add(planar.Particle("low", mass=1.0, position=(0, 0.1)))
     >>> high = system.add(planar.Particle("high", mass=2.0, position=(0, 0.31)))
-    >>> balls, floor = [(low.center, 0.1), (high.center, 0.1)], (system.ground.center, (0, 1))
-    >>> pile = system.add(planar.Collisions("pile", balls, [floor]))
+    >>> balls = [planar.contact.Circle(ball.center, 0.1) for ball in (low, high)]
+    >>> floor = planar.contact.HalfPlane(system.ground.center)
+    >>> pile = system.add(planar.Collisions("pile", [*balls, floor]))
     >>> motion = da.solve_nonsmooth(system.build(), 0.5, step=0.01)
     >>> round(motion["high.y"][-1].item(), 4)  # on top of the other
     0.3

@@ -1,23 +1,25 @@
-"""Running a motion with contacts: start, steps, outputs, status."""
+"""Execution of a nonsmooth analysis: start, steps, outputs, check of the result, status."""
 
 from __future__ import annotations
 
 import time as clock
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.contact.start import touching_model
-from dalembert.analysis.elastic_range import elastic_doubts
+from dalembert.analysis.contact.gap_checks import ROUNDED, touching_model
+from dalembert.analysis.dynamics.residual_check import DRIFT, DRIFT_WARNING, EnergyBalance
+from dalembert.analysis.elastic_range import elastic_warnings
+from dalembert.analysis.model_residuals import Violation
+from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
-from dalembert.analysis.nonsmooth.contact_truth import ContactTruth
-from dalembert.analysis.nonsmooth.correction import consistent, corrected
-from dalembert.analysis.nonsmooth.gap_sources import gap_sources
-from dalembert.analysis.nonsmooth.sampling import sampled
+from dalembert.analysis.nonsmooth.correction import consistent_speeds, correct_position
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
-from dalembert.analysis.nonsmooth.step_log import StepLog
+from dalembert.analysis.nonsmooth.step_log import StepLog, interpolate
 from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.residual_check import EXACT, ResidualCheck
 from dalembert.analysis.timeline import (
     afford_states,
     check_driver_laws,
@@ -28,9 +30,9 @@ from dalembert.analysis.timeline import (
     uniform_grid,
 )
 from dalembert.errors import AnalysisError, SingularityError
+from dalembert.formulations.base import Level
 from dalembert.model.model import Model
-from dalembert.results.contact_record import ContactRecord
-from dalembert.results.nonsmooth_motion import NonsmoothMotion
+from dalembert.results.nonsmooth_motion import ContactRecord, NonsmoothMotion
 from dalembert.results.status import Outcome, Status, reached, stopped
 from dalembert.symbolic.equations.newton import Solution
 from dalembert.symbolic.once import once
@@ -57,7 +59,7 @@ class NonsmoothRun:
         )
         self.p = model.values(parameters)
         self.closed_gaps = ""
-        if analysis.integrator.projection:  # else gaps stay as they are throughout
+        if analysis.integrator.projection:  # otherwise initial gaps are never corrected
             model, self.closed_gaps = touching_model(model, self.p, self.start)
             self.model = model
         model.diagnosis.refuse_massless()
@@ -83,80 +85,82 @@ class NonsmoothRun:
         times = record.t if self.requested is None else self.requested
         times = times[times <= record.t[-1]] if times.size else times
         elapsed = clock.perf_counter() - begin
-        truth = ContactTruth(self.step, record, self.analysis.balance)
-        status = replace(status, residual=max(status.residual, truth.residual))
-        trajectory = sampled(self.model, record, times)
+        check = ContactCheck(self.step, record, self.analysis.balance)
+        status = replace(status, residual=max(status.residual, check.residual))
+        trajectory = interpolate(self.model, record, times)
         return NonsmoothMotion(
             model=self.model,
             analysis=self.analysis,
             parameters=self.p,
             trajectory=trajectory,
-            status=truth.judged(status),
+            status=check.verify(status),
             statistics=self.statistics(record, elapsed),
-            warnings=[*truth.doubts, *elastic_doubts(self.model, trajectory, self.p)],
+            warnings=[*check.warnings, *elastic_warnings(self.model, trajectory, self.p)],
             record=record,
         )
 
     def march(self, grid: np.ndarray, log: StepLog, report) -> Status:
-        """Step to the end, or to where a step fails."""
-        taken: StepResult | None = None
+        """Steps until the end or until one fails."""
+        result: StepResult | None = None
         try:
             for k in range(grid.size - 1):
                 t, h = float(grid[k]), float(grid[k + 1] - grid[k])
-                taken = self.step.take(t, h, log.y, log.v, taken)
-                if trouble := self.trouble(t, taken):
-                    return trouble
-                place = self.opened(t + h, taken)
-                if not place.accepted:
-                    return self.unopened(t, h, place)
-                log.add(t + h, h, place.x, self.speeds(t + h, place.x, taken), taken)
+                result = self.step.advance(t, h, log.y, log.v, result)
+                if failure := self.failure(t, result):
+                    return failure
+                position = self.corrected(t + h, result)
+                if not position.accepted:
+                    return self.not_corrected(t, h, position)
+                v = self.speeds(t + h, position.x, result)
+                log.add(t + h, h, position.x, v, result)
                 report((grid[k + 1] - self.start) / (self.end - self.start))
         except KeyboardInterrupt:
             return stopped(log.t, log.open_by)
         except SingularityError as error:
-            if taken is None:
+            if result is None:
                 raise
             return Status(Outcome.SINGULAR, f"{error} (t = {log.t:.9g} s)", log.t, log.open_by)
         return reached(log.t, log.open_by)
 
-    def opened(self, t: float, taken: StepResult) -> Solution[np.ndarray]:
-        """Position with joints closed and, where the scheme asks for it, gaps open."""
-        return corrected(self.step, t, taken.y, self.analysis.integrator.projection)
+    def corrected(self, t: float, result: StepResult) -> Solution[np.ndarray]:
+        """Position with joints closed and, if the scheme corrects gaps, gaps open."""
+        return correct_position(self.step, t, result.y, self.analysis.integrator.projection)
 
-    def speeds(self, t: float, y: np.ndarray, taken: StepResult) -> np.ndarray:
-        """Speeds that joints allow at that position."""
+    def speeds(self, t: float, y: np.ndarray, result: StepResult) -> np.ndarray:
+        """Speeds consistent with the joints at a position."""
         joints = self.step.smooth.has_joints
-        return consistent(self.step, t, y, taken.v) if joints else taken.v
+        return consistent_speeds(self.step, t, y, result.v) if joints else result.v
 
-    def unopened(self, t: float, h: float, place: Solution[np.ndarray]) -> Status:
-        """Why no position could be found that a step leads to."""
-        what = "joints could not be closed nor gaps opened"
+    def not_corrected(self, t: float, h: float, position: Solution[np.ndarray]) -> Status:
+        """Status of a run in which the correction of positions failed."""
+        text = "joints could not be closed nor gaps opened"
         if not self.analysis.integrator.projection:
-            what = "joints could not be closed"
-        text = f"{what} at t = {t + h:.9g} s ({place}); use a shorter step"
-        left = place.residual * self.model.scales.length
-        return Status(Outcome.NOT_CONVERGED, text, t, left)
+            text = "joints could not be closed"
+        text = f"{text} at t = {t + h:.9g} s ({position}); use a shorter step"
+        residual = position.residual * self.model.scales.length
+        return Status(Outcome.NOT_CONVERGED, text, t, residual)
 
-    def trouble(self, t: float, taken: StepResult) -> Status | None:
-        """Why a step cannot count, if so."""
-        found = taken.impulses
-        if not (np.isfinite(taken.y).all() and np.isfinite(taken.v).all()):
+    def failure(self, t: float, result: StepResult) -> Status | None:
+        """Status of a run whose last step failed; None if it succeeded."""
+        impulses = result.impulses
+        if not (np.isfinite(result.y).all() and np.isfinite(result.v).all()):
             text = f"no finite state after t = {t:.9g} s; use a shorter step"
             return Status(Outcome.DIVERGED, text, t, np.inf)
-        if not found.converged:
+        if not impulses.converged:
             text = (
-                f"the impulses of {taken.contacts.count} contacts at t = {t:.9g} s were not found "
-                f"(residual {found.residual:.3g} m/s after {found.rounds} rounds); with much "
-                "friction there may be none, else give ContactSolver more max_iterations"
+                f"the impulses of {result.contacts.count} contacts at t = {t:.9g} s did not "
+                f"converge (residual {impulses.residual:.3g} m/s after {impulses.rounds} rounds); "
+                "with much friction there may be no solution, else give ContactSolver more "
+                "max_iterations"
             )
-            return Status(Outcome.NOT_CONVERGED, text, t, found.residual)
+            return Status(Outcome.NOT_CONVERGED, text, t, impulses.residual)
         return None
 
     def statistics(self, record: ContactRecord, elapsed: float) -> dict[str, Any]:
         count = max(record.loss.size, 1)
         key = "overlaps closed at the start"
-        told = {key: self.closed_gaps} if self.closed_gaps else {}
-        return told | {
+        overlaps = {key: self.closed_gaps} if self.closed_gaps else {}
+        return overlaps | {
             "integrator": type(self.analysis.integrator).__name__,
             "steps": record.loss.size,
             "integration time [s]": round(elapsed, 6),
@@ -170,7 +174,80 @@ class NonsmoothRun:
         }
 
 
+class ContactCheck(ResidualCheck):
+    """Check of joints and gaps at the ends of all steps; forces, means over steps, are not checked.
+
+    Parameters
+    ----------
+    step : ContactStep of the run
+    record : ContactRecord of the run
+    balance : largest error of the energy, relative to the exchanged energy
+    """
+
+    def __init__(self, step: ContactStep, record: ContactRecord, balance: float):
+        super().__init__(step.model, record.ends, step.p, (Level.POSITION, Level.SPEED), np.inf)
+        self.step, self.record, self.balance = step, record, balance
+
+    @property
+    def residual(self) -> float:
+        """The largest violation of a joint or a gap [m]."""
+        joints = self.residuals.violations.max(initial=0.0)
+        return float(max(joints, self.record.penetration.max()))
+
+    @cached_property
+    def deepest(self) -> Violation:
+        """The deepest penetration, by the natural length, except rounding of the start."""
+        model, penetration = self.step.model, np.array(self.record.penetration)
+        if penetration[0] <= ROUNDED * model.scales.length:
+            penetration[0] = 0.0
+        k = int(np.argmax(penetration))
+        depth = float(penetration[k])
+        if depth == 0:
+            return Violation(0.0)
+        t, none = float(self.record.t[k]), np.zeros((model.equations.speed_count, 1))
+        contacts = self.step.near(t, self.record.ends.y[:, k], none)
+        name = self.record.names[contacts.owner[np.argmin(contacts.distance)]]
+        text = f"a gap of {name} is {-depth:.3g} m at t = {t:.9g} s"
+        return Violation(depth / model.scales.length, text)
+
+    @cached_property
+    def energy(self) -> EnergyBalance:
+        """Energies at the ends of the steps, and the dissipation of contacts."""
+        record = self.record
+        energies, natural = self.residuals.energies, self.step.model.scales.energy
+        return EnergyBalance(energies, record.ends.work, record.t, natural)
+
+    @property
+    def limit(self) -> float:
+        """Largest accepted penetration; larger where the scheme does not correct positions."""
+        return EXACT[Level.POSITION] if self.step.scheme.projection else DRIFT
+
+    def cure(self, limit: float) -> str:
+        return "; use a shorter step"
+
+    @property
+    def objection(self) -> tuple[Outcome, str] | None:
+        """Outcome and reason where the run does not count as completed; None otherwise."""
+        if violated := super().objection:
+            return violated
+        if not self.deepest.share <= self.limit:
+            text = f"{self.deepest.text}, {self.deepest.share:.2g} of the natural length"
+            return Outcome.VIOLATED, text + self.cure(self.limit)
+        return self.energy.objection(self.balance, "use a shorter step")
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about a run that counts as completed."""
+        warnings = self.energy.warnings(self.balance)
+        if DRIFT_WARNING < self.deepest.share <= self.limit:
+            warnings.append(
+                f"{self.deepest.text}: positions are not corrected; use a shorter step, "
+                "or projection=True"
+            )
+        return warnings
+
+
 @once
 def smooth_motion(model: Model) -> SmoothMotion:
-    """Functions of a model, made once."""
+    """Functions of a model, built once."""
     return SmoothMotion(model)

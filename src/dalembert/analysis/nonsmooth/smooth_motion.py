@@ -1,4 +1,4 @@
-"""The part of a step that knows of no contact: forces, inertia and joints."""
+"""The contact-free part of a time step: forces, inertia and joints."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.model.assembly.assembly import ROUNDING
 from dalembert.model.model import Model
 from dalembert.sparse.factorise import general_factors
-from dalembert.symbolic.evaluation.kernel import Kernel
-from dalembert.symbolic.evaluation.patterned import Matrix, Patterned
+from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
 
 Solve = Callable[[np.ndarray, np.ndarray | None], tuple[np.ndarray, np.ndarray]]
 """``(right side of the speeds, of the joints or None) → (speeds, multipliers)``."""
@@ -24,9 +23,9 @@ class SmoothMotion:
 
         (M − h θ D − h² θ² K)(v⁺ − v) = h F − Cᵀ Λ,      C (σ v⁺ + (1−σ) v) = −Φ_t
 
-    with ``F = f − d``, ``D = ∂F/∂v``, ``K = (∂F/∂y) A`` at ``y ⊕ θ h v``, ``v``; of linear forces
-    this is the θ-method itself. ``C`` and ``Φ_t`` are those at ``y ⊕ σ h v``, ``σ = max(θ, 1/2)``:
-    speeds that are right at the end alone would need no force there that turns them on the way.
+    with ``F = f − d``, ``D = ∂F/∂v``, ``K = (∂F/∂y) A`` at ``y ⊕ θ h v``, ``v``; for linear forces
+    this is the θ-method itself. ``C`` and ``Φ_t`` are taken at ``y ⊕ σ h v``, ``σ = max(θ, 1/2)``:
+    with constraints on the speeds at the end alone the centripetal forces within the step are lost.
 
     Parameters
     ----------
@@ -39,24 +38,22 @@ class SmoothMotion:
         unknown = ca.vertcat(e.a, e.multiplier, e.dropped)
         if ca.depends_on(driving, unknown):
             raise UnsupportedError(
-                "a force depends on reactions or accelerations (friction in a joint does), which "
-                "solve_nonsmooth does not know before the step; use solve_dynamics"
+                "a force depends on reactions or accelerations (e.g. friction in a joint), which "
+                "solve_nonsmooth cannot evaluate before the step; use solve_dynamics"
             )
-        place = [e.t, e.y, e.p]
+        inputs_at_position = [e.t, e.y, e.p]
         still = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
         damping, stiffness = ca.jacobian(driving, e.v), e.by_displacement(driving)
         inputs = [e.t, e.y, e.v, e.p]
         self._forces = Patterned("forces", inputs, [driving, damping, stiffness])
         self._mass = Patterned("mass", [e.y, e.p], [e.mass])
-        far = ca.mtimes(ca.fabs(e.lift).T, ca.fabs(e.y))
-        rounding = ROUNDING * ca.mtimes(ca.fabs(e.position_jacobian), far)
+        magnitudes = ca.mtimes(ca.fabs(e.lift).T, ca.fabs(e.y))
+        rounding = ROUNDING * ca.mtimes(ca.fabs(e.position_jacobian), magnitudes)
         joints = [e.jacobian, still, e.constraints, ca.densify(rounding)]
-        self._joints = Patterned("joints", place, joints)
+        self._joints = Patterned("joints", inputs_at_position, joints)
         self.powers = Kernel(
             ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [ca.densify(e.powers)])
         )
-        energies = ca.densify(ca.vertcat(e.kinetic_energy, e.potential))
-        self.energies = Kernel(ca.Function("energies", inputs, [energies]))
         self._reacts = ca.sparsify(ca.horzcat(damping, stiffness)).nnz() > 0
         self.has_joints, self._go = e.constraint_count > 0, e.manifold.go
 
@@ -65,20 +62,20 @@ class SmoothMotion:
     ) -> tuple[np.ndarray, np.ndarray, Solve]:
         """Speeds at the end without impulses, multipliers times ``h``, and the solver of the
         step."""
-        part = joined(theta)
-        middle, between = self._go(y, theta * h * v), self._go(y, part * h * v)
+        fraction = constrained_fraction(theta)
+        middle, between = self._go(y, theta * h * v), self._go(y, fraction * h * v)
         force, damping, stiffness = self._forces(t + theta * h, middle, v, p)
         mass = self._mass(middle, p)[0]
         matrix = mass
         if self._reacts:
             matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
-        joints, still = self._joints(t + part * h, between, p)[:2]
+        joints, still = self._joints(t + fraction * h, between, p)[:2]
         solve = solver(matrix, joints)
-        change, multiplier = solve(h * force, -(still + joints @ v) / part)
+        change, multiplier = solve(h * force, -(still + joints @ v) / fraction)
         return v + change, multiplier, solve
 
     def open_by(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """``Φ``, and what rounding alone may leave of it."""
+        """``Φ``, and its rounding error."""
         open_by, rounding = self._joints(t, y, p)[2:]
         return open_by, rounding
 
@@ -90,13 +87,13 @@ class SmoothMotion:
         return solver(self._mass(y, p)[0], joints), open_by, still, joints
 
 
-def joined(theta: float) -> float:
-    """``σ``, the part of a step after which the speeds between its ends are what joints allow."""
+def constrained_fraction(theta: float) -> float:
+    """``σ``, the fraction of a step at which interpolated speeds satisfy the joints."""
     return max(theta, 0.5)
 
 
 def solver(matrix: Matrix, joints: Matrix) -> Solve:
-    """Solves ``A x + Cᵀ λ = r``, ``C x = s``, for one or many right sides.
+    """Solver of ``A x + Cᵀ λ = r``, ``C x = s``, for one or many right-hand sides.
 
     Raises
     ------
@@ -109,18 +106,18 @@ def solver(matrix: Matrix, joints: Matrix) -> Solve:
     factors = _factors(matrix, joints)
 
     def solve(right: np.ndarray, below: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-        rest = np.zeros((m, *right.shape[1:])) if below is None else below
-        found = factors(np.concatenate([right, rest]))
-        return found[:n], found[n:]
+        right_below = np.zeros((m, *right.shape[1:])) if below is None else below
+        solution = factors(np.concatenate([right, right_below]))
+        return solution[:n], solution[n:]
 
     return solve
 
 
 def _diagonal(matrix: Matrix) -> np.ndarray | None:
-    """The diagonal of a matrix with nothing else in it."""
+    """The diagonal of a diagonal matrix; None for any other matrix."""
     diagonal = matrix.diagonal()
-    others = matrix.count_nonzero() if scipy.sparse.issparse(matrix) else np.count_nonzero(matrix)
-    return diagonal if np.all(diagonal) and others == diagonal.size else None
+    entries = matrix.count_nonzero() if scipy.sparse.issparse(matrix) else np.count_nonzero(matrix)
+    return diagonal if np.all(diagonal) and entries == diagonal.size else None
 
 
 def _factors(matrix: Matrix, joints: Matrix) -> Callable[[np.ndarray], np.ndarray]:
@@ -133,8 +130,8 @@ def _factors(matrix: Matrix, joints: Matrix) -> Callable[[np.ndarray], np.ndarra
         whole[:n, :n], whole[n:, :n], whole[:n, n:] = matrix, joints, joints.T
         if not np.isfinite(whole).all():
             raise SingularityError(text)
-        factored = lu_factor(whole, check_finite=False)
-        return lambda right: lu_solve(factored, right, check_finite=False)
+        factors = lu_factor(whole, check_finite=False)
+        return lambda right: lu_solve(factors, right, check_finite=False)
     blocks = [[matrix, joints.T], [joints, None]] if m else [[matrix]]
     try:
         return general_factors(scipy.sparse.block_array(blocks, format="csc")).solve

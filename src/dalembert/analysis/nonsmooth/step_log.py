@@ -1,17 +1,20 @@
-"""What is kept of the steps of a run with contacts."""
+"""Record of the steps of a run with contacts, and its interpolation between steps."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
-from dalembert.results.contact_record import ContactRecord
+from dalembert.model.model import Model
+from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.evaluation.kernel import Kernel
 
 
 class StepLog:
-    """Grows by one step at a time; made a record at the end.
+    """Accumulator of steps; ``record`` converts them to arrays.
 
     Attributes
     ----------
@@ -22,7 +25,7 @@ class StepLog:
         self.step = step
         self.times, self.positions, self.speeds = [t], [y], [v]
         self.lengths: list[float] = []
-        self.taken: list[StepResult] = []
+        self.results: list[StepResult] = []
         self.depths = [self._depth(t, y)]
 
     @property
@@ -42,13 +45,13 @@ class StepLog:
         """The deepest penetration [m]."""
         return max(self.depths)
 
-    def add(self, t: float, h: float, y: np.ndarray, v: np.ndarray, taken: StepResult) -> None:
-        """A step and the state it has led to."""
+    def add(self, t: float, h: float, y: np.ndarray, v: np.ndarray, result: StepResult) -> None:
+        """Append a step and the corrected state at its end."""
         self.times.append(t)
         self.lengths.append(h)
         self.positions.append(y)
         self.speeds.append(v)
-        self.taken.append(taken)
+        self.results.append(result)
         self.depths.append(self._depth(t, y))
 
     def _depth(self, t: float, y: np.ndarray) -> float:
@@ -56,22 +59,22 @@ class StepLog:
         return max(0.0, -float(self.step.near(t, y, none).distance.min(initial=0.0)))
 
     def record(self) -> ContactRecord:
-        """All of it in arrays."""
+        """The steps as arrays."""
         y, v, h = np.stack(self.positions, 1), np.stack(self.speeds, 1), np.array(self.lengths)
-        model, taken = self.step.model, self.taken
+        model, results = self.step.model, self.results
         m = model.equations.constraint_count
         a = np.diff(v, axis=1) / h
         multiplier = np.stack(
-            [s.multiplier / d for s, d in zip(taken, h, strict=True)] or [np.zeros(m)], 1
+            [s.multiplier / d for s, d in zip(results, h, strict=True)] or [np.zeros(m)], 1
         )[:, : h.size]
-        pressed = [s.impulses.impulses[:, 0] > 0 for s in taken]
-        impulses = [s.impulses.impulses[w] for s, w in zip(taken, pressed, strict=True)]
+        pressing = [s.impulses.impulses[:, 0] > 0 for s in results]
+        impulses = [s.impulses.impulses[w] for s, w in zip(results, pressing, strict=True)]
         owners, keys = (
-            [getattr(s.contacts, name)[w] for s, w in zip(taken, pressed, strict=True)]
+            [getattr(s.contacts, name)[w] for s, w in zip(results, pressing, strict=True)]
             for name in ("owner", "key")
         )
-        counts = [int(w.sum()) for w in pressed]
-        loss = np.array([s.loss for s in taken])
+        counts = [int(w.sum()) for w in pressing]
+        loss = np.array([s.loss for s in results])
         return ContactRecord(
             ends=Trajectory(
                 np.array(self.times),
@@ -88,8 +91,8 @@ class StepLog:
             impulse=np.concatenate([*impulses, np.zeros((0, self.step.width))]),
             loss=loss,
             penetration=np.array(self.depths),
-            residual=np.array([s.impulses.residual for s in taken]),
-            rounds=np.array([s.impulses.rounds for s in taken], dtype=int),
+            residual=np.array([s.impulses.residual for s in results]),
+            rounds=np.array([s.impulses.rounds for s in results], dtype=int),
         )
 
     def _work(self, y, v, a, multiplier, h: np.ndarray, loss: np.ndarray) -> np.ndarray:
@@ -106,7 +109,21 @@ class StepLog:
         return work
 
 
+def interpolate(model: Model, record: ContactRecord, times: np.ndarray) -> Trajectory:
+    """States at times within the steps, linear between their ends."""
+    ends = record.ends
+    if ends.t.size == 1:
+        return replace(ends.some(np.zeros(times.size, dtype=int)), t=times)
+    k = np.clip(np.searchsorted(ends.t, times), 1, ends.t.size - 1)
+    share = (times - ends.t[k - 1]) / (ends.t[k] - ends.t[k - 1])
+    manifold = model.equations.manifold
+    displacement = manifold.lead(ends.y[:, k - 1], ends.y[:, k])
+    v, work = (s[:, k - 1] + share * (s[:, k] - s[:, k - 1]) for s in (ends.v, ends.work))
+    y = np.where(share == 1, ends.y[:, k], manifold.go(ends.y[:, k - 1], share * displacement))
+    return Trajectory(times, y, v, ends.a[:, k], ends.multiplier[:, k], work)
+
+
 def _with_start(means: np.ndarray) -> np.ndarray:
-    """Means over steps, those of the first one twice; zero where there is none."""
+    """Means over steps, preceded by those of the first step; zero without steps."""
     first = means[:, :1] if means.shape[1] else np.zeros((means.shape[0], 1))
     return np.hstack([first, means])

@@ -8,18 +8,17 @@ from typing import Any, Unpack
 import numpy as np
 
 from dalembert.analysis.keywords import BucklingKeywords
-from dalembert.analysis.served import need_structure
+from dalembert.analysis.requirements import need_count, need_structure
 from dalembert.analysis.spectral import SpectralAnalysis
-from dalembert.analysis.structural.numbers import need_count
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectrum import Spectrum
-from dalembert.analysis.structural.static_equations import factorised
+from dalembert.analysis.structural.static_equations import free_factors
 from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
-from dalembert.results.result import Given
-from dalembert.results.structural.buckling_modes import BucklingModes
+from dalembert.results.result import ParameterValues
+from dalembert.results.structural.modes import BucklingModes
 from dalembert.structures.evaluation.eigenpairs import largest
 from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled
@@ -29,16 +28,16 @@ from dalembert.text.spelling import spelled
 class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     """Linear buckling as a strategy object.
 
-    The exact strain energies of the elements give ``K_g = ∂³W/∂u³ (0) · u₀``. What is true of the
-    linear theory is true here: displacements before buckling must be small. Prescribed
-    displacements belong to every load case, as they do in statics.
+    The exact strain energies of the elements give ``K_g = ∂³W/∂u³ (0) · u₀``. The theory is linear:
+    displacements before buckling must be small. Prescribed displacements belong to every load
+    case, as in statics.
 
     Parameters
     ----------
-    count : of the modes; one more is found, to see whether it coincides with the last
-    case : load case that grows with the factor ``λ``
-    constant : load case that acts as it is, ``(K + K_g(u_c) + λ K_g(u₀)) φ = 0``
-    negative : also factors of the load turned round, all by their size
+    count : number of modes; one more is computed to detect coincidence with the last one
+    case : load case multiplied by the factor ``λ``
+    constant : load case with constant factor, ``(K + K_g(u_c) + λ K_g(u₀)) φ = 0``
+    negative : whether negative load factors count, too; modes are sorted by magnitude
 
     Raises
     ------
@@ -64,7 +63,7 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     """
 
     spoken = "linear buckling"
-    makes = BucklingModes
+    modes_class = BucklingModes
 
     count: int = 3
     case: str = ""
@@ -75,16 +74,16 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
         need_count(self)
 
     def run(
-        self, model: StructuralModel, parameters: Given = None, progress: Any = False
+        self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False
     ) -> BucklingModes:
-        """The modes.
+        """Buckling modes at parameter values.
 
         Raises
         ------
         SingularityError
-            The structure is a mechanism, or the constant load alone makes it buckle.
+            The structure is a mechanism, or it buckles under the constant load alone.
         AnalysisError
-            Unknown load case; no load factor of the sign asked for.
+            Unknown load case; no load factor of the requested sign.
         """
         return super().run(model, parameters)
 
@@ -102,7 +101,7 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     def spectrum(self, model: StructuralModel, p: np.ndarray) -> Spectrum:
         pencil = self.pencil(model, p)
         a, b = pencil.matrices()
-        factor = factorised(pencil.model, b)
+        factor = free_factors(pencil.model, b)
         if factor is None:
             raise AnalysisError("nothing in the structure can move; release a support")
         if self.constant is not None and factor.negative:
@@ -113,7 +112,7 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
         if not values.size:
             raise AnalysisError(
                 f"load case {self.case!r} does not make the structure buckle in this direction; "
-                "negative=True finds factors of the load turned round"
+                "negative=True finds factors of the reversed load"
             )
         return Spectrum(pencil, (a, b), values, vectors, self.count)
 
@@ -133,14 +132,14 @@ def solve_buckling(
     ----------
     model : StructuralModel
     count : of the modes
-    case : load case that grows with the factor
+    case : load case multiplied by the factor
     parameters : new values of parameters, without rebuilding
     **options : fields of ``Buckling``: constant, negative
 
     Raises
     ------
     AnalysisError
-        Wrong options, unknown load case, no such factor; ``SingularityError`` where the structure
+        Wrong options, unknown load case, no load factor; ``SingularityError`` where the structure
         is a mechanism.
 
     Examples
@@ -160,8 +159,8 @@ def solve_buckling(
     >>> (factors * 4 / (math.pi**2 * 2e4)).round(2)  # of π² E I/L²: 1 and, nearly, 4
     array([1.  , 4.04])
     """
-    made = analysis_of(
+    analysis = analysis_of(
         Buckling, "solve_buckling", model, parameters, count=count, case=case, **options
     )
-    need_structure(model, "solve_buckling", "take linearize about loaded equilibria")
-    return made.run(model, parameters)
+    need_structure(model, "solve_buckling", "use linearize about loaded equilibria")
+    return analysis.run(model, parameters)

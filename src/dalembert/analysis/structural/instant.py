@@ -1,8 +1,8 @@
-"""The equations of motion of a structure at one instant, and what they make of changes and weights.
+"""Equations of motion of a structure at one instant, with their tangent and adjoint products.
 
-``r = g(u, v, a, p) − P(t, p)``, with ``g`` the forces that the motion needs and ``P`` the applied
-ones. What is unknown differs: accelerations at the end of a step, on which displacements depend by
-its rule; those at the start; displacements at rest.
+``r = g(u, v, a, p) − P(t, p)``, with ``g`` the forces required by the motion and ``P`` the applied
+ones. The unknowns are accelerations at the end of a step, on which displacements depend by the rule
+of the method; accelerations at the start; or displacements at rest.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dalembert.analysis.structural.transient_equation import (
     EquationOfMotion,
     Motions,
     Slopes,
-    moved,
+    motion_of,
 )
 from dalembert.integrators.newmark.rule import Moving
 from dalembert.sparse.solver import Factors
@@ -26,14 +26,14 @@ from dalembert.symbolic.evaluator import Evaluator
 
 
 class Instant:
-    """The equations near a motion.
+    """Equations of motion linearised about a motion.
 
     Parameters
     ----------
     equation : EquationOfMotion
     motion : (n,) each
     time : [s]
-    parameters : what takes changes, or weights, of the parameters; for gradients only
+    parameters : derivatives by the parameters, forwards or backwards; for gradients only
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class Instant:
 
     @cached_property
     def sizes(self) -> scipy.sparse.csc_matrix:
-        """Sizes of the entries of the stiffness."""
+        """Magnitudes of the entries of the stiffness."""
         return abs(self.stiffness)
 
     @cached_property
@@ -68,40 +68,40 @@ class Instant:
         return self.equation.slopes(self.motion, self.stiffness)
 
     @cached_property
-    def loaded(self) -> np.ndarray:
+    def load_change(self) -> np.ndarray:
         """(n, c) change of the applied forces with the parameters."""
         return np.asarray(self.parameters.loads(self.time))
 
     @cached_property
-    def own(self) -> np.ndarray:
-        """(n, c) change with the parameters alone."""
+    def parameter_change(self) -> np.ndarray:
+        """(n, c) change with the parameters, the motion held."""
         changes = self.parameters
-        found = changes.equations(self.motion) - changes.expansion(self.time) - self.loaded
-        return np.asarray(found)
+        change = changes.equations(self.motion) - changes.expansion(self.time) - self.load_change
+        return np.asarray(change)
 
     def push(self, change: Motions) -> np.ndarray:
         """(n, c) change with the motion and the parameters."""
-        return self.own + self.slopes.along(change)
+        return self.parameter_change + self.slopes.along(change)
 
     def pull(self, weights: np.ndarray) -> Motions:
-        """Weights of the motion from (n, rows) of the equations; the parameters take theirs."""
+        """Weights of the motion from (n, rows) of the equations; adds those of the parameters."""
         self.parameters.equations(self, weights)
         return self.slopes.weigh(weights)
 
-    def freed(self, weights: Moving, more: Motions) -> Moving:
-        """The sum of weights; of what is prescribed they go to the parameters."""
-        u, v, a = (one + other for one, other in zip(moved(weights), more, strict=True))
-        found, held = Moving(u, v, a, weights.s.copy()), self.equation.held
-        self.parameters.supports(Motions(*(part[held] for part in moved(found))), self.time)
-        for part in found:
+    def free_weights(self, weights: Moving, more: Motions) -> Moving:
+        """The sum of weights; those of prescribed displacements pass to the parameters."""
+        u, v, a = (first + second for first, second in zip(motion_of(weights), more, strict=True))
+        total, held = Moving(u, v, a, weights.s.copy()), self.equation.held
+        self.parameters.supports(Motions(*(part[held] for part in motion_of(total))), self.time)
+        for part in total:
             part[held] = 0.0
-        return found
+        return total
 
     def push_forces(self, change: Motions) -> np.ndarray:
         """(n, c) change of applied forces, and of reactions at prescribed displacements."""
-        found, held = self.loaded.copy(), self.equation.held
-        found[held] = self.push(change)[held]
-        return found
+        forces, held = self.load_change.copy(), self.equation.held
+        forces[held] = self.push(change)[held]
+        return forces
 
     def pull_forces(self, weights: np.ndarray) -> Motions:
         """Weights of the motion from (n, rows) of these forces."""
@@ -112,22 +112,22 @@ class Instant:
 
 
 class Unknown(Evaluator):
-    """Equations at some displacements, as many unknowns, and factors of the one by the other.
+    """Equations of some displacements for as many unknowns, with factors of their Jacobian.
 
     Parameters
     ----------
-    at : the instant
-    where : (k,) numbers of the displacements
-    make : gives factors of the derivatives; called once, where they are needed
+    at : Instant
+    rows : (k,) numbers of the displacements
+    factorise : returns factors of the Jacobian; called once, on demand
     """
 
-    def __init__(self, at: Instant, where: np.ndarray, make: Callable[[], Factors | None]):
-        self.at, self.where, self._make = at, where, make
+    def __init__(self, at: Instant, rows: np.ndarray, factorise: Callable[[], Factors | None]):
+        self.at, self.rows, self._factorise = at, rows, factorise
 
     @cached_property
     def factor(self) -> Factors | None:
-        """None where nothing is unknown."""
-        return self._make()
+        """Factors of the Jacobian; None without unknowns."""
+        return self._factorise()
 
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         return rhs if self.factor is None else self.factor.solve(rhs)
@@ -137,13 +137,13 @@ class Unknown(Evaluator):
 
     @property
     def value(self) -> np.ndarray:
-        """(k,) what is left of the equations."""
-        return self.at.value[self.where]
+        """(k,) residuals."""
+        return self.at.value[self.rows]
 
     def push(self, change: Motions) -> np.ndarray:
-        return self.at.push(change)[self.where]
+        return self.at.push(change)[self.rows]
 
     def pull(self, weights: np.ndarray) -> Motions:
-        whole = np.zeros((self.at.equation.assembly.size, weights.shape[1]))
-        whole[self.where] = weights
-        return self.at.pull(whole)
+        all_weights = np.zeros((self.at.equation.assembly.size, weights.shape[1]))
+        all_weights[self.rows] = weights
+        return self.at.pull(all_weights)

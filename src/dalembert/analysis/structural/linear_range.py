@@ -6,7 +6,7 @@ the forces ``K u`` of the linear solution the displacements differ from it by
     e = −½ K⁻¹ G(u) u + …
 
 (static modal derivatives: Jain, Tiso, Rutzmoser and Rixen, Computers & Structures 188, 2017): the
-shortening of what bends, and the softening or stiffening by axial forces. Where this is no longer
+shortening of bent parts, and the softening or stiffening by axial forces. Where this is no longer
 small, nonlinear statics of the same elements under the same forces gives the difference.
 """
 
@@ -19,28 +19,27 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from dalembert.analysis.structural.balance import Balance
 from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearStatics
-from dalembert.analysis.structural.static_equations import StaticEquations
+from dalembert.analysis.structural.static_equations import Balance, StaticEquations
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.sparse.solver import Factors
 from dalembert.structures.evaluation.assembly import Assembly
-from dalembert.structures.evaluation.factors import factors_of
-from dalembert.structures.loads.configuration_load import ConfigurationLoad
+from dalembert.structures.evaluation.stiffness_solvers import factors_of
+from dalembert.structures.loads.load_case import ConfigurationLoad
 from dalembert.structures.model import StructuralModel
-from dalembert.structures.reduction.rigid import node_places, rigid_motions
+from dalembert.structures.reduction.rigid import node_positions, rigid_motions
 
 RELATIVE = 0.05
 """Error relative to the largest displacement above which a result carries a warning."""
 SHORT = 1e-3
-"""Rotation at which second differences of internal forces are taken [rad]."""
+"""Rotation for second differences of internal forces [rad]."""
 QUIET = 0.02
-"""Rotation [rad], and change of a shape's stiffness by stress, that need no closer look."""
+"""Threshold of rotation [rad], and of relative stiffness change by stress, for a closer check."""
 MEASURED = NonlinearStatics(steps=4, tolerance=1e-6)
 
 
 class HeldStructure(StaticEquations):
-    """A structure in a frame, under forces in the axes of the frame.
+    """Equations of a structure in a frame, under forces in the axes of the frame.
 
     Parameters
     ----------
@@ -57,7 +56,7 @@ class HeldStructure(StaticEquations):
         self.free, self.held = self.assembly.free, self.assembly.prescribed
         self.applied = forces
         self.moving = ConfigurationLoad([], [], whole.size, held, model.linear)
-        self.given, self.balance = np.zeros(self.held.size), Balance(model, p)
+        self.prescribed, self.balance = np.zeros(self.held.size), Balance(model, p)
 
     def factor(self, stiffness) -> Factors | None:
         return factors_of(self.assembly.inner(stiffness), self.model.degrees, self.free)
@@ -65,7 +64,7 @@ class HeldStructure(StaticEquations):
 
 @dataclass(frozen=True)
 class LinearRange:
-    """Linear displacements of a structure, and how far they are from those of its elements.
+    """Linear displacements of a structure, compared with nonlinear ones.
 
     Parameters
     ----------
@@ -74,7 +73,7 @@ class LinearRange:
     u : (n,) displacements
     held : numbers of displacements that are zero
     solve : (n,) forces → (n,) displacements by the linear stiffness
-    floating : displacements are compared up to rigid motions
+    floating : whether displacements are compared up to rigid motions
     """
 
     model: StructuralModel
@@ -85,8 +84,8 @@ class LinearRange:
     floating: bool = False
 
     @cached_property
-    def turned(self) -> tuple[float, str]:
-        """Largest rotation or strain of a line between nodes of an element, and the element."""
+    def largest_rotation(self) -> tuple[float, str]:
+        """Largest rotation or strain of a line between nodes of an element, and its name."""
         largest, where, d = 0.0, "", self.model.degrees.dimension
         shift = self.model.degrees.table[:, :d]
         moves = np.where(shift >= 0, self.u[shift], 0.0)
@@ -94,53 +93,57 @@ class LinearRange:
             n = block.nodes.shape[0]
             if n < 2:
                 continue
-            places = block.data(self.p)[: n * d].reshape(n, d, -1)
-            apart = np.linalg.norm(places[1:] - places[0], axis=1)
-            moved = np.linalg.norm(moves[block.nodes[1:]] - moves[block.nodes[0]], axis=2)
-            shares = np.divide(moved, apart, out=np.zeros_like(moved), where=apart > 0).max(axis=0)
-            e = int(np.argmax(shares))
-            if shares[e] > largest:
-                largest, where = float(shares[e]), block.names.name(e)
+            positions = block.data(self.p)[: n * d].reshape(n, d, -1)
+            distances = np.linalg.norm(positions[1:] - positions[0], axis=1)
+            relative = np.linalg.norm(moves[block.nodes[1:]] - moves[block.nodes[0]], axis=2)
+            rotations = np.divide(
+                relative, distances, out=np.zeros_like(relative), where=distances > 0
+            ).max(axis=0)
+            e = int(np.argmax(rotations))
+            if rotations[e] > largest:
+                largest, where = float(rotations[e]), block.names.name(e)
         return largest, where
 
     @cached_property
-    def places(self) -> np.ndarray:
-        """(nodes, d) of the undeformed structure."""
-        return node_places(self.model.assembly.blocks, self.model.degrees, self.p)
+    def undeformed(self) -> np.ndarray:
+        """(nodes, d) positions in the undeformed structure [m]."""
+        return node_positions(self.model.assembly.blocks, self.model.degrees, self.p)
 
     @cached_property
     def displacement(self) -> float:
-        """The largest of a node [m]."""
-        return float(np.linalg.norm(self._moved(self.u) - self.places, axis=1).max(initial=0.0))
+        """Largest displacement of a node [m]."""
+        return float(
+            np.linalg.norm(self._positions(self.u) - self.undeformed, axis=1).max(initial=0.0)
+        )
 
     @cached_property
     def extent(self) -> float:
-        """Of the structure, along a diagonal [m]."""
-        return float(np.linalg.norm(np.ptp(self.places, axis=0)))
+        """Diagonal of the bounding box of the structure [m]."""
+        return float(np.linalg.norm(np.ptp(self.undeformed, axis=0)))
 
     @cached_property
     def second_order(self) -> np.ndarray:
         """(n,) forces ``½ G(u) u``, by a second difference of the internal forces."""
-        share = SHORT / max(self.turned[0], 1e-300)
+        share = SHORT / max(self.largest_rotation[0], 1e-300)
         forces = self.model.assembly.internal_forces
         ahead, behind = forces(share * self.u, self.p), forces(-share * self.u, self.p)
         return (ahead + behind - 2 * forces(0 * self.u, self.p)) / (2 * share**2)
 
     @cached_property
     def estimate(self) -> float:
-        """Error of second order, relative to the largest displacement.
+        """Second-order error, relative to the largest displacement.
 
-        What can move without straining errs by half of its rotation.
+        For rigid motions it is half of the rotation.
         """
         try:
             return self._error(self.u - self.solve(self.second_order))
         except SingularityError:
-            return self.turned[0] / 2
+            return self.largest_rotation[0] / 2
 
-    def measured(self, forces: np.ndarray) -> float:
-        """The same against nonlinear statics under forces (n,), infinite where that has no answer.
+    def nonlinear_error(self, forces: np.ndarray) -> float:
+        """Relative error against nonlinear statics under forces (n,).
 
-        Without a stable equilibrium there is none.
+        It is infinite without a stable equilibrium.
         """
         path = LoadPath(MEASURED, HeldStructure(self.model, self.p, self.held, forces))
         try:
@@ -150,21 +153,21 @@ class LinearRange:
         except (SingularityError, AnalysisError):
             return np.inf
         stable = not isinstance(factor, Factors) or factor.negative == 0
-        return self._error(path.u) if stable and not path.lost else np.inf
+        return self._error(path.u) if stable and not path.failure else np.inf
 
-    def _moved(self, u: np.ndarray) -> np.ndarray:
+    def _positions(self, u: np.ndarray) -> np.ndarray:
         table = self.model.degrees.table[:, : self.model.degrees.dimension]
-        return self.places + np.where(table >= 0, u[table], 0.0)
+        return self.undeformed + np.where(table >= 0, u[table], 0.0)
 
     def _error(self, u: np.ndarray) -> float:
-        here, there = self._moved(self.u), self._moved(u)
+        linear, nonlinear = self._positions(self.u), self._positions(u)
         if self.floating:
-            there = aligned(there, here)
-        error = float(np.linalg.norm(there - here, axis=1).max(initial=0.0))
+            nonlinear = align(nonlinear, linear)
+        error = float(np.linalg.norm(nonlinear - linear, axis=1).max(initial=0.0))
         return error / max(self.displacement, 1e-300)
 
 
-def linear_doubts(
+def linear_range_warnings(
     model: StructuralModel,
     p: np.ndarray,
     names: Sequence[str],
@@ -172,58 +175,60 @@ def linear_doubts(
     solve: Callable[[np.ndarray], np.ndarray],
     cure: str,
 ) -> list[str]:
-    """Warnings about displacements (n, states) of a linear analysis that are too large for it.
+    """Warnings about displacements (n, states) that are too large for a linear analysis.
 
     Parameters
     ----------
     model : StructuralModel, with exact energies
-    names : of the states
+    names : names of the states
     solve : (n,) forces → (n,) displacements
-    cure : what to do
+    cure : remedy, for the message
     """
-    found: list[tuple[float, str]] = []
+    warnings: list[tuple[float, str]] = []
     for name, column in zip(names, u.T, strict=True):
-        near = LinearRange(model, p, column, np.zeros(0, dtype=int), solve)
-        if near.turned[0] < QUIET or not np.isfinite(near.turned[0]) or near.estimate < RELATIVE:
+        linear_range = LinearRange(model, p, column, np.zeros(0, dtype=int), solve)
+        turn, element = linear_range.largest_rotation
+        if turn < QUIET or not np.isfinite(turn) or linear_range.estimate < RELATIVE:
             continue
-        turn, where = near.turned
+        size = linear_range.displacement / max(linear_range.extent, 1e-300)
+        error = linear_range.estimate
         text = (
-            f"{name}: displacements reach {near.displacement / max(near.extent, 1e-300):.2g} of "
-            f"the size of the structure (rotation or strain of element {where}: {turn:.2g}); those "
-            f"of linear equations err by about {percent(near.estimate)} of the largest; {cure}"
+            f"{name}: displacements reach {size:.2g} of "
+            f"the size of the structure (rotation or strain of element {element}: {turn:.2g}); "
+            f"those of linear equations err by about {percent(error)} of the largest; {cure}"
         )
-        found.append((near.estimate, text))
-    if not found:
+        warnings.append((error, text))
+    if not warnings:
         return []
-    worst = max(found)[1]
-    return [worst if len(found) == 1 else f"{worst} ({len(found)} of {len(names)} states)"]
+    worst = max(warnings)[1]
+    return [worst if len(warnings) == 1 else f"{worst} ({len(warnings)} of {len(names)} states)"]
 
 
 def percent(share: float) -> str:
-    """A share by two digits, such as ``56 %``."""
+    """A share with two digits, such as ``56 %``."""
     return f"{float(f'{100 * share:.2g}'):g} %"
 
 
-def aligned(places: np.ndarray, to: np.ndarray) -> np.ndarray:
-    """Places (nodes, d), moved rigidly as near to others as can be (Kabsch 1976)."""
-    centre, target = places.mean(axis=0), to.mean(axis=0)
-    left, _, right = np.linalg.svd((places - centre).T @ (to - target))
+def align(positions: np.ndarray, to: np.ndarray) -> np.ndarray:
+    """Positions (nodes, d), moved rigidly as close as possible to others (Kabsch 1976)."""
+    centre, target = positions.mean(axis=0), to.mean(axis=0)
+    left, _, right = np.linalg.svd((positions - centre).T @ (to - target))
     signs = np.ones(left.shape[0])
     signs[-1] = np.sign(np.linalg.det(left @ right)) or 1.0
-    return (places - centre) @ (left * signs @ right) + target
+    return (positions - centre) @ (left * signs @ right) + target
 
 
-def isostatic(model: StructuralModel, places: np.ndarray, nodes: np.ndarray) -> np.ndarray:
-    """Numbers of displacements of nodes that just hold all rigid motions, far from each other."""
+def isostatic(model: StructuralModel, positions: np.ndarray, nodes: np.ndarray) -> np.ndarray:
+    """Numbers of nodal displacements that suppress all rigid motions, far from each other."""
     degrees = model.degrees
-    motions = rigid_motions(degrees, places - places.mean(axis=0))
-    motions[:, degrees.dimension :] /= max(np.ptp(places), 1e-300)
-    for chosen in (nodes, np.arange(len(degrees.table))):
-        numbers = degrees.table[chosen, : degrees.dimension].ravel()
+    motions = rigid_motions(degrees, positions - positions.mean(axis=0))
+    motions[:, degrees.dimension :] /= max(np.ptp(positions), 1e-300)
+    for candidates in (nodes, np.arange(len(degrees.table))):
+        numbers = degrees.table[candidates, : degrees.dimension].ravel()
         rows = motions[numbers]
         if np.linalg.matrix_rank(rows, tol=1e-6) == motions.shape[1]:
             order = scipy.linalg.qr(rows.T, mode="r", pivoting=True)[1]
             return np.sort(numbers[order[: motions.shape[1]]])
-    turning = np.flatnonzero(np.isin(np.arange(len(degrees)), degrees.table[nodes]))
-    order = scipy.linalg.qr(motions[turning].T, mode="r", pivoting=True)[1]
-    return np.sort(turning[order[: motions.shape[1]]])
+    rotations = np.flatnonzero(np.isin(np.arange(len(degrees)), degrees.table[nodes]))
+    order = scipy.linalg.qr(motions[rotations].T, mode="r", pivoting=True)[1]
+    return np.sort(rotations[order[: motions.shape[1]]])

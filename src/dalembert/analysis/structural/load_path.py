@@ -1,7 +1,7 @@
 """Load paths past limit points, by arc length (Riks 1979, Crisfield 1981).
 
-A point of the path is an equilibrium ``∂W/∂u (u, p) = λ P`` with ``U_p`` growing alike, on a plane
-across the direction of the path; so the load may fall as well as grow.
+A point of the path is an equilibrium ``∂W/∂u (u, p) = λ P`` with ``U_p`` in proportion, on a plane
+across the direction of the path, so that the load may decrease as well as increase.
 """
 
 from __future__ import annotations
@@ -13,14 +13,13 @@ import numpy as np
 
 from dalembert.analysis.keywords import ArcLengthKeywords
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.served import need_structure
-from dalembert.analysis.structural.numbers import require
+from dalembert.analysis.requirements import need_positive, need_structure
 from dalembert.analysis.structural.path_equations import PathEquations
-from dalembert.analysis.structural.path_walk import Walk
+from dalembert.analysis.structural.path_following import PathFollower
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.options import options
-from dalembert.results.result import Analysis, Given
+from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult
 from dalembert.structures.model import StructuralModel
@@ -29,18 +28,18 @@ from dalembert.text.spelling import spelled
 
 @options
 class ArcLength(Analysis[StructuralModel, LoadPathResult]):
-    """Equilibria of one load case along the path of its load.
+    """Equilibria of one load case along its load path.
 
     Parameters
     ----------
     case : load case
-    first : share of the load of the first step
-    longest : of a step, in first steps
+    first : load factor of the first step
+    longest : upper limit of a step, in lengths of the first step
     until : load factor at which the path ends, from either side
     stop : ``point → bool``, ends the path, e.g. ``lambda point: point["tip.uy"] < -1``
-    max_points : number of points at most
-    tolerance : of the residual relative to the largest force
-    max_iterations : of Newton's method in a step
+    max_points : upper limit of the number of points
+    tolerance : residual relative to the largest force
+    max_iterations : of Newton's method per step
 
     Raises
     ------
@@ -59,7 +58,7 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
     >>> toggle.load(top, fy=-5)
     >>> fallen = da.ArcLength(stop=lambda point: point["top.uy"] < -0.2)
     >>> path = fallen.run(toggle.build())
-    >>> len(path.limits), bool(path["top.uy"][-1] < -0.2)  # past the limit point it fell through
+    >>> len(path.limits), bool(path["top.uy"][-1] < -0.2)  # snapped through past the limit point
     (1, True)
     """
 
@@ -75,41 +74,43 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
     max_iterations: int = 15
 
     def __post_init__(self) -> None:
-        require(self, ("first", "longest", "until", "tolerance"), ("max_points", "max_iterations"))
+        need_positive(
+            self, ("first", "longest", "until", "tolerance"), ("max_points", "max_iterations")
+        )
 
     def run(
-        self, model: StructuralModel, parameters: Given = None, progress: Any = False
+        self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False
     ) -> LoadPathResult:
-        """Follow the path from rest; keeps the points it found.
+        """Follow the path from rest; a failed run keeps its points.
 
         Raises
         ------
         AnalysisError
-            An unknown load case, or one that moves nothing; ``SingularityError`` where the
+            An unknown load case, or one without effect; ``SingularityError`` where the
             structure is a mechanism before any load acts.
         """
         p = model.values(parameters)
         if self.case not in model.loads:
             known = ", ".join(repr(c) for c in model.loads)
             raise AnalysisError(f"no load case {self.case!r}; known: {known}")
-        walk = Walk(self, PathEquations(model, p, self.case))
+        path = PathFollower(self, PathEquations(model, p, self.case))
         try:
             with progress_reporter(progress, f"following the load of {model.name}") as report:
-                status = walk.follow(report)
+                status = path.follow(report)
         except KeyboardInterrupt:
-            if not walk.points:
+            if not path.points:
                 raise
-            status = walk.status(Outcome.INTERRUPTED, "stopped at")
-        return walk.result(status)
+            status = path.status(Outcome.INTERRUPTED, "stopped at")
+        return path.result(status)
 
     def replay(self, result: LoadPathResult, p: np.ndarray) -> LoadPathResult:
-        """The same planes crossed at other parameter values."""
-        walk = Walk(self, PathEquations(result.model, p, self.case))
-        free = walk.equations.free
+        """The intersections of the path with the same planes at other parameter values."""
+        path = PathFollower(self, PathEquations(result.model, p, self.case))
+        free = path.equations.free
         for k, plane in enumerate(result.planes):
-            near = np.append(result.displacements[free, k], result.load_factors[k])
-            walk.cross(plane, near)
-        return walk.result(Status(Outcome.COMPLETED, "load path replayed", 0.0, walk.worst))
+            guess = np.append(result.displacements[free, k], result.load_factors[k])
+            path.cross(plane, guess)
+        return path.result(Status(Outcome.COMPLETED, "load path replayed", 0.0, path.worst))
 
     def at_load(self, result: LoadPathResult, factor: float) -> LoadPathResult:
         """The first equilibrium at a load factor.
@@ -117,20 +118,21 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
         Raises
         ------
         AnalysisError
-            The path does not get there.
+            The path does not reach it.
         """
-        found = result.load_factors
-        beyond = np.flatnonzero((found[:-1] - factor) * (found[1:] - factor) <= 0)
+        factors = result.load_factors
+        beyond = np.flatnonzero((factors[:-1] - factor) * (factors[1:] - factor) <= 0)
         if not beyond.size:
             raise AnalysisError(
-                f"the path has load factors from {found.min():g} to {found.max():g}, not {factor:g}"
+                f"the path has load factors from {factors.min():g} to {factors.max():g}, "
+                f"not {factor:g}"
             )
         k, free = int(beyond[0]), result.model.assembly.free
-        share = (factor - found[k]) / (found[k + 1] - found[k] or 1.0)
+        share = (factor - factors[k]) / (factors[k + 1] - factors[k] or 1.0)
         u = (1 - share) * result.displacements[free, k] + share * result.displacements[free, k + 1]
-        walk = Walk(self, PathEquations(result.model, result.parameters, self.case))
-        walk.cross(walk.level(factor), np.append(u, factor))
-        return walk.result(result.status)
+        path = PathFollower(self, PathEquations(result.model, result.parameters, self.case))
+        path.cross(path.level(factor), np.append(u, factor))
+        return path.result(result.status)
 
 
 @spelled
@@ -169,6 +171,6 @@ def solve_load_path(
     >>> round(float(limit) * 27**0.5 / (1e3 * 0.1**3), 2)  # of E A h³/(√27 l³), if shallow
     0.99
     """
-    made = analysis_of(ArcLength, "solve_load_path", model, parameters, **options)
-    need_structure(model, "solve_load_path", "take solve_equilibrium load by load")
-    return made.run(model, parameters)
+    analysis = analysis_of(ArcLength, "solve_load_path", model, parameters, **options)
+    need_structure(model, "solve_load_path", "use solve_equilibrium load by load")
+    return analysis.run(model, parameters)

@@ -9,18 +9,17 @@ from typing import Any, Unpack
 import numpy as np
 
 from dalembert.analysis.keywords import ModalKeywords
-from dalembert.analysis.served import need_structure
+from dalembert.analysis.requirements import need_count, need_structure
 from dalembert.analysis.spectral import SpectralAnalysis
-from dalembert.analysis.structural.numbers import need_count
 from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
 from dalembert.analysis.structural.spectrum import Spectrum
-from dalembert.analysis.structural.static_equations import factorised
+from dalembert.analysis.structural.static_equations import free_factors
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options
-from dalembert.results.result import Given
+from dalembert.results.result import ParameterValues
+from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
-from dalembert.results.structural.vibration_modes import VibrationModes
 from dalembert.sparse.factorise import indefinite_factors
 from dalembert.structures.evaluation.eigenpairs import nearest
 from dalembert.structures.model import StructuralModel
@@ -33,10 +32,10 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
 
     Parameters
     ----------
-    count : of the modes; one more is found, to see whether it coincides with the last
-    lumped : take the lumped mass matrix instead of the one consistent with the stiffness
-    shift : ``σ``: the modes nearest to ``ω² = σ`` [rad²/s²]; negative where the structure floats
-    about : statics with one load case (``result.at([0])`` picks one): modes about the loaded state,
+    count : number of modes; one more is computed to detect coincidence with the last one
+    lumped : lumped instead of consistent mass matrix
+    shift : ``σ``: modes nearest to ``ω² = σ`` [rad²/s²]; negative for unsupported structures
+    about : statics with one load case (``result.at([0])`` selects it): modes of the loaded state,
         with the tangent stiffness at large displacements, and ``K + K_g`` at small ones
 
     Raises
@@ -61,7 +60,7 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
     """
 
     spoken = "modes of vibration"
-    makes = VibrationModes
+    modes_class = VibrationModes
 
     count: int = 6
     lumped: bool = False
@@ -74,24 +73,24 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
             return
         if not self.about.analysis.at_rest:
             kind = type(self.about.analysis).__name__
-            raise UnsupportedError(f"Modal: about is of {kind}; take a result of solve_statics")
+            raise UnsupportedError(f"Modal: about is of {kind}; use a result of solve_statics")
         if len(self.about.cases) != 1:
             raise UnsupportedError(
                 f"Modal: about has the load cases {', '.join(map(repr, self.about.cases))}; "
-                "pick one with about=result.at([number])"
+                "select one with about=result.at([number])"
             )
 
     def run(
-        self, model: StructuralModel, parameters: Given = None, progress: Any = False
+        self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False
     ) -> VibrationModes:
-        """The modes.
+        """Modes of vibration at parameter values.
 
         Raises
         ------
         SingularityError
-            Something moves freely and the shift is zero.
+            A part moves freely and the shift is zero.
         AnalysisError
-            Nothing has mass; ``about`` is of another structure, or failed.
+            No element has mass; ``about`` is of another structure, or failed.
         """
         if self.about is not None:
             parameters = self._loaded_parameters(self.about, model, parameters)
@@ -101,25 +100,27 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
         """The same modes at other parameter values, by their order."""
         if self.about is None:
             return super().replay(result, p)
-        again = self.about.analysis.replay(self.about, p)
-        self._loaded_parameters(again, result.model, None)
-        analysis = replace(self, about=again.at([again.case(self.about.cases[0])]))
+        statics = self.about.analysis.replay(self.about, p)
+        self._loaded_parameters(statics, result.model, None)
+        analysis = replace(self, about=statics.at([statics.case(self.about.cases[0])]))
         return super(Modal, analysis).replay(result, p)
 
     @staticmethod
-    def _loaded_parameters(about: StructuralResult, model: StructuralModel, given) -> np.ndarray:
+    def _loaded_parameters(
+        about: StructuralResult, model: StructuralModel, parameters
+    ) -> np.ndarray:
         if about.model.structure is not model.structure:
             raise AnalysisError(f"about is a result of {about.model.name}, not of this structure")
-        if given is not None:
+        if parameters is not None:
             raise AnalysisError("about has its own parameter values; solve its statics with others")
         if not about.status.success:
             raise AnalysisError(f"about is no equilibrium: {about.status}", about.status.residual)
         return about.parameters
 
     def pencil(self, model: StructuralModel, p: np.ndarray) -> Pencil:
-        rest = Loaded(model.linearized, p)
-        stiffness: list[Term] = [Tangent(rest)]
-        mass = Mass(rest, self.lumped)
+        unloaded = Loaded(model.linearized, p)
+        stiffness: list[Term] = [Tangent(unloaded)]
+        mass = Mass(unloaded, self.lumped)
         if self.about is not None:
             loaded = Loaded(self.about.model, p, self.about)
             if self.about.model.linear:
@@ -146,10 +147,10 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
                     f"the stiffness is singular at the shift {self.shift:g}; give another one"
                 ) from None
         try:
-            factor = factorised(pencil.model, matrix)
+            factor = free_factors(pencil.model, matrix)
         except SingularityError as error:
             raise SingularityError(
-                f"{error}; for the modes of what floats give a negative shift, of the size of the "
+                f"{error}; for an unsupported structure give a negative shift, of the size of the "
                 "lowest ω² of interest"
             ) from None
         return factor.solve  # type: ignore[union-attr]
@@ -175,7 +176,7 @@ def solve_modes(
     Raises
     ------
     AnalysisError
-        Wrong options, nothing has mass; ``SingularityError`` where something moves freely.
+        Wrong options, no mass; ``SingularityError`` where a part moves freely.
 
     Examples
     --------
@@ -195,6 +196,6 @@ def solve_modes(
     >>> (modes.frequencies * 2 * math.pi)**2  # k/m and 3 k/m
     array([ 9., 27.])
     """
-    made = analysis_of(Modal, "solve_modes", model, parameters, count=count, **options)
-    need_structure(model, "solve_modes", "take linearize")
-    return made.run(model, parameters)
+    analysis = analysis_of(Modal, "solve_modes", model, parameters, count=count, **options)
+    need_structure(model, "solve_modes", "use linearize")
+    return analysis.run(model, parameters)

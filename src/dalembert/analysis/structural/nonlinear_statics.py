@@ -9,11 +9,15 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.structural.balance import Balanced, full_steps
-from dalembert.analysis.structural.numbers import require
-from dalembert.analysis.structural.static_equations import StaticEquations, StaticsRecord
+from dalembert.analysis.requirements import need_positive
+from dalembert.analysis.structural.static_equations import (
+    ForceResidual,
+    StaticEquations,
+    StaticsRecord,
+    full_steps,
+)
 from dalembert.options import options
-from dalembert.results.result import Analysis, Given
+from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.solver import Factors
@@ -22,7 +26,7 @@ from dalembert.symbolic.equations.newton import Ending, Equations, Residual, sol
 from dalembert.timing import Timing
 
 SHORTEST = 1e-6
-"""Share of the load below which a step is not halved any more."""
+"""Lower limit of a load step, as a share of the load."""
 
 
 @options
@@ -35,8 +39,8 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
     Parameters
     ----------
     steps : number of load steps
-    tolerance : of the residual relative to the largest force
-    max_iterations : of Newton's method in a step
+    tolerance : residual relative to the largest force
+    max_iterations : of Newton's method per step
 
     Raises
     ------
@@ -67,12 +71,12 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
     max_iterations: int = 25
 
     def __post_init__(self) -> None:
-        require(self, ("tolerance",), ("steps", "max_iterations"))
+        need_positive(self, ("tolerance",), ("steps", "max_iterations"))
 
     def run(
-        self, model: StructuralModel, parameters: Given = None, progress: Any = False
+        self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False
     ) -> StructuralResult:
-        """Displacements and reactions of every load case; keeps the last equilibrium it found.
+        """Displacements and reactions of every load case; a failed run keeps the last equilibrium.
 
         Raises
         ------
@@ -96,21 +100,23 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
         if interrupted:
             text = f"load case {worst.case!r}: stopped at {worst.reached:.4g} of the load"
             status = Status(Outcome.INTERRUPTED, text, worst.reached, residual)
-        elif worst.lost:
-            text = f"{worst.lost} or take more steps"
+        elif worst.failure:
+            text = f"{worst.failure} or take more steps"
             status = Status(Outcome.NOT_CONVERGED, text, worst.reached, residual)
         else:
             status = Status(Outcome.COMPLETED, "nonlinear statics", 1.0, residual)
         timing.lap("loading")
         record = [path.record() for path in paths]
-        warnings = [path.unstable(one) for path, one in zip(paths, record, strict=True)]
+        warnings = [
+            path.stability_warning(entry) for path, entry in zip(paths, record, strict=True)
+        ]
         warnings = [text for text in warnings if text]
         if status.success:
             text = "not a stable position" if warnings else "stable"
             status = replace(status, message=f"{status.message}, {text}")
         timing.lap("outputs")
         iterations = sum(path.iterations for path in paths)
-        factors = [one.factor for one in record if one.factor is not None]
+        factors = [entry.factor for entry in record if entry.factor is not None]
         statistics: dict[str, Any] = {
             "iterations": iterations,
             "factorisations": iterations + len(factors),
@@ -125,7 +131,7 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
 
 
 class LoadPath:
-    """One load case on its way from rest."""
+    """Equilibria of one load case under increasing shares of the load."""
 
     def __init__(self, analysis: NonlinearStatics, equations: StaticEquations):
         self.analysis, self.equations = analysis, equations
@@ -133,8 +139,8 @@ class LoadPath:
         self.reached, self.iterations, self.residual = 0.0, 0, 0.0
 
     @property
-    def lost(self) -> str:
-        """What is said where there is no equilibrium under the whole load; nothing otherwise."""
+    def failure(self) -> str:
+        """Message where no equilibrium under the whole load was found; empty otherwise."""
         if self.reached >= 1.0:
             return ""
         return (
@@ -143,13 +149,13 @@ class LoadPath:
         )
 
     def follow(self) -> Iterator[float]:
-        """Shares of the load with an equilibrium, up to the whole or to where the path is lost."""
+        """Shares of the load with an equilibrium, up to the whole load or until a step fails."""
         step = 1.0 / self.analysis.steps
         while self.reached < 1.0:
             target = min(1.0, self.reached + step)
-            found = self._newton(target)
-            if found is not None:
-                self.u, self.reached = found, target
+            u = self._newton(target)
+            if u is not None:
+                self.u, self.reached = u, target
                 yield target
                 continue
             step /= 2
@@ -157,7 +163,7 @@ class LoadPath:
                 break
 
     def _newton(self, share: float) -> np.ndarray | None:
-        """Equilibrium under a share of the load, None where Newton's method fails.
+        """Equilibrium under a share of the load; None where Newton's method fails.
 
         Raises
         ------
@@ -165,12 +171,12 @@ class LoadPath:
             The structure is a mechanism before any load acts.
         """
         u, equations = self.u.copy(), self.equations
-        u[equations.held] = share * equations.given
+        u[equations.held] = share * equations.prescribed
         equilibrium = Equilibrium(equations, share)
         solution = solve(equilibrium, u, full_steps(self.analysis))
         self.iterations += solution.iterations
         if solution.ending is Ending.SINGULAR and self.reached == 0 and not self.iterations:
-            equilibrium.step(u, equilibrium.residual(u))  # tells what can move
+            equilibrium.step(u, equilibrium.residual(u))  # raises with the nodes that can move
         if not solution.accepted:
             return None
         self.residual = solution.residual
@@ -180,7 +186,7 @@ class LoadPath:
         """(n,) applied forces, and reactions at prescribed displacements."""
         return self.equations.forces(self.u, self.reached)
 
-    def unstable(self, record: StaticsRecord) -> str:
+    def stability_warning(self, record: StaticsRecord) -> str:
         """Warning about an equilibrium whose stiffness is not positive definite; empty if it is."""
         negative = record.factor.negative if isinstance(record.factor, Factors) else 0
         if not negative:
@@ -189,32 +195,32 @@ class LoadPath:
         return (
             f"{where}: the equilibrium is not stable: its stiffness has {negative} negative "
             f"eigenvalue{'s' * (negative > 1)}, so that the load is beyond a bifurcation or limit "
-            "point, and the structure moves on to another equilibrium; solve_buckling and "
-            "solve_load_path locate that point, a small load across or an imperfection leads on "
+            "point, and the structure moves to another equilibrium; solve_buckling and "
+            "solve_load_path locate that point, a small transverse load or an imperfection leads "
             "to the stable path"
         )
 
     def record(self) -> StaticsRecord:
-        """Tangent stiffness at the end, for gradients; no factors where the path was lost."""
+        """Tangent stiffness at the end, for gradients; no factors after a failure."""
         matrix = self.equations.stiffness(self.u, self.reached)
-        return StaticsRecord(None if self.lost else self.equations.factor(matrix), matrix)
+        return StaticsRecord(None if self.failure else self.equations.factor(matrix), matrix)
 
 
 class Equilibrium(Equations[np.ndarray]):
-    """Of the free displacements under a share of the load."""
+    """Equilibrium of the free displacements under a share of the load."""
 
     def __init__(self, equations: StaticEquations, share: float):
         self.equations, self.share = equations, share
 
-    def residual(self, x: np.ndarray) -> Balanced:
+    def residual(self, x: np.ndarray) -> ForceResidual:
         return self.equations.residual(x, self.share)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
-        assert isinstance(residual, Balanced)
+        assert isinstance(residual, ForceResidual)
         factor = self.equations.factor(residual.stiffness)
         return np.zeros(0) if factor is None else factor.solve(residual.value)
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
-        found = x.copy()
-        found[self.equations.free] += step
-        return found
+        u = x.copy()
+        u[self.equations.free] += step
+        return u

@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 import scipy
 
-from dalembert.analysis.structural.balance import Balanced
-from dalembert.analysis.structural.static_equations import StaticEquations, factorised
+from dalembert.analysis.structural.static_equations import (
+    ForceResidual,
+    StaticEquations,
+    free_factors,
+)
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.results.structural.load_path import Plane
 from dalembert.sparse.factorise import general_factors, symmetric_factors
@@ -38,10 +41,10 @@ class PathEquations:
         self.size = int(self.free.size)
         model.loads[case].refuse_fixed_axes(
             "a load path, which counts negative eigenvalues,",
-            "take solve_statics(…, nonlinear=True)",
+            "use solve_statics(…, nonlinear=True)",
         )
         stiffness, load, _ = self.matrix(np.zeros(self.size + 1))
-        factor = factorised(model, stiffness)
+        factor = free_factors(model, stiffness)
         self._slope = factor.solve(load) if factor is not None else np.zeros(0)
         arms = self.statics.balance.arms[self.free]
         length = float(np.linalg.norm(arms * self._slope))
@@ -54,44 +57,44 @@ class PathEquations:
         return np.append(self._slope, 1.0) / np.sqrt(2.0)
 
     def metric(self, direction: np.ndarray) -> np.ndarray:
-        """What a direction is multiplied with in an inner product."""
+        """The vector whose product with another direction is their inner product."""
         return np.append(direction[:-1] / self.scale**2, direction[-1])
 
-    def displaced(self, point: np.ndarray) -> np.ndarray:
+    def displacements_at(self, point: np.ndarray) -> np.ndarray:
         """(n,) all displacements."""
         u = np.zeros(self.statics.assembly.size)
-        u[self.free], u[self.held] = point[:-1], point[-1] * self.statics.given
+        u[self.free], u[self.held] = point[:-1], point[-1] * self.statics.prescribed
         return u
 
     def forces(self, point: np.ndarray) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
-        return self.statics.forces(self.displaced(point), point[-1])
+        return self.statics.forces(self.displacements_at(point), point[-1])
 
-    def residual(self, point: np.ndarray) -> Balanced:
-        """Force left over on the free displacements."""
-        return self.statics.residual(self.displaced(point), point[-1])
+    def residual(self, point: np.ndarray) -> ForceResidual:
+        """Unbalanced forces on the free displacements."""
+        return self.statics.residual(self.displacements_at(point), point[-1])
 
-    def matrix(self, point: np.ndarray, known: Any = None) -> tuple[Any, np.ndarray, Any]:
-        """``K_ff``, ``q`` and the whole stiffness, which may be known."""
+    def matrix(self, point: np.ndarray, stiffness: Any = None) -> tuple[Any, np.ndarray, Any]:
+        """``K_ff``, ``q`` and the whole stiffness, computed unless passed."""
         statics = self.statics
-        if known is None:
-            known = statics.stiffness(self.displaced(point), point[-1])
-        whole, growing = known.tocsr(), statics.applied
+        if stiffness is None:
+            stiffness = statics.stiffness(self.displacements_at(point), point[-1])
+        tangent, load_forces = stiffness.tocsr(), statics.applied
         if statics.moving:
-            growing = growing - statics.moving.forces(self.displaced(point), self.p)
-        rows = whole[self.free]
-        load = growing[self.free] - rows[:, self.held] @ statics.given
-        return rows[:, self.free].tocsc(), load, whole
+            load_forces = load_forces - statics.moving.forces(self.displacements_at(point), self.p)
+        rows = tangent[self.free]
+        load = load_forces[self.free] - rows[:, self.held] @ statics.prescribed
+        return rows[:, self.free].tocsc(), load, tangent
 
-    def factor(self, point: np.ndarray, plane: Plane, known: Any = None) -> Factors:
+    def factor(self, point: np.ndarray, plane: Plane, tangent: Any = None) -> Factors:
         """Factors of the bordered matrix, regular at limit points.
 
         Raises
         ------
         SingularityError
-            Two paths cross there.
+            The point is a bifurcation.
         """
-        stiffness, load, _ = self.matrix(point, known)
+        stiffness, load, _ = self.matrix(point, tangent)
         row = plane.row
         parts = [[stiffness, -load[:, None]], [row[None, :-1], row[None, -1:]]]
         try:
@@ -100,13 +103,13 @@ class PathEquations:
             raise SingularityError("the path branches there") from None
 
     def direction(self, point: np.ndarray, plane: Plane) -> np.ndarray:
-        """Unit direction of the path at a point, to the side to which the plane looks."""
+        """Unit direction of the path at a point, along the normal of the plane."""
         ahead = np.eye(1, self.size + 1, self.size).ravel()
-        found = self.factor(point, plane).solve(ahead)
-        return found / np.sqrt(found @ self.metric(found))
+        tangent = self.factor(point, plane).solve(ahead)
+        return tangent / np.sqrt(tangent @ self.metric(tangent))
 
     def negative(self, point: np.ndarray) -> int:
-        """Negative eigenvalues of ``K_ff``: pivots of its symmetric elimination."""
+        """Number of negative eigenvalues of ``K_ff``, from the pivots of its factors."""
         if not self.size:
             return 0
         try:
@@ -121,12 +124,12 @@ class Crossing(Equations[np.ndarray]):
     def __init__(self, path: PathEquations, plane: Plane):
         self.path, self.plane = path, plane
 
-    def residual(self, x: np.ndarray) -> Balanced:
+    def residual(self, x: np.ndarray) -> ForceResidual:
         forces, row = self.path.residual(x), np.abs(self.plane.row)
         value = np.append(forces.value, -self.plane.distance(x))
         noise = np.append(forces.rounding, ROUNDING * (row @ np.abs(x)))
-        return Balanced(value, np.append(forces.scale, 1.0), noise, stiffness=forces.stiffness)
+        return ForceResidual(value, np.append(forces.scale, 1.0), noise, stiffness=forces.stiffness)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
-        assert isinstance(residual, Balanced)
+        assert isinstance(residual, ForceResidual)
         return self.path.factor(x, self.plane, residual.stiffness).solve(residual.value)

@@ -1,7 +1,7 @@
-"""Pairs of symmetric matrices of a structure, ``A φ = λ B φ``, and how they follow the parameters.
+"""Pairs of symmetric matrices of a structure, ``A φ = λ B φ``, with derivatives by the parameters.
 
 Vibration has ``A = K`` and ``B = M``; buckling has ``A = −K_g`` and ``B = K``. Each matrix is a sum
-of terms; a term may depend on displacements that an analysis of statics found before.
+of terms; a term may depend on the displacements of a preceding static analysis.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import scipy
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.inertia import from_rest
-from dalembert.structures.evaluation.pattern import combined
+from dalembert.structures.evaluation.pattern import combine
 from dalembert.structures.model import StructuralModel
 
 
@@ -40,12 +40,12 @@ class Loaded:
             for case in self.result.cases[:1]:
                 self.model.loads[case].refuse_fixed_axes(
                     "vibration or buckling of a loaded structure",
-                    "take a load without fixed_axes",
+                    "use a load without fixed_axes",
                 )
 
     @property
     def heated(self) -> Assembly:
-        """What temperatures add to elements; nothing at rest."""
+        """Thermal terms of the elements; none at rest."""
         if self.result is None:
             return self.model.assembly.split(lambda _: False)[1]
         return self.model.loads[self.result.cases[0]].configuration.assembly
@@ -64,7 +64,7 @@ class Term:
 
     Attributes
     ----------
-    state : what it is taken at
+    state : state at which the matrix is evaluated
     """
 
     state: Loaded
@@ -78,36 +78,36 @@ class Term:
         raise NotImplementedError
 
     def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What ``aᵀ X b`` weighs displacements (n,) and parameters (np,)."""
+        """Derivatives of ``aᵀ X b`` by displacements (n,) and parameters (np,)."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True, eq=False)
 class Mass(Term):
-    """The mass matrix ``M(u)``, lumped or consistent with the stiffness; it turns with elements.
+    """Mass matrix ``M(u)``, lumped or consistent; it may rotate with the elements.
 
-    A motion that begins from rest with the accelerations ``b`` has the inertia forces ``M b``.
+    A motion that starts from rest with the accelerations ``b`` has the inertia forces ``M b``.
     """
 
     lumped: bool = False
 
     def matrix(self) -> scipy.sparse.csc_matrix:
         s, (steady, turning) = self.state, self._parts
-        found = steady.mass(s.p, self.lumped)
+        mass = steady.mass(s.p, self.lumped)
         if turning.blocks:
-            begin = from_rest(np.zeros_like(s.u), s.u)
-            found = found + turning.inertia_slopes(begin, s.p, self.lumped)[2]
-        return found
+            start = from_rest(np.zeros_like(s.u), s.u)
+            mass = mass + turning.inertia_slopes(start, s.p, self.lumped)[2]
+        return mass
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
         s = self.state
-        own = s.model.assembly.push_inertia(from_rest(b, s.u), s.p, dp, self.lumped)
-        return own + self._turned(b) @ du
+        direct = s.model.assembly.push_inertia(from_rest(b, s.u), s.p, dp, self.lumped)
+        return direct + self._turned(b) @ du
 
     def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         s = self.state
-        own = s.model.assembly.pull_inertia(from_rest(b, s.u), s.p, a, self.lumped)
-        return self._turned(b).T @ a, own
+        direct = s.model.assembly.pull_inertia(from_rest(b, s.u), s.p, a, self.lumped)
+        return self._turned(b).T @ a, direct
 
     def _turned(self, b: np.ndarray) -> scipy.sparse.csc_matrix:
         """(n, n) change of ``M b`` with the displacements."""
@@ -126,12 +126,12 @@ class Tangent(Term):
     def matrix(self) -> scipy.sparse.csc_matrix:
         s = self.state
         parts = (s.model.assembly, s.heated)
-        return combined(*((1.0, part.stiffness(s.u, s.p)) for part in parts))
+        return combine(*((1.0, part.stiffness(s.u, s.p)) for part in parts))
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
         s = self.state
-        given = b, s.u, s.p, du, dp
-        return s.model.assembly.push_stiffness(*given) + s.heated.push_stiffness(*given)
+        arguments = b, s.u, s.p, du, dp
+        return s.model.assembly.push_stiffness(*arguments) + s.heated.push_stiffness(*arguments)
 
     def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         s = self.state
@@ -143,8 +143,8 @@ class Tangent(Term):
 class Geometric(Term):
     """``f K_g``: the geometric stiffness ``K_g = ∂³W/∂u³ (0) · u`` times a number.
 
-    It is what the displacements ``u`` add to the stiffness at rest, to the first order; what the
-    stress of hindered expansion adds is among it.
+    ``K_g`` is the first-order change of the stiffness at rest with the displacements ``u``, that by
+    the stress of hindered thermal expansion included.
     """
 
     factor: float = 1.0
@@ -153,12 +153,12 @@ class Geometric(Term):
         s = self.state
         strained = s.model.assembly.geometric(s.u, s.p)
         hot = s.heated.stiffness(np.zeros_like(s.u), s.p)
-        return combined((self.factor, strained), (self.factor, hot))
+        return combine((self.factor, strained), (self.factor, hot))
 
     def push(self, b: np.ndarray, du: np.ndarray, dp: np.ndarray) -> np.ndarray:
         s, rest = self.state, np.zeros_like(b)
-        found = s.model.assembly.push_stiffness(b, s.u, s.p, du, dp, geometric=True)
-        return self.factor * (found + s.heated.push_stiffness(b, rest, s.p, rest, dp))
+        change = s.model.assembly.push_stiffness(b, s.u, s.p, du, dp, geometric=True)
+        return self.factor * (change + s.heated.push_stiffness(b, rest, s.p, rest, dp))
 
     def pull(self, a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         s, a = self.state, self.factor * a
@@ -168,7 +168,7 @@ class Geometric(Term):
 
 @dataclass(frozen=True, eq=False)
 class Pencil:
-    """``A φ = λ B φ`` on the free displacements; the prescribed ones are zero.
+    """``A φ = λ B φ`` in the free displacements; the prescribed ones are zero.
 
     Attributes
     ----------
@@ -190,5 +190,5 @@ class Pencil:
         return self._sum(self.left), self._sum(self.right)
 
     def _sum(self, terms: Sequence[Term]) -> scipy.sparse.csc_matrix:
-        total = combined(*((1.0, term.matrix()) for term in terms))
+        total = combine(*((1.0, term.matrix()) for term in terms))
         return self.model.assembly.inner(total)

@@ -1,8 +1,8 @@
-"""Rotation vectors of a motion kept short.
+"""Change of rotation vectors longer than π during a motion.
 
-A rotation has many vectors, ``r`` and ``r − 2π r/|r|`` among them, and where ``|r| = 2π`` their
-rates no longer tell every spin. So what is longer than π at the end of a step is replaced before
-the next one by the shorter vector, rates and accelerations along with it.
+A rotation has many vectors, ``r`` and ``r − 2π r/|r|`` among them, and the map from their rates to
+the spin is singular where ``|r| = 2π``. Vectors longer than π at the end of a step are replaced by
+the shorter ones before the next step, with their rates and accelerations.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dalembert.integrators.newmark.rule import Moving
 
 
 class RotationCharts:
-    """Nodes of space that turn freely, held by nothing that counts their turns.
+    """Spatial nodes with free rotations, on which no element counts whole turns.
 
     Parameters
     ----------
@@ -24,49 +24,51 @@ class RotationCharts:
 
     def __init__(self, equation: EquationOfMotion):
         e, degrees = equation, equation.model.degrees
-        watched = np.ones(e.assembly.size, dtype=bool)
-        watched[e.held] = watched[e.load_case.nodal.filled] = False
+        eligible = np.ones(e.assembly.size, dtype=bool)
+        eligible[e.held] = eligible[e.load_case.nodal.filled] = False
         for block in e.assembly.blocks:
             if block.kind.cls.counts_turns:
-                watched[block.degrees] = False
+                eligible[block.degrees] = False
         table = degrees.table[:, degrees.dimension :]
         if e.linear or degrees.dimension < 3:
             table = table[:0]
-        self.table = table[(table >= 0).all(axis=1) & watched[table].all(axis=1)]
-        """(nodes, 3) numbers of their rotations."""
+        self.table = table[(table >= 0).all(axis=1) & eligible[table].all(axis=1)]
+        """(nodes, 3) numbers of the rotations."""
 
     def long(self, u: np.ndarray) -> np.ndarray:
-        """(k, 3) numbers of rotations by more than π."""
+        """(k, 3) numbers of the rotations by more than π."""
         return self.table[np.linalg.norm(u[self.table], axis=1) > np.pi]
 
-    def shortened(self, x: Moving, where: np.ndarray) -> Moving:
-        """The same motion with other vectors of rotations (k, 3); twice, it is what it was."""
-        return _placed(x, where, VALUE(_columns(x, where)))
+    def shorten(self, x: Moving, rotations: np.ndarray) -> Moving:
+        """The same motion with the other vectors of rotations (k, 3); an involution."""
+        return _with_columns(x, rotations, VALUE(_columns(x, rotations)))
 
-    def push(self, x: Moving, where: np.ndarray, change: Moving) -> Moving:
-        """Change of ``shortened`` with changes (n, columns)."""
-        return self._linear(PUSH, x, where, change)
+    def push(self, x: Moving, rotations: np.ndarray, change: Moving) -> Moving:
+        """Change of ``shorten`` with changes (n, columns)."""
+        return self._linear(PUSH, x, rotations, change)
 
-    def pull(self, x: Moving, where: np.ndarray, weights: Moving) -> Moving:
-        """Weights of the motion from those (n, columns) of ``shortened``."""
-        return self._linear(PULL, x, where, weights)
+    def pull(self, x: Moving, rotations: np.ndarray, weights: Moving) -> Moving:
+        """Weights of the motion from those (n, columns) of ``shorten``."""
+        return self._linear(PULL, x, rotations, weights)
 
-    def _linear(self, function: ca.Function, x: Moving, where: np.ndarray, given: Moving) -> Moving:
-        columns = _columns(given, where)
-        at = np.repeat(_columns(x, where), given.u.shape[1], axis=1)
-        return _placed(given, where, function(at, columns))
-
-
-def _columns(x: Moving, where: np.ndarray) -> np.ndarray:
-    """(12, k · columns) rotations of some nodes with rates, accelerations and memory."""
-    return np.concatenate([part[where.T].reshape(3, -1) for part in x])
+    def _linear(
+        self, function: ca.Function, x: Moving, rotations: np.ndarray, tangent: Moving
+    ) -> Moving:
+        columns = _columns(tangent, rotations)
+        at = np.repeat(_columns(x, rotations), tangent.u.shape[1], axis=1)
+        return _with_columns(tangent, rotations, function(at, columns))
 
 
-def _placed(x: Moving, where: np.ndarray, columns: ca.DM) -> Moving:
-    found = Moving(*(part.copy() for part in x))
-    for part, rows in zip(found, np.split(np.array(columns), 4), strict=True):
-        part[where.T] = rows.reshape(part[where.T].shape)
-    return found
+def _columns(x: Moving, rotations: np.ndarray) -> np.ndarray:
+    """(12, k · columns) rotations with their rates, accelerations and memory."""
+    return np.concatenate([part[rotations.T].reshape(3, -1) for part in x])
+
+
+def _with_columns(x: Moving, rotations: np.ndarray, columns: ca.DM) -> Moving:
+    copy = Moving(*(part.copy() for part in x))
+    for part, rows in zip(copy, np.split(np.array(columns), 4), strict=True):
+        part[rotations.T] = rows.reshape(part[rotations.T].shape)
+    return copy
 
 
 def _functions() -> tuple[ca.Function, ca.Function, ca.Function]:

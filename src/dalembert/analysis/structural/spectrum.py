@@ -1,4 +1,4 @@
-"""Eigenpairs of symmetric matrices ``A φ = λ B φ``, and the singular systems about them."""
+"""Eigenpairs of symmetric matrices ``A φ = λ B φ``, and the singular systems of derivatives."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from dalembert.structures.evaluation.eigenpairs import Solve
 from dalembert.structures.model import StructuralModel
 
 VANISHES = 1e-13
-"""An eigenvalue is zero where it is this share of what its terms would add up to, or less."""
+"""Threshold of an eigenvalue, relative to the magnitude of its terms, below which it is zero."""
 
 
 @dataclass(eq=False)
@@ -29,7 +29,7 @@ class Spectrum:
     matrices : its ``A`` and ``B``, of the free displacements (f)
     eigenvalues : (m,) ``λ``
     vectors : (f, m) shapes, ``φᵀ B φ = 1``
-    count : of those that are wanted
+    count : number of wanted eigenpairs
     """
 
     pencil: Pencil
@@ -57,7 +57,7 @@ class Spectrum:
 
     @property
     def statistics(self) -> dict[str, Any]:
-        """How many displacements there are, and how many can move."""
+        """Numbers of all and of free displacements."""
         return {"displacements": self.model.assembly.size, "free": int(self.pencil.free.size)}
 
     def displacements(self, positions: np.ndarray) -> np.ndarray:
@@ -65,61 +65,61 @@ class Spectrum:
         return self.shapes[:, positions]
 
     def wanted(self) -> np.ndarray:
-        """(k,) the first ones."""
+        """(k,) positions of the wanted eigenpairs, the first ones."""
         return np.arange(min(self.count, self.eigenvalues.size))
 
     def following(self, earlier: Spectrum, positions: np.ndarray) -> np.ndarray:
-        """The same places, with shapes turned to the side to which those of earlier ones point."""
+        """The same positions; signs of the shapes are chosen as in the earlier spectrum."""
         k = min(self.eigenvalues.size, earlier.eigenvalues.size)
-        heavy = self.matrices[1] @ self.vectors[:, :k]
-        sides = np.einsum("fk,fk->k", earlier.vectors[:, :k], heavy)
-        self.vectors[:, :k] *= np.where(sides < 0, -1.0, 1.0)
+        momenta = self.matrices[1] @ self.vectors[:, :k]
+        signs = np.einsum("fk,fk->k", earlier.vectors[:, :k], momenta)
+        self.vectors[:, :k] *= np.where(signs < 0, -1.0, 1.0)
         return positions[positions < self.eigenvalues.size]
 
     @cached_property
     def shapes(self) -> np.ndarray:
-        """(n, m) of all displacements."""
-        found = np.zeros((self.pencil.model.assembly.size, self.eigenvalues.size))
-        found[self.pencil.free] = self.vectors
-        return found
+        """(n, m) shapes in all displacements."""
+        shapes = np.zeros((self.pencil.model.assembly.size, self.eigenvalues.size))
+        shapes[self.pencil.free] = self.vectors
+        return shapes
 
     @cached_property
     def groups(self) -> list[list[int]]:
-        """Positions of eigenvalues, those together that coincide."""
+        """Positions of the eigenvalues, grouped by coincidence."""
         return coinciding(self.eigenvalues, np.abs(self.eigenvalues))
 
     def scaled(self, shapes: np.ndarray) -> np.ndarray:
         """(n, k) ``B φ`` of shapes (n, k), the free displacements only."""
-        found = np.zeros_like(shapes)
-        found[self.pencil.free] = self.matrices[1] @ shapes[self.pencil.free]
-        return found
+        products = np.zeros_like(shapes)
+        products[self.pencil.free] = self.matrices[1] @ shapes[self.pencil.free]
+        return products
 
     def solve(self, group: list[int], rhs: np.ndarray) -> np.ndarray:
-        """(n, k) solutions of ``(A − λ B) V = R`` for ``R`` (n, k) without a part along the group.
+        """(n, k) solutions of ``(A − λ B) V = R`` for ``R`` (n, k) orthogonal to the group.
 
-        As many entries as there are shapes in the group, where they differ most, are held at zero
-        (Nelson, AIAA Journal 14, 1976); the factors are kept.
+        As many entries as there are shapes in the group are fixed to zero, where the shapes differ
+        most (Nelson, AIAA Journal 14, 1976); the factors are cached.
         """
         key = tuple(group)
         if key not in self._factors:
-            self._factors[key] = self._held(group)
-        kept, solve = self._factors[key]
-        found = np.zeros_like(rhs)
-        places = self.pencil.free[kept]
-        if kept.size:
-            found[places] = solve(rhs[places])
-        return found
+            self._factors[key] = self._reduced_system(group)
+        rows, solve = self._factors[key]
+        solution = np.zeros_like(rhs)
+        numbers = self.pencil.free[rows]
+        if rows.size:
+            solution[numbers] = solve(rhs[numbers])
+        return solution
 
-    def _held(self, group: list[int]) -> tuple[np.ndarray, Solve]:
+    def _reduced_system(self, group: list[int]) -> tuple[np.ndarray, Solve]:
         a, b = self.matrices
-        held = scipy.linalg.qr(self.vectors[:, group].T, pivoting=True, mode="r")[1][: len(group)]
-        kept = np.setdiff1d(np.arange(a.shape[0]), held)
-        matrix = (a - self.eigenvalues[group].mean() * b).tocsc()[kept][:, kept]
-        if not kept.size:
-            return kept, lambda rhs: rhs
-        return kept, indefinite_factors(matrix).solve
+        fixed = scipy.linalg.qr(self.vectors[:, group].T, pivoting=True, mode="r")[1][: len(group)]
+        rows = np.setdiff1d(np.arange(a.shape[0]), fixed)
+        matrix = (a - self.eigenvalues[group].mean() * b).tocsc()[rows][:, rows]
+        if not rows.size:
+            return rows, lambda rhs: rhs
+        return rows, indefinite_factors(matrix).solve
 
     @property
     def left(self) -> float:
-        """What is left of the equation of the pairs."""
+        """Residual of the equations of the eigenpairs."""
         return residual(*self.matrices, self.eigenvalues, self.vectors)

@@ -1,27 +1,42 @@
-"""Linear statics of structures: ``K_ff U_f = P_f − K_fp U_p`` (8.17), reactions by (8.18)."""
+"""Statics of structures: ``K_ff U_f = P_f − K_fp U_p`` (8.17), reactions by (8.18)."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 
-from dalembert.analysis.structural.linear_range import linear_doubts
+from dalembert.analysis.batch.solve import run_analysis
+from dalembert.analysis.keywords import StaticsKeywords
+from dalembert.analysis.requirements import need_structure
+from dalembert.analysis.structural.linear_range import linear_range_warnings
+from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.static_equations import (
     StaticEquations,
     StaticsRecord,
-    factorised,
+    free_factors,
 )
+from dalembert.analysis.times import analysis_of
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
-from dalembert.results.result import Analysis, Given
+from dalembert.results.batch.batch import Batch
+from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.multigrid import Multigrid
 from dalembert.sparse.solver import SparseSolver
-from dalembert.structures.evaluation.iterative import better_iterative, multigrid_of
+from dalembert.structures.evaluation.stiffness_solvers import (
+    better_iterative,
+    free_displacements,
+    multigrid_of,
+)
 from dalembert.structures.model import StructuralModel
+from dalembert.text.spelling import spelled
 from dalembert.timing import Timing
+
+if TYPE_CHECKING:
+    from dalembert.results.batch.designs import ManyDesigns
 
 AUTO, DIRECT, ITERATIVE = SOLVERS = ("auto", "direct", "iterative")
 
@@ -32,13 +47,13 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
 
     Parameters
     ----------
-    solver : ``"direct"`` factors the stiffness; ``"iterative"`` takes conjugate gradients with
-        algebraic multigrid, which needs less memory; ``"auto"`` that where factors would not fit
+    solver : ``"direct"`` factorises the stiffness; ``"iterative"`` uses conjugate gradients with
+        algebraic multigrid, which needs less memory; ``"auto"`` the latter where factors do not fit
 
     Raises
     ------
     UnsupportedError
-        Another solver.
+        Unknown solver.
 
     Examples
     --------
@@ -68,14 +83,14 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
             )
 
     def run(
-        self, model: StructuralModel, parameters: Given = None, progress: Any = False
+        self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False
     ) -> StructuralResult:
         """Displacements and reactions of every load case.
 
         Raises
         ------
         SingularityError
-            The structure can move without straining; names the nodes that do.
+            The structure can move without strain; names the nodes.
         """
         timing, exact = Timing(), model
         model = model.linearized
@@ -87,66 +102,128 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         factor = self._solver(model, assembly.inner(stiffness), p)
         timing.lap("factorisation")
         u[assembly.prescribed] = model.prescribed.values(p)[:, None]
-        begin, free = assembly.internal_forces(u[:, 0], p), assembly.free
-        forces, open_by = np.zeros_like(u), 0.0
+        strain, free = assembly.internal_forces(u[:, 0], p), assembly.free
+        forces, imbalance = np.zeros_like(u), 0.0
         for k, equations in enumerate(StaticEquations(model, p, case) for case in cases):
             if factor is not None:
-                u[free, k] = factor.solve(equations.left(u[:, k], 1.0, begin)[free])
-            left = equations.left(u[:, k], 1.0)
-            forces[:, k] = equations.supported(1.0, left)
-            open_by = max(open_by, np.abs(left[free]).max(initial=0.0))
-        residual = open_by / max(np.abs(forces).max(initial=0.0), 1e-300)
+                u[free, k] = factor.solve(equations.unbalanced(u[:, k], 1.0, strain)[free])
+            unbalanced = equations.unbalanced(u[:, k], 1.0)
+            forces[:, k] = equations.with_reactions(1.0, unbalanced)
+            imbalance = max(imbalance, np.abs(unbalanced[free]).max(initial=0.0))
+        residual = imbalance / max(np.abs(forces).max(initial=0.0), 1e-300)
         status = Status(Outcome.COMPLETED, "linear statics", 0.0, float(residual))
         record = StaticsRecord(factor, stiffness)
         timing.lap("solution")
         statistics = self._statistics(model, factor, timing)
-        records, warnings = [record] * len(cases), self._doubts(exact, p, cases, u, factor)
+        records, warnings = [record] * len(cases), self._range_warnings(exact, p, cases, u, factor)
         return StructuralResult(
             model, self, p, cases, u, forces, status, statistics, records, warnings
         )
 
     @staticmethod
-    def _doubts(
+    def _range_warnings(
         model: StructuralModel,
         p: np.ndarray,
         cases: list[str],
         u: np.ndarray,
         factor: SparseSolver | None,
     ) -> list[str]:
-        """Displacements that are too large for linear statics."""
+        """Warnings about displacements that are too large for linear statics."""
         free = model.assembly.free
 
-        def solved(forces: np.ndarray) -> np.ndarray:
-            found = np.zeros_like(forces)
-            if factor is not None:
-                found[free] = factor.solve(forces[free])
-            return found
+        def solve(forces: np.ndarray) -> np.ndarray:
+            return free_displacements(factor, free, forces)
 
         names = [f"load case {case!r}" if case else "the load" for case in cases]
-        return linear_doubts(model, p, names, u, solved, "use nonlinear=True")
+        return linear_range_warnings(model, p, names, u, solve, "use nonlinear=True")
 
     def _solver(self, model: StructuralModel, matrix: Any, p: np.ndarray) -> SparseSolver | None:
         blocks, free = model.assembly.blocks, model.assembly.free
-        chosen = self.solver == ITERATIVE
+        iterative = self.solver == ITERATIVE
         if self.solver == AUTO:
-            chosen = better_iterative(free.size, blocks)
-        if chosen:
+            iterative = better_iterative(free.size, blocks)
+        if iterative:
             return multigrid_of(matrix, blocks, model.degrees, free, p)
-        return factorised(model, matrix)
+        return free_factors(model, matrix)
 
     @staticmethod
     def _statistics(
         model: StructuralModel, factor: SparseSolver | None, timing: Timing
     ) -> dict[str, Any]:
-        found: dict[str, Any] = {
+        statistics: dict[str, Any] = {
             "displacements": len(model.degrees),
             "free": int(model.assembly.free.size),
             "load cases": len(model.loads),
         }
         if factor is not None:
-            found["solver"] = factor.name
+            statistics["solver"] = factor.name
         if isinstance(factor, Multigrid):
-            found["iterations"] = factor.iterations
-            found["residual of the solver"] = factor.residual
-        found["build time [s]"] = round(model.build_time, 6)
-        return found | timing.statistics
+            statistics["iterations"] = factor.iterations
+            statistics["residual of the solver"] = factor.residual
+        statistics["build time [s]"] = round(model.build_time, 6)
+        return statistics | timing.statistics
+
+
+@overload
+def solve_statics(
+    model: StructuralModel,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    nonlinear: bool = False,
+    **options: Unpack[StaticsKeywords],
+) -> StructuralResult: ...
+
+
+@overload
+def solve_statics(
+    model: StructuralModel,
+    *,
+    parameters: ManyDesigns,
+    nonlinear: bool = False,
+    workers: int | None = None,
+    **options: Unpack[StaticsKeywords],
+) -> Batch: ...
+
+
+@spelled
+def solve_statics(
+    model: StructuralModel,
+    *,
+    parameters: Any = None,
+    nonlinear: bool = False,
+    workers: int | None = None,
+    **options: Unpack[StaticsKeywords],
+) -> StructuralResult | Batch:
+    """Statics of a structure, ``K U = P`` partitioned by (8.14).
+
+    Parameters
+    ----------
+    model : StructuralModel
+    parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
+        of dicts for a batch
+    nonlinear : for large displacements
+    workers : of a batch; by default one for each core
+    **options : fields of ``Statics``: solver; of ``NonlinearStatics``: steps, tolerance,
+        max_iterations
+
+    Raises
+    ------
+    AnalysisError
+        Wrong options; ``SingularityError`` where the structure is a mechanism.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> bar = da.Structure("bar")
+    >>> a, b = bar.node("a", 0), bar.node("b", "500 mm")
+    >>> rod = bar.add(da.structures.Truss("rod", a, b, area="4 cm^2", modulus="210 GPa"))
+    >>> bar.support(a)
+    >>> bar.load(b, fx="84 kN")
+    >>> result = da.solve_statics(bar.build())
+    >>> round(result["b.ux"], 9), round(result["rod.stress"])
+    (0.0005, 210000000)
+    """
+    kind = NonlinearStatics if nonlinear else Statics
+    analysis = analysis_of(kind, "solve_statics", model, parameters, **options)
+    need_structure(model, "solve_statics", "use solve_equilibrium")
+    return run_analysis(analysis, model, parameters, workers=workers)  # type: ignore[no-any-return]

@@ -11,15 +11,15 @@ import numpy as np
 from dalembert.analysis.keywords import TransientKeywords
 from dalembert.analysis.kinematics.branches import place_outputs
 from dalembert.analysis.progress import Reported
-from dalembert.analysis.served import need_structure
+from dalembert.analysis.requirements import need_structure
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.structural.transient_run import TransientRun, motion_at
 from dalembert.analysis.structural.transient_start import STARTS
-from dalembert.analysis.times import Time, analysis_of, retimed
+from dalembert.analysis.times import Time, analysis_of, evaluate_times
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.newmark.family import Newmark, NewmarkFamily
 from dalembert.options import options
-from dalembert.results.result import Analysis, Given
+from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled
@@ -38,14 +38,14 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     nonlinear : for large displacements
     lumped : diagonal mass matrix instead of the consistent one
     damping : Rayleigh
-    case : name of the load case; not needed where there is one only
-    start : ``"rest"``, from the initial motion that ``structure.initial`` gives; ``"statics"``,
-        from equilibrium under the loads at t = 0
+    case : name of the load case; optional if there is only one
+    start : ``"rest"``, from the initial motion of ``structure.initial``; ``"statics"``, from
+        equilibrium under the loads at t = 0
 
     Raises
     ------
     AnalysisError, UnsupportedError
-        A choice that is none of these.
+        Another choice.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     def __post_init__(self) -> None:
         if not isinstance(self.integrator, NewmarkFamily):
             raise UnsupportedError(
-                f"integrator is {self.integrator!r}; transients of structures take Newmark(), "
+                f"integrator is {self.integrator!r}; transients of structures accept Newmark(), "
                 "HHT() or GeneralizedAlpha()"
             )
         if not isinstance(self.damping, Rayleigh):
@@ -88,12 +88,12 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
             raise AnalysisError(f"start is {self.start!r}; it must be {known}")
 
     def case_of(self, model: StructuralModel) -> str:
-        """The load case that acts.
+        """Name of the load case that acts.
 
         Raises
         ------
         AnalysisError
-            There is none of this name.
+            No load case of this name.
         """
         if self.case in model.loads:
             return self.case
@@ -105,10 +105,10 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     def run(
         self,
         model: StructuralModel,
-        parameters: Given = None,
+        parameters: ParameterValues = None,
         progress: Reported = False,
     ) -> StructuralMotion:
-        """Integrate; a run that fails keeps what it had and says why in its status.
+        """Integrate; a failed run keeps its steps, and its status names the reason.
 
         Raises
         ------
@@ -123,13 +123,13 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
                 "parameter"
             )
         p = model.values(parameters)
-        return TransientRun(retimed(self, model, p), model, p).execute(progress)
+        return TransientRun(evaluate_times(self, model, p), model, p).execute(progress)
 
     def resample(self, motion: StructuralMotion, times: np.ndarray) -> StructuralMotion:
         """The motion at other times within the run.
 
-        Between the ends of two steps it is found by a shorter step from the first, which is a
-        smooth function of the parameters.
+        Between the ends of two steps it is computed by a shorter step from the first one, a smooth
+        function of the parameters.
 
         Raises
         ------
@@ -184,8 +184,8 @@ def solve_transient(
     >>> round(float(motion["b.ux"][-1]), 4)  # twice F/k after half a period
     0.1
     """
-    made = analysis_of(
+    analysis = analysis_of(
         Transient, "solve_transient", model, parameters, duration=duration, **options
     )
-    need_structure(model, "solve_transient", "take solve_dynamics")
-    return made.run(model, parameters, progress)
+    need_structure(model, "solve_transient", "use solve_dynamics")
+    return analysis.run(model, parameters, progress)

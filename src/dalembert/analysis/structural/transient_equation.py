@@ -1,6 +1,6 @@
-"""The equations of motion of a structure, ``M a + C v + ∂W/∂u(u) = P(t)``, at given parameters.
+"""Equations of motion of a structure, ``M a + C v + ∂W/∂u(u) = P(t)``, at parameter values.
 
-Where inertia turns with elements, ``M a`` is ``d/dt ∂T/∂v − ∂T/∂u`` of their kinetic energy.
+Where inertia rotates with elements, ``M a`` is ``d/dt ∂T/∂v − ∂T/∂u`` of their kinetic energy.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from dalembert.errors import ModelError, SingularityError, UnsupportedError
 from dalembert.integrators.newmark.rule import Moving
 from dalembert.sparse.factorise import indefinite_factors, symmetric_factors
 from dalembert.sparse.solver import Factors
-from dalembert.structures.evaluation.pattern import combined
-from dalembert.structures.loads.configuration_load import ConfigurationLoad, Expansion
+from dalembert.structures.evaluation.pattern import combine
+from dalembert.structures.loads.load_case import ConfigurationLoad, Expansion
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import free_symbols
@@ -63,18 +63,18 @@ class Rayleigh(Spelled):
         Raises
         ------
         ModelError
-            A formula of anything else.
+            A formula of other names.
         """
         entries = ArrayEntries(2)
         for k, name in enumerate(("mass", "stiffness")):
-            made = as_expression(getattr(self, name), f"Rayleigh.{name}")
-            foreign = free_symbols(made.sx) - set(model.parameters)
+            coefficient = as_expression(getattr(self, name), f"Rayleigh.{name}")
+            foreign = free_symbols(coefficient.sx) - set(model.parameters)
             if foreign:
                 raise ModelError(
                     f"depends on {', '.join(sorted(foreign))}, no parameters of {model.name}",
                     f"Rayleigh.{name}",
                 )
-            entries.add(k, made)
+            entries.add(k, coefficient)
         return entries.array(model.p)
 
 
@@ -86,8 +86,8 @@ class Motions(NamedTuple):
     a: np.ndarray
 
 
-def moved(x: Moving) -> Motions:
-    """The motion without the memory of the method."""
+def motion_of(x: Moving) -> Motions:
+    """The motion without the memory variable of the method."""
     return Motions(x.u, x.v, x.a)
 
 
@@ -120,8 +120,8 @@ class EquationOfMotion:
 
     Attributes
     ----------
-    mass, stiffness : (n, n) sparse; in the initial place
-    steady, turning : sums over the elements with constant inertia, and over the others
+    mass, stiffness : (n, n) sparse; in the initial configuration
+    steady, turning : sums over the elements with constant and with rotating inertia
     alpha, beta : coefficients of the damping
     """
 
@@ -136,11 +136,11 @@ class EquationOfMotion:
         if moving.depends_on_time and not self.linear:
             raise UnsupportedError(
                 f"temperatures or moments about fixed axes of load case {case!r} depend on time, "
-                "which nonlinear transients do not take; take nonlinear=False, or constant ones"
+                "which nonlinear transients do not support; use nonlinear=False, or constant ones"
             )
-        nothing = ConfigurationLoad([], [], self.assembly.size, self.held, self.linear)
-        self.expansion = Expansion(moving if self.linear else nothing)
-        self.heated = nothing.assembly if self.linear else moving.assembly
+        no_load = ConfigurationLoad([], [], self.assembly.size, self.held, self.linear)
+        self.expansion = Expansion(moving if self.linear else no_load)
+        self.heated = no_load.assembly if self.linear else moving.assembly
         self.alpha, self.beta = (float(c) for c in self.damping.values(p))
         rest = np.zeros(self.assembly.size)
         self.mass = self.assembly.mass(p, lumped)
@@ -148,7 +148,7 @@ class EquationOfMotion:
         self._at_rest = self.assembly.internal_forces(rest, p)
         self.steady, self.turning = self.assembly.split(lambda b: b.kind.turning(lumped))
         self._inertia = self.steady.mass(p, lumped) if self.turns else self.mass
-        self._damper = combined((self.beta, self.stiffness))
+        self._damper = combine((self.beta, self.stiffness))
         self.supports = (
             model.prescribed,
             model.prescribed.derivative,
@@ -157,12 +157,12 @@ class EquationOfMotion:
 
     @property
     def rest(self) -> Motions:
-        """The structure as it was built."""
+        """Zero displacements, velocities and accelerations."""
         return Motions(*np.zeros((3, self.assembly.size)))
 
     @property
     def symmetric(self) -> bool:
-        """Whether all slopes of the forces are."""
+        """Whether all derivatives of the forces are symmetric."""
         return not self.turns and self.load_case.configuration.symmetric
 
     @property
@@ -172,12 +172,12 @@ class EquationOfMotion:
 
     @cached_property
     def sizes(self) -> tuple[scipy.sparse.csc_matrix, scipy.sparse.csc_matrix]:
-        """Sizes of the entries of mass and damping matrix in the initial place."""
+        """Magnitudes of the entries of mass and damping matrix in the initial configuration."""
         return abs(self.mass), abs(self.alpha * self.mass + self._damper)
 
     @cached_property
     def massive(self) -> np.ndarray:
-        """Free displacements that move mass."""
+        """Free displacements with mass."""
         return self.free[self.mass.diagonal()[self.free] > 0]
 
     @cached_property
@@ -189,7 +189,7 @@ class EquationOfMotion:
         return self.load_case.values(self.p, time) + self.expansion.values(self.p, time)
 
     def loads(self, time: float) -> np.ndarray:
-        """(n,) applied forces, and those of hindered expansion."""
+        """(n,) applied forces, with those of hindered thermal expansion."""
         constant = self._constant_load
         return self._loads(time) if constant is None else constant
 
@@ -198,91 +198,91 @@ class EquationOfMotion:
         return Motions(*(array.values(self.p, time) for array in self.supports))
 
     def tangent(self, u: np.ndarray) -> scipy.sparse.csc_matrix:
-        """``∂²W/∂u²``, of heated elements too."""
+        """``∂²W/∂u²``, thermal terms included."""
         if self.linear:
             return self.stiffness
-        found = self.assembly.stiffness(u, self.p)
-        return found + self.heated.stiffness(u, self.p) if self.heated.blocks else found
+        stiffness = self.assembly.stiffness(u, self.p)
+        return stiffness + self.heated.stiffness(u, self.p) if self.heated.blocks else stiffness
 
     def internal_forces(self, u: np.ndarray) -> np.ndarray:
         """(n,) ``∂W/∂u``."""
         if self.linear:
             return self._at_rest + self.stiffness @ u
-        found = self.assembly.internal_forces(u, self.p)
-        return found + self.heated.internal_forces(u, self.p)
+        forces = self.assembly.internal_forces(u, self.p)
+        return forces + self.heated.internal_forces(u, self.p)
 
     def parts(self, motion: Motions) -> list[np.ndarray]:
-        """Forces (n,) that the motion needs: of inertia with its damping, of springs, of strain."""
-        found = [self._inertia @ self._driven(motion)]
+        """Forces (n,) required by the motion: inertia, mass and stiffness damping, strain."""
+        forces = [self._inertia @ self._damped_acceleration(motion)]
         if self.beta:
-            found.append(self._damper @ motion.v)
+            forces.append(self._damper @ motion.v)
         if self.turns:
-            moved = motion._replace(a=self._driven(motion))
-            found.append(self.turning.inertia_forces(moved, self.p, self.lumped))
+            moved = motion._replace(a=self._damped_acceleration(motion))
+            forces.append(self.turning.inertia_forces(moved, self.p, self.lumped))
         if self.linear or not self.heated.blocks:
-            return [*found, self.internal_forces(motion.u)]
+            return [*forces, self.internal_forces(motion.u)]
         parts = (self.assembly, self.heated)
-        return [*found, *(part.internal_forces(motion.u, self.p) for part in parts)]
+        return [*forces, *(part.internal_forces(motion.u, self.p) for part in parts)]
 
     def forces(self, motion: Motions) -> np.ndarray:
-        """(n,) forces that the motion needs, ``d/dt ∂T/∂v − ∂T/∂u + C v + ∂W/∂u``."""
+        """(n,) forces required by the motion, ``d/dt ∂T/∂v − ∂T/∂u + C v + ∂W/∂u``."""
         return sum(self.parts(motion), np.zeros(self.assembly.size))
 
     def momentum(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
         """``∂T/∂v``, for one or many columns."""
-        found = self._inertia @ v
+        momentum = self._inertia @ v
         if self.turns and v.ndim > 1:
             return np.stack([self.momentum(*column) for column in zip(u.T, v.T, strict=True)], 1)
         if self.turns:
             still = np.zeros_like(u)
-            found = found + self.turning.inertia_forces((u, still, v), self.p, self.lumped)
-        return found
+            momentum = momentum + self.turning.inertia_forces((u, still, v), self.p, self.lumped)
+        return momentum
 
     def external_forces(self, motion: Motions, time: float) -> np.ndarray:
         """(n,) applied forces, and reactions at prescribed displacements."""
         loads = self.loads(time)
-        found = self.load_case.values(self.p, time) if self.expansion else loads.copy()
-        found[self.held] = (self.forces(motion) - loads)[self.held]
-        return found
+        forces = self.load_case.values(self.p, time) if self.expansion else loads.copy()
+        forces[self.held] = (self.forces(motion) - loads)[self.held]
+        return forces
 
     def slopes(self, motion: Motions, stiffness: scipy.sparse.csc_matrix | None = None) -> Slopes:
-        """Derivatives of ``forces``; the stiffness there is found if it is not given."""
-        rest = self._constant_slopes
+        """Derivatives of ``forces``; the stiffness is computed unless passed."""
+        constant = self._constant_slopes
         if self.linear:
-            return rest
+            return constant
         strain = self.tangent(motion.u) if stiffness is None else stiffness
         if not self.turns:
-            return rest._replace(u=strain)
-        moved = motion._replace(a=self._driven(motion))
+            return constant._replace(u=strain)
+        moved = motion._replace(a=self._damped_acceleration(motion))
         by_u, by_v, by_a = self.turning.inertia_slopes(moved, self.p, self.lumped)
         return Slopes(
-            combined((1.0, strain), (1.0, by_u)),
-            combined((1.0, rest.v), (1.0, by_v), (self.alpha, by_a)),
-            combined((1.0, rest.a), (1.0, by_a)),
+            combine((1.0, strain), (1.0, by_u)),
+            combine((1.0, constant.v), (1.0, by_v), (self.alpha, by_a)),
+            combine((1.0, constant.a), (1.0, by_a)),
         )
 
     @cached_property
     def _constant_slopes(self) -> Slopes:
-        """``K``, ``C`` and ``M`` of what does not turn."""
-        damper = combined((self.alpha, self._inertia), (1.0, self._damper))
+        """``K``, ``C`` and ``M`` of the elements with constant inertia."""
+        damper = combine((self.alpha, self._inertia), (1.0, self._damper))
         return Slopes(self.stiffness, damper, self._inertia)
 
-    def _driven(self, motion: Motions) -> np.ndarray:
-        """``a + α v``: damping by mass is inertia of these accelerations."""
+    def _damped_acceleration(self, motion: Motions) -> np.ndarray:
+        """``a + α v``: mass damping is the inertia of these accelerations."""
         return motion.a + self.alpha * motion.v if self.alpha else motion.a
 
 
-def factors(matrix: scipy.sparse.csc_matrix, what: str, symmetric: bool = True) -> Factors | None:
-    """Sparse factors of a matrix, symmetric and positive as a rule.
+def factors(matrix: scipy.sparse.csc_matrix, reason: str, symmetric: bool = True) -> Factors | None:
+    """Sparse factors of a matrix, usually symmetric and positive definite.
 
     Raises
     ------
     SingularityError
-        It is singular; ``what`` tells what that means.
+        It is singular; ``reason`` is the message.
     """
     if not matrix.shape[0]:
         return None
     try:
         return symmetric_factors(matrix) if symmetric else indefinite_factors(matrix)
     except np.linalg.LinAlgError:
-        raise SingularityError(what) from None
+        raise SingularityError(reason) from None

@@ -1,4 +1,4 @@
-"""Marching a structure through time: start, steps, outputs, status."""
+"""Time integration of a structure: start, steps, outputs, status."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ import numpy as np
 
 from dalembert.analysis.kinematics.branches import Branches, outputs_of
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.structural.linear_range import linear_doubts
+from dalembert.analysis.structural.linear_range import linear_range_warnings
 from dalembert.analysis.structural.rotation_charts import RotationCharts
-from dalembert.analysis.structural.transient_equation import EquationOfMotion, moved
+from dalembert.analysis.structural.transient_equation import EquationOfMotion, motion_of
 from dalembert.analysis.structural.transient_start import TransientStart
 from dalembert.analysis.structural.transient_step import TransientStep
 from dalembert.analysis.timeline import (
@@ -23,27 +23,27 @@ from dalembert.analysis.timeline import (
     step_count,
     uniform_grid,
 )
-from dalembert.budget import afford
+from dalembert.budget import check_budget
 from dalembert.integrators.marching.checkpoints import Recorder
 from dalembert.integrators.marching.steps import Schedule, Steps, halving_warnings
 from dalembert.integrators.newmark.rule import Moving
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.structures.evaluation.factors import factors_of
+from dalembert.structures.evaluation.stiffness_solvers import factors_of, free_displacements
 from dalembert.structures.model import StructuralModel
 from dalembert.timing import Timing
 
 ROUNDS = 3
-"""Rounds of work for each step, as the budget counts them."""
+"""Cost of a step in rounds of the budget."""
 
 
 class March:
-    """Steps taken, and the states at their ends.
+    """Accepted steps, and the states at their ends.
 
     Parameters
     ----------
     analysis : strategy object with the fields of ``Transient``
-    model : StructuralModel, linear or not as the analysis wants it
+    model : StructuralModel, linear or not as in the analysis
     p : (np,) values of the parameters
     """
 
@@ -54,91 +54,91 @@ class March:
         self.start = TransientStart(self.equation, analysis.start, case)
         self.charts = RotationCharts(self.equation)
         self.shortened: dict[int, np.ndarray] = {}
-        """Number of steps taken → rotations whose vectors were replaced after them."""
+        """Number of steps → rotations whose vectors were replaced after them."""
         self._steps: dict[float, TransientStep] = {}
         self.steps: Steps
 
     def step(self, h: float) -> TransientStep:
-        """Steps of a length; equal lengths share their factors."""
+        """Step of a length; equal lengths share their factors."""
         if h not in self._steps:
             self._steps[h] = TransientStep(self.equation, self.analysis.integrator, h)
         return self._steps[h]
 
     @property
     def iterations(self) -> int:
-        """Of Newton's method, in all steps."""
+        """Number of Newton iterations in all steps."""
         return sum(step.iterations for step in self._steps.values())
 
     @property
     def factorisations(self) -> int:
-        """Of matrices of steps."""
+        """Number of factorisations in all steps."""
         return sum(step.factorisations for step in self._steps.values())
 
     def run(self, times: np.ndarray, report: Callable[[float], None]) -> Status:
-        """Take the steps between the times; how it ended.
+        """Take the steps between the times; returns the status.
 
-        A step in which Newton's method fails is halved, and halved again.
+        A step in which Newton's method fails is halved, repeatedly if necessary.
         """
-        now = self.start.state()
-        recorder = Recorder(np.concatenate(now), steps=times.size - 1)
-        lengths, taken = _lengths(times), 0
-        none = np.zeros(lengths.size, dtype=int)
-        ahead = Schedule(times[:-1], lengths, none > 0, none)
-        ended: Status | None = None
+        state = self.start.state()
+        recorder = Recorder(np.concatenate(state), steps=times.size - 1)
+        lengths, accepted = _lengths(times), 0
+        no_halvings = np.zeros(lengths.size, dtype=int)
+        schedule = Schedule(times[:-1], lengths, no_halvings > 0, no_halvings)
+        status: Status | None = None
         try:
-            while taken < ahead.h.size:
-                t, h = float(ahead.t[taken]), float(ahead.h[taken])
-                end = float(np.append(ahead.t, times[-1])[taken + 1])
-                new = self.step(h).advance(now, end)
-                if new is None:
-                    if ahead.halve(taken):
+            while accepted < schedule.h.size:
+                t, h = float(schedule.t[accepted]), float(schedule.h[accepted])
+                end = float(np.append(schedule.t, times[-1])[accepted + 1])
+                result = self.step(h).advance(state, end)
+                if result is None:
+                    if schedule.halve(accepted):
                         continue
-                    ended = unsolved(t, self.step(h).left, 0.0)
+                    status = unsolved(t, self.step(h).relative_residual, 0.0)
                     break
-                if not np.all(np.isfinite(new.a)):
+                if not np.all(np.isfinite(result.a)):
                     text = f"no finite state after t = {t:.9g} s; use a shorter step"
-                    ended = Status(Outcome.DIVERGED, text)
+                    status = Status(Outcome.DIVERGED, text)
                     break
-                taken += 1
-                now = self._short(new, taken)
-                recorder.add(np.array([t, end]), np.concatenate(now)[:, None])
-                report(taken / ahead.h.size)
+                accepted += 1
+                state = self._shorten(result, accepted)
+                recorder.add(np.array([t, end]), np.concatenate(state)[:, None])
+                report(accepted / schedule.h.size)
         except KeyboardInterrupt:
-            ended = stopped(float(np.append(ahead.t, times[-1])[taken]), 0.0)
+            status = stopped(float(np.append(schedule.t, times[-1])[accepted]), 0.0)
         x = recorder.states(None)
-        whole = Steps(ahead.t, ahead.h, x, ahead.corrected, ahead.mode, ahead.halved)
-        self.steps = whole if taken == ahead.h.size else whole.cut(taken)
+        steps = Steps(schedule.t, schedule.h, x, schedule.corrected, schedule.mode, schedule.halved)
+        self.steps = steps if accepted == schedule.h.size else steps.cut(accepted)
         end, residual = self.steps.end, self._residual(float(lengths[0]))
-        return replace(ended or reached(end, 0.0), time=end, residual=residual)
+        return replace(status or reached(end, 0.0), time=end, residual=residual)
 
     def _residual(self, h: float) -> float:
-        """Of the equations of motion at the end, relative to their terms."""
+        """Residual of the equations of motion at the end, relative to their terms."""
         e, end = self.equation, self.steps.end
-        last = moved(self.node(self.steps.count))
-        where = e.free if self.steps.count else e.massive
+        last = motion_of(self.node(self.steps.count))
+        rows = e.free if self.steps.count else e.massive
         step, sizes = self.step(h), abs(e.tangent(last.u))
-        return step.residual(last, e.loads(end), where, sizes).relative(step.settings.tolerance)
+        return step.residual(last, e.loads(end), rows, sizes).relative(step.settings.tolerance)
 
-    def _short(self, x: Moving, node: int) -> Moving:
-        where = self.charts.long(x.u)
-        if not where.size:
+    def _shorten(self, x: Moving, node: int) -> Moving:
+        rotations = self.charts.long(x.u)
+        if not rotations.size:
             return x
-        self.shortened[node] = where
+        self.shortened[node] = rotations
         for step in self._steps.values():
-            step.kept = None
-        return self.charts.shortened(x, where)
+            step.previous = None
+        return self.charts.shorten(x, rotations)
 
     def node(self, k: int) -> Moving:
-        """State at the end of step ``k``; the beginning for zero."""
+        """State at the end of step ``k``; the start for zero."""
         return Moving(*self.steps.x[:, k].reshape(4, -1))
 
     def arrived(self, k: int) -> Moving:
-        """The same as the step left it, before rotation vectors were replaced."""
-        x, where = self.node(k), self.shortened.get(k)
-        return x if where is None else self.charts.shortened(x, where)
+        """State at the end of step ``k`` before rotation vectors were replaced."""
+        x, rotations = self.node(k), self.shortened.get(k)
+        return x if rotations is None else self.charts.shorten(x, rotations)
 
     def states(self, branches: Branches) -> list[Moving]:
-        """States at outputs; between the ends of steps by a step of the length that is needed."""
+        """States at outputs; between the ends of steps by a shorter step."""
         ends = branches.ends_of(self.steps)
         return [
             self.node(int(k) + int(end)) if end or not length else self._inside(int(k), length)
@@ -147,14 +147,14 @@ class March:
 
     def _inside(self, k: int, length: float) -> Moving:
         step = TransientStep(self.equation, self.analysis.integrator, length)
-        found = step.advance(self.node(k), float(self.steps.t[k]) + length)
-        if found is None:
+        state = step.advance(self.node(k), float(self.steps.t[k]) + length)
+        if state is None:
             return Moving(*np.full((4, self.equation.assembly.size), np.nan))
-        return found
+        return state
 
 
 def _lengths(times: np.ndarray) -> np.ndarray:
-    """Lengths of the steps, equal ones to the last bit."""
+    """Lengths of the steps; nearly equal ones become identical."""
     h = np.diff(times)
     same = np.isclose(h, h[0], rtol=1e-9, atol=0)
     return np.where(same, h[0], h)
@@ -176,13 +176,13 @@ class TransientRun:
     p: np.ndarray
 
     def execute(self, progress: Any = False) -> StructuralMotion:
-        """March, and take the outputs."""
+        """Integrate and evaluate the outputs."""
         a, timing = self.analysis, Timing()
         start, end = checked_span(a.duration, None)
         step, n = checked_step(a.step, start, end), len(self.model.degrees)
         count = step_count(start, end, step)
         cure = "use a longer step or a shorter run"
-        afford(f"{count} steps of a structure", rounds=ROUNDS * count, cure=cure)
+        check_budget(f"{count} steps of a structure", rounds=ROUNDS * count, cure=cure)
         afford_states(count, 4 * n)
         times = uniform_grid(start, end, step)
         requested = output_times(a.outputs, start, end)
@@ -194,7 +194,7 @@ class TransientRun:
         timing.lap("integration")
         if requested is None and march.steps.rejected:
             requested = times
-        placed, branches = outputs_of(march.steps, requested)
+        times_of_outputs, branches = outputs_of(march.steps, requested)
         statistics = {
             "displacements": march.equation.assembly.size,
             "steps": march.steps.count,
@@ -203,16 +203,16 @@ class TransientRun:
             "factorisations": march.factorisations,
             "build time [s]": round(model.build_time, 6),
         }
-        motion = motion_at(march, a, placed, branches, status, statistics)
+        motion = motion_at(march, a, times_of_outputs, branches, status, statistics)
         timing.lap("outputs")
         motion.statistics |= timing.statistics
         motion.warnings = halving_warnings(march.steps.rejected)
         if not a.nonlinear:
-            motion.warnings += self._linear_doubts(motion, march)
+            motion.warnings += self._range_warnings(motion, march)
         return motion
 
-    def _linear_doubts(self, motion: StructuralMotion, march: March) -> list[str]:
-        """Displacements that are too large for linear equations, where they are largest."""
+    def _range_warnings(self, motion: StructuralMotion, march: March) -> list[str]:
+        """Warning where the largest displacements exceed the range of linear equations."""
         u = motion.displacements
         if not u.size or self.model.linear:
             return []
@@ -220,17 +220,14 @@ class TransientRun:
         assembly = march.equation.assembly
         free, rest = assembly.free, np.zeros(assembly.size)
 
-        def solved(forces: np.ndarray) -> np.ndarray:
-            found = np.zeros_like(forces)
+        def solve(forces: np.ndarray) -> np.ndarray:
             stiffness = assembly.inner(assembly.stiffness(rest, self.p))
             factor = factors_of(stiffness, self.model.degrees, free)
-            if factor is not None:
-                found[free] = factor.solve(forces[free])
-            return found
+            return free_displacements(factor, free, forces)
 
         name = f"at t = {motion.time[k]:.6g} s"
-        return linear_doubts(
-            self.model, self.p, [name], u[:, k : k + 1], solved, "use nonlinear=True"
+        return linear_range_warnings(
+            self.model, self.p, [name], u[:, k : k + 1], solve, "use nonlinear=True"
         )
 
 
@@ -242,10 +239,12 @@ def motion_at(
     status: Status,
     statistics: dict[str, Any],
 ) -> StructuralMotion:
-    """The motion at outputs."""
-    e, found = march.equation, march.states(branches)
-    forces = [e.external_forces(moved(x), float(t)) for x, t in zip(found, times, strict=True)]
-    u, v, a = (np.stack(column, axis=1) for column in zip(*(moved(x) for x in found), strict=True))
+    """The motion at output times."""
+    e, states = march.equation, march.states(branches)
+    forces = [e.external_forces(motion_of(x), float(t)) for x, t in zip(states, times, strict=True)]
+    u, v, a = (
+        np.stack(column, axis=1) for column in zip(*(motion_of(x) for x in states), strict=True)
+    )
     return StructuralMotion(
         model=e.model,
         analysis=analysis,
@@ -264,13 +263,13 @@ def motion_at(
 
 @dataclass(frozen=True)
 class TransientRecord:
-    """What a gradient needs of a run.
+    """Data of a run for gradients.
 
     Attributes
     ----------
     march : equations, steps and states
-    steps : the steps taken
-    branches : where the outputs lie among them
+    steps : accepted steps
+    branches : positions of the outputs within the steps
     """
 
     march: March

@@ -1,4 +1,4 @@
-"""Where a transient begins: initial motion, static equilibrium, and accelerations to match."""
+"""Initial state of a transient: initial motion or static equilibrium, consistent accelerations."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from dalembert.analysis.structural.instant import Instant, Unknown
 from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearStatics
-from dalembert.analysis.structural.static_equations import StaticEquations, factorised
+from dalembert.analysis.structural.static_equations import StaticEquations, free_factors
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions, factors
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.integrators.newmark.rule import Moving
@@ -14,47 +14,47 @@ from dalembert.integrators.newmark.rule import Moving
 STARTS = ("rest", "statics")
 MASSLESS = (
     "the mass matrix is singular: displacements without mass are coupled to others; give all "
-    "elements a density, or take lumped=True"
+    "elements a density, or use lumped=True"
 )
 
 
 class TransientStart:
-    """The state at the beginning.
+    """The initial state.
 
-    Accelerations follow from the equations of motion; displacements without any mass have none.
+    Accelerations follow from the equations of motion; massless displacements have none.
 
     Parameters
     ----------
     equation : EquationOfMotion
-    kind : ``"rest"``, the initial motion that the structure describes; ``"statics"``, equilibrium
-        under the loads at that time, with the initial velocities
+    kind : ``"rest"``, the initial motion of the structure; ``"statics"``, equilibrium under the
+        loads at that time, with the initial velocities
     case : name of the load case
-    time : beginning of the run [s]
+    time : start of the run [s]
 
     Raises
     ------
     ModelError
-        Initial displacements beside ``"statics"``.
+        Initial displacements together with ``"statics"``.
     """
 
     def __init__(self, equation: EquationOfMotion, kind: str, case: str, time: float = 0.0):
         self.equation, self.static, self.case, self.time = equation, kind == "statics", case, time
         self.initial = equation.model.initial
-        if self.static and self.initial.given:
+        if self.static and self.initial.displaced:
             raise ModelError(
                 "initial displacements are given, and start='statics' computes them; drop one",
                 equation.model.name,
             )
 
     def state(self) -> Moving:
-        """Displacements, velocities and accelerations; the method remembers nothing yet.
+        """Displacements, velocities and accelerations; the memory of the method is zero.
 
         Raises
         ------
         SingularityError
             The mass matrix is singular; for ``"statics"``, the structure is a mechanism.
         AnalysisError
-            There is no static equilibrium.
+            No static equilibrium was found.
         """
         e, p = self.equation, self.equation.p
         held = e.support_motion(self.time)
@@ -62,46 +62,50 @@ class TransientStart:
         v[e.held], a[e.held] = held.v, held.a
         u = self._equilibrium(held.u) if self.static else self.initial.displacements.values(p)
         u[e.held] = held.u
-        begin = self._accelerations(Instant(e, Motions(u, v, a), self.time))
-        a[e.massive] = begin.correction(begin.value)
+        unknown = self._accelerations(Instant(e, Motions(u, v, a), self.time))
+        a[e.massive] = unknown.correction(unknown.value)
         return Moving(u, v, a, np.zeros_like(a))
 
-    def push(self, begin: Instant) -> Moving:
+    def push(self, instant: Instant) -> Moving:
         """Change of the state with the parameters."""
-        e, changes = self.equation, begin.parameters
+        e, changes = self.equation, instant.parameters
         held = changes.supports(self.time)
-        u = np.zeros_like(begin.own) if self.static else changes.each(self.initial.displacements)
+        u = (
+            np.zeros_like(instant.parameter_change)
+            if self.static
+            else changes.each(self.initial.displacements)
+        )
         v, a = changes.each(self.initial.velocities), np.zeros_like(u)
         u[e.held], v[e.held], a[e.held] = held
         if self.static:
-            u[e.free] = self._displacements(begin.at_rest()).moved(Motions(u, 0 * v, 0 * a))
-        a[e.massive] = self._accelerations(begin).moved(Motions(u, v, a))
+            u[e.free] = self._displacements(instant.at_rest()).tangent(Motions(u, 0 * v, 0 * a))
+        a[e.massive] = self._accelerations(instant).tangent(Motions(u, v, a))
         return Moving(u, v, a, np.zeros_like(a))
 
-    def pull(self, begin: Instant, weights: Moving) -> None:
-        """Take weights of the state to the parameters."""
-        e, parameters = self.equation, begin.parameters
-        by_motion = self._accelerations(begin).weighed(weights.a[e.massive])
-        left = begin.freed(weights, by_motion)
-        parameters.pull(self.initial.velocities, left.v)
+    def pull(self, instant: Instant, weights: Moving) -> None:
+        """Pass weights of the state to the parameters."""
+        e, parameters = self.equation, instant.parameters
+        by_motion = self._accelerations(instant).adjoint(weights.a[e.massive])
+        total = instant.free_weights(weights, by_motion)
+        parameters.pull(self.initial.velocities, total.v)
         if not self.static:
-            parameters.pull(self.initial.displacements, left.u)
+            parameters.pull(self.initial.displacements, total.u)
             return
-        still = self._displacements(begin.at_rest())
-        by_place = still.weighed(left.u[e.free])
-        nothing = np.zeros_like(by_place.u)
-        still.at.freed(Moving(*(nothing,) * 4), Motions(by_place.u, nothing, nothing))
+        still = self._displacements(instant.at_rest())
+        by_displacement = still.adjoint(total.u[e.free])
+        zeros = np.zeros_like(by_displacement.u)
+        still.at.free_weights(Moving(*(zeros,) * 4), Motions(by_displacement.u, zeros, zeros))
 
     def _accelerations(self, at: Instant) -> Unknown:
-        """Those where there is mass."""
-        where = self.equation.massive
-        return Unknown(at, where, lambda: factors(at.slopes.a[where][:, where], MASSLESS))
+        """Accelerations of the displacements with mass."""
+        rows = self.equation.massive
+        return Unknown(at, rows, lambda: factors(at.slopes.a[rows][:, rows], MASSLESS))
 
     def _displacements(self, at: Instant) -> Unknown:
-        """The free ones, at rest."""
+        """Free displacements at rest."""
         e = self.equation
         inner = e.assembly.inner
-        return Unknown(at, e.free, lambda: factorised(e.model, inner(at.stiffness)))
+        return Unknown(at, e.free, lambda: free_factors(e.model, inner(at.stiffness)))
 
     def _equilibrium(self, held: np.ndarray) -> np.ndarray:
         e = self.equation
@@ -110,10 +114,10 @@ class TransientStart:
             path = LoadPath(NonlinearStatics(), StaticEquations(e.model, e.p, self.case))
             for _ in path.follow():
                 u = path.u
-            if path.lost:
-                text = f"at the start, {path.lost} or take start='rest'"
+            if path.failure:
+                text = f"at the start, {path.failure} or use start='rest'"
                 raise AnalysisError(text, path.residual)
         u[e.held] = held
-        still = self._displacements(Instant(e, Motions(u, 0 * u, 0 * u), self.time))
-        u[e.free] += still.correction(still.value)  # in nonlinear statics round-off is left only
+        unknown = self._displacements(Instant(e, Motions(u, 0 * u, 0 * u), self.time))
+        u[e.free] += unknown.correction(unknown.value)  # only round-off after nonlinear statics
         return u

@@ -1,10 +1,10 @@
-"""One step of Newmark's method or a relative, for structures.
+"""One step of Newmark's method and its relatives, for structures.
 
-The rule of ``integrators/newmark/rule.py``; the equations of motion hold at the end of the step.
-Newton's method begins where the equations that are linear about the beginning of the step lead:
-kept accelerations would carry nodes under loads of their own across their neighbours, and stiff
-waves with them. It goes on with the factors at the beginning, and takes new ones only where they do
-not lead fast to the root; what it finds is corrected once more with those at the end.
+The rule is that of ``integrators/newmark/rule.py``; the equations of motion hold at the end of the
+step. Newton's method starts from the solution of the equations linearised at the start of the step:
+constant accelerations would move separately loaded nodes past their neighbours and excite stiff
+waves. It keeps the factors of the start and updates them only where convergence is slow; the result
+is corrected once more with the factors at the end.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from dalembert.analysis.structural.balance import Balance, full_steps
 from dalembert.analysis.structural.instant import Instant, Unknown
+from dalembert.analysis.structural.static_equations import Balance, full_steps
 from dalembert.analysis.structural.transient_equation import (
     EquationOfMotion,
     Motions,
     Slopes,
     factors,
-    moved,
+    motion_of,
 )
 from dalembert.integrators.newmark.family import NewmarkFamily
 from dalembert.integrators.newmark.rule import Course, Moving, StepRule
 from dalembert.sparse.solver import Factors
-from dalembert.structures.evaluation.pattern import combined
+from dalembert.structures.evaluation.pattern import combine
 from dalembert.symbolic.equations.newton import Equations, Residual, solve
 
 SINGULAR = (
@@ -36,18 +36,18 @@ SINGULAR = (
 
 
 FAST = 0.1
-"""Share of the residual that a step with factors from elsewhere may leave."""
+"""Upper limit of the residual reduction of an iteration with old factors."""
 
 
-class Ahead(NamedTuple):
-    """A step without acceleration at its end: where it begins, and its course."""
+class Prediction(NamedTuple):
+    """A step without acceleration at its end: initial displacements, and velocities."""
 
     u: np.ndarray
     course: Course
 
 
 class TransientStep:
-    """Steps of one length.
+    """Step of a fixed length.
 
     Parameters
     ----------
@@ -61,11 +61,11 @@ class TransientStep:
         self.settings = full_steps(integrator)
         self.factorisations = 0
         self._steady = self._factors(equation.slopes(equation.rest)) if equation.linear else None
-        self.kept: Unknown | None = None
+        self.previous: Unknown | None = None
         self.end: Moving | None = None
-        """Of the step before, and the equations there."""
+        """End of the previous step; ``previous`` holds the equations there."""
         self.balance, self.iterations = Balance(equation.model, equation.p), 0
-        self.left = 0.0
+        self.relative_residual = 0.0
         """Relative residual at which Newton's method ended."""
 
     def unknown(self, at: Instant) -> Unknown:
@@ -80,7 +80,7 @@ class TransientStep:
         """Factors of ``M + κ(h γ C + h² β K)`` in the free displacements."""
         e, rule = self.equation, self.rule
         by_u, by_v = rule.slopes
-        matrix = combined((1.0, slopes.a), (by_v, slopes.v), (by_u, slopes.u))
+        matrix = combine((1.0, slopes.a), (by_v, slopes.v), (by_u, slopes.u))
         self.factorisations += 1
         return factors(e.assembly.inner(matrix), SINGULAR, symmetric=e.symmetric)
 
@@ -93,87 +93,91 @@ class TransientStep:
             The equations of the step are singular.
         """
         e = self.equation
-        ahead, held, loads = self.predicted(x), e.support_motion(time), e.loads(time)
+        prediction, held, loads = self.predict(x), e.support_motion(time), e.loads(time)
         a = np.zeros_like(x.a)
         if not e.linear:
-            a = self._guess(x, ahead, held, loads, time)
-            found = self._solved(EndOfStep(self, ahead, held, loads, time, FAST), a)
-            if found is None:
-                found = self._solved(EndOfStep(self, ahead, held, loads, time, 0.0), a)
-            if found is None:
+            a = self._initial_guess(x, prediction, held, loads, time)
+            solution = self._newton(EndOfStep(self, prediction, held, loads, time, FAST), a)
+            if solution is None:
+                solution = self._newton(EndOfStep(self, prediction, held, loads, time, 0.0), a)
+            if solution is None:
                 return None
-            a = found
-        motion = moved(self.placed(ahead, held, a))
-        self.kept = self.unknown(Instant(e, motion, time))
-        rest = (e.forces(motion) - loads)[e.free]
-        a[e.free] += self.kept.correction(rest)  # after convergence: round-off only is left
-        self.end = self.placed(ahead, held, a)
+            a = solution
+        motion = motion_of(self.state(prediction, held, a))
+        self.previous = self.unknown(Instant(e, motion, time))
+        imbalance = (e.forces(motion) - loads)[e.free]
+        # after convergence: reduces the residual to round-off
+        a[e.free] += self.previous.correction(imbalance)
+        self.end = self.state(prediction, held, a)
         return self.end
 
-    def _guess(
-        self, x: Moving, ahead: Ahead, held: Motions, loads: np.ndarray, time: float
+    def _initial_guess(
+        self, x: Moving, prediction: Prediction, held: Motions, loads: np.ndarray, time: float
     ) -> np.ndarray:
-        """(n,) accelerations at the end by forces that are linear about the beginning."""
-        e, begin, a = self.equation, moved(x), np.zeros_like(x.a)
-        if self.kept is None or self.end is not x:
-            self.kept = self.unknown(Instant(e, begin, time - self.rule.h))
-        end = moved(self.placed(ahead, held, a))
-        change = Motions(*(new - old for new, old in zip(end, begin, strict=True)))
-        rest = e.forces(begin) + self.kept.at.slopes.along(change) - loads
-        a[e.free] = self.kept.correction(rest[e.free])
+        """(n,) accelerations at the end, with forces linearised at the start."""
+        e, start, a = self.equation, motion_of(x), np.zeros_like(x.a)
+        if self.previous is None or self.end is not x:
+            self.previous = self.unknown(Instant(e, start, time - self.rule.h))
+        end = motion_of(self.state(prediction, held, a))
+        change = Motions(*(new - old for new, old in zip(end, start, strict=True)))
+        imbalance = e.forces(start) + self.previous.at.slopes.along(change) - loads
+        a[e.free] = self.previous.correction(imbalance[e.free])
         return a
 
     def push(self, end: Instant, change: Moving) -> Moving:
-        """Change of what the step ends with, from that of what it begins with."""
-        ahead, held = self.predicted(change), end.parameters.supports(end.time)
+        """Change of the end of the step with that of its start and of the parameters."""
+        prediction, held = self.predict(change), end.parameters.supports(end.time)
         a = np.zeros_like(change.u)
-        known = moved(self.placed(ahead, held, a))
-        a[self.equation.free] = self.unknown(end).moved(known)
-        return self.placed(ahead, held, a)
+        without_acceleration = motion_of(self.state(prediction, held, a))
+        a[self.equation.free] = self.unknown(end).tangent(without_acceleration)
+        return self.state(prediction, held, a)
 
     def pull(self, end: Instant, weights: Moving) -> Moving:
-        """Weights of what the step begins with, from those of what it ends with.
+        """Weights of the start of the step from those of its end.
 
         With multipliers ``λ`` of the equations at its end, ``(M + κ(h γ C + h² β K))ᵀ λ`` is the
         weight of the accelerations there.
         """
         by_a = self.rule.weigh_acceleration(weights)[self.equation.free]
-        through = self.unknown(end).weighed(by_a)
-        return self.rule.weigh_start(end.freed(weights, through))
+        by_motion = self.unknown(end).adjoint(by_a)
+        return self.rule.weigh_start(end.free_weights(weights, by_motion))
 
-    def _solved(self, end: EndOfStep, a: np.ndarray) -> np.ndarray | None:
-        """Accelerations at the end, None where Newton's method fails."""
+    def _newton(self, end: EndOfStep, a: np.ndarray) -> np.ndarray | None:
+        """Accelerations at the end; None where Newton's method fails."""
         solution = solve(end, a, self.settings)
-        self.iterations, self.left = self.iterations + solution.iterations + 1, solution.residual
+        self.iterations, self.relative_residual = (
+            self.iterations + solution.iterations + 1,
+            solution.residual,
+        )
         return solution.x if solution.accepted else None
 
     def residual(
-        self, motion: Motions, loads: np.ndarray, where: np.ndarray, sizes: scipy.sparse.csc_matrix
+        self, motion: Motions, loads: np.ndarray, rows: np.ndarray, sizes: scipy.sparse.csc_matrix
     ) -> Residual:
-        """What is left over of the forces on some displacements.
+        """Unbalanced forces on some displacements.
 
         Parameters
         ----------
-        sizes : (n, n) of the entries of the stiffness, for rounding
+        sizes : (n, n) magnitudes of the entries of the stiffness, for rounding
         """
         e, (u, v, a) = self.equation, (np.abs(x) for x in motion)
         inertia, damper = e.sizes
-        made_of = sizes @ u + damper @ v
-        made_of += inertia @ (a + v / self.rule.h)  # an acceleration is a change of speed
+        magnitudes = sizes @ u + damper @ v
+        magnitudes += inertia @ (a + v / self.rule.h)  # an acceleration is a change of speed
         terms = [loads, *(-part for part in e.parts(motion))]
-        return self.balance.residual(terms, made_of, where)
+        return self.balance.residual(terms, magnitudes, rows)
 
-    def predicted(self, x: Moving) -> Ahead:
-        """The step as it is without acceleration at its end."""
-        return Ahead(x.u, self.rule.predicted(x.v, x.a, x.s))
+    def predict(self, x: Moving) -> Prediction:
+        """The step without acceleration at its end."""
+        return Prediction(x.u, self.rule.predicted(x.v, x.a, x.s))
 
-    def placed(self, ahead: Ahead, held: Motions, a: np.ndarray) -> Moving:
+    def state(self, prediction: Prediction, held: Motions, a: np.ndarray) -> Moving:
         """The end of the step for accelerations of the free displacements."""
-        course, where = self.rule.corrected(ahead.course, a), self.equation.held
-        u = ahead.u + self.rule.h * course.mean
+        course, held_rows = self.rule.corrected(prediction.course, a), self.equation.held
+        u = prediction.u + self.rule.h * course.mean
         new = Moving(u, course.end, a.copy(), self.rule.memory(course, a))
         for column, prescribed in zip(new, (*held, 0.0), strict=True):
-            column[where] = prescribed
+            column[held_rows] = prescribed
         return new
 
 
@@ -182,46 +186,51 @@ class EndOfStep(Equations[np.ndarray]):
 
     Parameters
     ----------
-    by : the step
-    ahead : its end without acceleration
-    held : prescribed motion at its end
-    loads : (n,) applied forces there
-    time : instant there [s]
-    fast : share of the residual that a step may leave for its factors to be taken again
+    step_of : TransientStep
+    prediction : the end without acceleration
+    held : prescribed motion at the end
+    loads : (n,) applied forces at the end
+    time : end of the step [s]
+    fast : residual reduction of an iteration up to which factors are reused
     """
 
     def __init__(
         self,
-        by: TransientStep,
-        ahead: Ahead,
+        step_of: TransientStep,
+        prediction: Prediction,
         held: Motions,
         loads: np.ndarray,
         time: float,
         fast: float,
     ):
-        self.by, self.ahead, self.held, self.loads, self.fast = by, ahead, held, loads, fast
-        self.time, self._near, self._left = time, by.kept if fast else None, np.inf
+        self.step_of, self.prediction, self.held, self.loads = step_of, prediction, held, loads
+        self.fast, self.time, self._near, self._left = (
+            fast,
+            time,
+            step_of.previous if fast else None,
+            np.inf,
+        )
 
     def motion(self, a: np.ndarray) -> Motions:
         """The motion at the end."""
-        return moved(self.by.placed(self.ahead, self.held, a))
+        return motion_of(self.step_of.state(self.prediction, self.held, a))
 
     def _unknown(self, motion: Motions) -> Unknown:
-        return self.by.unknown(Instant(self.by.equation, motion, self.time))
+        return self.step_of.unknown(Instant(self.step_of.equation, motion, self.time))
 
     def residual(self, x: np.ndarray) -> Residual:
-        motion, e = self.motion(x), self.by.equation
+        motion, e = self.motion(x), self.step_of.equation
         if self._near is None:
             self._near = self._unknown(motion)
-        return self.by.residual(motion, self.loads, e.free, self._near.at.sizes)
+        return self.step_of.residual(motion, self.loads, e.free, self._near.at.sizes)
 
     def step(self, x: np.ndarray, residual: Residual) -> np.ndarray:
-        before, self._left = self._left, residual.relative(self.by.settings.tolerance)
+        before, self._left = self._left, residual.relative(self.step_of.settings.tolerance)
         if self._near is None or self._left > self.fast * before:
             self._near = self._unknown(self.motion(x))
         return self._near.solve(residual.value)
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
-        found = x.copy()
-        found[self.by.equation.free] += step
-        return found
+        a = x.copy()
+        a[self.step_of.equation.free] += step
+        return a

@@ -1,1 +1,1 @@
-"""Design problems as other packages want them."""
+"""Interfaces of design problems to other packages."""

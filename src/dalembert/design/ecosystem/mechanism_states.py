@@ -1,4 +1,4 @@
-"""Positions of a mechanism as a state: assembled, or in static equilibrium with its multipliers."""
+"""State equations of a mechanism: assembled position, or static equilibrium with multipliers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from dalembert.design.ecosystem.states import (
     StateEquations,
     StateTangent,
     StateVariable,
-    labelled,
+    labelled_measures,
 )
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.model import Model
@@ -29,56 +29,57 @@ Solver = Callable[[np.ndarray, np.ndarray | None], np.ndarray]
 
 
 @dataclass(frozen=True)
-class Balance:
-    """Equations of a position and of what is unknown beside it.
+class PositionEquations:
+    """Equations of a position and of additional unknowns.
 
     Attributes
     ----------
     residual : SX
-    rows : natural sizes of the residual
-    beside : SX symbols of other unknowns, with their natural sizes
-    solve : ``(p, state near) → state``
+    rows : scales of the residual
+    additional : SX symbols of additional unknowns
+    additional_sizes : scales of the additional unknowns
+    solve : ``(p, initial state) → state``
     """
 
     residual: ca.SX
     rows: np.ndarray
-    beside: ca.SX
-    beside_sizes: np.ndarray
+    additional: ca.SX
+    additional_sizes: np.ndarray
     solve: Solver
 
 
-def assembled(model: Model, time: float) -> Balance:
-    """``Φ(y, p) = 0`` with what is held of the position."""
+def assembly_equations(model: Model, time: float) -> PositionEquations:
+    """``Φ(y, p) = 0`` and the prescribed coordinates."""
     model.closure.refuse_singular_start()
     recipe = model.closure.recipe
     residual, rows = recipe.position_equations
 
-    def solve(p: np.ndarray, near: np.ndarray | None) -> np.ndarray:
+    def solve(p: np.ndarray, initial: np.ndarray | None) -> np.ndarray:
         return model.assemble(p, time).y
 
-    return Balance(residual, rows, ca.SX(0, 1), np.zeros(0), solve)
+    return PositionEquations(residual, rows, ca.SX(0, 1), np.zeros(0), solve)
 
 
-def balanced(model: Model, analysis: Equilibrium) -> Balance:
+def equilibrium_equations(model: Model, analysis: Equilibrium) -> PositionEquations:
     """``f − d − Cᵀ λ = 0``, ``Φ = 0``."""
     kernel, e, s = statics_kernel(model), model.equations, model.scales
     residual = ca.vertcat(kernel.balance, e.constraints)
     sizes = e.scales
 
-    def solve(p: np.ndarray, near: np.ndarray | None) -> np.ndarray:
-        start = None if near is None else near[: e.coordinate_count]
-        found = analysis.run(model, p, start=start)
-        if not found.status.success:
-            raise AnalysisError(f"{model.name}: no equilibrium, {found.status}")
-        return kernel.near(found.trajectory)[:, 0]
+    def solve(p: np.ndarray, initial: np.ndarray | None) -> np.ndarray:
+        start = None if initial is None else initial[: e.coordinate_count]
+        equilibrium = analysis.run(model, p, start=start)
+        if not equilibrium.status.success:
+            raise AnalysisError(f"{model.name}: no equilibrium, {equilibrium.status}")
+        return kernel.near(equilibrium.trajectory)[:, 0]
 
     rows = np.concatenate([sizes.efforts, sizes.rows])
     forces = np.maximum(sizes.multipliers, s.energy * 1e-12)
-    return Balance(residual, rows, e.multiplier, forces, solve)
+    return PositionEquations(residual, rows, e.multiplier, forces, solve)
 
 
 class MechanismStates(StateEquations):
-    """Coordinates ``y``, at rest, and multipliers where forces are balanced.
+    """Coordinates ``y`` at rest, and multipliers in equilibrium.
 
     Parameters
     ----------
@@ -90,9 +91,9 @@ class MechanismStates(StateEquations):
     Raises
     ------
     UnsupportedError
-        Positions depend on the way that led there.
+        Positions are path-dependent (rolling).
     AnalysisError
-        A measure of what is no part of the state.
+        A measure depends on more than the state.
     """
 
     model: Model
@@ -104,40 +105,44 @@ class MechanismStates(StateEquations):
         e = model.equations
         if e.slips:
             raise UnsupportedError(
-                f"{model.name}: positions of what rolls depend on the way that led there, and are "
-                "no state of equations"
+                f"{model.name}: positions of rolling bodies are path-dependent and no solution of "
+                "state equations"
             )
         self.model, self.at_rest = model, analysis is not None
         self.time = time if analysis is None else analysis.time
-        self.balance = assembled(model, time) if analysis is None else balanced(model, analysis)
-        self.measured = labelled(model, measures)
-        self.unknown = ca.vertcat(e.y, self.balance.beside)
+        self.system = (
+            assembly_equations(model, time)
+            if analysis is None
+            else equilibrium_equations(model, analysis)
+        )
+        self.measured = labelled_measures(model, measures)
+        self.unknown = ca.vertcat(e.y, self.system.additional)
         bounds = e.manifold.bounds
-        self.equations = ca.vertcat(self.balance.residual, bounds)
-        self.sizes = np.concatenate([self.balance.rows, np.ones(bounds.numel())])
-        self.reach = np.concatenate([e.scales.coordinates, self.balance.beside_sizes])
+        self.equations = ca.vertcat(self.system.residual, bounds)
+        self.sizes = np.concatenate([self.system.rows, np.ones(bounds.numel())])
+        self.scales = np.concatenate([e.scales.coordinates, self.system.additional_sizes])
         self.variables = [StateVariable("coordinates", (e.coordinate_count,), model.guesses.names)]
         if self.at_rest and e.constraint_count:
             names = [model.equation_names[k] for k in model.closure.rows]
             self.variables.append(StateVariable("multipliers", (len(names),), names))
-        self._seen = [self._still(label) for label in self.measured]
+        self._measure_graphs = [self._static_measure(label) for label in self.measured]
 
-    def _still(self, label: str) -> ca.SX:
-        """A measure of the state alone."""
+    def _static_measure(self, label: str) -> ca.SX:
+        """Graph of a measure at rest, as a function of the state."""
         e = self.model.equations
         sx = e.without_dropped(self.measured[label].sx)
         if self.at_rest:
-            still = ca.vertcat(e.v, e.a)
-            sx = ca.substitute(sx, still, ca.SX.zeros(still.numel()))
+            rates = ca.vertcat(e.v, e.a)
+            sx = ca.substitute(sx, rates, ca.SX.zeros(rates.numel()))
         elif ca.depends_on(sx, ca.vertcat(e.v, e.a, e.multiplier)):
             raise AnalysisError(
-                f"{label}: an assembled position has no speeds and no forces; take a measure of "
+                f"{label}: an assembled position has no speeds and no forces; use a measure of "
                 "positions, or analysis=Equilibrium() for forces"
             )
         return sx
 
-    def solve(self, p: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
-        return self.balance.solve(p, near)
+    def solve(self, p: np.ndarray, initial: np.ndarray | None = None) -> np.ndarray:
+        return self.system.solve(p, initial)
 
     def residual(self, x: np.ndarray, p: np.ndarray) -> np.ndarray:
         return self._values(self.time, x, p)[0].full().ravel()
@@ -150,42 +155,42 @@ class MechanismStates(StateEquations):
         return MechanismTangent(self, slopes)
 
     @cached_property
-    def _given(self) -> list[ca.SX]:
+    def _inputs(self) -> list[ca.SX]:
         return [self.model.equations.t, self.unknown, self.model.equations.p]
 
     @cached_property
     def _values(self) -> ca.Function:
         """``(t, x, p) → r, m``."""
-        outputs = [ca.densify(self.equations), ca.densify(ca.vertcat(*self._seen))]
-        return ca.Function("state", self._given, outputs, {"cse": True})
+        outputs = [ca.densify(self.equations), ca.densify(ca.vertcat(*self._measure_graphs))]
+        return ca.Function("state", self._inputs, outputs, {"cse": True})
 
     @cached_property
     def _slopes(self) -> ca.Function:
         """``(t, x, p) →`` derivatives of ``r`` and ``m`` by ``x`` and ``p``."""
-        _, x, p = self._given
-        of = [self.equations, ca.vertcat(ca.SX(0, 1), *self._seen)]
-        outputs = [ca.jacobian(one, by) for one in of for by in (x, p)]
-        return ca.Function("state_slopes", self._given, outputs, {"cse": True})
+        _, x, p = self._inputs
+        functions = [self.equations, ca.vertcat(ca.SX(0, 1), *self._measure_graphs)]
+        outputs = [ca.jacobian(function, argument) for function in functions for argument in (x, p)]
+        return ca.Function("state_slopes", self._inputs, outputs, {"cse": True})
 
 
 class MechanismTangent(StateTangent):
-    """Sparse derivatives, with factors when something is solved with them."""
+    """Sparse derivatives, factorised on demand."""
 
-    def __init__(self, of: MechanismStates, slopes: list[scipy.sparse.csc_array]):
-        self.of = of
+    def __init__(self, states: MechanismStates, slopes: list[scipy.sparse.csc_array]):
+        self.states = states
         self.by_state, self.by_p, self.measure_by_state, self.measure_by_p = slopes
 
     @cached_property
     def _factors(self) -> Factors:
-        """Of the derivative by the state, in natural sizes."""
-        rows = scipy.sparse.diags_array(1 / self.of.sizes)
-        columns = scipy.sparse.diags_array(self.of.reach)
+        """Factors of the scaled derivative by the state."""
+        rows = scipy.sparse.diags_array(1 / self.states.sizes)
+        columns = scipy.sparse.diags_array(self.states.scales)
         try:
             return general_factors(scipy.sparse.csc_array(rows @ self.by_state @ columns))
         except np.linalg.LinAlgError:
             raise AnalysisError(
-                f"{self.of.model.name}: the position is singular, or something moves freely; its "
-                "equations have no single solution nearby"
+                f"{self.states.model.name}: the position is singular or not fixed; its "
+                "equations have no unique solution nearby"
             ) from None
 
     def push(self, dx: np.ndarray, dp: np.ndarray) -> Change:
@@ -201,7 +206,7 @@ class MechanismTangent(StateTangent):
         )
 
     def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:
-        left, right = self.of.reach, 1 / self.of.sizes
+        left, right = self.states.scales, 1 / self.states.sizes
         if trans == "T":
             left, right = right, left
         return left * self._factors.solve(right * rhs, trans)

@@ -1,4 +1,4 @@
-"""A design as an explicit component of OpenMDAO, an extra."""
+"""Explicit component of OpenMDAO, an optional package."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ def openmdao_component(
     vary: Sequence[str] | None = None,
     gradient: Method = "auto",
 ) -> Any:
-    """An ``openmdao.api.ExplicitComponent``: parameters in, responses out, partials exact.
+    """``openmdao.api.ExplicitComponent`` from parameters to responses, with exact partials.
 
     Inputs have the names of the parameters, outputs the labels of the responses, with ``_`` for
-    what OpenMDAO's names do not hold. A run that fails is its ``AnalysisError``, from which drivers
-    step back. ``pip install dalembert[mdo]``.
+    characters that OpenMDAO does not allow. A failing run raises OpenMDAO's ``AnalysisError``, upon
+    which drivers backtrack. ``pip install dalembert[mdo]``.
 
     Parameters
     ----------
-    model, analysis : what is run
+    model, analysis : model and analysis
     responses : one or several
     vary : names of the inputs; default all with bounds
-    gradient : ``"direct"``, ``"adjoint"`` or the cheaper of them
+    gradient : ``"direct"``, ``"adjoint"`` or ``"auto"`` for the cheaper of them
 
     Raises
     ------
     UnsupportedError
-        OpenMDAO is not there.
+        OpenMDAO is not installed.
 
     Examples
     --------
@@ -55,8 +55,8 @@ def openmdao_component(
     >>> rod.load(end, fx=100.0)
     >>> response = da.final("end.ux", name="u")
     >>> problem = om.Problem(reports=None)
-    >>> made = da.openmdao_component(rod.build(), response, analysis=da.Statics())
-    >>> part = problem.model.add_subsystem("spring", made)
+    >>> component = da.openmdao_component(rod.build(), response, analysis=da.Statics())
+    >>> part = problem.model.add_subsystem("spring", component)
     >>> ready = problem.setup()
     >>> problem.run_model()
     >>> float(problem["spring.u"][0])  # F/k
@@ -96,12 +96,12 @@ def openmdao_component(
 
 
 def openmdao_api() -> Any:
-    """Its module.
+    """Module ``openmdao.api``.
 
     Raises
     ------
     UnsupportedError
-        OpenMDAO is not there.
+        OpenMDAO is not installed.
     """
     try:
         import openmdao.api as om
@@ -111,14 +111,14 @@ def openmdao_api() -> Any:
 
 
 def openmdao_names(labels: Sequence[str]) -> list[str]:
-    """Labels with ``_`` for what OpenMDAO's names do not hold.
+    """Labels with ``_`` for characters that OpenMDAO does not allow.
 
     Raises
     ------
     AnalysisError
-        Two of them differ in nothing else.
+        Two labels become equal.
     """
-    made = [re.sub(r"\W", "_", label) for label in labels]
-    if len(set(made)) < len(made):
-        raise AnalysisError(f"OpenMDAO needs names that differ in letters: {list(labels)}")
-    return made
+    names = [re.sub(r"\W", "_", label) for label in labels]
+    if len(set(names)) < len(names):
+        raise AnalysisError(f"OpenMDAO names must differ in letters or digits: {list(labels)}")
+    return names

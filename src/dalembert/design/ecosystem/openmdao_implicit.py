@@ -1,4 +1,4 @@
-"""A mechanism or a structure as an implicit component of OpenMDAO, an extra."""
+"""Implicit component of OpenMDAO, an optional package."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.statics import Statics
 from dalembert.design.ecosystem.mechanism_states import MechanismStates
 from dalembert.design.ecosystem.openmdao_component import openmdao_api, openmdao_names
-from dalembert.design.ecosystem.states import Measures, StateEquations, StateTangent, inputs_of
+from dalembert.design.ecosystem.states import Measures, StateEquations, StateTangent, input_names
 from dalembert.design.ecosystem.structure_states import StructureStates
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.model.model import Model
@@ -22,7 +22,7 @@ from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
 
 STEP = 1e-6
-"""Of differences by which OpenMDAO checks partials, of natural sizes."""
+"""Step of the differences by which OpenMDAO checks partials, relative to the scales [-]."""
 
 
 @spelled
@@ -35,31 +35,31 @@ def openmdao_implicit_component(
     start: Mapping[str, float] | None = None,
     time: float = 0.0,
 ) -> Any:
-    """An ``openmdao.api.ImplicitComponent``: parameters in, the state out, with its residual.
+    """``openmdao.api.ImplicitComponent`` from parameters to the state, with its residual.
 
-    OpenMDAO may solve the equations of the state together with those of other components, by its
-    own solvers or by the ones here: residuals stand in natural sizes, their derivatives are exact
-    and never stored as a whole, linear systems are solved with our factors. Outputs are
-    ``coordinates`` (and ``multipliers`` in equilibrium) of a mechanism, ``displacements`` (all of
-    them, by load cases) of a structure, and each measure. ``pip install dalembert[mdo]``.
+    OpenMDAO solves the state equations together with those of other components, by its own solvers
+    or by those of dalembert: residuals are scaled, derivatives are exact and matrix-free, linear
+    systems are solved with sparse factors. Outputs are ``coordinates`` (and ``multipliers`` in
+    equilibrium) of a mechanism, ``displacements`` (of all load cases) of a structure, and each
+    measure. ``pip install dalembert[mdo]``.
 
     Parameters
     ----------
     model : mechanism or structure
-    measures : names or formulas of the state, or label → measure; of a structure each has as many
-        numbers as there are load cases
-    analysis : ``Equilibrium()`` of a mechanism, the assembled position where it is not given;
-        ``Statics()``, which is the default, or ``NonlinearStatics()`` of a structure
+    measures : names or formulas of the state, or label → measure; of a structure each has one
+        value per load case
+    analysis : ``Equilibrium()`` of a mechanism, by default the assembled position; ``Statics()``
+        (default) or ``NonlinearStatics()`` of a structure
     vary : names of the parameters that are inputs; default all
-    start : initial values of the inputs; default the nominal ones
+    start : initial values of the inputs; default nominal
     time : instant of an assembled position [s]
 
     Raises
     ------
     UnsupportedError
-        OpenMDAO is not there, or the mechanism rolls.
+        OpenMDAO is not installed, or the mechanism has rolling constraints.
     AnalysisError
-        Another analysis; a measure of what is no part of the state.
+        An unsupported analysis, or a measure that depends on more than the state.
 
     Examples
     --------
@@ -85,36 +85,41 @@ def openmdao_implicit_component(
     """
     om = openmdao_api()
     equations = _equations(model, measures, analysis, time)
-    names = inputs_of(model, vary)
+    names = input_names(model, vary)
     origin = model.values(start)
     inputs, outputs = openmdao_names(names), openmdao_names(list(equations.measured))
-    states = [one.name for one in equations.variables]
-    if twice := {n for n in (*inputs, *states) if (*inputs, *states, *outputs).count(n) > 1}:
+    states = [variable.name for variable in equations.variables]
+    if repeated := {n for n in (*inputs, *states) if (*inputs, *states, *outputs).count(n) > 1}:
         raise AnalysisError(
-            f"inputs and outputs need names of their own: {', '.join(sorted(twice))}; give "
+            f"inputs and outputs need distinct names: {', '.join(sorted(repeated))}; give "
             "measures={name: …}, or rename the parameter"
         )
     columns = [list(model.parameters).index(name) for name in names]
-    ends = np.cumsum([one.size for one in equations.variables])[:-1]
+    ends = np.cumsum([variable.size for variable in equations.variables])[:-1]
 
     class Component(om.ImplicitComponent):  # type: ignore[name-defined, misc]
         """States of a model for OpenMDAO."""
 
         def setup(self) -> None:
             x = equations.solve(origin)
-            seen = _by_label(equations.measures(x, origin))
+            measure_values = _by_label(equations.measures(x, origin))
             for name, column in zip(inputs, columns, strict=True):
                 self.add_input(name, float(origin[column]))
                 step = STEP * (abs(float(origin[column])) or 1.0)
                 self.set_check_partial_options(wrt=name, step=step, form="central")
-            for one, part, reach in zip(
-                equations.variables, np.split(x, ends), np.split(equations.reach, ends), strict=True
+            for variable, part, scales in zip(
+                equations.variables,
+                np.split(x, ends),
+                np.split(equations.scales, ends),
+                strict=True,
             ):
-                told = ", ".join(one.members[:8]) + (", …" if len(one.members) > 8 else "")
-                self.add_output(one.name, part.reshape(one.shape), desc=told)
-                step = STEP * float(reach.min())
-                self.set_check_partial_options(wrt=one.name, step=step, form="central")
-            for output, value in zip(outputs, seen, strict=True):
+                description = ", ".join(variable.members[:8]) + (
+                    ", …" if len(variable.members) > 8 else ""
+                )
+                self.add_output(variable.name, part.reshape(variable.shape), desc=description)
+                step = STEP * float(scales.min())
+                self.set_check_partial_options(wrt=variable.name, step=step, form="central")
+            for output, value in zip(outputs, measure_values, strict=True):
                 self.add_output(output, value)
 
         def solve_nonlinear(self, inputs_: Any, outputs_: Any) -> None:
@@ -123,97 +128,111 @@ def openmdao_implicit_component(
                 x = equations.solve(p, self._state(outputs_))
             except (AnalysisError, ModelError) as error:
                 raise om.AnalysisError(str(error)) from None
-            self._spread(outputs_, x, equations.measures(x, p))
+            self._write(outputs_, x, equations.measures(x, p))
 
         def apply_nonlinear(self, inputs_: Any, outputs_: Any, residuals: Any) -> None:
             p, x = self._parameters(inputs_), self._state(outputs_)
-            seen = equations.measures(x, p)
-            left = np.concatenate([np.zeros(0), *(np.ravel(outputs_[name]) for name in outputs)])
-            self._spread(residuals, equations.residual(x, p) / equations.sizes, left - seen)
+            measure_values = equations.measures(x, p)
+            output_values = np.concatenate(
+                [np.zeros(0), *(np.ravel(outputs_[name]) for name in outputs)]
+            )
+            self._write(
+                residuals,
+                equations.residual(x, p) / equations.sizes,
+                output_values - measure_values,
+            )
 
         def linearize(self, inputs_: Any, outputs_: Any, partials: Any) -> None:
-            self._at(self._parameters(inputs_), self._state(outputs_))
+            self._linearize_at(self._parameters(inputs_), self._state(outputs_))
 
-        def _at(self, p: np.ndarray, x: np.ndarray) -> None:
-            """Derivatives at a state, those of before where it has not moved."""
+        def _linearize_at(self, p: np.ndarray, x: np.ndarray) -> None:
+            """Compute the derivatives at a state, unless it is unchanged."""
             key = p.tobytes(), x.tobytes()
-            if key != getattr(self, "place", None):
+            if key != getattr(self, "point_key", None):
                 try:
                     self.tangent: StateTangent = equations.tangent(x, p)
                 except AnalysisError as error:
                     raise om.AnalysisError(str(error)) from None
-                self.place, self.turned = key, model.tangents(p, columns)
+                self.point_key, self.p_jacobian = key, model.tangents(p, columns)
 
         def apply_linear(
             self, inputs_: Any, outputs_: Any, d_inputs: Any, d_outputs: Any, d_res: Any, mode: str
         ) -> None:
-            self._at(self._parameters(inputs_), self._state(outputs_))
-            given = np.array([_scalar(d_inputs, name) for name in inputs])
+            self._linearize_at(self._parameters(inputs_), self._state(outputs_))
+            p_change = np.array([_scalar(d_inputs, name) for name in inputs])
             if mode == "fwd":
-                x, seen = self._state(d_outputs), self._measured(d_outputs)
-                change = self.tangent.push(x, self.turned @ given)
-                self._spread(d_res, change.state / equations.sizes, seen - change.other, add=True)
+                x, measure_part = self._state(d_outputs), self._measure_part(d_outputs)
+                change = self.tangent.push(x, self.p_jacobian @ p_change)
+                self._write(
+                    d_res, change.state / equations.sizes, measure_part - change.other, add=True
+                )
                 return
-            weights, seen = self._state(d_res) / equations.sizes, self._measured(d_res)
-            back = self.tangent.pull(weights, -seen)
-            self._spread(d_outputs, back.state, seen, add=True)
-            for name, slope in zip(inputs, self.turned.T @ back.other, strict=True):
+            weights, measure_part = self._state(d_res) / equations.sizes, self._measure_part(d_res)
+            pulled = self.tangent.pull(weights, -measure_part)
+            self._write(d_outputs, pulled.state, measure_part, add=True)
+            for name, slope in zip(inputs, self.p_jacobian.T @ pulled.other, strict=True):
                 if name in d_inputs:
                     d_inputs[name] += slope
 
         def solve_linear(self, d_outputs: Any, d_residuals: Any, mode: str) -> None:
-            still = np.zeros(origin.size)
+            no_change = np.zeros(origin.size)
             if mode == "fwd":
-                rest, seen = self._state(d_residuals), self._measured(d_residuals)
-                x = self._solved(equations.sizes * rest, "N")
-                self._spread(d_outputs, x, seen + self.tangent.push(x, still).other)
+                residual, measure_part = self._state(d_residuals), self._measure_part(d_residuals)
+                x = self._solve(equations.sizes * residual, "N")
+                self._write(d_outputs, x, measure_part + self.tangent.push(x, no_change).other)
                 return
-            weights, seen = self._state(d_outputs), self._measured(d_outputs)
-            back = self.tangent.pull(np.zeros_like(weights), seen).state
-            self._spread(d_residuals, equations.sizes * self._solved(weights + back, "T"), seen)
+            weights, measure_part = self._state(d_outputs), self._measure_part(d_outputs)
+            pulled = self.tangent.pull(np.zeros_like(weights), measure_part).state
+            self._write(
+                d_residuals, equations.sizes * self._solve(weights + pulled, "T"), measure_part
+            )
 
-        def _solved(self, rhs: np.ndarray, trans: str) -> np.ndarray:
+        def _solve(self, rhs: np.ndarray, trans: str) -> np.ndarray:
             try:
                 return self.tangent.solve(rhs, trans)
             except AnalysisError as error:
                 raise om.AnalysisError(str(error)) from None
 
-        def _parameters(self, given: Any) -> np.ndarray:
-            """All of the model, checked where they are new."""
-            own = [_scalar(given, name) for name in inputs]
-            if own != getattr(self, "given", None):
+        def _parameters(self, vector: Any) -> np.ndarray:
+            """(np,) parameter values of the model, checked when they change."""
+            input_values = [_scalar(vector, name) for name in inputs]
+            if input_values != getattr(self, "input_values", None):
                 try:
-                    named = dict(zip(names, own, strict=True))
-                    self.p = model.values({**(start or {}), **named})
+                    changed = dict(zip(names, input_values, strict=True))
+                    self.p = model.values({**(start or {}), **changed})
                 except ModelError as error:
                     raise om.AnalysisError(str(error)) from None
-                self.given = own
+                self.input_values = input_values
             return self.p
 
         def _state(self, vector: Any) -> np.ndarray:
-            """(n,) of outputs or residuals; zero where they are not asked for."""
+            """(n,) state part of a vector; zero where a name is missing."""
             parts = [
-                np.ravel(vector[one.name]) if one.name in vector else np.zeros(one.size)
-                for one in equations.variables
+                np.ravel(vector[variable.name])
+                if variable.name in vector
+                else np.zeros(variable.size)
+                for variable in equations.variables
             ]
             return np.concatenate(parts)
 
-        def _measured(self, vector: Any) -> np.ndarray:
-            none = np.zeros(equations.samples)
-            parts = [np.ravel(vector[name]) if name in vector else none for name in outputs]
+        def _measure_part(self, vector: Any) -> np.ndarray:
+            zeros = np.zeros(equations.samples)
+            parts = [np.ravel(vector[name]) if name in vector else zeros for name in outputs]
             return np.concatenate([np.zeros(0), *parts])
 
-        def _spread(self, vector: Any, x: np.ndarray, seen: np.ndarray, add: bool = False) -> None:
-            """Write, or add, state and measures where they belong."""
-            parts = [(one.name, one.shape) for one in equations.variables]
+        def _write(
+            self, vector: Any, x: np.ndarray, measure_values: np.ndarray, add: bool = False
+        ) -> None:
+            """Write, or add, state and measures to a vector."""
+            parts = [(variable.name, variable.shape) for variable in equations.variables]
             pairs = zip(parts, np.split(x, ends), strict=True)
-            named = [(name, part.reshape(shape)) for (name, shape), part in pairs]
-            for name, value in (*named, *zip(outputs, _by_label(seen), strict=True)):
+            entries = [(name, part.reshape(shape)) for (name, shape), part in pairs]
+            for name, value in (*entries, *zip(outputs, _by_label(measure_values), strict=True)):
                 if name in vector:
                     vector[name] = vector[name] + value if add else value
 
-    def _by_label(seen: np.ndarray) -> np.ndarray:
-        return seen.reshape(len(outputs), equations.samples)
+    def _by_label(measure_values: np.ndarray) -> np.ndarray:
+        return measure_values.reshape(len(outputs), equations.samples)
 
     return Component()
 
@@ -225,12 +244,12 @@ def _scalar(vector: Any, name: str) -> float:
 def _equations(
     model: Any, measures: Measures, analysis: Analysis | None, time: float
 ) -> StateEquations:
-    """The state that an analysis finds.
+    """State equations of an analysis.
 
     Raises
     ------
     AnalysisError
-        It is none of those that have one.
+        The analysis has none.
     """
     if isinstance(model, Model) and (analysis is None or isinstance(analysis, Equilibrium)):
         return MechanismStates(model, analysis, measures, time)
@@ -239,7 +258,7 @@ def _equations(
         if isinstance(chosen, (Statics, NonlinearStatics)):
             return StructureStates(model, chosen, measures)
     raise AnalysisError(
-        f"{analysis!r:.60} has no state of equations: mechanisms take Equilibrium() or none, for "
-        "the assembled position, structures Statics() or NonlinearStatics(); others are explicit, "
-        "openmdao_component"
+        f"{analysis!r:.60} has no state equations: mechanisms take Equilibrium() or none, for "
+        "the assembled position, structures Statics() or NonlinearStatics(); use "
+        "openmdao_component for other analyses"
     )

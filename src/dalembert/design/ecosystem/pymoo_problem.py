@@ -1,4 +1,4 @@
-"""A design as a problem of pymoo, an extra."""
+"""Problem of pymoo, an optional package, and its evolutionary algorithms."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
 
-FAILED = 1e12
-"""Objectives and violations of a design whose run fails."""
+PENALTY = 1e12
+"""Objective and violation of a design whose run fails."""
 
 
 @spelled
@@ -28,14 +28,14 @@ def pymoo_problem(
     subject_to: Sequence[Limit] = (),
     vary: Sequence[Any] | None = None,
 ) -> Any:
-    """A ``pymoo.core.problem.ElementwiseProblem`` of responses that are all to be small.
+    """``pymoo.core.problem.ElementwiseProblem`` that minimises all responses.
 
-    Limits are measured in their bounds; equal ones are ``H``, others ``G``. Sizes of catalogues
-    and whole numbers are the nearest ones. ``pip install dalembert[design]``.
+    Limits are scaled by their bounds: equations are ``H``, inequalities ``G``. Discrete variables
+    are rounded to the nearest size. ``pip install dalembert[design]``.
 
     Parameters
     ----------
-    model, analysis : what is run
+    model, analysis : model and analysis
     minimize : responses
     subject_to : limits
     vary : names, ``Integer``, ``Catalogue``; default all with bounds
@@ -43,7 +43,7 @@ def pymoo_problem(
     Raises
     ------
     UnsupportedError
-        pymoo is not there.
+        pymoo is not installed.
 
     Examples
     --------
@@ -63,11 +63,11 @@ def pymoo_problem(
     functions = DesignFunctions(
         model, list(minimize), analysis=analysis, subject_to=subject_to, vary=vary
     )
-    return problem_of(functions)
+    return make_problem(functions)
 
 
-def problem_of(functions: DesignFunctions, senses: Sequence[float] | None = None) -> Any:
-    """The same of functions that are there, −1 for those that are to be large."""
+def make_problem(functions: DesignFunctions, senses: Sequence[float] | None = None) -> Any:
+    """Problem of design functions; senses are 1 to minimise and −1 to maximise."""
     try:
         from pymoo.core.problem import ElementwiseProblem
     except ImportError:
@@ -76,7 +76,7 @@ def problem_of(functions: DesignFunctions, senses: Sequence[float] | None = None
     if not np.all(np.isfinite(functions.bounds)):
         name = functions.names[int(np.flatnonzero(~np.isfinite(low + high))[0])]
         raise AnalysisError(f"evolution needs two finite bounds of {name!r}; give them")
-    sides, signs = _sides(functions.limits), np.ones(functions.count)
+    inequalities, signs = _inequalities(functions.limits), np.ones(functions.count)
     if senses is not None:
         signs = np.asarray(senses, dtype=float)
 
@@ -88,7 +88,7 @@ def problem_of(functions: DesignFunctions, senses: Sequence[float] | None = None
             super().__init__(
                 n_var=len(functions.names),
                 n_obj=functions.count,
-                n_ieq_constr=len(sides),
+                n_ieq_constr=len(inequalities),
                 n_eq_constr=equations,
                 xl=low,
                 xu=high,
@@ -97,25 +97,25 @@ def problem_of(functions: DesignFunctions, senses: Sequence[float] | None = None
         def _evaluate(self, x: np.ndarray, out: dict, *args: Any, **kwargs: Any) -> None:
             x = functions.problem.variables.snapped(x)
             values, limited = functions.values(x), functions.limited(x)
-            equal = [
+            equalities = [
                 (v - limit.lower) / max(abs(limit.lower), 1.0)
                 for v, limit in zip(limited, functions.limits, strict=True)
                 if limit.lower is not None and limit.is_equation
             ]
-            values = np.where(np.isfinite(values), signs * values, FAILED)
-            told = {"F": values, "G": [side(limited) for side in sides], "H": equal}
-            for key, numbers in told.items():
-                out[key] = np.nan_to_num(np.array(numbers), nan=FAILED, posinf=FAILED)
+            values = np.where(np.isfinite(values), signs * values, PENALTY)
+            outputs = {"F": values, "G": [side(limited) for side in inequalities], "H": equalities}
+            for key, numbers in outputs.items():
+                out[key] = np.nan_to_num(np.array(numbers), nan=PENALTY, posinf=PENALTY)
 
     return Problem()
 
 
-def _sides(limits: Sequence[Limit]) -> list[Callable[[np.ndarray], float]]:
-    """``g(limited) ≤ 0`` of every side of an inequality."""
+def _inequalities(limits: Sequence[Limit]) -> list[Callable[[np.ndarray], float]]:
+    """``g(values) ≤ 0`` for every bound of an inequality."""
 
     def side(k: int, bound: float, sign: float) -> Callable[[np.ndarray], float]:
         size = abs(bound) or 1.0
-        return lambda v: sign * (v[k] - bound) / size if np.isfinite(v[k]) else FAILED
+        return lambda v: sign * (v[k] - bound) / size if np.isfinite(v[k]) else PENALTY
 
     return [
         side(k, bound, sign)
@@ -125,7 +125,7 @@ def _sides(limits: Sequence[Limit]) -> list[Callable[[np.ndarray], float]]:
     ]
 
 
-def evolved(
+def evolve(
     functions: DesignFunctions,
     senses: Sequence[float],
     method: str,
@@ -134,37 +134,41 @@ def evolved(
     rng: int,
     report: Callable[[float], None] = lambda fraction: None,
 ) -> tuple[np.ndarray, int]:
-    """(k, n) designs that an evolution ends with, and its generations; fewer by Ctrl-C.
+    """Final designs (k, n) of an evolution and its generations, fewer after Ctrl-C.
 
     Raises
     ------
     AnalysisError
-        No design keeps the limits.
+        No design satisfies the limits.
     """
-    problem = problem_of(functions, senses)
+    problem = make_problem(functions, senses)
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.algorithms.moo.nsga3 import NSGA3
     from pymoo.util.ref_dirs import get_reference_directions
 
     algorithm: Any = NSGA2(pop_size=points)
     if method == "nsga3":
-        even = functions.count == 2
-        how = {"n_partitions": points - 1} if even else {"n_points": points, "seed": rng}
-        kind = "das-dennis" if even else "energy"
-        directions = get_reference_directions(kind, functions.count, **how)
+        has_two_aims = functions.count == 2
+        options = (
+            {"n_partitions": points - 1} if has_two_aims else {"n_points": points, "seed": rng}
+        )
+        kind = "das-dennis" if has_two_aims else "energy"
+        directions = get_reference_directions(kind, functions.count, **options)
         algorithm = NSGA3(directions)
     algorithm.setup(problem, termination=("n_gen", generations), seed=rng, verbose=False)
-    made = 0
+    completed = 0
     try:
         with searching():
             while algorithm.has_next():
                 algorithm.next()
-                made += 1
-                report(made / generations)
+                completed += 1
+                report(completed / generations)
     except KeyboardInterrupt:
-        if not made:
+        if not completed:
             raise
-    found = algorithm.result().X
-    if found is None:
-        raise AnalysisError(f"{method}: no design keeps the limits after {made} generations")
-    return np.atleast_2d(found), made
+    designs = algorithm.result().X
+    if designs is None:
+        raise AnalysisError(
+            f"{method}: no design satisfies the limits after {completed} generations"
+        )
+    return np.atleast_2d(designs), completed

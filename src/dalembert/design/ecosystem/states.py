@@ -1,8 +1,7 @@
-"""Equations ``r(x, p) = 0`` of a state as other packages solve them, and measures ``m(x, p)``.
+"""State equations ``r(x, p) = 0`` and measures ``m(x, p)`` for coupled solvers of other packages.
 
-Whoever couples a mechanism or a structure with other equations needs more than responses: the
-residual at states that do not satisfy it, and its derivatives there, to be solved with and to be
-multiplied by from both sides.
+Coupling with other equations requires residuals at arbitrary states, and products and solutions
+with their derivatives in both directions.
 """
 
 from __future__ import annotations
@@ -21,13 +20,13 @@ from dalembert.text.wording import unknown
 
 @dataclass(frozen=True)
 class StateVariable:
-    """A part of the state.
+    """Part of the state.
 
     Attributes
     ----------
     name : of the part
-    shape : in which its numbers stand
-    members : what they are, along the first axis
+    shape : of its array
+    members : names along the first axis
     """
 
     name: str
@@ -36,20 +35,20 @@ class StateVariable:
 
     @property
     def size(self) -> int:
-        """How many numbers."""
+        """Number of entries."""
         return int(np.prod(self.shape))
 
 
 @dataclass(frozen=True)
 class Change:
-    """Changes, or weights, of a state with its parameters, or of residuals with measures."""
+    """Changes (or weights) of state and parameters, or of residuals and measures."""
 
     state: np.ndarray
     other: np.ndarray
 
 
 class StateTangent(ABC):
-    """The derivative of residuals and measures at a state."""
+    """Derivatives of residuals and measures at a state."""
 
     @abstractmethod
     def push(self, dx: np.ndarray, dp: np.ndarray) -> Change:
@@ -61,19 +60,20 @@ class StateTangent(ABC):
 
     @abstractmethod
     def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:
-        """``(∂r/∂x)⁻¹`` times a vector (n,); the transpose of it where ``trans`` is ``"T"``."""
+        """``(∂r/∂x)⁻¹`` times a vector (n,), transposed if ``trans`` is ``"T"``."""
 
 
 class StateEquations(ABC):
-    """A state, its equations, and what is measured of it.
+    """State, its equations and measures.
 
     Attributes
     ----------
-    model : with parameters
+    model : model with parameters
     variables : parts of the state
-    measured : label → measure, and how many numbers each has
-    sizes : (n,) natural sizes of the residuals
-    reach : (n,) natural sizes of the state
+    measured : label → measure
+    samples : number of values of each measure
+    sizes : (n,) scales of the residuals
+    scales : (n,) scales of the state
     """
 
     model: ParametricModel
@@ -81,29 +81,29 @@ class StateEquations(ABC):
     measured: Mapping[str, Expression]
     samples: int
     sizes: np.ndarray
-    reach: np.ndarray
+    scales: np.ndarray
 
     @abstractmethod
-    def solve(self, p: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
-        """(n,) the state for parameter values, from one that is near.
+    def solve(self, p: np.ndarray, initial: np.ndarray | None = None) -> np.ndarray:
+        """(n,) solution for parameter values, from an initial state.
 
         Raises
         ------
         AnalysisError
-            It was not found.
+            The solution failed.
         """
 
     @abstractmethod
     def residual(self, x: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """(n,) what is left of the equations."""
+        """(n,) residuals of the equations."""
 
     @abstractmethod
     def measures(self, x: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """(m,) measures one after the other, each with all of its numbers."""
+        """(m,) values of all measures, concatenated."""
 
     @abstractmethod
     def tangent(self, x: np.ndarray, p: np.ndarray) -> StateTangent:
-        """The derivatives at a state.
+        """Derivatives at a state.
 
         Raises
         ------
@@ -115,30 +115,30 @@ class StateEquations(ABC):
 Measures = Mapping[str, str | Expression] | Sequence[str | Expression]
 
 
-def labelled(model: ParametricModel, measures: Measures) -> dict[str, Expression]:
+def labelled_measures(model: ParametricModel, measures: Measures) -> dict[str, Expression]:
     """Label → measure.
 
     Raises
     ------
     AnalysisError
-        Two have one label.
+        Two measures have the same label.
     """
     if isinstance(measures, Mapping):
-        return {label: model.expression(one) for label, one in measures.items()}
+        return {label: model.expression(measure) for label, measure in measures.items()}
     if isinstance(measures, (str, Expression)):
         measures = [measures]
-    found: dict[str, Expression] = {}
-    for one in measures:
-        made = model.expression(one)
-        label = one if isinstance(one, str) else made.name or "measure"
-        if label in found:
+    expressions: dict[str, Expression] = {}
+    for measure in measures:
+        expression = model.expression(measure)
+        label = measure if isinstance(measure, str) else expression.name or "measure"
+        if label in expressions:
             raise AnalysisError(f"two measures are called {label!r}; give measures={{name: …}}")
-        found[label] = made
-    return found
+        expressions[label] = expression
+    return expressions
 
 
-def inputs_of(model: ParametricModel, vary: Sequence[str] | None) -> list[str]:
-    """The parameters that others give: those named, or all.
+def input_names(model: ParametricModel, vary: Sequence[str] | None) -> list[str]:
+    """Names of the input parameters; by default all.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Displacements of a structure under its load cases as a state."""
+"""State equations of a structure: displacements under its load cases."""
 
 from __future__ import annotations
 
@@ -17,24 +17,25 @@ from dalembert.design.ecosystem.states import (
     StateEquations,
     StateTangent,
     StateVariable,
-    labelled,
+    labelled_measures,
 )
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.structures.model import StructuralModel
 
-GIVEN = Status(Outcome.COMPLETED, "displacements from elsewhere", 0.0, 0.0)
+PRESCRIBED = Status(Outcome.COMPLETED, "prescribed displacements", 0.0, 0.0)
+"""Status of results at displacements set by another package."""
 
 
 class StructureStates(StateEquations):
-    """All displacements ``U`` (n, cases): ``∂W/∂U = P`` where they are free, ``U = U_p`` else.
+    """Displacements ``U`` (n, cases): ``∂W/∂U = P`` if free, ``U = U_p`` if prescribed.
 
     Parameters
     ----------
     model : StructuralModel
     analysis : Statics or NonlinearStatics
-    measures : of displacements, forces, elements
+    measures : of displacements, forces or elements
     """
 
     model: StructuralModel
@@ -43,8 +44,8 @@ class StructureStates(StateEquations):
         self, model: StructuralModel, analysis: Statics | NonlinearStatics, measures: Measures
     ):
         self.model, self.analysis = model, analysis
-        self.seen = model if isinstance(analysis, NonlinearStatics) else model.linearized
-        self.measured = labelled(model, measures)
+        self.analysed_model = model if isinstance(analysis, NonlinearStatics) else model.linearized
+        self.measured = labelled_measures(model, measures)
         self.cases = list(model.loads)
         shape = len(model.degrees), len(self.cases)
         self.samples = shape[1]
@@ -54,14 +55,14 @@ class StructureStates(StateEquations):
         assert self._last is not None
         arms = np.where(model.degrees.rotations, model.assembly.arm(model.nominal), 1.0)
         force = float(np.abs(self._last.forces / arms[:, None]).max(initial=0.0)) or 1.0
-        held = model.assembly.prescribed
+        prescribed = model.assembly.prescribed
         rows = force * arms
-        rows[held] = model.assembly.arm(model.nominal) / arms[held]
+        rows[prescribed] = model.assembly.arm(model.nominal) / arms[prescribed]
         self.sizes = np.repeat(rows, shape[1])
-        moved = float(np.abs(start.reshape(shape) * arms[:, None]).max(initial=0.0)) or 1.0
-        self.reach = np.repeat(moved / arms, shape[1])
+        displacement = float(np.abs(start.reshape(shape) * arms[:, None]).max(initial=0.0)) or 1.0
+        self.scales = np.repeat(displacement / arms, shape[1])
 
-    def solve(self, p: np.ndarray, near: np.ndarray | None = None) -> np.ndarray:
+    def solve(self, p: np.ndarray, initial: np.ndarray | None = None) -> np.ndarray:
         result = self.analysis.run(self.model, p)
         if not result.status.success:
             raise AnalysisError(f"{self.model.name}: {result.status}")
@@ -69,17 +70,17 @@ class StructureStates(StateEquations):
         return result.displacements.ravel()
 
     def residual(self, x: np.ndarray, p: np.ndarray) -> np.ndarray:
-        u, rest = self._shaped(x), np.zeros_like(self._shaped(x))
+        u, residuals = self._shaped(x), np.zeros_like(self._shaped(x))
         for k, equations in enumerate(self._equations(p)):
-            left = sum(equations.holding(u[:, k], 1.0), -equations.applied)
-            left[equations.held] = u[equations.held, k] - equations.given
-            rest[:, k] = left
-        return rest.ravel()
+            residual = sum(equations.internal_terms(u[:, k], 1.0), -equations.applied)
+            residual[equations.held] = u[equations.held, k] - equations.prescribed
+            residuals[:, k] = residual
+        return residuals.ravel()
 
     def measures(self, x: np.ndarray, p: np.ndarray) -> np.ndarray:
         result = self.result(x, p)
-        found = [result.values(one) for one in self.measured.values()]
-        return np.concatenate([np.zeros(0), *found])
+        values = [result.values(measure) for measure in self.measured.values()]
+        return np.concatenate([np.zeros(0), *values])
 
     def tangent(self, x: np.ndarray, p: np.ndarray) -> StructureTangent:
         try:
@@ -88,28 +89,28 @@ class StructureStates(StateEquations):
             raise AnalysisError(str(error)) from None
 
     def result(self, x: np.ndarray, p: np.ndarray) -> StructuralResult:
-        """The displacements with forces and reactions there; the last run where that is it."""
+        """Result with forces and reactions at displacements; the last run if it is the same."""
         u, last = self._shaped(x), self._last
-        same = np.array_equal
-        if last is not None and same(last.parameters, p) and same(last.displacements, u):
+        is_equal = np.array_equal
+        if last is not None and is_equal(last.parameters, p) and is_equal(last.displacements, u):
             return last
         pairs = list(enumerate(self._equations(p)))
-        forces = np.stack([one.forces(u[:, k], 1.0) for k, one in pairs], axis=1)
-        record = [_Lazy(one, u[:, k]) for k, one in pairs]
+        forces = np.stack([equations.forces(u[:, k], 1.0) for k, equations in pairs], axis=1)
+        record = [_LazyRecord(equations, u[:, k]) for k, equations in pairs]
         return StructuralResult(
-            self.seen, self.analysis, p, self.cases, u, forces, GIVEN, {}, record
+            self.analysed_model, self.analysis, p, self.cases, u, forces, PRESCRIBED, {}, record
         )
 
     def _equations(self, p: np.ndarray) -> list[StaticEquations]:
-        return [StaticEquations(self.seen, p, case) for case in self.cases]
+        return [StaticEquations(self.analysed_model, p, case) for case in self.cases]
 
     def _shaped(self, x: np.ndarray) -> np.ndarray:
         return x.reshape(self.variables[0].shape)
 
 
 @dataclass
-class _Lazy:
-    """Stiffness at displacements from elsewhere, and factors when something is solved."""
+class _LazyRecord:
+    """Stiffness at prescribed displacements, factorised on demand."""
 
     equations: StaticEquations
     u: np.ndarray
@@ -124,39 +125,41 @@ class _Lazy:
 
 
 class StructureTangent(StateTangent):
-    """Of all load cases at displacements, with the factors of the analysis where they are there."""
+    """Derivatives for all load cases, with the factors of the analysis if available."""
 
-    def __init__(self, of: StructureStates, result: StructuralResult):
-        self.of, self.result, self.p = of, result, result.parameters
+    def __init__(self, states: StructureStates, result: StructuralResult):
+        self.states, self.result, self.p = states, result, result.parameters
         self.model = result.model
         self.free = self.model.assembly.free
         self.held = self.model.assembly.prescribed
         self.weights = [
-            [result.weights(one.sx, k) for one in of.measured.values()]
-            for k in range(len(of.cases))
+            [result.weights(measure.sx, k) for measure in states.measured.values()]
+            for k in range(len(states.cases))
         ]
 
     def push(self, dx: np.ndarray, dp: np.ndarray) -> Change:
         du = dx.reshape(-1, self.cases)
-        residual, measures = np.zeros_like(du), np.zeros((len(self.of.measured), self.cases))
+        residual, measures = np.zeros_like(du), np.zeros((len(self.states.measured), self.cases))
         for k in range(self.cases):
-            applied, internal, given = self._moved(k, dp)
+            applied, internal, prescribed = self._parameter_changes(k, dp)
             if du[:, k].any():
                 internal = internal + self.record(k).stiffness @ du[:, k]
-            left, forces = internal - applied, applied.copy()
-            forces[self.held] = left[self.held]
-            left[self.held] = du[self.held, k] - given
-            residual[:, k] = left
-            for i, seen in enumerate(self.weights[k]):
-                measures[i, k] = seen.u @ du[:, k] + seen.forces @ forces + seen.p @ dp
+            unbalanced, forces = internal - applied, applied.copy()
+            forces[self.held] = unbalanced[self.held]
+            unbalanced[self.held] = du[self.held, k] - prescribed
+            residual[:, k] = unbalanced
+            for i, weight in enumerate(self.weights[k]):
+                measures[i, k] = weight.u @ du[:, k] + weight.forces @ forces + weight.p @ dp
         return Change(residual.ravel(), measures.ravel())
 
-    def _moved(self, case: int, dp: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Changes with the parameters: of loads, of internal forces, of what is prescribed."""
+    def _parameter_changes(
+        self, case: int, dp: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Changes with the parameters: of loads, internal forces and prescribed displacements."""
         u, model = self.result.displacements[:, case], self.model
         if not dp.any():
             return np.zeros_like(u), np.zeros_like(u), np.zeros(self.held.size)
-        loads = model.loads[self.of.cases[case]]
+        loads = model.loads[self.states.cases[case]]
         internal = model.assembly.push(u, self.p, dp) + loads.configuration.push(u, self.p, dp)
         return loads.push(self.p, dp), internal, model.prescribed.push(self.p, dp)
 
@@ -164,45 +167,45 @@ class StructureTangent(StateTangent):
         model, held = self.model, self.held
         by_case, by_measure = r_bar.reshape(-1, self.cases), m_bar.reshape(-1, self.cases)
         u_bar, p_bar = np.zeros_like(by_case), np.zeros(self.p.size)
-        for k, case in enumerate(self.of.cases):
+        for k, case in enumerate(self.states.cases):
             u, loads = self.result.displacements[:, k], model.loads[case]
-            internal, forces, own = by_case[:, k].copy(), np.zeros(u.size), np.zeros(u.size)
-            own[held] = by_case[held, k]
+            internal, forces, u_weight = by_case[:, k].copy(), np.zeros(u.size), np.zeros(u.size)
+            u_weight[held] = by_case[held, k]
             p_bar -= model.prescribed.pull(self.p, by_case[held, k])
             internal[held] = 0.0
-            for weight, seen in zip(by_measure[:, k], self.weights[k], strict=True):
-                own += weight * seen.u
-                forces += weight * seen.forces
-                p_bar += weight * seen.p
+            for m_weight, weight in zip(by_measure[:, k], self.weights[k], strict=True):
+                u_weight += m_weight * weight.u
+                forces += m_weight * weight.forces
+                p_bar += m_weight * weight.p
             applied = forces - internal
             applied[held], internal[held] = -forces[held], forces[held]  # of reactions
-            u_bar[:, k] = own + self.record(k).stiffness.T @ internal
+            u_bar[:, k] = u_weight + self.record(k).stiffness.T @ internal
             p_bar += model.assembly.pull(u, self.p, internal)
             p_bar += loads.configuration.pull(u, self.p, internal)
             p_bar += loads.pull(self.p, applied)
         return Change(u_bar.ravel(), p_bar)
 
     def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:
-        given = rhs.reshape(-1, self.cases)
-        found = given.copy()
+        loads = rhs.reshape(-1, self.cases)
+        solution = loads.copy()
         for k in range(self.cases):
             record = self.record(k)
             if record.factor is None:
                 continue
-            across = record.stiffness[self.free][:, self.held]
-            open_by = given[self.free, k]
+            coupling = record.stiffness[self.free][:, self.held]
+            free_loads = loads[self.free, k]
             if trans == "N":
-                open_by = open_by - across @ given[self.held, k]
-            found[self.free, k] = record.factor.solve(np.ascontiguousarray(open_by), trans)
+                free_loads = free_loads - coupling @ loads[self.held, k]
+            solution[self.free, k] = record.factor.solve(np.ascontiguousarray(free_loads), trans)
             if trans == "T":
-                found[self.held, k] -= across.T @ found[self.free, k]
-        return found.ravel()
+                solution[self.held, k] -= coupling.T @ solution[self.free, k]
+        return solution.ravel()
 
     @property
     def cases(self) -> int:
-        return len(self.of.cases)
+        return len(self.states.cases)
 
     def record(self, case: int) -> StaticsRecord:
         """Stiffness and factors of a load case."""
-        found: StaticsRecord = self.result.record[case]
-        return found
+        record: StaticsRecord = self.result.record[case]
+        return record

@@ -1,1 +1,1 @@
-"""Parameters from measurements: data, misfit, estimate and what it is worth."""
+"""Parameter identification: data, misfit, estimate and confidence."""

@@ -1,4 +1,4 @@
-"""An experiment: what was measured, and under what conditions."""
+"""Experiments: measurements and the conditions of their runs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
-from dalembert.design.identification.table import read_table
+from dalembert.design.identification.data_table import read_table
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import options
 from dalembert.results.result import Analysis
@@ -18,21 +18,21 @@ from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import nearest
 
 TIMES = ("time", "t")
-"""Names of the column of times where none is given."""
+"""Default names of the time column."""
 Measures = Mapping[str, str | Expression] | Sequence[str] | None
 
 
 @options(kw_only=True)
 class Experiment:
-    """Measurements of one run, with the conditions it was made under.
+    """Measurements of one run with its conditions.
 
     Parameters
     ----------
     data : DataFrame, mapping of columns, or path of a .csv or .parquet file
-    name : in results; its number by default
-    parameters : values that this run had, by name
-    own : parameters that are unknown and this run's own, such as its initial state
-    analysis : how this run is simulated; by default as the others
+    name : in results; by default its number
+    parameters : known parameter values of this run, by name
+    own : unknown parameters of this run alone, such as its initial state
+    analysis : of this run; by default that of ``identify``
 
     Examples
     --------
@@ -48,8 +48,8 @@ class Experiment:
     >>> first = da.Experiment(data={"t": t, "sledge.x": t**2 / 4}, parameters={"push": 4.0})
     >>> other = da.Experiment(data={"t": t, "sledge.x": t}, parameters={"speed": 1.0})
     >>> runs = [first, other]
-    >>> found = da.identify(system.build(), runs, vary=["mass"])
-    >>> round(found.x["mass"], 4)  # x = F t²/(2 m); the second run tells nothing of it
+    >>> result = da.identify(system.build(), runs, vary=["mass"])
+    >>> round(result.x["mass"], 4)  # x = F t²/(2 m); the second run does not depend on it
     8.0
     """
 
@@ -62,15 +62,15 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Observation:
-    """An experiment made ready: times, columns of the data, and the measures they belong to.
+    """Observation of an experiment: times, data columns and their measures.
 
     Attributes
     ----------
     times : (K,) [s], in order
     columns : names
     measures : an expression of the model for each column
-    values : (K, columns), NaN where a sample is missing
-    noise : (K, columns) standard deviations; NaN where they are to be estimated
+    values : (K, columns), NaN for missing samples
+    noise : (K, columns) standard deviations; NaN if they are to be estimated
     """
 
     name: str
@@ -84,7 +84,7 @@ class Observation:
 
     @property
     def present(self) -> np.ndarray:
-        """(K, columns) which samples there are."""
+        """(K, columns) mask of the available samples."""
         return np.isfinite(self.values)
 
 
@@ -97,44 +97,44 @@ def observe(
     noise: Mapping[str, float | str],
     analysis: Analysis | None,
 ) -> Observation:
-    """The data of an experiment, checked against the model.
+    """Observation of an experiment, checked against the model.
 
     Raises
     ------
     AnalysisError
-        No times, columns that match no measure, no or infinite numbers.
+        The time column is missing, a column matches no measure, or has no or infinite numbers.
     """
     table = read_table(experiment.data)
     name = experiment.name or f"experiment {number}"
-    clock = _clock(table, time, name)
-    order = np.argsort(table[clock], kind="stable")
-    times = table[clock][order]
+    time_column = _time_column(table, time, name)
+    order = np.argsort(table[time_column], kind="stable")
+    times = table[time_column][order]
     if not np.all(np.isfinite(times)):
-        raise AnalysisError(f"{name}: the times in column {clock!r} are not all numbers")
+        raise AnalysisError(f"{name}: the times in column {time_column!r} are not all numbers")
     deviations = {n for n in noise.values() if isinstance(n, str)}
-    rest = [n for n in table if n != clock and n not in deviations]
-    found = _measures(model, measures, rest, name)
-    values = np.column_stack([table[column][order] for column in found])
-    for column, numbers in zip(found, values.T, strict=True):
+    candidates = [n for n in table if n != time_column and n not in deviations]
+    measured = _measures(model, measures, candidates, name)
+    values = np.column_stack([table[column][order] for column in measured])
+    for column, numbers in zip(measured, values.T, strict=True):
         if np.any(np.isinf(numbers)):
             raise AnalysisError(f"{name}: column {column!r} holds infinite numbers; leave them out")
         if not np.any(np.isfinite(numbers)):
-            raise AnalysisError(f"{name}: column {column!r} holds no number at all; leave it out")
-    given = np.column_stack([_noise(table, noise.get(c), order, c, name) for c in found])
-    chosen = experiment.analysis or analysis or _default(times, name)
-    columns, expressions = tuple(found), tuple(found.values())
-    return Observation(name, experiment, chosen, times, columns, expressions, values, given)
+            raise AnalysisError(f"{name}: column {column!r} holds no numbers; leave it out")
+    sigma = np.column_stack([_noise(table, noise.get(c), order, c, name) for c in measured])
+    run_analysis = experiment.analysis or analysis or _default_analysis(times, name)
+    columns, expressions = tuple(measured), tuple(measured.values())
+    return Observation(name, experiment, run_analysis, times, columns, expressions, values, sigma)
 
 
-def _clock(table: Mapping[str, np.ndarray], time: str | None, name: str) -> str:
-    clock = next((n for n in ((time,) if time else TIMES) if n in table), None)
-    if clock is None:
-        wanted = repr(time) if time else " or ".join(map(repr, TIMES))
+def _time_column(table: Mapping[str, np.ndarray], time: str | None, name: str) -> str:
+    column = next((n for n in ((time,) if time else TIMES) if n in table), None)
+    if column is None:
+        expected = repr(time) if time else " or ".join(map(repr, TIMES))
         raise AnalysisError(
-            f"{name}: the data has no column {wanted} of times; name it with time=... "
+            f"{name}: the data has no column {expected} of times; name it with time=... "
             f"(columns of numbers: {', '.join(table)})"
         )
-    return clock
+    return column
 
 
 def _measures(
@@ -143,47 +143,47 @@ def _measures(
     """Column → scalar measure."""
     if measures is None:
         measures = list(columns)
-    asked = measures if isinstance(measures, Mapping) else {m: m for m in measures}
-    found = {}
-    for column, measure in asked.items():
+    requested = measures if isinstance(measures, Mapping) else {m: m for m in measures}
+    expressions = {}
+    for column, measure in requested.items():
         if column not in columns:
             raise AnalysisError(
                 f"{name}: the data has no column {column!r} of numbers{nearest(column, columns)} "
                 f"(there are: {', '.join(columns) or 'none'})"
             )
         try:
-            found[column] = model.expression(measure)
+            expressions[column] = model.expression(measure)
         except ExpressionError as error:
             raise AnalysisError(
-                f"{name}: column {column!r} matches no measure ({error}); say what it measures "
+                f"{name}: column {column!r} matches no measure ({error}); assign one "
                 f"with measures={{{column!r}: ...}}"
             ) from None
-        if len(found[column]) != 1:
+        if len(expressions[column]) != 1:
             raise AnalysisError(
-                f"{name}: the measure of column {column!r} has {len(found[column])} components; "
-                "take .x or .y"
+                f"{name}: the measure of column {column!r} has {len(expressions[column])} "
+                "components; use .x or .y"
             )
-    if not found:
-        raise AnalysisError(f"{name}: the data has no column beside its times")
-    return found
+    if not expressions:
+        raise AnalysisError(f"{name}: the data has no column besides its times")
+    return expressions
 
 
 def _noise(
-    table: Mapping[str, np.ndarray], given: Any, order: np.ndarray, column: str, name: str
+    table: Mapping[str, np.ndarray], noise: Any, order: np.ndarray, column: str, name: str
 ) -> np.ndarray:
     """(K,) standard deviations of a column."""
-    if isinstance(given, str):
-        if given not in table:
-            raise AnalysisError(f"{name}: the data has no column {given!r} of deviations")
-        made = table[given][order]
+    if isinstance(noise, str):
+        if noise not in table:
+            raise AnalysisError(f"{name}: the data has no column {noise!r} of deviations")
+        deviations = table[noise][order]
     else:
-        made = np.full(order.size, np.nan if given is None else float(given))
-    if given is not None and not np.all(made > 0):
+        deviations = np.full(order.size, np.nan if noise is None else float(noise))
+    if noise is not None and not np.all(deviations > 0):
         raise AnalysisError(f"{name}: the noise of column {column!r} must be above zero")
-    return made
+    return deviations
 
 
-def _default(times: np.ndarray, name: str) -> Dynamics:
+def _default_analysis(times: np.ndarray, name: str) -> Dynamics:
     if times[0] < 0 or times[-1] <= 0:
         raise AnalysisError(
             f"{name}: its times {times[0]:g}…{times[-1]:g} s do not begin at t = 0; give "

@@ -1,4 +1,4 @@
-"""Identification: parameters that explain measurements, ``min Σ ρ(r²)``, and how sure they are."""
+"""Parameter identification from measured time series, ``min Σ ρ(r²)``."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.identification.experiment import Experiment, Measures, observe
-from dalembert.design.identification.identified import Identification
+from dalembert.design.identification.identification import Identification
 from dalembert.design.identification.information import Information, inflation
-from dalembert.design.identification.least_squares import Fit, LeastSquares
-from dalembert.design.identification.misfit import Misfit
-from dalembert.design.identification.unknowns import Delays, Unknowns, unknowns_of
-from dalembert.design.methods.spread import counted, refuse_open, spread
+from dalembert.design.identification.least_squares import Fit, LeastSquaresSolver
+from dalembert.design.identification.misfit import Delays, Misfit, Unknowns, make_unknowns
+from dalembert.design.methods.search_options import additional_starts
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
@@ -41,35 +40,36 @@ def identify(
     tolerance: float = 1e-10,
     progress: bool | Callable[[int, float], None] = False,
 ) -> Identification:
-    """Parameters with which a model explains measured time series.
+    """Identify parameters of a model from measured time series.
 
-    Least squares of the residuals over their noise, by SciPy's trust region with exact gradients of
-    every sample. Missing samples (NaN) are left out. Ctrl-C ends it with the best unknowns so far.
+    Least squares of the residuals over their noise, by SciPy's trust-region method with exact
+    gradients of every sample. Missing samples (NaN) are ignored. Ctrl-C ends it with the best
+    unknowns so far.
 
     Parameters
     ----------
     model : Model or StructuralModel
     data : DataFrame, mapping of columns, path of a .csv or .parquet file, an ``Experiment``, or a
         list of these
-    measures : column → measure or formula; or columns that are named as measures are; by default
-        all columns beside the time
-    vary : names of the unknown parameters; their bounds are kept
-    analysis : how the runs are made; by default dynamics from 0 to the last time
-    time : column of the times; by default ``time`` or ``t``
-    noise : column → standard deviation, or the column that holds it; estimated where not given
-    delays : column → bounds of an unknown time by which it lags behind [s]
-    loss : ``"linear"``, or against outliers ``"soft_l1"``, ``"huber"``, ``"cauchy"``, ``"arctan"``
-    start : initial values; default the nominal ones
-    starts : searches, the first from ``start`` and others from values between the bounds, where
-        residuals may have several valleys; the best counts and ``minima`` tells each that was found
+    measures : column → measure or formula; or columns with the names of measures; by default all
+        columns except the time
+    vary : names of the unknown parameters, within their bounds
+    analysis : of the runs; by default dynamics from 0 to the last time
+    time : name of the time column; by default ``time`` or ``t``
+    noise : column → standard deviation, or the column that holds it; estimated by default
+    delays : column → bounds of an unknown delay of its signal [s]
+    loss : ``"linear"``, or robust ``"soft_l1"``, ``"huber"``, ``"cauchy"``, ``"arctan"``
+    start : initial values; default nominal
+    starts : number of searches for misfits with several minima, the first from ``start``, others
+        from values between the bounds; the best is returned, ``minima`` lists all
     rng : seed of the starts
-    progress : True prints each iteration, or a function of its number and cost
-    max_iterations, tolerance : at which the search ends
+    progress : True to print each iteration, or a function of its number and cost
+    max_iterations, tolerance : stopping criteria
 
     Raises
     ------
     AnalysisError
-        Data that cannot be used, or a run that fails at the start.
+        Invalid data, or a run fails at the start.
 
     Examples
     --------
@@ -81,41 +81,28 @@ def identify(
     >>> cart = system.add(planar.Particle("cart", mass=2.0, velocity=(3.0, 0)))
     >>> resistance = system.add(planar.Force("wind", cart.center, (-drag * cart.vx, 0)))
     >>> t = np.linspace(0, 2, 21)
-    >>> data = {"time": t, "speed": 3 * np.exp(-0.4 * t)}  # as if measured
-    >>> found = da.identify(system.build(), data, {"speed": "cart.vx"}, ["drag"])
-    >>> found.success, round(found.x["drag"], 6)  # c = 0.4 m
+    >>> data = {"time": t, "speed": 3 * np.exp(-0.4 * t)}  # synthetic measurement
+    >>> result = da.identify(system.build(), data, {"speed": "cart.vx"}, ["drag"])
+    >>> result.success, round(result.x["drag"], 6)  # c = 0.4 m
     (True, 0.8)
     """
-    misfit = prepared(model, data, measures, vary, analysis, time, noise, delays, start)
-    solver = LeastSquares(misfit, loss, tolerance, max_iterations, progress=progress)
-    first = misfit.unknowns.start
-    refuse_bad_start(misfit, first)
-    begins = other_starts(misfit.unknowns, starts, rng)
-    minima = solver.minima([first, *begins]) if begins else []
-    fit, levels, estimated = solver.with_noise(minima[0][1] if minima else first)
+    misfit = make_misfit(model, data, measures, vary, analysis, time, noise, delays, start)
+    solver = LeastSquaresSolver(misfit, loss, tolerance, max_iterations, progress=progress)
+    unknowns = misfit.unknowns
+    first = unknowns.start
+    check_start(misfit, first)
+    bounds = unknowns.lower, unknowns.upper
+    further_starts = additional_starts(starts, unknowns.labels, *bounds, rng)
+    minima = solver.minima([first, *further_starts]) if further_starts else []
+    fit, noise_levels, estimated = solver.fit_with_noise(minima[0][1] if minima else first)
     defer_ctrl_c()
-    found = _identified(misfit, solver, fit, levels, estimated)
-    labels = misfit.unknowns.labels
+    result = _make_identification(misfit, solver, fit, noise_levels, estimated)
     for cost, x in minima:
-        found.minima.append((cost, dict(zip(labels, map(float, x), strict=True))))
-    return found
+        result.minima.append((cost, dict(zip(unknowns.labels, map(float, x), strict=True))))
+    return result
 
 
-def other_starts(unknowns: Unknowns, starts: int, rng: int) -> list[np.ndarray]:
-    """Values of the unknowns between their bounds, beside the first start.
-
-    Raises
-    ------
-    AnalysisError
-        An unknown without two finite bounds, or starts that are no number.
-    """
-    if counted(starts) == 1:
-        return []
-    refuse_open("starts", unknowns.labels, unknowns.lower, unknowns.upper)
-    return list(spread(starts - 1, unknowns.lower, unknowns.upper, rng))
-
-
-def prepared(
+def make_misfit(
     model: ParametricModel,
     data: Any,
     measures: Measures,
@@ -127,31 +114,33 @@ def prepared(
     start: Mapping[str, float] | None = None,
     regularised: bool = False,
 ) -> Misfit:
-    """The misfit of a model to data; with a regularisation there may be few of them.
+    """Misfit of a model to data; regularised problems may have fewer samples than unknowns.
 
     Raises
     ------
     AnalysisError
-        Data that cannot be used, or fewer samples than unknowns.
+        Invalid data, or fewer samples than unknowns without regularisation.
     """
-    given = list(data) if isinstance(data, (list, tuple)) else [data]
-    if not given:
+    tables = list(data) if isinstance(data, (list, tuple)) else [data]
+    if not tables:
         raise AnalysisError("there is no data; give a table or an Experiment")
-    experiments = [d if isinstance(d, Experiment) else Experiment(data=d) for d in given]
-    listed = [vary] if isinstance(vary, str) else list(vary)
+    experiments = [
+        table if isinstance(table, Experiment) else Experiment(data=table) for table in tables
+    ]
+    varied = [vary] if isinstance(vary, str) else list(vary)
     deviations = dict(noise or {})
     observations = [
-        observe(model, e, k, measures, time, deviations, analysis)
-        for k, e in enumerate(experiments, start=1)
+        observe(model, experiment, k, measures, time, deviations, analysis)
+        for k, experiment in enumerate(experiments, start=1)
     ]
     names = [o.name for o in observations]
-    twice = next((n for n in names if names.count(n) > 1), None)
-    if twice:
-        raise AnalysisError(f"two experiments are called {twice!r}; name them")
+    repeated = next((n for n in names if names.count(n) > 1), None)
+    if repeated:
+        raise AnalysisError(f"two experiments are called {repeated!r}; name them")
     for column in deviations:
         if not any(column in o.columns for o in observations):
-            raise AnalysisError(f"noise: the data has no column {column!r} that is used")
-    unknowns = unknowns_of(model, observations, listed, start or {}, delays or {})
+            raise AnalysisError(f"noise: the data has no column {column!r} in use")
+    unknowns = make_unknowns(model, observations, varied, start or {}, delays or {})
     misfit = Misfit(model, observations, unknowns)
     if misfit.size < len(unknowns.labels) and not regularised:
         raise AnalysisError(
@@ -161,25 +150,25 @@ def prepared(
     return misfit
 
 
-def refuse_bad_start(misfit: Misfit, x: np.ndarray) -> None:
-    """The runs go through at the start, and are measurable at the times of the data.
+def check_start(misfit: Misfit, x: np.ndarray) -> None:
+    """Check that runs succeed at the start and measures are finite at the times of the data.
 
     Raises
     ------
     AnalysisError
-        With the reason.
+        A run fails or a measure is not finite.
     """
     try:
-        found = misfit.predicted(x)
+        predicted = misfit.predicted(x)
     except AnalysisError as error:
-        raise AnalysisError(f"the model cannot be run at the start: {error}") from None
-    for o, values, used in zip(misfit.observations, found, misfit.used, strict=True):
+        raise AnalysisError(f"the run fails at the start: {error}") from None
+    for observation, values, used in zip(misfit.observations, predicted, misfit.used, strict=True):
         if not np.all(np.isfinite(values[used])):
-            raise AnalysisError(f"{o.name}: a measure is not finite at the start")
+            raise AnalysisError(f"{observation.name}: a measure is not finite at the start")
 
 
-def _identified(
-    misfit: Misfit, solver: LeastSquares, fit: Fit, noise: dict[str, float], estimated: bool
+def _make_identification(
+    misfit: Misfit, solver: LeastSquaresSolver, fit: Fit, noise: dict[str, float], estimated: bool
 ) -> Identification:
     unknowns, x = misfit.unknowns, fit.x
     jacobian = misfit.jacobian(x)
@@ -208,7 +197,7 @@ def _identified(
 
 
 def at_bounds(unknowns: Unknowns, x: np.ndarray) -> list[str]:
-    """Unknowns that are at one of their bounds."""
+    """Unknowns at one of their bounds."""
     near = 1e-6 * unknowns.sizes(x)
-    ended = (x - unknowns.lower <= near) | (unknowns.upper - x <= near)
-    return [n for n, at in zip(unknowns.labels, ended, strict=True) if at]
+    is_at_bound = (x - unknowns.lower <= near) | (unknowns.upper - x <= near)
+    return [n for n, flag in zip(unknowns.labels, is_at_bound, strict=True) if flag]

@@ -1,4 +1,4 @@
-"""Least squares of a misfit, robust if wanted: SciPy's trust region with the exact Jacobian."""
+"""Least squares of a misfit, optionally robust: SciPy's trust region with the exact Jacobian."""
 
 from __future__ import annotations
 
@@ -9,23 +9,24 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.identification.misfit import Misfit
-from dalembert.design.methods.stop import check_stop
+from dalembert.design.methods.search_options import check_stop
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import raising_ctrl_c
 
 LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
 NORMAL = 1.4826
 """Standard deviation of a normal variable over the median of its absolute value."""
-ROUNDS = 12
+MAX_ROUNDS = 12
+"""Upper limit of the alternations between unknowns and noise."""
 APART = 1e-3
-"""Of the range of an unknown, from which on minima are different."""
-LEAST = 1e-10
-"""Least noise, relative to the size of a column: rounding."""
+"""Threshold for the distance of distinct minima, relative to the ranges of the unknowns [-]."""
+NOISE_FLOOR = 1e-10
+"""Lower limit of the noise relative to the scatter of a column [-]: rounding."""
 
 
 @dataclass
 class Fit:
-    """Where least squares ended."""
+    """Outcome of a least-squares fit."""
 
     x: np.ndarray
     success: bool
@@ -34,13 +35,13 @@ class Fit:
 
 
 @dataclass
-class LeastSquares:
+class LeastSquaresSolver:
     """``min Σ ρ(r²)`` over the unknowns, within their bounds.
 
     Parameters
     ----------
-    loss : ``ρ``, one of ``LOSSES``; the noise is its scale
-    penalty : more rows ``P x − q``, such as those of a regularisation
+    loss : ``ρ``, one of ``LOSSES``, scaled by the noise
+    penalty : additional residuals ``P x − q``, such as those of a regularisation
     """
 
     misfit: Misfit
@@ -59,11 +60,11 @@ class LeastSquares:
         self._reached: tuple[float, np.ndarray] | None = None
 
     def solve(self, x: np.ndarray) -> Fit:
-        """The nearest minimum from a start; the best unknowns so far where it is interrupted."""
+        """Local minimum from a start; Ctrl-C ends with the best unknowns so far."""
         self._reached = None
         try:
             with raising_ctrl_c():
-                return self._solved(x)
+                return self._search(x)
         except KeyboardInterrupt:
             if self._reached is None:
                 raise
@@ -71,17 +72,17 @@ class LeastSquares:
             cost, best = self._reached
             return Fit(best, False, f"interrupted after {self._count} iteration(s)", cost)
 
-    def _solved(self, x: np.ndarray) -> Fit:
+    def _search(self, x: np.ndarray) -> Fit:
         from scipy.optimize import least_squares
 
         unknowns = self.misfit.unknowns
         size = unknowns.sizes(unknowns.start)
-        tiny = 1e-10 * size  # SciPy begins inside of the bounds
-        inside = np.clip(x, unknowns.lower + tiny, unknowns.upper - tiny)
-        inside = np.where(unknowns.upper - unknowns.lower > 2 * tiny, inside, x)
+        tiny = 1e-10 * size  # SciPy starts strictly inside the bounds
+        interior = np.clip(x, unknowns.lower + tiny, unknowns.upper - tiny)
+        interior = np.where(unknowns.upper - unknowns.lower > 2 * tiny, interior, x)
         outcome = least_squares(
             lambda z: self.residual(z * size),
-            inside / size,
+            interior / size,
             jac=lambda z: self.jacobian(z * size) * size,
             bounds=(unknowns.lower / size, unknowns.upper / size),
             x_scale="jac",
@@ -91,37 +92,37 @@ class LeastSquares:
             gtol=self.tolerance,
             max_nfev=self.max_iterations,
         )
-        found = outcome.x * size
-        return Fit(found, bool(outcome.status > 0), str(outcome.message), float(outcome.cost))
+        solution = outcome.x * size
+        return Fit(solution, bool(outcome.status > 0), str(outcome.message), float(outcome.cost))
 
-    def minima(self, begins: Sequence[np.ndarray]) -> list[tuple[float, np.ndarray]]:
-        """Cost and unknowns of the distinct minima from some starts, the best first.
+    def minima(self, starts: Sequence[np.ndarray]) -> list[tuple[float, np.ndarray]]:
+        """Cost and unknowns of the distinct minima from several starts, the best first.
 
-        Noise that is not given counts as the scatter of its column, so that costs compare.
+        Unspecified noise is set to the scatter of its column, so that costs are comparable.
         """
-        self.use_given_noise()
-        found: list[tuple[float, np.ndarray]] = []
+        self.use_specified_noise()
+        minima: list[tuple[float, np.ndarray]] = []
         width = self.misfit.unknowns.upper - self.misfit.unknowns.lower
-        for begin in begins:
-            if self.misfit.motions(begin) is None:  # it cannot be run there
+        for start in starts:
+            if self.misfit.motions(start) is None:  # the run fails
                 continue
-            fit = self.solve(begin)
-            near = [bool(np.all(abs(x - fit.x) <= APART * width)) for _, x in found]
-            if True not in near:
-                found.append((fit.cost, fit.x))
-            elif fit.cost < found[near.index(True)][0]:
-                found[near.index(True)] = fit.cost, fit.x
+            fit = self.solve(start)
+            is_same = [bool(np.all(abs(x - fit.x) <= APART * width)) for _, x in minima]
+            if True not in is_same:
+                minima.append((fit.cost, fit.x))
+            elif fit.cost < minima[is_same.index(True)][0]:
+                minima[is_same.index(True)] = fit.cost, fit.x
             if self.interrupted:
                 break
-        return sorted(found, key=lambda one: one[0])
+        return sorted(minima, key=lambda entry: entry[0])
 
     def residual(self, x: np.ndarray) -> np.ndarray:
-        """(N,) residuals, those of the penalty last."""
+        """(N,) residuals, followed by those of the penalty."""
         r = self.misfit.residual(x)
         return r if self.penalty is None else np.append(r, self.penalty[0] @ x - self.penalty[1])
 
     def jacobian(self, x: np.ndarray) -> np.ndarray:
-        """(N, n); asked for once an iteration, at the unknowns reached."""
+        """(N, n) derivatives; called once per iteration."""
         self._count += 1
         cost = 0.5 * float(np.sum(self.residual(x) ** 2))
         if self._reached is None or cost < self._reached[0]:
@@ -134,78 +135,81 @@ class LeastSquares:
         rows = self.misfit.jacobian(x)
         return rows if self.penalty is None else np.vstack([rows, self.penalty[0]])
 
-    def with_noise(self, x: np.ndarray) -> tuple[Fit, dict[str, float], bool]:
-        """The fit, the noise of each column, and whether that was estimated from the data.
+    def fit_with_noise(self, x: np.ndarray) -> tuple[Fit, dict[str, float], bool]:
+        """Fit, noise of each column, and whether the noise was estimated from the data.
 
-        Unknown noise and unknowns are found in turn: each column is weighed by the scatter of its
-        own residuals, which is the likeliest estimate for normal noise.
+        Noise and unknowns are estimated alternately: each column is weighted by the scatter of its
+        residuals, the maximum-likelihood estimate for normal noise.
         """
-        given = self.use_given_noise()
+        is_specified = self.use_specified_noise()
         if self.interrupted:
             cost = 0.5 * float(np.sum(self.residual(x) ** 2))
             fit = Fit(x, False, f"interrupted after {self._count} iteration(s)", cost)
         else:
             fit = self.solve(x)
-        if given or self.interrupted:
-            return fit, self._told(), not given
-        for _ in range(ROUNDS):
-            before = self._told()
+        if is_specified or self.interrupted:
+            return fit, self._noise_levels(), not is_specified
+        for _ in range(MAX_ROUNDS):
+            old_levels = self._noise_levels()
             self.estimate_noise(fit.x)
-            after = self._told()
-            if self.loss == "linear" and len(after) == 1:
+            levels = self._noise_levels()
+            if self.loss == "linear" and len(levels) == 1:
                 break
             fit = self.solve(fit.x)
-            if self.interrupted or all(abs(after[c] - before[c]) <= 1e-3 * after[c] for c in after):
+            if self.interrupted or all(
+                abs(levels[c] - old_levels[c]) <= 1e-3 * levels[c] for c in levels
+            ):
                 break
-        return fit, self._told(), True
+        return fit, self._noise_levels(), True
 
-    def use_given_noise(self) -> bool:
-        """Take the noise as given, else the scatter of each column; true if all is given."""
+    def use_specified_noise(self) -> bool:
+        """Set specified noise, else the scatter of each column; True if all is specified."""
         spread = {c: max(s, 1e-300) for c, s in self._scatter().items()}
-        every = True
+        all_specified = True
         for o, noise in zip(self.misfit.observations, self.misfit.noise, strict=True):
             for j, column in enumerate(o.columns):
-                known = np.all(np.isfinite(o.noise[:, j]))
-                every &= bool(known)
-                noise[:, j] = o.noise[:, j] if known else spread[column]
-        return every
+                is_specified = np.all(np.isfinite(o.noise[:, j]))
+                all_specified &= bool(is_specified)
+                noise[:, j] = o.noise[:, j] if is_specified else spread[column]
+        return all_specified
 
     def estimate_noise(self, x: np.ndarray) -> None:
-        """Scatter of the residuals of each column whose noise is not given."""
+        """Set unspecified noise to the scatter of the residuals of its column."""
         misfit = self.misfit
         if misfit.motions(x) is None:
             raise AnalysisError(misfit.failures[-1])
         predicted, floor = misfit.predicted(x), self._scatter()
-        left = 1 - x.size / misfit.size if misfit.size > x.size else 1.0
-        rest: dict[str, list[np.ndarray]] = {}
-        for o, found, used in zip(misfit.observations, predicted, misfit.used, strict=True):
+        freedom_share = 1 - x.size / misfit.size if misfit.size > x.size else 1.0
+        residuals: dict[str, list[np.ndarray]] = {}
+        for o, values, used in zip(misfit.observations, predicted, misfit.used, strict=True):
             for j, column in enumerate(o.columns):
-                off = (found - o.values)[used[:, j], j]
-                rest.setdefault(column, []).append(off)
+                column_residuals = (values - o.values)[used[:, j], j]
+                residuals.setdefault(column, []).append(column_residuals)
         for o, noise in zip(misfit.observations, misfit.noise, strict=True):
             for j, column in enumerate(o.columns):
                 if not np.all(np.isfinite(o.noise[:, j])):
-                    off = np.concatenate(rest[column])
-                    rough = NORMAL * float(np.median(abs(off)))
-                    usual = float(np.sqrt(np.mean(off**2) / left))
-                    chosen = usual if self.loss == "linear" else rough
-                    noise[:, j] = max(chosen, LEAST * floor[column], 1e-300)
+                    column_residuals = np.concatenate(residuals[column])
+                    robust = NORMAL * float(np.median(abs(column_residuals)))
+                    rms = float(np.sqrt(np.mean(column_residuals**2) / freedom_share))
+                    level = rms if self.loss == "linear" else robust
+                    noise[:, j] = max(level, NOISE_FLOOR * floor[column], 1e-300)
 
     def _scatter(self) -> dict[str, float]:
-        """Column → standard deviation of its data, its size where it does not vary."""
+        """Column → standard deviation of its data, or its magnitude if it is constant."""
         samples: dict[str, list[np.ndarray]] = {}
         for o, used in zip(self.misfit.observations, self.misfit.used, strict=True):
             for j, column in enumerate(o.columns):
                 samples.setdefault(column, []).append(o.values[used[:, j], j])
-        every = {c: np.concatenate(v) for c, v in samples.items()}
+        columns = {c: np.concatenate(v) for c, v in samples.items()}
         return {
-            c: float(np.std(v)) or float(np.max(abs(v), initial=0)) or 1.0 for c, v in every.items()
+            c: float(np.std(v)) or float(np.max(abs(v), initial=0)) or 1.0
+            for c, v in columns.items()
         }
 
-    def _told(self) -> dict[str, float]:
+    def _noise_levels(self) -> dict[str, float]:
         """Column → root mean square of its noise."""
-        found: dict[str, Any] = {}
+        deviations: dict[str, Any] = {}
         for o, noise in zip(self.misfit.observations, self.misfit.noise, strict=True):
             for j, column in enumerate(o.columns):
-                found.setdefault(column, []).append(noise[:, j])
-        return {c: float(np.sqrt(np.mean(np.concatenate(v) ** 2))) for c, v in found.items()}
+                deviations.setdefault(column, []).append(noise[:, j])
+        return {c: float(np.sqrt(np.mean(np.concatenate(v) ** 2))) for c, v in deviations.items()}

@@ -1,1 +1,1 @@
-"""Unknown histories from what they cause: forces and drives from measured motion."""
+"""Inverse problems: identification of force and drive histories from measured motion."""

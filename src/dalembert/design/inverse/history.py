@@ -1,4 +1,4 @@
-"""An unknown history: a cubic spline in time whose values are parameters."""
+"""Unknown histories: cubic splines in time whose values at knots are parameters."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from dalembert.text.spelling import spelled
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """A function of time through unknown values at knots.
+    """A spline in time with unknown values at its knots.
 
     Attributes
     ----------
-    name : of the history
+    name : name of the history
     knots : (n,) times [s]
-    parameters : one for each knot
-    law : the spline, for drivers; ``law.ends`` has its end conditions
+    parameters : parameter of each knot
+    law : the spline, for drivers; ``law.ends`` holds its end conditions
 
     Examples
     --------
@@ -45,7 +45,7 @@ class History:
 
     @property
     def names(self) -> list[str]:
-        """Of the parameters."""
+        """Names of the parameters."""
         return [p.name for p in self.parameters]
 
     @property
@@ -54,13 +54,13 @@ class History:
         return Expression(self.law.value(t.sx), self.name)
 
     def at(self, values: np.ndarray, times: Any) -> np.ndarray:
-        """The history at times, with these values at its knots."""
+        """The history at times, for given values at its knots."""
         from scipy.interpolate import CubicSpline
 
         return np.asarray(CubicSpline(self.knots, values, bc_type=self.law.ends)(times))
 
     def roughness(self, order: int = 2) -> np.ndarray:
-        """(n − order, n) rows whose squares sum to ``∫ (dᵏf/dtᵏ)² dt``, by divided differences."""
+        """(n − order, n) rows with squared norm ``∫ (dᵏf/dtᵏ)² dt``, by divided differences."""
         x, rows = self.knots, np.eye(self.knots.size)
         for k in range(1, order + 1):
             rows = k * np.diff(rows, axis=0) / (x[k:] - x[:-k])[:, None]
@@ -76,15 +76,15 @@ def history(
     unit: str = "",
     ends: str = "not-a-knot",
 ) -> History:
-    """An unknown history for a system: parameters ``name_0``, ``name_1`` … at its knots.
+    """Add an unknown history to a system: parameters ``name_0``, ``name_1`` … at its knots.
 
     Parameters
     ----------
-    system : System or Structure that gets the parameters
+    system : System or Structure to which the parameters are added
     knots : times, increasing; the spline is C² between them [s]
-    value : of all knots at first, in ``unit``, or a text such as ``"5 kN"``
+    value : initial value at all knots, in ``unit``, or a text such as ``"5 kN"``
     unit : of the value; SI units by default
-    ends : end conditions of the spline, as of ``Table``
+    ends : end conditions of the spline, as in ``Table``
 
     Raises
     ------
@@ -106,5 +106,5 @@ def history(
     times = np.asarray(knots, dtype=float)
     if times.ndim != 1 or times.size < 4 or not np.all(np.diff(times) > 0):
         raise ModelError("give at least four knots, increasing in time", name)
-    made = tuple(system.parameter(f"{name}_{k}", value, unit) for k in range(times.size))
-    return History(name, times, made, Table(times.tolist(), list(made), ends=ends))
+    parameters = tuple(system.parameter(f"{name}_{k}", value, unit) for k in range(times.size))
+    return History(name, times, parameters, Table(times.tolist(), list(parameters), ends=ends))

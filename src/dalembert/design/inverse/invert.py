@@ -1,7 +1,7 @@
 """Inverse problems: unknown forces and drives from measured motion, by regularised least squares.
 
-``min |(m(t; f) − y)/σ|² + μ ∫ f̈² dt`` (Tikhonov), ``f`` splines with unknown values; or with
-another derivative.
+``min |(m(t; f) − y)/σ|² + μ ∫ f̈² dt`` (Tikhonov) for splines ``f`` with unknown values; the
+order of the derivative is an option.
 """
 
 from __future__ import annotations
@@ -13,20 +13,26 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.identification.experiment import Measures
-from dalembert.design.identification.identify import prepared, refuse_bad_start
-from dalembert.design.identification.least_squares import Fit, LeastSquares
+from dalembert.design.identification.identify import check_start, make_misfit
+from dalembert.design.identification.least_squares import Fit, LeastSquaresSolver
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.inverse.history import History
-from dalembert.design.inverse.inverted import Inversion
-from dalembert.design.inverse.smoothing import Curve, balanced, chosen, curve, inverse_of
+from dalembert.design.inverse.inversion import Inversion
+from dalembert.design.inverse.smoothing import (
+    Curve,
+    curve,
+    history_weights,
+    pseudo_inverse,
+    select_smoothing,
+)
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
 
-ROUNDS = 6
-"""Most solutions until the smoothing that is chosen stays."""
+MAX_ROUNDS = 6
+"""Upper limit of solutions until the selected smoothing no longer changes."""
 
 
 @spelled
@@ -48,25 +54,25 @@ def invert(
     tolerance: float = 1e-8,
     progress: bool | Callable[[int, float], None] = False,
 ) -> Inversion:
-    """Unknown histories that explain measured motion; Ctrl-C ends it with the best so far.
+    """Identify unknown histories from measured motion; Ctrl-C returns the best so far.
 
     Parameters
     ----------
     model : Model or StructuralModel with the parameters of the histories
-    data, measures, analysis, time, noise, start : as of ``identify``
-    histories : made by ``da.history``
+    data, measures, analysis, time, noise, start : as in ``identify``
+    histories : created by ``da.history``
     vary : further unknown parameters, such as initial values
     smoothing : ``"likelihood"``, ``"cross-validation"``, ``"l-curve"``, ``"discrepancy"`` (needs
-        noise), or ``μ``; by likelihood, each history has a smoothing of its own
-    order : of the derivative that is to be small; 1 for forces that jump, 3 for drives whose
+        noise), or ``μ``; by likelihood, each history has its own smoothing
+    order : of the derivative that is penalised; 1 for discontinuous forces, 3 for drives whose
         accelerations matter
-    max_iterations, tolerance : at which the search ends
+    max_iterations, tolerance : stopping criteria of the search
     progress : True prints each iteration, or a function of its number and misfit
 
     Raises
     ------
     AnalysisError
-        Data that cannot be used, or a run that fails at the start.
+        The data cannot be used, or the run at the initial values fails.
 
     Examples
     --------
@@ -79,8 +85,8 @@ def invert(
     >>> force = system.add(planar.Force("push", mass.center, (push.value, 0)))
     >>> t = np.linspace(0, 1, 21)
     >>> seen = {"time": t, "mass.x": 0.75 * t**2}  # under a force of 3 N
-    >>> found = da.invert(system.build(), seen, histories=[push], smoothing=1e-6)
-    >>> found.values["push"].round(3)
+    >>> result = da.invert(system.build(), seen, histories=[push], smoothing=1e-6)
+    >>> result.values["push"].round(3)
     array([3., 3., 3., 3., 3.])
     """
     if not histories:
@@ -90,41 +96,41 @@ def invert(
     if order not in (1, 2, 3):
         raise AnalysisError(f"order is {order!r}; it must be 1, 2 or 3")
     names = [name for h in histories for name in h.names]
-    misfit = prepared(
+    misfit = make_misfit(
         *(model, data, measures, [*names, *vary], analysis, time, noise, None, start),
         regularised=True,
     )
-    solver = LeastSquares(misfit, "linear", tolerance, max_iterations, progress=progress)
-    given = solver.use_given_noise()
-    if smoothing == "discrepancy" and not given:
+    solver = LeastSquaresSolver(misfit, "linear", tolerance, max_iterations, progress=progress)
+    noise_known = solver.use_specified_noise()
+    if smoothing == "discrepancy" and not noise_known:
         raise AnalysisError(
             "smoothing by discrepancy needs noise={column: deviation} of all columns"
         )
     x = misfit.unknowns.start
-    refuse_bad_start(misfit, x)
-    problem = _Smoothed(solver, _blocks(histories, misfit, order), smoothing, given)
-    fit, mu, seen = problem.solved(x)
+    check_start(misfit, x)
+    problem = _RegularisedProblem(solver, _blocks(histories, misfit, order), smoothing, noise_known)
+    fit, mu, l_curve = problem.solve(x)
     defer_ctrl_c()
-    found = _inversion(misfit, histories, fit, mu, seen, problem)
-    found.interrupted = solver.interrupted
-    return found
+    inversion = _inversion(misfit, histories, fit, mu, l_curve, problem)
+    inversion.interrupted = solver.interrupted
+    return inversion
 
 
 @dataclass
-class _Smoothed:
-    """Least squares with the roughness of histories, and the choice of its size.
+class _RegularisedProblem:
+    """Least squares with a roughness penalty on histories, and the choice of its weight.
 
     Attributes
     ----------
     blocks : rows of the roughness of each history
     weights : of the blocks
-    known : the noise is given
+    noise_known : whether the standard deviation of the noise is given
     """
 
-    solver: LeastSquares
+    solver: LeastSquaresSolver
     blocks: list[np.ndarray]
     smoothing: str | float
-    known: bool
+    noise_known: bool
     weights: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
@@ -136,31 +142,37 @@ class _Smoothed:
         pairs = zip(self.weights, self.blocks, strict=True)
         return np.vstack([weight * block for weight, block in pairs])
 
-    def solved(self, x: np.ndarray) -> tuple[Fit, float, Curve]:
-        """Solution and smoothing in turn until the smoothing stays; a smooth one comes first."""
-        seen = self._linear(x)
-        mu = float(np.median(seen.smoothing)) if isinstance(self.smoothing, str) else self.smoothing
-        for _ in range(ROUNDS):
+    def solve(self, x: np.ndarray) -> tuple[Fit, float, Curve]:
+        """Alternate solution and choice of the smoothing until the smoothing no longer changes."""
+        l_curve = self._linear(x)
+        mu = (
+            float(np.median(l_curve.smoothing))
+            if isinstance(self.smoothing, str)
+            else self.smoothing
+        )
+        for _ in range(MAX_ROUNDS):
             rows = self.rows
             self.solver.penalty = np.sqrt(mu) * rows, np.zeros(len(rows))
             fit = self.solver.solve(x)
-            x, before, weights = fit.x, mu, self.weights
-            seen = self._linear(x)
-            mu = chosen(self.smoothing, seen)
-            moved = np.abs(np.log(self.weights**2 / weights**2)).max()
-            if self.solver.interrupted or (abs(mu - before) <= 0.3 * before and moved <= 0.3):
+            x, previous, weights = fit.x, mu, self.weights
+            l_curve = self._linear(x)
+            mu = select_smoothing(self.smoothing, l_curve)
+            weight_change = np.abs(np.log(self.weights**2 / weights**2)).max()
+            if self.solver.interrupted or (
+                abs(mu - previous) <= 0.3 * previous and weight_change <= 0.3
+            ):
                 self.weights = weights
                 break
-        return fit, before, seen
+        return fit, previous, l_curve
 
     def _linear(self, x: np.ndarray) -> Curve:
-        """The curve of the problem linearised at a solution, with weights for its histories."""
+        """L-curve of the problem linearised at a solution; updates the weights of the histories."""
         misfit = self.solver.misfit
         jacobian = misfit.jacobian(x)
         data = jacobian @ x - misfit.residual(x)
         if self.smoothing == "likelihood" and len(self.blocks) > 1:
-            self.weights = balanced(jacobian, data, self.blocks, self.known)
-        return curve(jacobian, data, self.rows, self.known)
+            self.weights = history_weights(jacobian, data, self.blocks, self.noise_known)
+        return curve(jacobian, data, self.rows, self.noise_known)
 
 
 def _blocks(histories: Sequence[History], misfit: Misfit, order: int) -> list[np.ndarray]:
@@ -180,8 +192,8 @@ def _inversion(
     histories: Sequence[History],
     fit: Fit,
     mu: float,
-    seen: Curve,
-    problem: _Smoothed,
+    l_curve: Curve,
+    problem: _RegularisedProblem,
 ) -> Inversion:
     x, labels, rows = fit.x, misfit.unknowns.labels, problem.rows
     residual = misfit.residual(x)
@@ -189,17 +201,17 @@ def _inversion(
     spread = np.sqrt(np.diag(covariance))
     motions = misfit.motions(x)
     assert motions is not None
-    places = {h.name: [labels.index(name) for name in h.names] for h in histories}
+    columns = {h.name: [labels.index(name) for name in h.names] for h in histories}
     return Inversion(
-        values={name: x[place] for name, place in places.items()},
-        deviation={name: spread[place] for name, place in places.items()},
+        values={name: x[index] for name, index in columns.items()},
+        deviation={name: spread[index] for name, index in columns.items()},
         x=dict(zip(labels, map(float, x), strict=True)),
         success=fit.success,
         message=fit.message,
         smoothing=mu,
-        weights=dict(zip(places, map(float, problem.weights), strict=True)),
+        weights=dict(zip(columns, map(float, problem.weights), strict=True)),
         covariance=covariance,
-        curve=seen,
+        curve=l_curve,
         misfit_norm=float(np.linalg.norm(residual)),
         roughness_norm=float(np.linalg.norm(rows @ x)),
         motions=motions,
@@ -210,22 +222,26 @@ def _inversion(
 
 
 def _covariance(
-    jacobian: np.ndarray, residual: np.ndarray, x: np.ndarray, mu: float, problem: _Smoothed
+    jacobian: np.ndarray,
+    residual: np.ndarray,
+    x: np.ndarray,
+    mu: float,
+    problem: _RegularisedProblem,
 ) -> np.ndarray:
-    """``σ² (JᵀJ + μPᵀP)⁻¹``: of the noise and of what the smoothing takes away.
+    """``σ² (JᵀJ + μPᵀP)⁻¹``: covariance due to noise and to the bias of the smoothing.
 
-    The posterior covariance of a history whose roughness is random (Wahba 1983). Its intervals
-    cover a fixed smooth history as often as stated, on average over the knots (Nychka 1988).
+    The posterior covariance of a history with random roughness (Wahba 1983). Its intervals have
+    the stated coverage of a fixed smooth history, on average over the knots (Nychka 1988).
     """
     rows = problem.rows
-    inverse = inverse_of(jacobian.T @ jacobian + mu * rows.T @ rows)
-    if problem.known:
+    inverse = pseudo_inverse(jacobian.T @ jacobian + mu * rows.T @ rows)
+    if problem.noise_known:
         return inverse
     if problem.smoothing == "likelihood":
         free = x.size - int(np.linalg.matrix_rank(rows))
-        rough = float(np.sum((rows @ x) ** 2))
+        roughness = float(np.sum((rows @ x) ** 2))
         return np.asarray(
-            (residual @ residual + mu * rough) / max(residual.size - free, 1) * inverse
+            (residual @ residual + mu * roughness) / max(residual.size - free, 1) * inverse
         )
-    used = float(np.sum(inverse * (jacobian.T @ jacobian)))
-    return np.asarray(residual @ residual / max(residual.size - used, 1.0) * inverse)
+    degrees = float(np.sum(inverse * (jacobian.T @ jacobian)))
+    return np.asarray(residual @ residual / max(residual.size - degrees, 1.0) * inverse)

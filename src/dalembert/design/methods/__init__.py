@@ -1,1 +1,1 @@
-"""Ways to an optimum, one in a file; ``registry`` lists them."""
+"""Optimisation methods, one per file; ``registry`` lists them."""

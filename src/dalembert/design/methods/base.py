@@ -1,8 +1,9 @@
-"""What an optimiser is.
+"""Base class of optimisers.
 
-A new one is a frozen dataclass of options with ``solve``; it sees a ``Program`` in scaled numbers
-and nothing of mechanisms. It asks for ``program.value`` (None where a run fails: step back) and
-``program.point`` (an iterate, with gradients), and never raises for a design that fails.
+A new optimiser is a frozen dataclass of options with a method ``solve``. It receives a scaled
+``Program`` and does not depend on mechanisms. It calls ``program.value`` (None if a run fails: take
+a shorter step) and ``program.point`` (an iterate with gradients), and never raises for a failing
+design.
 """
 
 from __future__ import annotations
@@ -13,43 +14,43 @@ from typing import ClassVar
 
 import numpy as np
 
-from dalembert.design.methods.stop import Stop
+from dalembert.design.methods.search_options import Stop
 from dalembert.design.optimize.program import Program
 
 
 @dataclass
-class Ended:
-    """How an optimiser ended, in its own words.
+class OptimizerResult:
+    """Final design and status of an optimiser.
 
     Attributes
     ----------
-    z : design
-    success, message : its word, which is checked afterwards
-    is_whole : all was searched that there is to search
-    optima : scaled designs of all distinct optima found, the best first
+    z : (n,) scaled design
+    success, message : status of the optimiser, verified afterwards
+    is_complete : whether the whole search space was covered
+    optima : scaled designs of all distinct optima, the best first
     """
 
     z: np.ndarray
     success: bool
     message: str
-    is_whole: bool = True
+    is_complete: bool = True
     optima: list[np.ndarray] = field(default_factory=list)
 
 
 class Optimizer(ABC):
-    """A method of optimisation."""
+    """Optimisation method."""
 
     is_global: ClassVar[bool] = False
-    """It looks everywhere between the bounds, and finds sizes of catalogues by itself."""
+    """Whether it searches the whole box of bounds and handles discrete variables itself."""
 
     @abstractmethod
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
-        """The best design from ``z`` on."""
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
+        """Search for an optimum from ``z``."""
 
     def finishing(self) -> Optimizer:
-        """Method that sharpens the design at which this one ends."""
+        """Method that refines the final design of this one."""
         return self
 
     def rescue(self) -> Optimizer | None:
-        """What goes on where this one is stuck short of an optimum."""
+        """Method that continues if this one stalls before an optimum; None for none."""
         return None

@@ -1,11 +1,11 @@
-"""Covariance matrix adaptation (Hansen & Ostermeier 2001) of the package cma, an extra."""
+"""CMA-ES, covariance matrix adaptation (Hansen & Ostermeier 2001), by the optional package cma."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
-from dalembert.design.methods.differential_evolution import polished
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
+from dalembert.design.methods.differential_evolution import refine
 from dalembert.design.methods.slsqp import Slsqp
 from dalembert.design.optimize.program import Program
 from dalembert.errors import UnsupportedError
@@ -14,20 +14,20 @@ from dalembert.options import options
 
 @options
 class CmaEs(Optimizer):
-    """A global search that learns the shape of the valley; ``pip install dalembert[design]``.
+    """Global search by covariance matrix adaptation; ``pip install dalembert[design]``.
 
     Parameters
     ----------
-    spread : of the first designs, in ranges
-    generations : at most
-    penalty : on violations of limits
+    spread : initial standard deviation, relative to the ranges
+    generations : upper limit
+    penalty : weight of violations of limits
     rng : seed, above zero
-    polish : gradient method that ends it; None for none
+    polish : gradient method that refines the result; None for none
 
     Raises
     ------
     UnsupportedError, AnalysisError
-        On use: cma is not there, one variable alone, open bounds.
+        On use: cma is missing, a single variable, infinite bounds.
 
     Examples
     --------
@@ -50,17 +50,17 @@ class CmaEs(Optimizer):
     rng: int = 1
     polish: Optimizer | None = Slsqp()
 
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         try:
             import cma
         except ImportError:
             raise UnsupportedError(
                 "CmaEs needs cma: pip install dalembert[design], or use DifferentialEvolution()"
             ) from None
-        program.refuse_open("CMA-ES")
+        program.refuse_infinite_bounds("CMA-ES")
         if z.size == 1:
             raise UnsupportedError(
-                "CMA-ES learns how variables go together and takes two or more; for one use "
+                "CMA-ES learns how variables correlate and needs two or more; for one use "
                 "DifferentialEvolution() or Multistart()"
             )
         settings = {
@@ -73,17 +73,17 @@ class CmaEs(Optimizer):
         while not search.stop():
             designs = search.ask()
             search.tell(designs, [self._cost(program, d) for d in designs])
-            program.keep(np.asarray(search.result.xbest))
+            program.record_values(np.asarray(search.result.xbest))
         z, message = np.asarray(search.result.xbest), f"CMA-ES: {search.countiter} generations"
         if self.polish is None:
-            return Ended(z, True, message)
-        return polished(program, z, self.polish, stop, message)
+            return OptimizerResult(z, True, message)
+        return refine(program, z, self.polish, stop, message)
 
     def _cost(self, program: Program, z: np.ndarray) -> float:
-        found = program.value(z)
-        if found is None:
+        values = program.value(z)
+        if values is None:
             return 1e12
-        f, c = found
+        f, c = values
         return f + self.penalty * float(
             np.sum(np.maximum(program.c_lower - c, 0)) + np.sum(np.maximum(c - program.c_upper, 0))
         )

@@ -1,4 +1,4 @@
-"""Differential evolution (Storn & Price 1997), SciPy's, then a gradient method from its best."""
+"""Differential evolution (Storn & Price 1997) by SciPy, refined by a gradient method."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.methods.slsqp import Slsqp
 from dalembert.design.optimize.program import Program
 from dalembert.options import options
@@ -14,14 +14,14 @@ from dalembert.options import options
 
 @options
 class DifferentialEvolution(Optimizer):
-    """A global search, whole numbers and catalogues included, polished by gradients.
+    """Global search, also over integers and catalogues, refined by gradients.
 
     Parameters
     ----------
     population : designs per variable
-    generations : at most
+    generations : upper limit
     rng : seed
-    polish : gradient method that ends it; None for none
+    polish : gradient method that refines the result; None for none
 
     Examples
     --------
@@ -45,17 +45,17 @@ class DifferentialEvolution(Optimizer):
 
     is_global = True
 
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         from scipy.optimize import NonlinearConstraint, differential_evolution
 
-        program.refuse_open("differential evolution")
-        coded = _Coded(program)
-        limits = NonlinearConstraint(coded.limits, program.c_lower, program.c_upper)
-        found = differential_evolution(
-            coded.objective,
-            coded.bounds,
-            x0=coded.code(z),
-            integrality=coded.whole,
+        program.refuse_infinite_bounds("differential evolution")
+        encoded = _EncodedProgram(program)
+        limits = NonlinearConstraint(encoded.limits, program.c_lower, program.c_upper)
+        result = differential_evolution(
+            encoded.objective,
+            encoded.bounds,
+            x0=encoded.encode(z),
+            integrality=encoded.integrality,
             constraints=[limits] if program.m else (),
             maxiter=self.generations,
             popsize=self.population,
@@ -63,68 +63,70 @@ class DifferentialEvolution(Optimizer):
             rng=self.rng,
             polish=False,
             init="sobol",
-            callback=coded.told,
+            callback=encoded.callback,
         )
-        z = coded.design(found.x)
-        program.keep(z)
-        message = f"differential evolution: {found.nit} generations"
+        z = encoded.decode(result.x)
+        program.record_values(z)
+        message = f"differential evolution: {result.nit} generations"
         if self.polish is None:
-            return Ended(z, True, message)
-        return polished(program, z, self.polish, stop, message)
+            return OptimizerResult(z, True, message)
+        return refine(program, z, self.polish, stop, message)
 
 
-def polished(program: Program, z: np.ndarray, local: Optimizer, stop: Stop, message: str) -> Ended:
-    """A gradient method from a design on, its sizes held, where that makes it better."""
-    if not program.begin(z):
-        return Ended(z, False, f"{message}; the best design fails")
+def refine(
+    program: Program, z: np.ndarray, local: Optimizer, stop: Stop, message: str
+) -> OptimizerResult:
+    """Refine a design by a gradient method with its discrete variables fixed."""
+    if not program.restart(z):
+        return OptimizerResult(z, False, f"{message}; the run fails at the best design")
     program.fix_sizes(program.unscale(z))
-    ended = local.solve(program, z, stop)
-    return Ended(ended.z, ended.success, f"{message}, then {ended.message}")
+    refined = local.solve(program, z, stop)
+    return OptimizerResult(refined.z, refined.success, f"{message}, then {refined.message}")
 
 
-class _Coded:
-    """Designs as SciPy's search varies them: discrete variables by the number of their size."""
+class _EncodedProgram:
+    """Program over the variables of SciPy's search: discrete variables as indices of sizes."""
 
     def __init__(self, program: Program):
         self.program = program
-        self.whole = np.zeros(program.n, dtype=bool)
+        self.integrality = np.zeros(program.n, dtype=bool)
         low, high = program.z_lower.copy(), program.z_upper.copy()
         for k, sizes in program.variables.sizes.items():
-            self.whole[k], low[k], high[k] = True, 0, len(sizes) - 1
+            self.integrality[k], low[k], high[k] = True, 0, len(sizes) - 1
         self.bounds = list(zip(low, high, strict=True))
 
-    def design(self, y: np.ndarray) -> np.ndarray:
-        """``z`` of a coded design."""
+    def decode(self, y: np.ndarray) -> np.ndarray:
+        """``z`` of an encoded design."""
         z = np.array(y, dtype=float)
         for k, sizes in self.program.variables.sizes.items():
             z[k] = (sizes[round(y[k])] - self.program.origin[k]) / self.program.width[k]
         return z
 
-    def code(self, z: np.ndarray) -> np.ndarray:
-        """The coded design nearest to ``z``."""
+    def encode(self, z: np.ndarray) -> np.ndarray:
+        """Encoded design nearest to ``z``."""
         y, x = np.array(z, dtype=float), self.program.unscale(z)
         for k, sizes in self.program.variables.sizes.items():
             y[k] = np.argmin(abs(sizes - x[k]))
         return y
 
     def objective(self, y: np.ndarray) -> float:
-        found = self.program.value(self.design(y))
-        return np.inf if found is None else found[0]
+        values = self.program.value(self.decode(y))
+        return np.inf if values is None else values[0]
 
     def limits(self, y: np.ndarray) -> np.ndarray:
-        """Limited quantities; far outside of all limits where a run fails."""
-        found = self.program.value(self.design(y))
-        if found is not None:
-            return found[1]
+        """Constrained quantities; far outside of all limits if a run fails."""
+        values = self.program.value(self.decode(y))
+        if values is not None:
+            return values[1]
         low, high = self.program.c_lower, self.program.c_upper
         return np.where(np.isfinite(low), low - 1e6, high + 1e6)
 
     @property
-    def told(self) -> Callable[..., bool]:
-        """Records the best of each generation."""
+    def callback(self) -> Callable[..., bool]:
+        """Function that records the best design of each generation."""
 
-        def callback(intermediate_result: object) -> bool:
-            self.program.keep(self.design(intermediate_result.x))  # type: ignore[attr-defined]
+        def record_best(intermediate_result: object) -> bool:
+            self.program.record_values(self.decode(intermediate_result.x))  # type: ignore[attr-defined]
             return False
 
-        return callback
+        return record_best

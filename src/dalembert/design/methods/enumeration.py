@@ -1,4 +1,4 @@
-"""All designs of a finite number: exact, whatever the objective is like."""
+"""Exhaustive enumeration of discrete designs."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.values import Final
 from dalembert.symbolic.formulas.expression import stack
 
-AT_ONCE = 200_000
-"""Designs whose formulas are evaluated together."""
-KEPT = 64
-"""Designs that are run, the best first, until one of them does what its formulas say."""
+BLOCK_SIZE = 200_000
+"""Block size of designs whose formulas are evaluated together."""
+CANDIDATES = 64
+"""Upper limit of the best designs that are run to confirm their formulas."""
 
 
 @options
 class Enumeration(Optimizer):
-    """Every combination of whole numbers and catalogue sizes: the best there is, proved.
+    """All combinations of integers and catalogue sizes: the global optimum.
 
-    Where objective and limits are formulas of parameters alone, all designs are compared by these
-    formulas and only the best is run; otherwise every design is.
+    If objective and limits are formulas of parameters alone, designs are ranked by these formulas
+    and only the best are run; otherwise every design is run.
 
     Parameters
     ----------
-    max_designs : combinations at most, by formulas
-    max_runs : combinations at most, where each is a run
+    max_designs : upper limit of the combinations evaluated by formulas
+    max_runs : upper limit of the combinations evaluated by runs
 
     Examples
     --------
@@ -60,7 +60,7 @@ class Enumeration(Optimizer):
     is_global = True
 
     def covers(self, program: Program) -> bool:
-        """Whether every design can be compared: all variables are discrete, and few enough."""
+        """Whether all variables are discrete and the designs few enough."""
         free = np.flatnonzero(program.is_free())
         if not set(free) <= set(program.variables.sizes):
             return False
@@ -68,31 +68,37 @@ class Enumeration(Optimizer):
         limit = self.max_runs if _formulas(program) is None else self.max_designs
         return count <= limit
 
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         table = _Table.of(program)
         formulas = _formulas(program)
-        most, what = (
+        limit, option = (
             (self.max_runs, "max_runs") if formulas is None else (self.max_designs, "max_designs")
         )
-        if table.count > most:
+        if table.count > limit:
             raise AnalysisError(
-                f"there are {table.count:,} designs, more than {what}={most:,}; narrow bounds, "
-                f"raise {what}, or take method='branch-and-bound'"
+                f"there are {table.count:,} designs, more than {option}={limit:,}; narrow bounds, "
+                f"raise {option}, or use method='branch-and-bound'"
             )
-        ranked = _run_all(program, table) if formulas is None else _ranked(program, table, formulas)
+        ranked = (
+            _rank_by_runs(program, table)
+            if formulas is None
+            else _rank_by_formulas(program, table, formulas)
+        )
         for x in ranked:
             z = program.scaled(x)
-            found = program.problem.evaluate(x, gradient=False)
-            if found is not None and program.violation(found.values) <= FEASIBLE:
-                program.keep(z)
+            evaluation = program.problem.evaluate(x, gradient=False)
+            if evaluation is not None and program.violation(evaluation.values) <= FEASIBLE:
+                program.record_values(z)
                 program.fix_sizes(x)
-                return Ended(z, True, f"enumeration: the best of {table.count:,} designs")
-        return Ended(z, False, f"none of {table.count:,} designs keeps the limits and runs")
+                return OptimizerResult(z, True, f"enumeration: the best of {table.count:,} designs")
+        return OptimizerResult(
+            z, False, f"none of {table.count:,} designs runs and satisfies the limits"
+        )
 
 
 @dataclass(frozen=True)
 class _Table:
-    """All combinations, by their number.
+    """Table of all combinations.
 
     Attributes
     ----------
@@ -103,34 +109,34 @@ class _Table:
 
     @classmethod
     def of(cls, program: Program) -> _Table:
-        known = program.variables.sizes
+        sizes = program.variables.sizes
         for k, name in enumerate(program.variables.names):
-            if k not in known and program.is_free()[k]:
+            if k not in sizes and program.is_free()[k]:
                 raise AnalysisError(
-                    f"enumeration takes whole numbers and catalogues, and {name!r} is neither; "
-                    "take method='branch-and-bound'"
+                    f"enumeration needs integers and catalogues, and {name!r} is neither; "
+                    "use method='branch-and-bound'"
                 )
-        held = range(len(program.variables.names))
-        return cls([known.get(k, program.lower[k : k + 1]) for k in held])
+        indices = range(len(program.variables.names))
+        return cls([sizes.get(k, program.lower[k : k + 1]) for k in indices])
 
     @property
     def count(self) -> int:
         return math.prod(s.size for s in self.sizes)
 
     def chunks(self) -> Iterator[np.ndarray]:
-        """(n, K) designs, the last variables varied first."""
+        """Blocks (n, K) of designs; the last variables vary fastest."""
         split = len(self.sizes)
-        while split and math.prod(s.size for s in self.sizes[split - 1 :]) <= AT_ONCE:
+        while split and math.prod(s.size for s in self.sizes[split - 1 :]) <= BLOCK_SIZE:
             split -= 1
         inner = np.array([x.ravel() for x in np.meshgrid(*self.sizes[split:], indexing="ij")])
         inner = inner.reshape(len(self.sizes) - split, -1)
         for outer in itertools.product(*self.sizes[:split]):
-            held = np.broadcast_to(np.array(outer).reshape(-1, 1), (split, inner.shape[1]))
-            yield np.concatenate([held, inner])
+            constant = np.broadcast_to(np.array(outer).reshape(-1, 1), (split, inner.shape[1]))
+            yield np.concatenate([constant, inner])
 
 
 def _formulas(program: Program) -> ca.Function | None:
-    """``p → terms`` where they are formulas of parameters alone; None where a run is needed."""
+    """``p → terms`` if they are formulas of parameters alone; None if runs are needed."""
     problem = program.problem
     if len(problem.cases) != 1 or problem.cases[0].given:
         return None
@@ -140,30 +146,34 @@ def _formulas(program: Program) -> ca.Function | None:
     for _, response in problem.terms:
         if not isinstance(response, Final):
             return None
-        found = model.expression(response.measure).sx
-        if not _is_of(found, p):
+        formula = model.expression(response.measure).sx
+        if not _depends_only_on(formula, p):
             return None
-        terms.append(found)
+        terms.append(formula)
     return ca.Function("terms", [p], [stack(terms)])
 
 
-def _is_of(expression: ca.SX, p: ca.SX) -> bool:
-    known = {p[k].__hash__() for k in range(p.numel())}
-    return all(symbol.__hash__() in known for symbol in ca.symvar(expression))
+def _depends_only_on(expression: ca.SX, p: ca.SX) -> bool:
+    parameters = {p[k].__hash__() for k in range(p.numel())}
+    return all(symbol.__hash__() in parameters for symbol in ca.symvar(expression))
 
 
-def _ranked(program: Program, table: _Table, formulas: ca.Function) -> list[np.ndarray]:
-    """The best designs by their formulas, of those that keep the limits."""
+def _rank_by_formulas(program: Program, table: _Table, formulas: ca.Function) -> list[np.ndarray]:
+    """Best feasible designs by their formulas, in order."""
     best: list[tuple[float, np.ndarray]] = []
     for designs in table.chunks():
         count = designs.shape[1]
         terms = np.array(formulas.map(count)(_parameters(program, designs)))
         values = _values(program, terms)
-        kept = (_violations(program, values) <= FEASIBLE) & np.isfinite(values[0])
-        objective = np.where(kept, program.sign * values[0], np.inf)
-        few = np.argpartition(objective, KEPT - 1)[:KEPT] if count > KEPT else np.arange(count)
-        best += [(float(objective[k]), designs[:, k]) for k in few if kept[k]]
-        best = sorted(best, key=lambda one: one[0])[:KEPT]
+        feasible = (_violations(program, values) <= FEASIBLE) & np.isfinite(values[0])
+        objective = np.where(feasible, program.sign * values[0], np.inf)
+        selected = (
+            np.argpartition(objective, CANDIDATES - 1)[:CANDIDATES]
+            if count > CANDIDATES
+            else np.arange(count)
+        )
+        best += [(float(objective[k]), designs[:, k]) for k in selected if feasible[k]]
+        best = sorted(best, key=lambda entry: entry[0])[:CANDIDATES]
     return [x for _, x in best]
 
 
@@ -172,19 +182,23 @@ def _parameters(program: Program, designs: np.ndarray) -> np.ndarray:
     model, variables = program.problem.cases[0].model, program.variables
     rows = dict(zip(variables.names, designs, strict=True))
     rows |= {name: np.asarray(curve(designs[k])) for name, k, curve in variables.followers}
-    known = zip(model.parameters.items(), model.nominal, strict=False)
+    nominal = zip(model.parameters.items(), model.nominal, strict=False)
     count = designs.shape[1]
-    return np.array([np.broadcast_to(rows.get(n, value), count) for (n, _), value in known])
+    return np.array([np.broadcast_to(rows.get(n, value), count) for (n, _), value in nominal])
 
 
 def _values(program: Program, terms: np.ndarray) -> np.ndarray:
-    """(quantities, K) of terms in columns."""
+    """(quantities, K) values from terms in columns."""
     problem = program.problem
     rows = []
     for quantity in problem.quantities:
-        own = terms[problem.places(quantity)]
-        plain = quantity.terms == [quantity]
-        rows.append(own[0] if plain else np.array([quantity.value(column) for column in own.T]))
+        columns = terms[problem.term_indices(quantity)]
+        is_response = quantity.terms == [quantity]
+        rows.append(
+            columns[0]
+            if is_response
+            else np.array([quantity.value(column) for column in columns.T])
+        )
     return np.array(rows)
 
 
@@ -197,12 +211,12 @@ def _violations(program: Program, values: np.ndarray) -> np.ndarray:
     return np.nan_to_num(np.maximum(over.max(axis=0), 0.0), nan=np.inf)
 
 
-def _run_all(program: Program, table: _Table) -> list[np.ndarray]:
-    """The designs by what their runs give, the best first."""
-    found: list[tuple[float, np.ndarray]] = []
+def _rank_by_runs(program: Program, table: _Table) -> list[np.ndarray]:
+    """Feasible designs by their runs, in order."""
+    ranked: list[tuple[float, np.ndarray]] = []
     for designs in table.chunks():
         for x in designs.T:
-            made = program.problem.evaluate(x, gradient=False)
-            if made is not None and program.violation(made.values) <= FEASIBLE:
-                found.append((program.sign * made.values[0], x))
-    return [x for _, x in sorted(found, key=lambda one: one[0])]
+            evaluation = program.problem.evaluate(x, gradient=False)
+            if evaluation is not None and program.violation(evaluation.values) <= FEASIBLE:
+                ranked.append((program.sign * evaluation.values[0], x))
+    return [x for _, x in sorted(ranked, key=lambda entry: entry[0])]

@@ -1,4 +1,4 @@
-"""Interior point with a filter line search (Wächter & Biegler 2006): Ipopt, in CasADi's wheel."""
+"""Ipopt: interior point with a filter line search (Wächter & Biegler 2006), from CasADi."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer
-from dalembert.design.methods.stop import Stop
+from dalembert.design.methods.base import Optimizer, OptimizerResult
+from dalembert.design.methods.search_options import Stop
 from dalembert.design.optimize.program import Program
 from dalembert.interrupts import check_ctrl_c
 from dalembert.options import options
 
-MOST = 2**31 - 1
-"""Iterations that Ipopt can count."""
+MAX_ITERATIONS = 2**31 - 1
+"""Upper limit of the iterations in Ipopt's 32-bit counter."""
 
 
 @options
 class Ipopt(Optimizer):
-    """For many variables and many limits; Hessians by limited-memory BFGS.
+    """Interior-point method for many variables and limits; Hessians by limited-memory BFGS.
 
     Examples
     --------
@@ -40,20 +40,20 @@ class Ipopt(Optimizer):
     {'a': 4.0, 'b': 4.0}
     """
 
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         values = _Values(program)
-        asked = ca.MX.sym("z", program.n)
-        found = values(asked)
+        z_symbol = ca.MX.sym("z", program.n)
+        outputs = values(z_symbol)
         settings: dict[str, Any] = {
             "hessian_approximation": "limited-memory",
-            "max_iter": min(stop.max_iterations, MOST),
+            "max_iter": min(stop.max_iterations, MAX_ITERATIONS),
             "tol": max(stop.tolerance, 1e-10),
             "acceptable_iter": 0,
             "bound_relax_factor": 0.0,
             "print_level": 0,
             "sb": "yes",
         }
-        nlp: dict[str, Any] = {"x": asked, "f": found[0], "g": found[1:]}
+        nlp: dict[str, Any] = {"x": z_symbol, "f": outputs[0], "g": outputs[1:]}
         solver = ca.nlpsol(
             "design",
             "ipopt",
@@ -66,23 +66,25 @@ class Ipopt(Optimizer):
             },
         )
         limits = {"lbg": program.c_lower, "ubg": program.c_upper} if program.m else {}
-        ended = solver(x0=z, lbx=program.z_lower, ubx=program.z_upper, **limits)
-        if values.stopped is not None:
-            raise values.stopped
+        solution = solver(x0=z, lbx=program.z_lower, ubx=program.z_upper, **limits)
+        if values.exception is not None:
+            raise values.exception
         check_ctrl_c()
-        told = solver.stats()
-        message = str(told["return_status"]).replace("_", " ").lower()
-        return Ended(np.array(ended["x"]).ravel(), bool(told["success"]), f"Ipopt: {message}")
+        stats = solver.stats()
+        message = str(stats["return_status"]).replace("_", " ").lower()
+        return OptimizerResult(
+            np.array(solution["x"]).ravel(), bool(stats["success"]), f"Ipopt: {message}"
+        )
 
 
 class _Values(ca.Callback):
-    """``z ↦ [f; c]`` for CasADi; not numbers where a run fails, from which Ipopt steps back."""
+    """``z ↦ [f; c]`` for CasADi; NaN if a run fails, upon which Ipopt shortens the step."""
 
     def __init__(self, program: Program):
         ca.Callback.__init__(self)
         self.program, self.rows = program, 1 + program.m
-        self.stopped: BaseException | None = None
-        self.slopes: Any = None
+        self.exception: BaseException | None = None
+        self.jacobian_callback: Any = None
         self.construct("values", {})
 
     def get_n_in(self) -> int:
@@ -98,20 +100,20 @@ class _Values(ca.Callback):
         return ca.Sparsity.dense(self.rows, 1)
 
     def guarded(self, shape: tuple[int, ...], compute: Any) -> list[np.ndarray]:
-        """What is computed, or NaN; CasADi would lose an exception, so it is kept."""
-        if self.stopped is None:
+        """Computed value, or NaN; exceptions are stored, as CasADi would discard them."""
+        if self.exception is None:
             try:
-                found = compute()
-                if found is not None:
-                    return [found]
+                value = compute()
+                if value is not None:
+                    return [value]
             except BaseException as error:
-                self.stopped = error
+                self.exception = error
         return [np.full(shape, np.nan)]
 
-    def eval(self, given: Sequence[Any]) -> list[np.ndarray]:
+    def eval(self, arguments: Sequence[Any]) -> list[np.ndarray]:
         def compute() -> np.ndarray | None:
-            found = self.program.value(np.array(given[0]).ravel())
-            return None if found is None else np.concatenate([[found[0]], found[1]])
+            values = self.program.value(np.array(arguments[0]).ravel())
+            return None if values is None else np.concatenate([[values[0]], values[1]])
 
         return self.guarded((self.rows,), compute)
 
@@ -119,12 +121,12 @@ class _Values(ca.Callback):
         return True
 
     def get_jacobian(self, name: str, inputs: Any, outputs: Any, options: Any) -> ca.Function:
-        self.slopes = _Slopes(self, name)
-        return self.slopes
+        self.jacobian_callback = _Jacobian(self, name)
+        return self.jacobian_callback
 
 
-class _Slopes(ca.Callback):
-    """``z, [f; c] ↦`` Jacobian."""
+class _Jacobian(ca.Callback):
+    """``z, [f; c] ↦ ∂[f; c]/∂z``."""
 
     def __init__(self, values: _Values, name: str):
         ca.Callback.__init__(self)
@@ -143,11 +145,11 @@ class _Slopes(ca.Callback):
     def get_sparsity_out(self, i: int) -> ca.Sparsity:
         return ca.Sparsity.dense(self.values.rows, self.values.program.n)
 
-    def eval(self, given: Sequence[Any]) -> list[np.ndarray]:
+    def eval(self, arguments: Sequence[Any]) -> list[np.ndarray]:
         program = self.values.program
 
         def compute() -> np.ndarray | None:
-            point = program.point(np.array(given[0]).ravel())
+            point = program.point(np.array(arguments[0]).ravel())
             return None if point is None else np.vstack([point.g, point.J])
 
         return self.values.guarded((self.values.rows, program.n), compute)

@@ -1,10 +1,10 @@
-"""Least squares within bounds by a reflective trust region (Branch, Coleman, Li 1999), SciPy's."""
+"""Bounded least squares by SciPy's trust-region reflective method (Branch, Coleman, Li 1999)."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.optimize.program import Program
 from dalembert.design.quantity import SumOfSquares
 from dalembert.errors import UnsupportedError
@@ -13,7 +13,7 @@ from dalembert.options import options
 
 @options
 class LeastSquares(Optimizer):
-    """For a sum of squares without limits: Gauss–Newton steps from the residuals' gradients.
+    """Gauss–Newton steps for a sum of squares without limits.
 
     Examples
     --------
@@ -32,7 +32,7 @@ class LeastSquares(Optimizer):
     {'a': 4.0, 'b': 2.0}
     """
 
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         from scipy.optimize import least_squares
 
         problem = program.problem
@@ -40,31 +40,31 @@ class LeastSquares(Optimizer):
         if not isinstance(goal, SumOfSquares) or program.sign < 0:
             raise UnsupportedError("least-squares minimises da.SumOfSquares; use another method")
         if program.m:
-            raise UnsupportedError("least-squares knows bounds but no limits; use method='slsqp'")
-        places, scales = problem.places(goal), np.broadcast_to(goal.scales, len(goal.terms))
+            raise UnsupportedError("least-squares takes bounds but no limits; use method='slsqp'")
+        indices, scales = problem.term_indices(goal), np.broadcast_to(goal.scales, len(goal.terms))
         size = np.sqrt(program.scale)
 
         def residuals(z: np.ndarray) -> np.ndarray:
-            found = problem.evaluate(program.unscale(z), gradient=False)
-            if found is None:  # far above what was reached, so that the region shrinks
-                here = goal.residuals(program.reached[1].terms[places])
-                return (abs(here) + np.max(abs(here)) + 1.0) * 10 / size
-            return goal.residuals(found.terms[places]) / size
+            evaluation = problem.evaluate(program.unscale(z), gradient=False)
+            if evaluation is None:  # far above the last value, so that the trust region shrinks
+                last = goal.residuals(program.reached[1].terms[indices])
+                return (abs(last) + np.max(abs(last)) + 1.0) * 10 / size
+            return goal.residuals(evaluation.terms[indices]) / size
 
         def slopes(z: np.ndarray) -> np.ndarray:
             program.point(z)
-            found = problem.evaluate(program.unscale(z)) or program.reached[1]
-            assert found.gradient is not None
-            return found.gradient[places] * program.width / scales[:, None] / size
+            evaluation = problem.evaluate(program.unscale(z)) or program.reached[1]
+            assert evaluation.gradient is not None
+            return evaluation.gradient[indices] * program.width / scales[:, None] / size
 
         margin = 1e-9
         free = program.is_free()
         low = np.where(free, program.z_lower, z - margin)
         high = np.where(free, program.z_upper, z + margin)
-        inside = np.clip(z, low + margin / 2, high - margin / 2)
-        found = least_squares(
+        interior = np.clip(z, low + margin / 2, high - margin / 2)
+        result = least_squares(
             residuals,
-            inside,
+            interior,
             slopes,
             bounds=(low, high),
             xtol=stop.tolerance,
@@ -72,4 +72,4 @@ class LeastSquares(Optimizer):
             gtol=1e-12,
             max_nfev=max(stop.max_iterations, 1),
         )
-        return Ended(found.x, bool(found.success), str(found.message))
+        return OptimizerResult(result.x, bool(result.success), str(result.message))

@@ -1,4 +1,4 @@
-"""Method of moving asymptotes, globally convergent (Svanberg 1987, 2002)."""
+"""Globally convergent method of moving asymptotes (Svanberg 1987, 2002)."""
 
 from __future__ import annotations
 
@@ -6,23 +6,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.optimize.program import Point, Program
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
 
 SUFFICIENT = 0.1
-"""Share of the predicted fall of the merit function from which a trial is accepted."""
+"""Threshold of the decrease over the predicted decrease of the merit function [-]."""
 ELASTIC = 1e4
-"""Cost of a limit's violation in subproblems that cannot keep it."""
+"""Upper limit of the multipliers: penalty of violations in infeasible subproblems."""
 
 
 @dataclass
 class Approximation:
     """``Σ_j p_ij/(U_j − z_j) + q_ij/(z_j − L_j) + r_i``, convex and separable (Svanberg 2002, 3.1).
 
-    Its dual is concave in one multiplier per limit: minimising it costs nothing beside a run,
-    whatever the number of variables.
+    Its dual is concave with one multiplier per limit, and cheap to solve for any number of
+    variables.
     """
 
     p: np.ndarray
@@ -34,17 +34,17 @@ class Approximation:
     move_high: np.ndarray
 
     def values(self, z: np.ndarray) -> np.ndarray:
-        """(1 + m,) of all functions."""
+        """(1 + m,) values of all functions."""
         return self.p @ (1 / (self.high - z)) + self.q @ (1 / (z - self.low)) + self.r
 
     def minimiser(self, weights: np.ndarray) -> np.ndarray:
-        """(n,) least weighted sum within the moves."""
+        """(n,) minimiser of the weighted sum within the move limits."""
         p, q = np.sqrt(weights @ self.p), np.sqrt(weights @ self.q)
         z = (self.low * p + self.high * q) / np.maximum(p + q, 1e-300)
         return np.clip(z, self.move_low, self.move_high)
 
     def solve(self) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) minimum of the objective within the limits, by their dual, and (m,) multipliers."""
+        """(n,) constrained minimiser by the dual, and (m,) multipliers."""
         from scipy.optimize import minimize
 
         limits = self.r.size - 1
@@ -54,22 +54,22 @@ class Approximation:
             values = self.values(self.minimiser(weights))
             return -float(weights @ values), -values[1:]
 
-        found = np.zeros(limits)
+        optimal = np.zeros(limits)
         if limits:
             options = {"maxiter": 500, "ftol": 1e-15, "gtol": 1e-10}
             bounds = [(0.0, ELASTIC)] * limits
             start = np.ones(limits)
-            found = minimize(dual, start, jac=True, bounds=bounds, options=options).x
-        return self.minimiser(np.concatenate([[1.0], found])), found
+            optimal = minimize(dual, start, jac=True, bounds=bounds, options=options).x
+        return self.minimiser(np.concatenate([[1.0], optimal])), optimal
 
 
 @options
 class Mma(Optimizer):
-    """For very many variables and a few limits, none of them equations.
+    """Method of moving asymptotes for many variables and a few inequality limits.
 
     Parameters
     ----------
-    move : largest step, in ranges
+    move : upper limit of the step, relative to the ranges
 
     Examples
     --------
@@ -91,89 +91,98 @@ class Mma(Optimizer):
 
     move: float = 0.2
 
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         if np.any(program.c_lower == program.c_upper):
-            raise UnsupportedError("Mma knows no equations; use method='slsqp' or 'ipopt'")
-        rows = _Sides(program)
-        here, asymptotes = program.point(z), _Asymptotes(program)
-        old, still = z, 0
+            raise UnsupportedError("Mma takes no equations; use method='slsqp' or 'ipopt'")
+        constraints = _InequalityConstraints(program)
+        point, asymptotes = program.point(z), _Asymptotes(program)
+        last_z, quiet_steps = z, 0
         for _ in range(stop.max_iterations):
-            if here is None:
+            if point is None:
                 break
-            asymptotes.place(z)
-            found = self._step(program, rows, z, here, asymptotes)
-            if found is None:
-                return Ended(z, False, "no step improves the design")
-            old, z = z, found
-            before, here = here, program.point(z)
-            if here is None:
-                return Ended(old, False, "ended at a design that fails")
-            quiet = abs(here.f - before.f) <= stop.tolerance * max(abs(here.f), 1e-2)
-            still = still + 1 if quiet and np.max(abs(z - old)) < 1e-3 else 0
-            if still >= 2:
-                return Ended(z, True, "the objective no longer changes")
+            asymptotes.update(z)
+            next_z = self._step(program, constraints, z, point, asymptotes)
+            if next_z is None:
+                return OptimizerResult(z, False, "no step improves the design")
+            last_z, z = z, next_z
+            last_point, point = point, program.point(z)
+            if point is None:
+                return OptimizerResult(last_z, False, "the run fails at the final design")
+            is_quiet = abs(point.f - last_point.f) <= stop.tolerance * max(abs(point.f), 1e-2)
+            quiet_steps = quiet_steps + 1 if is_quiet and np.max(abs(z - last_z)) < 1e-3 else 0
+            if quiet_steps >= 2:
+                return OptimizerResult(z, True, "the objective no longer changes")
         count = stop.used + stop.max_iterations
-        return Ended(z, False, f"{count} iterations did not suffice")
+        return OptimizerResult(z, False, f"{count} iterations did not suffice")
 
     def _step(
-        self, program: Program, rows: _Sides, z: np.ndarray, here: Point, places: _Asymptotes
+        self,
+        program: Program,
+        constraints: _InequalityConstraints,
+        z: np.ndarray,
+        point: Point,
+        asymptotes: _Asymptotes,
     ) -> np.ndarray | None:
-        """The next design: approximations are made more convex until a trial is acceptable.
+        """Next design: the curvature of the approximations is raised until a trial is accepted.
 
-        A trial is acceptable where all approximations are conservative (Svanberg 2002, 4.1), or
-        where the merit function, objective and weighted violations, falls by a share of what the
-        approximations predict.
+        A trial is accepted if all approximations are conservative (Svanberg 2002, 4.1), or if the
+        merit function, objective plus weighted violations, decreases by a share of the predicted
+        decrease. None if no trial is accepted.
         """
-        values, slopes = rows.values(here.f, here.c), rows.slopes(here)
-        bend = np.maximum(1e-5, 0.1 / z.size * np.sum(abs(slopes) * places.range, axis=1))
+        values, slopes = constraints.values(point.f, point.c), constraints.slopes(point)
+        curvature = np.maximum(1e-5, 0.1 / z.size * np.sum(abs(slopes) * asymptotes.range, axis=1))
         move = self.move
         for _ in range(30):
-            model = places.approximation(z, values, slopes, bend, move)
+            model = asymptotes.approximation(z, values, slopes, curvature, move)
             trial, multipliers = model.solve()
-            found = program.value(trial)
-            if found is None:
-                move = 0.3 * min(move, float(np.max(abs(trial - z) / places.range)))
+            trial_values = program.value(trial)
+            if trial_values is None:
+                move = 0.3 * min(move, float(np.max(abs(trial - z) / asymptotes.range)))
                 continue
-            told, real = model.values(trial), rows.values(*found)
-            if np.all(told + 1e-9 * (1 + abs(real)) >= real):
+            model_values, true_values = model.values(trial), constraints.values(*trial_values)
+            if np.all(model_values + 1e-9 * (1 + abs(true_values)) >= true_values):
                 return trial
-            weights = rows.weights(multipliers)
-            fall, predicted = (_merit(values, weights) - _merit(v, weights) for v in (real, told))
-            if predicted > 0 and fall >= SUFFICIENT * predicted:
+            weights = constraints.weights(multipliers)
+            decrease, predicted = (
+                _merit(values, weights) - _merit(v, weights) for v in (true_values, model_values)
+            )
+            if predicted > 0 and decrease >= SUFFICIENT * predicted:
                 return trial
-            lack = (real - told) / max(places.distance(z, trial), 1e-12)
-            bend = np.where(lack > 0, np.minimum(10 * bend, 1.1 * (bend + lack)), bend)
+            deficit = (true_values - model_values) / max(asymptotes.distance(z, trial), 1e-12)
+            curvature = np.where(
+                deficit > 0, np.minimum(10 * curvature, 1.1 * (curvature + deficit)), curvature
+            )
         return None
 
 
 def _merit(values: np.ndarray, weights: np.ndarray) -> float:
-    """Objective and weighted violations of the limits."""
+    """Merit function: objective plus weighted violations of the limits."""
     return float(values[0] + weights @ np.maximum(values[1:], 0.0))
 
 
-class _Sides:
-    """Objective and limits as functions that are to be ≤ 0 but for the first."""
+class _InequalityConstraints:
+    """Objective, and limits in the form ``g ≤ 0``."""
 
     def __init__(self, program: Program):
         self.low = np.flatnonzero(np.isfinite(program.c_lower))
         self.high = np.flatnonzero(np.isfinite(program.c_upper))
         self.c_lower, self.c_upper = program.c_lower[self.low], program.c_upper[self.high]
-        self.largest = np.zeros(self.low.size + self.high.size)
+        self.penalties = np.zeros(self.low.size + self.high.size)
 
     def values(self, f: float, c: np.ndarray) -> np.ndarray:
         return np.concatenate([[f], self.c_lower - c[self.low], c[self.high] - self.c_upper])
 
     def weights(self, multipliers: np.ndarray) -> np.ndarray:
-        """(m,) weights of violations in the merit function; they never fall."""
-        self.largest = np.maximum(self.largest, 2 * multipliers + 1e-3)
-        return self.largest
+        """(m,) weights of violations in the merit function; they never decrease."""
+        self.penalties = np.maximum(self.penalties, 2 * multipliers + 1e-3)
+        return self.penalties
 
     def slopes(self, point: Point) -> np.ndarray:
         return np.vstack([point.g, -point.J[self.low], point.J[self.high]])
 
 
 class _Asymptotes:
-    """Asymptotes: nearer where a variable swings, further where it goes on (Svanberg 2002, 3.7)."""
+    """Asymptotes: closer if a variable oscillates, else farther (Svanberg 2002, 3.7)."""
 
     def __init__(self, program: Program):
         self.lower = np.maximum(program.z_lower, -10.0)
@@ -182,17 +191,17 @@ class _Asymptotes:
         self.past: list[np.ndarray] = []
         self.span = 0.5 * self.range
 
-    def place(self, z: np.ndarray) -> None:
-        """Move with the last three designs."""
+    def update(self, z: np.ndarray) -> None:
+        """Update from the last three designs."""
         self.past = [*self.past[-2:], z]
         if len(self.past) == 3:
-            turn = (self.past[2] - self.past[1]) * (self.past[1] - self.past[0])
-            self.span = self.span * np.where(turn < 0, 0.7, np.where(turn > 0, 1.2, 1.0))
+            products = (self.past[2] - self.past[1]) * (self.past[1] - self.past[0])
+            self.span = self.span * np.where(products < 0, 0.7, np.where(products > 0, 1.2, 1.0))
             self.span = np.clip(self.span, 1e-4 * self.range, 10 * self.range)
         self.low, self.high = z - self.span, z + self.span
 
     def distance(self, z: np.ndarray, trial: np.ndarray) -> float:
-        """What the bend weighs at a trial (Svanberg 2002, 3.17)."""
+        """Weight of the curvature term at a trial (Svanberg 2002, 3.17)."""
         ratio = (self.high - self.low) * (trial - z) ** 2
         return float(np.sum(ratio / ((self.high - trial) * (trial - self.low) * self.range)))
 
@@ -201,12 +210,12 @@ class _Asymptotes:
         z: np.ndarray,
         values: np.ndarray,
         slopes: np.ndarray,
-        bend: np.ndarray,
+        curvature: np.ndarray,
         move: float,
     ) -> Approximation:
-        """The convex separable functions about ``z`` with the same values and slopes."""
+        """Convex separable functions with the same values and slopes at ``z``."""
         up, down = np.maximum(slopes, 0), np.maximum(-slopes, 0)
-        extra = bend[:, None] / self.range
+        extra = curvature[:, None] / self.range
         p = (self.high - z) ** 2 * (1.001 * up + 0.001 * down + extra)
         q = (z - self.low) ** 2 * (0.001 * up + 1.001 * down + extra)
         r = values - p @ (1 / (self.high - z)) - q @ (1 / (z - self.low))

@@ -1,26 +1,26 @@
-"""A gradient method from many designs, and the distinct optima that it finds."""
+"""Multistart: a local method from many designs, with the distinct optima."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
+from dalembert.design.methods.search_options import sobol_designs
 from dalembert.design.methods.slsqp import Slsqp
-from dalembert.design.methods.spread import spread
 from dalembert.design.optimize.program import Program
 from dalembert.options import options
 
 
 @options
 class Multistart(Optimizer):
-    """Local optima from designs spread evenly (Sobol's sequence), each told once.
+    """Distinct local optima from the points of a Sobol sequence.
 
     Parameters
     ----------
-    starts : designs to begin from, that of ``optimize`` first
+    starts : number of initial designs, the start of ``optimize`` first
     local : gradient method
     rng : seed
-    apart : distance, in ranges, from which optima are different
+    apart : threshold for the distance of distinct optima, relative to the ranges
 
     Examples
     --------
@@ -41,45 +41,45 @@ class Multistart(Optimizer):
     rng: int = 0
     apart: float = 1e-3
 
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
-        program.refuse_open("multistart")
-        found: list[tuple[np.ndarray, np.ndarray]] = []
-        failed = 0
-        for begin in (z, *self._spread(program)):
-            if not program.begin(begin):
-                failed += 1
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
+        program.refuse_infinite_bounds("multistart")
+        optima: list[tuple[np.ndarray, np.ndarray]] = []
+        failure_count = 0
+        for start in (z, *self._spread(program)):
+            if not program.restart(start):
+                failure_count += 1
                 continue
-            end = self.local.solve(program, begin, stop).z
-            reached = program.problem.evaluate(program.unscale(end), gradient=False)
-            if reached is not None:
-                self._add(program, found, end, reached.values)
-        if not found:
-            return Ended(z, False, f"none of {self.starts} starts led to a design")
-        message = f"multistart: {len(found)} optima from {self.starts} starts"
-        if failed:
-            message += f", {failed} of which failed at once"
-        optima = [design for design, _ in found]
-        program.begin(optima[0])
-        return Ended(optima[0], True, message, optima=optima)
+            z_end = self.local.solve(program, start, stop).z
+            evaluation = program.problem.evaluate(program.unscale(z_end), gradient=False)
+            if evaluation is not None:
+                self._add(program, optima, z_end, evaluation.values)
+        if not optima:
+            return OptimizerResult(z, False, f"none of {self.starts} starts led to a design")
+        message = f"multistart: {len(optima)} optima from {self.starts} starts"
+        if failure_count:
+            message += f", {failure_count} of which failed"
+        designs = [optimum for optimum, _ in optima]
+        program.restart(designs[0])
+        return OptimizerResult(designs[0], True, message, optima=designs)
 
     def _spread(self, program: Program) -> np.ndarray:
-        return spread(self.starts - 1, program.z_lower, program.z_upper, self.rng)
+        return sobol_designs(self.starts - 1, program.z_lower, program.z_upper, self.rng)
 
     def _add(
         self,
         program: Program,
-        found: list[tuple[np.ndarray, np.ndarray]],
+        optima: list[tuple[np.ndarray, np.ndarray]],
         z: np.ndarray,
         values: np.ndarray,
     ) -> None:
-        """Sort an optimum in, unless it is there already."""
-        for k, (other, known) in enumerate(found):
+        """Insert an optimum in order, unless it is listed already."""
+        for k, (other, other_values) in enumerate(optima):
             if np.max(abs(other - z)) <= self.apart:
-                if program.is_better(values, known):
-                    found[k] = (z, values)
+                if program.is_better(values, other_values):
+                    optima[k] = (z, values)
                 break
         else:
-            found.append((z, values))
-        for k in range(len(found) - 1, 0, -1):
-            if program.is_better(found[k][1], found[k - 1][1]):
-                found[k - 1], found[k] = found[k], found[k - 1]
+            optima.append((z, values))
+        for k in range(len(optima) - 1, 0, -1):
+            if program.is_better(optima[k][1], optima[k - 1][1]):
+                optima[k - 1], optima[k] = optima[k], optima[k - 1]

@@ -1,4 +1,4 @@
-"""Conservative convex separable approximations (Svanberg 2002) of NLopt, an extra."""
+"""Conservative convex separable approximations (Svanberg 2002) by the optional package NLopt."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.optimize.program import Program
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
@@ -14,7 +14,7 @@ from dalembert.options import options
 
 @options
 class Ccsaq(Optimizer):
-    """NLopt's CCSAQ, for many variables; ``pip install dalembert[nlopt]``.
+    """CCSAQ of NLopt for many variables; ``pip install dalembert[nlopt]``.
 
     Examples
     --------
@@ -30,11 +30,11 @@ class Ccsaq(Optimizer):
     >>> shared = da.Limit(da.final("a + b"), upper=6.0)
     >>> task = dict(minimize=da.final("end.ux"), subject_to=[shared], analysis=da.Statics())
     >>> best = da.optimize(row.build(), **task, method=da.Ccsaq())
-    >>> round(best.x["a"], 3), round(best.x["b"], 3)  # equal ones give least
+    >>> round(best.x["a"], 3), round(best.x["b"], 3)  # minimal for equal ones
     (3.0, 3.0)
     """
 
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         try:
             import nlopt
         except ImportError:
@@ -42,7 +42,7 @@ class Ccsaq(Optimizer):
                 "Ccsaq needs NLopt: pip install dalembert[nlopt], or use method='mma'"
             ) from None
         if np.any(program.c_lower == program.c_upper):
-            raise UnsupportedError("Ccsaq knows no equations; use method='slsqp' or 'ipopt'")
+            raise UnsupportedError("Ccsaq takes no equations; use method='slsqp' or 'ipopt'")
         solver = nlopt.opt(nlopt.LD_CCSAQ, program.n)
         solver.set_lower_bounds(program.z_lower)
         solver.set_upper_bounds(program.z_upper)
@@ -57,11 +57,13 @@ class Ccsaq(Optimizer):
         solver.set_xtol_rel(np.sqrt(stop.tolerance) / 10)
         solver.set_maxeval(10 * stop.max_iterations)
         try:
-            ended = solver.optimize(np.clip(z, program.z_lower, program.z_upper))
+            z_end = solver.optimize(np.clip(z, program.z_lower, program.z_upper))
         except nlopt.RoundoffLimited:
-            return Ended(program.scaled(program.best[0]), True, "NLopt: limited by round-off")
+            return OptimizerResult(
+                program.scaled(program.best[0]), True, "NLopt: limited by round-off"
+            )
         code = solver.last_optimize_result()
-        return Ended(np.asarray(ended), 0 < code < 5, f"NLopt: ended with code {code}")
+        return OptimizerResult(np.asarray(z_end), 0 < code < 5, f"NLopt: ended with code {code}")
 
 
 def _objective(program: Program) -> Any:

@@ -1,13 +1,13 @@
-"""Names of the methods of optimisation."""
+"""Registry of optimisation methods by name."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from dalembert.design.methods.base import Optimizer
+from dalembert.design.methods.branch_and_bound import BranchAndBound
 from dalembert.design.methods.cma_es import CmaEs
 from dalembert.design.methods.differential_evolution import DifferentialEvolution
-from dalembert.design.methods.discrete import BranchAndBound
 from dalembert.design.methods.enumeration import Enumeration
 from dalembert.design.methods.ipopt import Ipopt
 from dalembert.design.methods.least_squares import LeastSquares
@@ -35,12 +35,12 @@ OPTIMIZERS: dict[str, type[Optimizer]] = {
 
 
 def make_optimizer(method: Any, discrete: bool) -> Optimizer:
-    """An optimiser by its name; with sizes to choose, within branch and bound where it needs that.
+    """Optimiser of a name or object, wrapped in branch and bound if variables are discrete.
 
     Raises
     ------
     AnalysisError
-        There is none of this name.
+        The name is unknown.
     """
     if isinstance(method, str):
         if method not in OPTIMIZERS:

@@ -1,4 +1,4 @@
-"""Sequential least squares programming (Kraft 1988), SciPy's."""
+"""Sequential least squares programming (Kraft 1988) by SciPy."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.methods.ipopt import Ipopt
 from dalembert.design.optimize.program import Program
 from dalembert.options import options
@@ -14,12 +14,12 @@ from dalembert.options import options
 
 @options
 class Slsqp(Optimizer):
-    """Quick for up to about a hundred variables, with limits and equations.
+    """Sequential quadratic programming; fast up to about a hundred variables.
 
     Parameters
     ----------
-    rescued : where it is stuck short of an optimum or of its limits, though designs nearby are
-        better, ``Ipopt`` goes on from there
+    rescued : continue with ``Ipopt`` if it stalls at a design that is infeasible or not optimal
+        though nearby designs are better
 
     Examples
     --------
@@ -41,32 +41,32 @@ class Slsqp(Optimizer):
     def rescue(self) -> Optimizer | None:
         return Ipopt() if self.rescued else None
 
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         from scipy.optimize import minimize
 
-        found = minimize(
+        result = minimize(
             program.objective,
             z,
             jac=program.slope,
             method="SLSQP",
             bounds=list(zip(program.z_lower, program.z_upper, strict=True)),
-            constraints=_sides(program),
+            constraints=_constraints(program),
             options={"maxiter": stop.max_iterations, "ftol": stop.tolerance},
         )
-        return Ended(found.x, bool(found.success), str(found.message))
+        return OptimizerResult(result.x, bool(result.success), str(result.message))
 
 
-def _sides(program: Program) -> list[dict[str, Any]]:
-    """SciPy's form ``c(z) ≥ 0`` of the sides of limits, all inequalities in one."""
+def _constraints(program: Program) -> list[dict[str, Any]]:
+    """Limits in SciPy's form ``c(z) = 0`` and ``c(z) ≥ 0``, each as one vector."""
     equal = program.c_lower == program.c_upper
     low = ~equal & np.isfinite(program.c_lower)
     high = ~equal & np.isfinite(program.c_upper)
     rows = np.concatenate([np.flatnonzero(low), np.flatnonzero(high)])
     signs = np.concatenate([np.ones(low.sum()), -np.ones(high.sum())])
     bounds = np.concatenate([program.c_lower[low], program.c_upper[high]])
-    made: list[dict[str, Any]] = []
+    constraints: list[dict[str, Any]] = []
     if equal.any():
-        made.append(
+        constraints.append(
             {
                 "type": "eq",
                 "fun": lambda z: (program.constraint(z) - program.c_lower)[equal],
@@ -74,11 +74,11 @@ def _sides(program: Program) -> list[dict[str, Any]]:
             }
         )
     if rows.size:
-        made.append(
+        constraints.append(
             {
                 "type": "ineq",
                 "fun": lambda z: signs * (program.constraint(z)[rows] - bounds),
                 "jac": lambda z: signs[:, None] * program.jacobian(z)[rows],
             }
         )
-    return made
+    return constraints

@@ -1,4 +1,4 @@
-"""Trust-region interior point (Byrd, Hribar, Nocedal 1999), SciPy's ``trust-constr``."""
+"""Trust-region interior point (Byrd, Hribar, Nocedal 1999): SciPy's ``trust-constr``."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import warnings
 
 import numpy as np
 
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.optimize.program import Program
 from dalembert.options import options
 
 
 @options
 class TrustConstr(Optimizer):
-    """Slower than SLSQP, and steadier on badly curved limits.
+    """Trust-region method; slower than SLSQP, more robust for strongly curved limits.
 
     Examples
     --------
@@ -32,15 +32,15 @@ class TrustConstr(Optimizer):
     5.0
     """
 
-    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> Ended:
+    def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         from scipy.optimize import BFGS, Bounds, NonlinearConstraint, minimize
 
         limits = NonlinearConstraint(
             program.constraint, program.c_lower, program.c_upper, program.jacobian, BFGS()
         )
-        with warnings.catch_warnings():  # of quasi-Newton updates that are skipped
+        with warnings.catch_warnings():  # about skipped quasi-Newton updates
             warnings.simplefilter("ignore", UserWarning)
-            found = minimize(
+            result = minimize(
                 program.objective,
                 z,
                 jac=program.slope,
@@ -55,5 +55,5 @@ class TrustConstr(Optimizer):
                     "barrier_tol": max(stop.tolerance, 1e-9),
                 },
             )
-        inside = np.clip(found.x, program.z_lower, program.z_upper)
-        return Ended(inside, found.status in (1, 2), str(found.message))
+        clipped = np.clip(result.x, program.z_lower, program.z_upper)
+        return OptimizerResult(clipped, result.status in (1, 2), str(result.message))

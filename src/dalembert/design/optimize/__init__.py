@@ -1,1 +1,1 @@
-"""Optimisation: a problem, its scaled form, its end."""
+"""Optimisation: design problem, scaled program, verified optimum."""

@@ -1,7 +1,7 @@
-"""Evaluations kept in a file, from which an interrupted optimisation goes on.
+"""Log of evaluations in a file, from which an interrupted optimisation resumes.
 
-A search asked again takes the same way: what stands in the file is read instead of run, so every
-method resumes where it stopped, without one of its own.
+Optimisers are deterministic: a repeated search evaluates the same designs and reads them from the
+file instead of running them, so that every method resumes without code of its own.
 """
 
 from __future__ import annotations
@@ -15,42 +15,42 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import FileError
-from dalembert.files.atomic import atomic_path
+from dalembert.files import atomic_path
 
 
 class EvaluationLog:
-    """Lines of JSON: what was asked first, then one design a line.
+    """JSON lines: a header with the fingerprint of the problem, then one design per line.
 
     Parameters
     ----------
-    path : of the file; made if it is not there
-    about : what tells this problem from others
+    path : of the file; created if missing
+    fingerprint : identification of the problem
 
     Raises
     ------
     FileError
-        The file belongs to another problem, or is none.
+        The file belongs to another problem, or is no log.
     """
 
-    def __init__(self, path: str | Path, about: Mapping[str, Any]):
+    def __init__(self, path: str | Path, fingerprint: Mapping[str, Any]):
         self.path = Path(path)
-        self.known: dict[bytes, dict[str, Any]] = {}
-        wanted = json.loads(json.dumps(about))
+        self.entries: dict[bytes, dict[str, Any]] = {}
+        expected = json.loads(json.dumps(fingerprint))
         if self.path.exists() and self.path.stat().st_size:
-            self._read(wanted)
+            self._read(expected)
         else:
             with atomic_path(self.path) as temporary:
-                temporary.write_text(json.dumps(wanted) + "\n", encoding="utf-8")
+                temporary.write_text(json.dumps(expected) + "\n", encoding="utf-8")
 
-    def _read(self, wanted: dict[str, Any]) -> None:
+    def _read(self, expected: dict[str, Any]) -> None:
         text = self.path.read_text(encoding="utf-8")
         first, *lines = text.splitlines()
         try:
-            found = json.loads(first)
+            header = json.loads(first)
         except ValueError:
-            raise FileError(f"{self.path} is no history of an optimisation") from None
-        for key, value in wanted.items():
-            if not isinstance(found, dict) or found.get(key) != value:
+            raise FileError(f"{self.path} is not an optimisation history") from None
+        for key, value in expected.items():
+            if not isinstance(header, dict) or header.get(key) != value:
                 raise FileError(
                     f"{self.path} is the history of another problem ({key} differs); "
                     "give another file, or remove it"
@@ -58,11 +58,11 @@ class EvaluationLog:
         for line in lines:
             try:
                 entry = json.loads(line)
-            except ValueError:  # half a line of a run that was killed
+            except ValueError:  # truncated line of a killed run
                 continue
-            kept = self.known.setdefault(self._key(entry["x"], entry.get("part", "")), {})
-            kept.update(entry)
-        if not text.endswith("\n"):  # the next line begins anew
+            merged = self.entries.setdefault(self._key(entry["x"], entry.get("part", "")), {})
+            merged.update(entry)
+        if not text.endswith("\n"):  # terminate the truncated line
             self._append("\n")
 
     @staticmethod
@@ -74,33 +74,33 @@ class EvaluationLog:
             file.write(text)
 
     def find(self, x: np.ndarray, part: str = "") -> dict[str, Any] | None:
-        """What is known of a design: ``terms`` and perhaps ``gradient``, or a ``failure``."""
-        return self.known.get(self._key(x, part))
+        """Entry of a design: ``terms`` and optionally ``gradient``, or a ``failure``."""
+        return self.entries.get(self._key(x, part))
 
-    def keep(self, x: np.ndarray, part: str = "", **entry: Any) -> None:
-        """Write what a run gave."""
+    def append(self, x: np.ndarray, part: str = "", **entry: Any) -> None:
+        """Append the outcome of a run."""
         plain = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in entry.items()}
-        self.known.setdefault(self._key(x, part), {}).update(plain)
-        named = {"part": part} if part else {}
-        entry = {**named, "x": np.asarray(x, dtype=float).tolist(), **plain}
+        self.entries.setdefault(self._key(x, part), {}).update(plain)
+        part_entry = {"part": part} if part else {}
+        entry = {**part_entry, "x": np.asarray(x, dtype=float).tolist(), **plain}
         self._append(json.dumps(entry) + "\n")
 
     def part(self, name: str = "") -> LogPart:
-        """Evaluations of one of several problems that share the file."""
+        """Section of one of several problems that share the file."""
         return LogPart(self, name)
 
 
 @dataclass(frozen=True)
 class LogPart:
-    """What one problem writes and finds there."""
+    """Section of the log that belongs to one problem."""
 
     log: EvaluationLog
     name: str
 
     def find(self, x: np.ndarray) -> dict[str, Any] | None:
-        """As of ``EvaluationLog``."""
+        """See ``EvaluationLog``."""
         return self.log.find(x, self.name)
 
-    def keep(self, x: np.ndarray, **entry: Any) -> None:
-        """As of ``EvaluationLog``."""
-        self.log.keep(x, self.name, **entry)
+    def append(self, x: np.ndarray, **entry: Any) -> None:
+        """See ``EvaluationLog``."""
+        self.log.append(x, self.name, **entry)

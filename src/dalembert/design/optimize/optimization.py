@@ -1,4 +1,4 @@
-"""Optimisation: ``min f, g ≤ 0, bounds`` (8.41) with exact gradients, by the method of choice."""
+"""Optimisation ``min f, g ≤ 0, bounds`` (8.41) with exact gradients and a choice of methods."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ import numpy as np
 
 from dalembert.design.case import Case
 from dalembert.design.limit import Limit
-from dalembert.design.methods.base import Ended, Optimizer, Stop
+from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.methods.registry import make_optimizer
+from dalembert.design.methods.search_options import OnIteration, iteration_callback
 from dalembert.design.optimize.evaluation_log import EvaluationLog
+from dalembert.design.optimize.optimality import solve_to_stationarity
 from dalembert.design.optimize.optimum import Optimum
-from dalembert.design.optimize.outcome import judged
 from dalembert.design.optimize.problem import DesignProblem, common_parameters
 from dalembert.design.optimize.program import Program
-from dalembert.design.optimize.settling import settled
-from dalembert.design.quantity import Quantity, bound
-from dalembert.design.telling import Told, teller
+from dalembert.design.optimize.verified_optimum import verified_optimum
+from dalembert.design.quantity import Quantity, with_case
 from dalembert.design.variables import make_variables
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching
@@ -46,25 +46,25 @@ def optimize(
     max_iterations: int = 100,
     tolerance: float = 1e-8,
     history: str | Path | None = None,
-    progress: bool | Told = False,
+    progress: bool | OnIteration = False,
 ) -> Optimum:
-    """Best parameters for responses of one analysis or several.
+    """Optimise parameters for responses of one analysis or several.
 
     Parameters
     ----------
-    model, analysis : what is run, as ``Dynamics(...)``; not needed where all responses are those
-        of cases, ``case[response]``
-    minimize, maximize : the objective, one of them: a response, ``combined(...)``,
+    model, analysis : model and its analysis, such as ``Dynamics(...)``; omitted if all responses
+        belong to cases, ``case[response]``
+    minimize, maximize : the objective, one of the two: a response, ``combined(...)``,
         ``SumOfSquares(...)``
     subject_to : limits on other responses
     vary : names of parameters, ``Integer``, ``Catalogue``; default all with bounds
-    start : initial values; default the nominal ones
+    start : initial values; default nominal
     method : ``"slsqp"``, ``"ipopt"``, … or an object such as ``Multistart(starts=50)``
     gradient : method of ``sensitivity``
     tolerance : on the relative change of the scaled objective
-    history : file in which evaluations are kept; a search that was interrupted goes on from it
-    progress : True prints each iteration, or a function of its number and objective
-    max_iterations : of the method
+    history : file in which evaluations are logged; an interrupted search resumes from it
+    progress : True to print each iteration, or a function of its number and objective
+    max_iterations : upper limit of the iterations of the method
 
     Raises
     ------
@@ -87,23 +87,23 @@ def optimize(
     (True, 45.0, 100.0)
     """
     limits = Limit.all_of(subject_to)
-    sign, objective = aimed(minimize, maximize)
-    wanted = [objective, *(limit.response for limit in limits)]
-    problem = design_problem(model, analysis, wanted, vary, start)
+    sign, objective = signed_objective(minimize, maximize)
+    responses = [objective, *(limit.response for limit in limits)]
+    problem = design_problem(model, analysis, responses, vary, start)
     if history is not None:
         problem.log = EvaluationLog(history, fingerprint(problem)).part()
-    how = Searched(method, gradient, Stop(max_iterations, tolerance), progress)
-    return how.best(how.program(problem, limits, sign))
+    settings = OptimizerSettings(method, gradient, Stop(max_iterations, tolerance), progress)
+    return settings.best(settings.program(problem, limits, sign))
 
 
 @dataclass(frozen=True)
-class Searched:
-    """How a design is searched for; as of ``optimize``."""
+class OptimizerSettings:
+    """Method, gradient, stopping criteria and progress of ``optimize``."""
 
     method: str | Optimizer
     gradient: Method
     stop: Stop
-    progress: bool | Told
+    progress: bool | OnIteration
 
     def program(
         self,
@@ -112,28 +112,28 @@ class Searched:
         sign: float,
         sizes: np.ndarray | None = None,
     ) -> Program:
-        """The problem, whose first quantity is the objective, in scaled numbers."""
+        """Scaled program of a problem whose first quantity is the objective."""
         problem.gradient = self.gradient
         self.optimizer(problem)
         start = problem.variables.start
-        return Program(problem, limits, sign, start, teller(self.progress), sizes)
+        return Program(problem, limits, sign, start, iteration_callback(self.progress), sizes)
 
     def optimizer(self, problem: DesignProblem) -> Optimizer:
-        """Its method."""
+        """Optimiser for a problem."""
         return make_optimizer(self.method, bool(problem.variables.sizes))
 
     def best(self, program: Program) -> Optimum:
-        """The optimum of a program."""
+        """Solve a program."""
         return solve(program, self.optimizer(program.problem), self.stop)
 
 
-def aimed(minimize: Any, maximize: Any) -> tuple[float, Any]:
-    """1 or −1, and the objective.
+def signed_objective(minimize: Any, maximize: Any) -> tuple[float, Any]:
+    """Sign (1 to minimise, −1 to maximise) and objective.
 
     Raises
     ------
     AnalysisError
-        Both or none.
+        Both or none are set.
     """
     if (minimize is None) == (maximize is None):
         raise AnalysisError("give one objective: minimize=... or maximize=...")
@@ -143,21 +143,21 @@ def aimed(minimize: Any, maximize: Any) -> tuple[float, Any]:
 def design_problem(
     model: ParametricModel | None,
     analysis: Analysis | None,
-    wanted: Sequence[Any],
+    responses: Sequence[Any],
     vary: Sequence[Any] | None,
     start: Mapping[str, float] | None = None,
 ) -> DesignProblem:
-    """Quantities as functions of what varies.
+    """Design problem: quantities as functions of the variables.
 
     Raises
     ------
     AnalysisError
-        Something that is no response, two with one label, or no analysis for a response.
+        An entry is no response, two have one label, or a response has no analysis.
     """
     if (model is None) != (analysis is None):
         raise AnalysisError("give model and analysis= together, or responses of cases alone")
     case = Case(model, analysis) if model is not None and analysis is not None else None
-    quantities = [bound(one, case) for one in wanted]
+    quantities = [with_case(response, case) for response in responses]
     _refuse_labels(quantities)
     owners = [t.case for q in quantities for t in q.terms]
     parameters = common_parameters([*([case] if case is not None else []), *owners])
@@ -170,9 +170,9 @@ def design_problem(
 
 
 def _refuse_labels(quantities: Sequence[Quantity]) -> None:
-    known: dict[str, Quantity] = {}
+    labelled: dict[str, Quantity] = {}
     for quantity in quantities:
-        other = known.setdefault(quantity.label, quantity)
+        other = labelled.setdefault(quantity.label, quantity)
         if [(t.case, t.response) for t in other.terms] != [
             (t.case, t.response) for t in quantity.terms
         ]:
@@ -180,7 +180,7 @@ def _refuse_labels(quantities: Sequence[Quantity]) -> None:
 
 
 def fingerprint(problem: DesignProblem) -> dict[str, Any]:
-    """What tells one problem from another, for its history file."""
+    """Identification of a problem for its history file."""
     return {
         "models": [case.model.name for case in problem.cases],
         "analyses": [repr(case.analysis)[:500] for case in problem.cases],
@@ -195,13 +195,13 @@ def fingerprint(problem: DesignProblem) -> dict[str, Any]:
 
 @interruptible
 def solve(program: Program, method: Optimizer, stop: Stop) -> Optimum:
-    """The optimum of a program; the best design so far where it is interrupted."""
+    """Solve a program; Ctrl-C ends with the best design so far."""
     z, interrupted = program.scaled(program.origin), False
     try:
         with searching():
-            ended = settled(program, method, stop, z)
+            outcome = solve_to_stationarity(program, method, stop, z)
     except KeyboardInterrupt:
-        interrupted, number = True, len(program.history) - 1
+        interrupted, iterations = True, len(program.history) - 1
         best = program.scaled(program.best[0])
-        ended = Ended(best, False, f"interrupted after {number} iteration(s)")
-    return judged(program, ended, interrupted)
+        outcome = OptimizerResult(best, False, f"interrupted after {iterations} iteration(s)")
+    return verified_optimum(program, outcome, interrupted)

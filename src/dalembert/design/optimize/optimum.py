@@ -1,12 +1,12 @@
-"""What an optimisation ends with."""
+"""Result of an optimisation."""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from dalembert.design.bounded import Bounded
-from dalembert.design.decision import Decision
+from dalembert.design.decision import Decision, axis_label, plot_axes
+from dalembert.design.limit import Bounded
 from dalembert.results.result import Result
 
 if TYPE_CHECKING:
@@ -24,22 +24,22 @@ class Iterate:
 
 @dataclass(eq=False)
 class Optimum(Decision):
-    """Result of an optimisation.
+    """Optimal design with its verification.
 
     Attributes
     ----------
     x : parameter → value
-    fun : objective there
-    success : limits are kept, and the gradient is that of an optimum
-    message : how the optimiser ended, and what contradicts it
-    interrupted : by Ctrl-C; the design is the best one reached
-    gradient : of the objective, by what varied
-    history : the designs on the way, the start first
-    initial, motion : runs of the first and the best design, of the objective's case
-    results : runs of the best design, of all cases
-    at_bounds : parameters that ended at a bound
-    active : limits that hold with equality
-    stationarity : what multipliers leave of the gradient, relative: zero at an optimum
+    fun : objective at ``x``
+    success : feasible, and first-order optimality is verified
+    message : message of the optimiser and findings of the verification
+    interrupted : ended by Ctrl-C; the design is the best one reached
+    gradient : of the objective by the variables
+    history : iterates, the start first
+    initial, motion : results of the start and of the best design, in the case of the objective
+    results : results of the best design in all cases
+    at_bounds : parameters at one of their bounds
+    active : active limits
+    stationarity : relative residual of the stationarity condition: zero at an optimum
     variables, limits : names, values, bounds and prices
     optima : distinct optima of ``Multistart``, the best first
 
@@ -61,7 +61,7 @@ class Optimum(Decision):
     """
 
     word = "optimum"
-    drawn = "optimum:optimum"
+    page_functions = "optimum:optimum"
     x: dict[str, float]
     fun: float
     success: bool
@@ -88,13 +88,13 @@ class Optimum(Decision):
 
     @property
     def prices(self) -> list[str]:
-        """What each active limit and bound costs, in words."""
-        told = (one.cost(self.unit) for one in (*self.limits, *self.variables))
-        return [text for text in told if text]
+        """Price of each active limit and bound, as text."""
+        texts = (bounded.cost(self.unit) for bounded in (*self.limits, *self.variables))
+        return [text for text in texts if text]
 
     @property
     def name(self) -> str:  # type: ignore[override]
-        """Of the model of the objective."""
+        """Name of the model of the objective."""
         return str(self.motion.model.name)
 
     @property
@@ -106,7 +106,9 @@ class Optimum(Decision):
     def findings(self) -> dict[str, Any]:
         return {
             "x": self.x,
-            "variables": [asdict(one.shown_in((), (1.0, self.unit))) for one in self.variables],
+            "variables": [
+                asdict(variable.shown_in((), (1.0, self.unit))) for variable in self.variables
+            ],
             "fun": self.fun,
             "objective": self.label,
             "unit": self.unit,
@@ -122,40 +124,34 @@ class Optimum(Decision):
             "runs": self.runs,
             "gradients": self.gradients,
             "failed_runs": self.failed_runs,
-            "history": [asdict(i) for i in self.history],
+            "history": [asdict(iterate) for iterate in self.history],
         }
 
     @property
     def data(self) -> xr.Dataset:
-        """The best run, and beside it the designs on the way."""
+        """Result of the best design, and the iterates."""
         names = list(self.history[0].parameters)
-        way = [[i.parameters[n] for n in names] for i in self.history]
+        designs = [[iterate.parameters[n] for n in names] for iterate in self.history]
         return self.motion.data.assign(
-            optimum_way=(("iteration", "variable"), way),
-            optimum_objective=("iteration", [i.objective for i in self.history]),
-            optimum_violation=("iteration", [i.violation for i in self.history]),
+            optimum_way=(("iteration", "variable"), designs),
+            optimum_objective=("iteration", [iterate.objective for iterate in self.history]),
+            optimum_violation=("iteration", [iterate.violation for iterate in self.history]),
         ).assign_coords(variable=names)
 
     def plot(self, ax: Any = None) -> Any:
         """Objective over the iterations; returns the axes."""
-        import matplotlib.pyplot as plt
-
-        if ax is None:
-            _, ax = plt.subplots(figsize=(6, 3.4), layout="constrained")
+        ax = plot_axes(ax, (6, 3.4))
         ax.plot([i.objective for i in self.history], marker="o", ms=4)
-        unit = f" [{self.unit}]" if self.unit else ""
-        ax.set(xlabel="iteration", ylabel=f"{self.label}{unit}")
-        ax.grid(alpha=0.25)
-        ax.spines[["top", "right"]].set_visible(False)
+        ax.set(xlabel="iteration", ylabel=axis_label(self.label, self.unit))
         return ax
 
     def _repr_html_(self) -> str:
-        from dalembert.report.inline import InlinePage
+        from dalembert.report.page import InlinePage
 
         return self.table_html() + InlinePage(self.page())._repr_html_()
 
     def table_html(self) -> str:
-        from dalembert.design.optimize.optimum_table import optimum_table
+        from dalembert.design.pages.optimum import optimum_table
 
         return optimum_table(self)
 

@@ -1,4 +1,4 @@
-"""The design problem (8.41): quantities of runs as functions of the variables."""
+"""Design problem (8.41): objective and constraints as functions of the variables."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.case import Case, in_order
+from dalembert.design.case import Case, evaluation_order
 from dalembert.design.optimize.evaluation_log import LogPart
 from dalembert.design.quantity import Quantity
 from dalembert.design.variables import Variables
@@ -21,8 +21,8 @@ from dalembert.sensitivity.gradient import gradient_values
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.formulas.parameter import Parameter
 
-REMEMBERED = 64
-"""Designs whose runs are kept in memory."""
+CACHE_SIZE = 64
+"""Upper limit of the designs whose results are kept in memory."""
 NOT_FINITE = "a response is not finite"
 
 
@@ -33,9 +33,9 @@ class Evaluation:
     Attributes
     ----------
     values : (quantities,)
-    terms : (terms,) values of the responses that they are made of
-    gradient : (terms, n) of these responses, once it was asked for
-    runs : case → its result; empty where the numbers come out of a file
+    terms : (terms,) values of the responses that they depend on
+    gradient : (terms, n) of these responses, once evaluated
+    runs : case → its result; empty if the numbers were read from a log
     """
 
     terms: np.ndarray
@@ -46,15 +46,15 @@ class Evaluation:
 
 @dataclass
 class DesignProblem:
-    """``x ↦ quantities, gradient``: what every optimiser needs to know.
+    """``x ↦ quantities, gradient``, cached and logged.
 
     Parameters
     ----------
-    quantities : all that are needed, objective first
-    variables : what varies
+    quantities : objective first, then constraints
+    variables : design variables
     gradient : method of ``sensitivity``
-    log : where evaluations are kept
-    source : a problem with the same terms, whose runs are used
+    log : log of the evaluations
+    source : problem with the same terms whose runs are shared
     """
 
     quantities: Sequence[Quantity]
@@ -69,7 +69,7 @@ class DesignProblem:
     _cache: dict[bytes, Evaluation | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.cases = in_order([t.case for q in self.quantities for t in q.terms])
+        self.cases = evaluation_order([t.case for q in self.quantities for t in q.terms])
         if self.source is not None:
             self.terms: list[tuple[Case, Response]] = self.source.terms
             self.cases = self.source.cases
@@ -81,8 +81,8 @@ class DesignProblem:
             )
         )
 
-    def judged_by(self, quantities: Sequence[Quantity]) -> DesignProblem:
-        """The same runs with other quantities of the same responses."""
+    def with_quantities(self, quantities: Sequence[Quantity]) -> DesignProblem:
+        """Problem with other quantities of the same responses, which shares the runs."""
         return DesignProblem(
             quantities,
             self.variables,
@@ -91,41 +91,44 @@ class DesignProblem:
             source=self.source or self,
         )
 
-    # what runs give ---------------------------------------------------------------------
-    def places(self, quantity: Quantity) -> list[int]:
-        """Numbers of the terms of a quantity."""
+    # values -----------------------------------------------------------------------------
+    def term_indices(self, quantity: Quantity) -> list[int]:
+        """Indices of the terms of a quantity."""
         return [self.terms.index((t.case, t.response)) for t in quantity.terms]
 
     def responses(self, case: Case) -> tuple[list[int], list[Response]]:
-        """Numbers of the terms that are drawn from a case, and their responses."""
+        """Indices of the terms of a case, and their responses."""
         rows = [k for k, (owner, _) in enumerate(self.terms) if owner is case]
         return rows, [self.terms[k][1] for k in rows]
 
     def evaluate(self, x: np.ndarray, gradient: bool = True) -> Evaluation | None:
-        """Quantities (and gradient) at ``x``; None where the run fails, with the reason kept."""
+        """Quantities (and gradient) at ``x``; None and an entry in ``failures`` if a run fails."""
         if self.source is not None:
-            made = self.source.evaluate(x, gradient)
-            return made and Evaluation(
-                made.terms, self._values(made.terms), made.gradient, made.runs
+            evaluation = self.source.evaluate(x, gradient)
+            return evaluation and Evaluation(
+                evaluation.terms,
+                self._values(evaluation.terms),
+                evaluation.gradient,
+                evaluation.runs,
             )
         key = np.asarray(x, dtype=float).tobytes()
         if key not in self._cache:
-            self._cache[key] = self._recalled(x) if self._is_known(x) else self._kept(x)
-            if len(self._cache) > REMEMBERED:
+            self._cache[key] = self._from_log(x) if self._is_logged(x) else self._run_and_log(x)
+            if len(self._cache) > CACHE_SIZE:
                 self._cache.pop(next(iter(self._cache)))
-        found = self._cache[key]
-        if found is not None and gradient and found.gradient is None:
+        evaluation = self._cache[key]
+        if evaluation is not None and gradient and evaluation.gradient is None:
             try:
-                self._differentiate(x, found)
+                self._differentiate(x, evaluation)
             except AnalysisError as error:
                 self.failures.append(str(error))
                 return None
-        return found
+        return evaluation
 
-    def _is_known(self, x: np.ndarray) -> bool:
+    def _is_logged(self, x: np.ndarray) -> bool:
         return self.log is not None and self.log.find(x) is not None
 
-    def _recalled(self, x: np.ndarray) -> Evaluation | None:
+    def _from_log(self, x: np.ndarray) -> Evaluation | None:
         assert self.log is not None
         entry = self.log.find(x) or {}
         if "failure" in entry:
@@ -135,25 +138,29 @@ class DesignProblem:
         gradient = np.array(entry["gradient"]) if "gradient" in entry else None
         return Evaluation(terms, self._values(terms), gradient)
 
-    def _kept(self, x: np.ndarray) -> Evaluation | None:
-        failed = len(self.failures)
-        found = self._run(x)
+    def _run_and_log(self, x: np.ndarray) -> Evaluation | None:
+        count = len(self.failures)
+        evaluation = self._run(x)
         if self.log is not None:
-            told = {"failure": self.failures[failed]} if found is None else {"terms": found.terms}
-            self.log.keep(x, **told)
-        return found
+            entry = (
+                {"failure": self.failures[count]}
+                if evaluation is None
+                else {"terms": evaluation.terms}
+            )
+            self.log.append(x, **entry)
+        return evaluation
 
     def _values(self, terms: np.ndarray) -> np.ndarray:
-        return np.array([q.value(terms[self.places(q)]) for q in self.quantities])
+        return np.array([q.value(terms[self.term_indices(q)]) for q in self.quantities])
 
     def parameters(self, case: Case, x: np.ndarray, terms: np.ndarray) -> dict[str, float]:
-        """Values of a case's parameters: those that vary and those that other cases set."""
+        """Parameter values of a case: design variables and quantities of other cases."""
         varied = self.variables.parameters(x)
-        made = {n: v for n, v in varied.items() if n in case.model.parameters}
-        return made | {n: q.value(terms[self.places(q)]) for n, q in case.given.items()}
+        values = {n: v for n, v in varied.items() if n in case.model.parameters}
+        return values | {n: q.value(terms[self.term_indices(q)]) for n, q in case.given.items()}
 
     def _run(self, x: np.ndarray) -> Evaluation | None:
-        """All cases at ``x``."""
+        """Run all cases at ``x``."""
         self.runs += 1
         self.on_run()
         terms, results = np.full(len(self.terms), np.nan), {}
@@ -176,71 +183,71 @@ class DesignProblem:
         return Evaluation(terms, self._values(terms), None, results)
 
     def results(self, x: np.ndarray) -> dict[Case, Result]:
-        """Case → its result at ``x``, run again where only numbers are kept."""
+        """Case → its result at ``x``; runs again if only numbers are logged."""
         if self.source is not None:
             return self.source.results(x)
-        found = self.evaluate(x, gradient=False)
-        if found is not None and not found.runs:
-            again = self._run(x)
-            found.runs = again.runs if again is not None else {}
-        return found.runs if found is not None else {}
+        evaluation = self.evaluate(x, gradient=False)
+        if evaluation is not None and not evaluation.runs:
+            rerun = self._run(x)
+            evaluation.runs = rerun.runs if rerun is not None else {}
+        return evaluation.runs if evaluation is not None else {}
 
-    # their gradients --------------------------------------------------------------------
-    def _differentiate(self, x: np.ndarray, found: Evaluation) -> None:
+    # gradients --------------------------------------------------------------------------
+    def _differentiate(self, x: np.ndarray, evaluation: Evaluation) -> None:
         self.gradients += 1
-        results, made = self.results(x), np.zeros((len(self.terms), len(self.variables.names)))
+        results, gradient = self.results(x), np.zeros((len(self.terms), len(self.variables.names)))
         slopes, varied = self.variables.slopes(x), self.variables.parameter_names
         for case in self.cases:
-            own = [k for k, n in enumerate(varied) if n in case.model.parameters]
-            names = [varied[k] for k in own if varied[k] not in case.given]
-            columns = [k for k in own if varied[k] not in case.given]
+            own_columns = [k for k, n in enumerate(varied) if n in case.model.parameters]
+            names = [varied[k] for k in own_columns if varied[k] not in case.given]
+            columns = [k for k in own_columns if varied[k] not in case.given]
             rows, responses = self.responses(case)
-            wanted = [*names, *case.given]
-            if not wanted or not rows:
+            arguments = [*names, *case.given]
+            if not arguments or not rows:
                 continue
-            slope = gradient_values(results[case], responses, wanted, self.gradient)
-            made[rows] = slope[:, : len(names)] @ slopes[columns]
+            slope = gradient_values(results[case], responses, arguments, self.gradient)
+            gradient[rows] = slope[:, : len(names)] @ slopes[columns]
             for k, quantity in enumerate(case.given.values(), len(names)):
-                places = self.places(quantity)
-                inner = quantity.slope(found.terms[places]) @ made[places]
-                made[rows] += np.outer(slope[:, k], inner)
-        found.gradient = made
+                indices = self.term_indices(quantity)
+                inner = quantity.slope(evaluation.terms[indices]) @ gradient[indices]
+                gradient[rows] += np.outer(slope[:, k], inner)
+        evaluation.gradient = gradient
         if self.log is not None:
-            self.log.keep(x, terms=found.terms, gradient=made)
+            self.log.append(x, terms=evaluation.terms, gradient=gradient)
 
-    def slope(self, found: Evaluation, row: int) -> np.ndarray:
-        """(n,) gradient of a quantity at an evaluation that was asked for it."""
-        assert found.gradient is not None
-        places = self.places(self.quantities[row])
-        return self.quantities[row].slope(found.terms[places]) @ found.gradient[places]
+    def slope(self, evaluation: Evaluation, row: int) -> np.ndarray:
+        """(n,) gradient of a quantity at an evaluation with gradient."""
+        assert evaluation.gradient is not None
+        indices = self.term_indices(self.quantities[row])
+        return self.quantities[row].slope(evaluation.terms[indices]) @ evaluation.gradient[indices]
 
     def unit(self, row: int, results: Mapping[Case, Result]) -> str:
-        """Unit of a quantity, as the runs tell it."""
+        """Unit of a quantity, from the results of its terms."""
         units = []
         for term in self.quantities[row].terms:
             result: Any = results.get(term.case)
-            known = result is not None
-            units.append(term.response.over(result).unit_of(result) if known else "")
+            has_result = result is not None
+            units.append(term.response.over(result).unit_of(result) if has_result else "")
         return self.quantities[row].unit(units)
 
 
 def common_parameters(cases: Sequence[Case]) -> dict[str, Parameter]:
-    """Parameters of all cases by name, those set by other cases left out.
+    """Parameters of all cases by name, without those set by other cases.
 
     Raises
     ------
     ModelError
-        The same name with different bounds.
+        One name has different bounds in two cases.
     """
-    made: dict[str, Parameter] = {}
-    for case in in_order(list(cases)):
+    parameters: dict[str, Parameter] = {}
+    for case in evaluation_order(list(cases)):
         for name, parameter in case.model.parameters.items():
             if name in case.given:
                 continue
-            first = made.setdefault(name, parameter)
+            first = parameters.setdefault(name, parameter)
             if first.bounds != parameter.bounds:
                 raise ModelError(
                     f"{case.model.name}: the parameter {name!r} has bounds {parameter.bounds} here "
                     f"and {first.bounds} in another case; give it the same"
                 )
-    return made
+    return parameters

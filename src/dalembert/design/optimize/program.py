@@ -1,4 +1,4 @@
-"""The design problem in the scaled form that optimisers get: ``min f(z), c_l ≤ c(z) ≤ c_u``."""
+"""Scaled nonlinear programme for optimisers: ``min f(z), c_l ≤ c(z) ≤ c_u``."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.design.limit import Limit
-from dalembert.design.methods.spread import refuse_open
+from dalembert.design.methods.search_options import refuse_infinite_bounds
 from dalembert.design.optimize.optimum import Iterate
 from dalembert.design.optimize.problem import DesignProblem, Evaluation
 from dalembert.errors import AnalysisError
 
 FEASIBLE = 1e-6
-"""Relative violation up to which limits count as kept."""
+"""Upper limit of the relative violation of a feasible design [-]."""
 
 
 @dataclass
 class Point:
-    """A design in scaled numbers.
+    """Scaled values and gradients at a design.
 
     Attributes
     ----------
-    f, c : objective and (m,) limited quantities
-    g, J : (n,) and (m, n) their gradients, where asked for
+    f, c : objective and (m,) constrained quantities
+    g, J : (n,) and (m, n) their gradients
     """
 
     f: float
@@ -34,15 +34,15 @@ class Point:
 
 
 class Program:
-    """Variables in units of their ranges, quantities in units of their sizes.
+    """Nonlinear programme: variables scaled by their ranges, quantities by their magnitudes.
 
     Parameters
     ----------
-    problem : first quantity the objective, then one for every limit
+    problem : its first quantity is the objective, then one for every limit
     limits : in the order of these quantities
     sign : 1 to minimise, −1 to maximise
-    start : (n,) design at which it begins and is scaled
-    sizes : (m,) what one is for each limit, where another program has told
+    start : (n,) initial design, which sets the scales
+    sizes : (m,) scales of the limits, if taken from another program
 
     Raises
     ------
@@ -64,48 +64,50 @@ class Program:
         self.lower, self.upper = self.variables.lower.copy(), self.variables.upper.copy()
         self.width = self.variables.width
         self.origin = np.array(start, dtype=float)
-        first = problem.evaluate(self.origin)
-        if first is None:
+        initial = problem.evaluate(self.origin)
+        if initial is None:
             raise AnalysisError(f"the starting design fails: {problem.failures[-1]}")
-        self.first, self.reached = first, (self.origin, first)
-        self.scale = self._scale(first)
-        own = np.array([self._size(k, limit) for k, limit in enumerate(self.limits, 1)])
-        self.sizes = own if sizes is None else sizes
+        self.initial, self.reached = initial, (self.origin, initial)
+        self.scale = self._scale(initial)
+        natural_sizes = np.array([self._size(k, limit) for k, limit in enumerate(self.limits, 1)])
+        self.sizes = natural_sizes if sizes is None else sizes
         self.c_lower = self._bounds("lower", -np.inf)
         self.c_upper = self._bounds("upper", np.inf)
-        self.last = sign * first.values[0] / self.scale
-        self.history = [self.iterate(self.origin, first)]
+        self.last = sign * initial.values[0] / self.scale
+        self.history = [self.iterate(self.origin, initial)]
         self.best = self.reached
 
     # scales -----------------------------------------------------------------------------
-    def _scale(self, found: Evaluation) -> float:
-        value, slope = abs(found.values[0]), self.problem.slope(found, 0) * self.width
+    def _scale(self, evaluation: Evaluation) -> float:
+        value, slope = abs(evaluation.values[0]), self.problem.slope(evaluation, 0) * self.width
         return float(max(value, 1e-3 * np.max(abs(slope), initial=0.0))) or 1.0
 
     def _size(self, row: int, limit: Limit) -> float:
-        """What one is for a limit: its bound, or the quantity at the start and what moves it."""
+        """Scale of a limit: its bound, the quantity at the start, or its slope over the ranges."""
         bounds = [abs(b) for b in (limit.lower, limit.upper) if b is not None]
-        slope = self.problem.slope(self.first, row) * self.width if not any(bounds) else np.zeros(1)
-        moved = 1e-3 * float(np.max(abs(slope), initial=0.0))
-        return float(max(*bounds, abs(self.first.values[row]), moved, 1e-12))
+        slope = (
+            self.problem.slope(self.initial, row) * self.width if not any(bounds) else np.zeros(1)
+        )
+        reach = 1e-3 * float(np.max(abs(slope), initial=0.0))
+        return float(max(*bounds, abs(self.initial.values[row]), reach, 1e-12))
 
     def _bounds(self, side: str, none: float) -> np.ndarray:
-        given = [getattr(limit, side) for limit in self.limits]
-        return np.array([none if b is None else b for b in given], dtype=float) / self.sizes
+        bounds = [getattr(limit, side) for limit in self.limits]
+        return np.array([none if b is None else b for b in bounds], dtype=float) / self.sizes
 
-    def begin(self, z: np.ndarray) -> bool:
-        """Start over from a design, by which the objective is measured; false where it fails."""
+    def restart(self, z: np.ndarray) -> bool:
+        """Restart from a design and rescale the objective there; False if the design fails."""
         x = self.unscale(z)
-        found = self.problem.evaluate(x)
-        if found is None:
+        evaluation = self.problem.evaluate(x)
+        if evaluation is None:
             return False
-        self.reached, self.scale = (x, found), self._scale(found)
-        self.last = self.sign * found.values[0] / self.scale
+        self.reached, self.scale = (x, evaluation), self._scale(evaluation)
+        self.last = self.sign * evaluation.values[0] / self.scale
         return True
 
-    def measure_by_start(self) -> None:
-        """Measure the objective as it was at the very start."""
-        self.scale = self._scale(self.first)
+    def restore_scale(self) -> None:
+        """Restore the scale of the objective at the initial design."""
+        self.scale = self._scale(self.initial)
 
     # variables --------------------------------------------------------------------------
     @property
@@ -115,15 +117,15 @@ class Program:
 
     @property
     def m(self) -> int:
-        """Number of limited quantities."""
+        """Number of constrained quantities."""
         return len(self.limits)
 
     def unscale(self, z: np.ndarray) -> np.ndarray:
-        """The design, within its bounds."""
+        """Design at ``z``, clipped to its bounds."""
         return np.clip(self.origin + self.width * z, self.lower, self.upper)
 
     def scaled(self, x: np.ndarray) -> np.ndarray:
-        """``z`` of a design."""
+        """Scaled variables of a design."""
         return (x - self.origin) / self.width
 
     @property
@@ -136,62 +138,62 @@ class Program:
         """(n,) upper bounds."""
         return self.scaled(self.upper)
 
-    def refuse_open(self, method: str) -> None:
-        """Refuse variables without two bounds, for methods that draw designs between them.
+    def refuse_infinite_bounds(self, method: str) -> None:
+        """Refuse variables without two finite bounds, for methods that sample between them.
 
         Raises
         ------
         AnalysisError
-            Names the first of them.
+            Names the first such variable.
         """
-        refuse_open(method, self.variables.names, self.lower, self.upper)
+        refuse_infinite_bounds(method, self.variables.names, self.lower, self.upper)
 
     # functions --------------------------------------------------------------------------
     def value(self, z: np.ndarray) -> tuple[float, np.ndarray] | None:
-        """Objective and limited quantities; None where the run fails."""
-        found = self.problem.evaluate(self.unscale(z), gradient=False)
-        return None if found is None else self._scaled(found)
+        """Scaled objective and constrained quantities; None if the run fails."""
+        evaluation = self.problem.evaluate(self.unscale(z), gradient=False)
+        return None if evaluation is None else self._scaled(evaluation)
 
-    def _scaled(self, found: Evaluation) -> tuple[float, np.ndarray]:
-        return self.sign * found.values[0] / self.scale, found.values[1:] / self.sizes
+    def _scaled(self, evaluation: Evaluation) -> tuple[float, np.ndarray]:
+        return self.sign * evaluation.values[0] / self.scale, evaluation.values[1:] / self.sizes
 
     def objective(self, z: np.ndarray) -> float:
-        """The objective; far above the last one where the run fails, so that searches come back."""
-        found = self.value(z)
-        if found is None:
+        """Objective; far above the last one if the run fails, so that line searches backtrack."""
+        values = self.value(z)
+        if values is None:
             return self.last + 10.0 * (1.0 + abs(self.last))
-        self.last = found[0]
-        return found[0]
+        self.last = values[0]
+        return values[0]
 
     def constraint(self, z: np.ndarray) -> np.ndarray:
-        """(m,) limited quantities; those last reached where the run fails."""
-        found = self.value(z)
-        return self._scaled(self.reached[1])[1] if found is None else found[1]
+        """(m,) constrained quantities; the last successful ones if the run fails."""
+        values = self.value(z)
+        return self._scaled(self.reached[1])[1] if values is None else values[1]
 
     def point(self, z: np.ndarray, record: bool = True) -> Point | None:
-        """Values and gradients; a design at which they are asked for is an iterate."""
+        """Values and gradients; records the design as an iterate."""
         x = self.unscale(z)
-        found = self.problem.evaluate(x)
-        if found is None:
+        evaluation = self.problem.evaluate(x)
+        if evaluation is None:
             return None
         if record:
-            self.record(x, found)
-        rows = [self.problem.slope(found, k) * self.width for k in range(1 + self.m)]
+            self.record(x, evaluation)
+        rows = [self.problem.slope(evaluation, k) * self.width for k in range(1 + self.m)]
         J = np.array(rows[1:]).reshape(self.m, self.n) / self.sizes[:, None]
-        return Point(*self._scaled(found), self.sign * rows[0] / self.scale, J)
+        return Point(*self._scaled(evaluation), self.sign * rows[0] / self.scale, J)
 
     def slope(self, z: np.ndarray) -> np.ndarray:
-        """(n,) gradient of the objective; that of the design last reached where the run fails."""
+        """(n,) gradient of the objective; at the last successful design if the run fails."""
         return self._slopes(z).g
 
     def jacobian(self, z: np.ndarray) -> np.ndarray:
-        """(m, n) gradients of the limited quantities, likewise."""
+        """(m, n) gradients of the constrained quantities, likewise."""
         return self._slopes(z).J
 
     def _slopes(self, z: np.ndarray) -> Point:
-        found = self.point(z) or self.point(self.scaled(self.reached[0]), record=False)
-        assert found is not None
-        return found
+        point = self.point(z) or self.point(self.scaled(self.reached[0]), record=False)
+        assert point is not None
+        return point
 
     # designs ----------------------------------------------------------------------------
     def violation(self, values: np.ndarray) -> float:
@@ -199,44 +201,46 @@ class Program:
         c = values[1:] / self.sizes
         return float(np.max(np.maximum(self.c_lower - c, c - self.c_upper), initial=0.0))
 
-    def is_better(self, one: np.ndarray, other: np.ndarray) -> bool:
-        """Whether quantities are those of a better design: limits first, then the objective."""
-        a, b = self.violation(one), self.violation(other)
+    def is_better(self, values: np.ndarray, other: np.ndarray) -> bool:
+        """Whether values belong to a better design: feasibility first, then the objective."""
+        a, b = self.violation(values), self.violation(other)
         if max(a, b) > FEASIBLE:
             return a < b
-        return bool(self.sign * one[0] < self.sign * other[0])
+        return bool(self.sign * values[0] < self.sign * other[0])
 
-    def iterate(self, x: np.ndarray, found: Evaluation) -> Iterate:
-        """A design as it is kept and told."""
+    def iterate(self, x: np.ndarray, evaluation: Evaluation) -> Iterate:
+        """Entry of a design in the history."""
         return Iterate(
-            self.variables.parameters(x), float(found.values[0]), self.violation(found.values)
+            self.variables.parameters(x),
+            float(evaluation.values[0]),
+            self.violation(evaluation.values),
         )
 
-    def record(self, x: np.ndarray, found: Evaluation) -> None:
-        """Keep and tell a design, unless it is the last one."""
-        self.reached = x, found
-        if self.is_better(found.values, self.best[1].values):
-            self.best = x, found
-        reached = self.iterate(x, found)
-        if reached.parameters == self.history[-1].parameters:
+    def record(self, x: np.ndarray, evaluation: Evaluation) -> None:
+        """Add a design to the history and report it, unless it is the last one."""
+        self.reached = x, evaluation
+        if self.is_better(evaluation.values, self.best[1].values):
+            self.best = x, evaluation
+        iterate = self.iterate(x, evaluation)
+        if iterate.parameters == self.history[-1].parameters:
             return
-        self.history.append(reached)
+        self.history.append(iterate)
         if self.on_iterate is not None:
-            self.on_iterate(len(self.history) - 1, reached.objective)
+            self.on_iterate(len(self.history) - 1, iterate.objective)
 
-    def keep(self, z: np.ndarray) -> None:
-        """Record a design by its values alone."""
+    def record_values(self, z: np.ndarray) -> None:
+        """Record a design without its gradient."""
         x = self.unscale(z)
-        found = self.problem.evaluate(x, gradient=False)
-        if found is not None:
-            self.record(x, found)
+        evaluation = self.problem.evaluate(x, gradient=False)
+        if evaluation is not None:
+            self.record(x, evaluation)
 
     def fix_sizes(self, x: np.ndarray) -> None:
-        """Hold each discrete variable at its size nearest to ``x``."""
+        """Fix each discrete variable at its size nearest to ``x``."""
         at = self.variables.snapped(x)
         for k in self.variables.sizes:
             self.lower[k] = self.upper[k] = at[k]
 
     def is_free(self) -> np.ndarray:
-        """(n,) whether a variable has room between its bounds."""
+        """(n,) whether the bounds of a variable differ."""
         return self.upper > self.lower

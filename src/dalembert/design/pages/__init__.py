@@ -1,1 +1,1 @@
-"""Pages of decisions, as plain data."""
+"""Pages of the results of design tasks, as plain data."""

@@ -1,4 +1,4 @@
-"""The page of a front: pick a point, and see its parameters and its mechanism."""
+"""Page of a Pareto front: parameters and mechanism of the selected point."""
 
 from __future__ import annotations
 
@@ -6,16 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.pages.alternatives import alternative, thinned
-from dalembert.design.pages.plain import plain_page, with_views
+from dalembert.design.pages.decision import alternative, plain_page, thinned, with_views
 from dalembert.report import views
 
-MATRIX = 6
-"""Parameters, or aims, of which all pairs are drawn at most."""
+MAX_MATRIX = 6
+"""Upper limit of the aims of which all pairs are drawn."""
 
 
 def front_page(front: Any, **first_view: Any) -> dict[str, Any]:
-    """What the report of a ``Front`` shows."""
+    """Page of a ``Front``."""
     first = front.result(0) if len(front) else None
     if first is None or not getattr(first, "has_page", False):
         return plain_page(front)
@@ -28,7 +27,7 @@ def front_page(front: Any, **first_view: Any) -> dict[str, Any]:
 
 
 def front_designs(front: Any) -> dict[str, Any]:
-    """The points as a table; the one in the middle is chosen first."""
+    """Table of the points; the knee is selected first."""
     units = front.parameter_units or [""] * len(front.names)
     aims = zip(front.labels, front.units, front.values.T, strict=True)
     parameters = zip(front.names, units, front.designs.T, strict=True)
@@ -38,7 +37,7 @@ def front_designs(front: Any) -> dict[str, Any]:
 
 
 def knee(values: np.ndarray) -> int:
-    """Number of the point nearest to the best of all aims, each measured by its range."""
+    """Index of the point nearest to the ideal point, with aims scaled by their ranges."""
     if not len(values):
         return 0
     span = np.ptp(values, axis=0)
@@ -47,17 +46,17 @@ def knee(values: np.ndarray) -> int:
 
 
 def front_views(front: Any) -> list[dict[str, Any]]:
-    """The front, all columns side by side, all pairs, and the numbers."""
+    """Front, parallel coordinates, scatter matrix, table and facts."""
     better = ["less" if sense > 0 else "more" for sense in front.senses]
-    made = [
+    payload = [
         views.of_designs(
             "front", "Front", x=0, y=1, better=better, place="board", note="Click, or use ← →."
         ),
         views.of_designs("parallel", "All aims and parameters", place="board"),
     ]
-    if 2 < len(front.labels) <= MATRIX:
-        made.append(views.of_designs("matrix", "Pairs of aims", role="aim"))
-    made.append(views.of_designs("table", "Designs"))
+    if 2 < len(front.labels) <= MAX_MATRIX:
+        payload.append(views.of_designs("matrix", "Pairs of aims", role="aim"))
+    payload.append(views.of_designs("table", "Designs"))
     rows = [("designs", len(front)), ("runs", front.runs), ("gradients", front.gradients)]
-    made.append(views.facts("Search", [*rows, ("found by", front.message)]))
-    return made
+    payload.append(views.facts("Search", [*rows, ("found by", front.message)]))
+    return payload

@@ -1,120 +1,186 @@
-"""Pages of what was found from measurements: parameters, or histories."""
+"""Pages, figure and table of identified parameters and reconstructed histories."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from html import escape
 from typing import Any
 
 import numpy as np
 
-from dalembert.design.pages.plain import plain_page, with_views
+from dalembert.design.decision import axis_label
+from dalembert.design.identification.misfit import Misfit
+from dalembert.design.pages.decision import plain_page, with_views
 from dalembert.report import views
 
-MOST_SAMPLES = 1500
-"""Dots of one curve; of more samples some are left out, evenly."""
-MOST_UNKNOWNS = 6
-"""Unknowns of which all pairs have an ellipse."""
+MAX_SAMPLES = 1500
+"""Upper limit of the drawn samples of one column."""
+MAX_UNKNOWNS = 6
+"""Upper limit of the unknowns with confidence ellipses."""
 
 
-def identification_page(found: Any, **first_view: Any) -> dict[str, Any]:
-    """What the report of an ``Identification`` shows."""
-    return _of_motion(found, "identification", first_view)
+def identification_page(identification: Any, **first_view: Any) -> dict[str, Any]:
+    """Page of an ``Identification``."""
+    return _motion_page(identification, "identification", first_view)
 
 
-def inversion_page(found: Any, **first_view: Any) -> dict[str, Any]:
-    """What the report of an ``Inversion`` shows."""
-    return _of_motion(found, "inverse problem", first_view)
+def inversion_page(inversion: Any, **first_view: Any) -> dict[str, Any]:
+    """Page of an ``Inversion``."""
+    return _motion_page(inversion, "inverse problem", first_view)
 
 
-def _of_motion(found: Any, title: str, first_view: dict[str, Any]) -> dict[str, Any]:
-    motion = found.motions[0]
+def _motion_page(decision: Any, title: str, first_view: dict[str, Any]) -> dict[str, Any]:
+    motion = decision.motions[0]
     if not motion.has_page:
-        return plain_page(found)
-    return with_views(motion.page(**first_view), found, title)
+        return plain_page(decision)
+    return with_views(motion.page(**first_view), decision, title)
 
 
-def identification_views(found: Any) -> list[dict[str, Any]]:
-    """Unknowns with their intervals, data and residuals, ellipses, and what is doubtful."""
-    interval, start = found.interval(), found.misfit.unknowns.start
-    parameters = found.misfit.model.parameters
-    units = [parameters[n].unit if n in parameters else "" for n in found.x]
+def identification_views(identification: Any) -> list[dict[str, Any]]:
+    """Unknowns with their intervals, fit and residuals, confidence ellipses and notes."""
+    interval, start = identification.interval(), identification.misfit.unknowns.start
+    parameters = identification.misfit.model.parameters
+    units = [parameters[n].unit if n in parameters else "" for n in identification.x]
     rows = [
         {
             "name": name,
-            "cells": [float(first), value, found.deviation[name], *interval[name]],
+            "cells": [float(first), value, identification.deviation[name], *interval[name]],
             "unit": unit,
         }
-        for (name, value), first, unit in zip(found.x.items(), start, units, strict=True)
+        for (name, value), first, unit in zip(identification.x.items(), start, units, strict=True)
     ]
     heads = ["Start", "Found", "± σ", "95 % from", "to"]
     table = {"kind": "rows", "title": "Unknowns", "heads": heads, "rows": rows}
-    made = [{**table, "place": "board"}, *fits(found.misfit, found.predicted)]
-    covariance = found.covariance.values
-    known = np.flatnonzero(np.isfinite(np.diag(covariance)))
-    if known.size >= 2:
-        some = known[:MOST_UNKNOWNS]
-        names = [list(found.x)[k] for k in some]
-        centre = np.array(list(found.x.values()))[some]
-        note = "Ellipses of 68 % and 95 % confidence, the other unknowns free."
-        square = covariance[np.ix_(some, some)]
-        units = [units[k] for k in some]
-        made.append(views.ellipses("How sure", names, units, centre, square, note))
-    kind = "given" if found.noise_given else "estimated"
-    numbers = [("samples", found.samples), ("runs", found.runs)]
-    numbers += [(f"noise of {c} ({kind})", f"{s:.3g}") for c, s in found.noise.items()]
-    made.append(views.facts("Fit", numbers))
-    if found.notes:
-        made.append({"kind": "notes", "title": "Doubts", "texts": list(found.notes)})
-    return made
+    payload = [{**table, "place": "board"}, *fits(identification.misfit, identification.predicted)]
+    covariance = identification.covariance.values
+    finite = np.flatnonzero(np.isfinite(np.diag(covariance)))
+    if finite.size >= 2:
+        shown = finite[:MAX_UNKNOWNS]
+        names = [list(identification.x)[k] for k in shown]
+        centre = np.array(list(identification.x.values()))[shown]
+        note = "Joint confidence ellipses, 68 % and 95 %, of the marginal distribution."
+        square = covariance[np.ix_(shown, shown)]
+        units = [units[k] for k in shown]
+        payload.append(views.ellipses("Confidence ellipses", names, units, centre, square, note))
+    kind = "specified" if identification.noise_given else "estimated"
+    numbers = [("samples", identification.samples), ("runs", identification.runs)]
+    numbers += [(f"noise of {c} ({kind})", f"{s:.3g}") for c, s in identification.noise.items()]
+    payload.append(views.facts("Fit", numbers))
+    if identification.notes:
+        payload.append({"kind": "notes", "title": "Notes", "texts": list(identification.notes)})
+    return payload
 
 
-def inversion_views(found: Any) -> list[dict[str, Any]]:
-    """Histories with their bands, data and residuals, and the L-curve."""
-    made = []
-    for h in found.histories:
-        times = np.linspace(h.knots[0], h.knots[-1], 300)
-        value, (low, high) = found.values[h.name], found.intervals[h.name].T
+def inversion_views(inversion: Any) -> list[dict[str, Any]]:
+    """Histories with confidence bands, fit and residuals, and the L-curve."""
+    payload = []
+    for history in inversion.histories:
+        times = np.linspace(history.knots[0], history.knots[-1], 300)
+        value, (low, high) = inversion.values[history.name], inversion.intervals[history.name].T
         lines = [
-            views.line("95 %", h.knots, high, "band", low=low),
-            views.line(h.name, times, found.at(h.name, times)),
-            views.line("knots", h.knots, value, "dots"),
+            views.line("95 %", history.knots, high, "band", low=low),
+            views.line(history.name, times, inversion.at(history.name, times)),
+            views.line("knots", history.knots, value, "dots"),
         ]
-        unit = h.parameters[0].unit
-        label = f"{h.name} [{unit}]" if unit else h.name
-        made.append({**views.curves(h.name, "time [s]", label, lines), "place": "board"})
-    made += fits(found.misfit, found.predicted)
-    seen = found.curve
-    keep = (seen.misfit > 0) & (seen.roughness > 0)
+        unit = history.parameters[0].unit
+        label = axis_label(history.name, unit)
+        payload.append({**views.curves(history.name, "time [s]", label, lines), "place": "board"})
+    payload += fits(inversion.misfit, inversion.predicted)
+    curve = inversion.curve
+    positive = (curve.misfit > 0) & (curve.roughness > 0)
     lines = [
-        views.line("smoother →", seen.misfit[keep], seen.roughness[keep]),
-        views.line("chosen", [found.misfit_norm], [found.roughness_norm], "dots"),
+        views.line("smoother →", curve.misfit[positive], curve.roughness[positive]),
+        views.line("chosen", [inversion.misfit_norm], [inversion.roughness_norm], "dots"),
     ]
-    made.append(
+    payload.append(
         views.curves("Smoothing", "misfit", "roughness", lines, logarithmic="xy", note="L-curve.")
     )
-    numbers = [("smoothing μ", f"{found.smoothing:.4g}"), ("samples", found.misfit.size)]
-    numbers += [("runs", found.misfit.runs), ("least squares", found.message)]
-    made.append(views.facts("Fit", numbers))
-    return made
+    numbers = [("smoothing μ", f"{inversion.smoothing:.4g}"), ("samples", inversion.misfit.size)]
+    numbers += [("runs", inversion.misfit.runs), ("least squares", inversion.message)]
+    payload.append(views.facts("Fit", numbers))
+    return payload
 
 
 def fits(misfit: Any, predicted: list[np.ndarray]) -> list[dict[str, Any]]:
-    """Data and model of every column, and the residuals over their noise."""
-    made = []
+    """Data, model and scaled residuals of every column."""
+    payload = []
     for column in dict.fromkeys(c for o in misfit.observations for c in o.columns):
-        lines, rest = [], []
-        for o, model, noise in zip(misfit.observations, predicted, misfit.noise, strict=True):
+        lines, residual_lines = [], []
+        for o, prediction, noise in zip(misfit.observations, predicted, misfit.noise, strict=True):
             if column not in o.columns:
                 continue
             j = o.columns.index(column)
-            used = np.flatnonzero(np.isfinite(model[:, j]))
+            used = np.flatnonzero(np.isfinite(prediction[:, j]))
             if not used.size:
                 continue
-            some = used[np.unique(np.linspace(0, used.size - 1, MOST_SAMPLES).round().astype(int))]
-            lines.append(views.line(f"{o.name}, data", o.times[some], o.values[some, j], "dots"))
-            lines.append(views.line(f"{o.name}, model", o.times[some], model[some, j]))
-            off = (model[some, j] - o.values[some, j]) / noise[some, j]
-            rest.append(views.line(o.name, o.times[some], off, "dots"))
-        made.append({**views.curves(column, "time [s]", column, lines), "place": "board"})
+            shown = used[np.unique(np.linspace(0, used.size - 1, MAX_SAMPLES).round().astype(int))]
+            lines.append(
+                views.line(
+                    f"{o.name}, data",
+                    o.times[shown],
+                    o.values[shown, j],
+                    "dots",
+                )
+            )
+            lines.append(views.line(f"{o.name}, model", o.times[shown], prediction[shown, j]))
+            residuals = (prediction[shown, j] - o.values[shown, j]) / noise[shown, j]
+            residual_lines.append(views.line(o.name, o.times[shown], residuals, "dots"))
+        payload.append({**views.curves(column, "time [s]", column, lines), "place": "board"})
         title = f"Residuals of {column}"
-        made.append(views.curves(title, "time [s]", "residual / σ", rest, levels=(-2.0, 2.0)))
-    return made
+        payload.append(
+            views.curves(title, "time [s]", "residual / σ", residual_lines, levels=(-2.0, 2.0))
+        )
+    return payload
+
+
+def plot_fit(misfit: Misfit, predicted: Sequence[np.ndarray]) -> Any:
+    """Figure of data and model, with residuals in standard deviations below, per column."""
+    import matplotlib.pyplot as plt
+
+    observations = misfit.observations
+    columns = list(dict.fromkeys(c for o in observations for c in o.columns))
+    figure, axes = plt.subplots(
+        *(2, len(columns)),
+        figsize=(1 + 3.6 * len(columns), 4.6),
+        height_ratios=(2, 1),
+        sharex=True,
+        squeeze=False,
+        layout="constrained",
+    )
+    for number, (o, prediction, noise) in enumerate(
+        zip(observations, predicted, misfit.noise, strict=True)
+    ):
+        for j, column in enumerate(o.columns):
+            above, below = axes[:, columns.index(column)]
+            used, colour = np.isfinite(prediction[:, j]), f"C{number}"
+            time = o.times[used]
+            above.plot(o.times, o.values[:, j], ".", ms=4, color=colour, alpha=0.45)
+            above.plot(time, prediction[used, j], color=colour, lw=1.4, label=o.name)
+            residuals = (prediction - o.values)[used, j] / noise[used, j]
+            below.plot(time, residuals, ".", ms=3, color=colour)
+    for column, (above, below) in zip(columns, axes.T, strict=True):
+        above.set_title(column, loc="left")
+        below.set(xlabel="time [s]", ylabel="residual / σ")
+        for level in (-2, 2):
+            below.axhline(level, color="0.6", lw=0.8, ls="--")
+        for ax in (above, below):
+            ax.grid(alpha=0.25)
+            ax.spines[["top", "right"]].set_visible(False)
+    if len(observations) > 1:
+        axes[0, 0].legend(frameon=False)
+    return figure
+
+
+def identification_table(
+    rows: Sequence[Sequence[str]], lines: tuple[str, str], notes: Sequence[str]
+) -> str:
+    """HTML table of the unknowns with their intervals and notes."""
+    head = "".join(f"<th>{h}</th>" for h in ("unknown", "value", "±", "95 % interval", "unit"))
+    cells = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows)
+    body = "".join(f"<tr>{row}</tr>" for row in cells)
+    listed = "".join(f"<li>{escape(note)}</li>" for note in notes)
+    return (
+        f"<p><b>Identification</b>, {escape(lines[0])}</p>"
+        f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        f"<p>{escape(lines[1])}</p><ul>{listed}</ul>"
+    )

@@ -1,35 +1,38 @@
-"""The page of an optimum: that of its best run, the first design as a ghost, and how it came."""
+"""Page and notebook table of an optimum, with the initial design as a ghost."""
 
 from __future__ import annotations
 
+import html
 from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
-from dalembert.design.pages.plain import plain_page, verdict
+from dalembert.design.limit import Bounded
+from dalembert.design.pages.decision import plain_page, verdict
 from dalembert.report import views
-from dalembert.results.files.headings import checked_units
+from dalembert.results.files.tables import checked_units
 from dalembert.units.unit import shown_in
 
 FLAT = 1e-6
-"""Change of the objective, relative, that is none: an optimum inside of its bounds."""
-STILL = ("name", "node", "shapes")
+"""Threshold of the relative change of the objective below which slopes are not drawn [-]."""
+CONSTANT_KEYS = ("name", "node", "shapes")
+"""Keys of a body that do not depend on time."""
 
 
-def optimum_page(best: Any, **first_view: Any) -> dict[str, Any]:
-    """What the report of an ``Optimum`` shows, as plain data."""
+def optimum_page(optimum: Any, **first_view: Any) -> dict[str, Any]:
+    """Page of an ``Optimum``."""
     units = checked_units(first_view.get("units") or ())
-    if not best.motion.has_page:
-        return plain_page(best) | {"optimum": told(best, units)}
-    page = best.motion.page(**first_view)
+    if not optimum.motion.has_page:
+        return plain_page(optimum) | {"optimum": optimum_payload(optimum, units)}
+    page = optimum.motion.page(**first_view)
     page["title"] = f"{page['title']}: optimum"
-    page["optimum"] = told(best, units)
-    page["views"], page["verdict"] = optimum_views(best, units), verdict(best)
+    page["optimum"] = optimum_payload(optimum, units)
+    page["views"], page["verdict"] = optimum_views(optimum, units), verdict(optimum)
     if units:
         page["verdict"]["text"] = _sentence(page["optimum"])
-    first = best.initial.page() if best.initial.has_page else {}
+    first = optimum.initial.page() if optimum.initial.has_page else {}
     if "scene" in page and page.get("time"):
         page["scene"]["ghosts"] = _ghosts(first, np.array(page["time"]))
     elif page.get("kind") == "structure" and first:
@@ -37,78 +40,119 @@ def optimum_page(best: Any, **first_view: Any) -> dict[str, Any]:
     return page
 
 
-def told(best: Any, units: Sequence[str] = ()) -> dict[str, Any]:
-    """Objective, limits, prices and the way there, each in the first of ``units`` that fits."""
-    factor, unit = shown_in(best.unit, units)
-    variables = [one.shown_in(units, (factor, unit)) for one in best.variables]
-    limits = [one.shown_in(units, (factor, unit)) for one in best.limits]
-    prices = [one.cost(unit) for one in (*limits, *variables)]
+def optimum_payload(optimum: Any, units: Sequence[str] = ()) -> dict[str, Any]:
+    """Objective, variables, limits, prices and history, in the first of ``units`` that fits."""
+    factor, unit = shown_in(optimum.unit, units)
+    variables = [bounded.shown_in(units, (factor, unit)) for bounded in optimum.variables]
+    limits = [bounded.shown_in(units, (factor, unit)) for bounded in optimum.limits]
+    prices = [bounded.cost(unit) for bounded in (*limits, *variables)]
     return {
-        "label": best.label,
+        "label": optimum.label,
         "unit": unit,
-        "start": best.history[0].objective / factor,
-        "value": best.fun / factor,
-        "success": best.success,
-        "message": best.message,
-        "variables": [asdict(one) for one in variables],
-        "limits": [asdict(one) for one in limits],
+        "start": optimum.history[0].objective / factor,
+        "value": optimum.fun / factor,
+        "success": optimum.success,
+        "message": optimum.message,
+        "variables": [asdict(bounded) for bounded in variables],
+        "limits": [asdict(bounded) for bounded in limits],
         "prices": [text for text in prices if text],
         "history": [
-            {"objective": i.objective / factor, "violation": i.violation} for i in best.history
+            {"objective": iterate.objective / factor, "violation": iterate.violation}
+            for iterate in optimum.history
         ],
     }
 
 
-def _sentence(told: dict[str, Any]) -> str:
-    """How it ended, as ``Optimum.sentence`` in the units of the page."""
-    unit = f" {told['unit']}" if told["unit"] else ""
-    state = "optimal" if told["success"] else "not optimal"
-    return f"{told['label']} {told['start']:.4g} → {told['value']:.4g}{unit}, {state}"
+def _sentence(payload: dict[str, Any]) -> str:
+    """``Optimum.sentence`` in the units of the page."""
+    unit = f" {payload['unit']}" if payload["unit"] else ""
+    state = "optimal" if payload["success"] else "not optimal"
+    return f"{payload['label']} {payload['start']:.4g} → {payload['value']:.4g}{unit}, {state}"
 
 
-def optimum_views(best: Any, units: Sequence[str] = ()) -> list[dict[str, Any]]:
-    """What each parameter still does to the objective, the way there, and other optima."""
-    width = {one.name: _room(one) for one in best.variables}
-    reach = {n: slope * width[n] for n, slope in best.gradient.items()}
-    made = []
-    if max(map(abs, reach.values()), default=0.0) > FLAT * abs(best.fun):
-        title = f"What each parameter does to {best.label}"
-        note = "Slope at the best design, times a tenth of the range of the parameter."
-        factor, unit = shown_in(best.unit, units)
-        made.append(views.bars(title, {n: r / factor for n, r in reach.items()}, unit, note))
-    if len(best.history) > 1:
-        names = list(best.history[0].parameters)
-        way = np.array([[i.parameters[n] for n in names] for i in best.history])
-        low, span = way.min(axis=0), np.ptp(way, axis=0)
-        moved = (way - low) / np.where(span > 0, span, 1.0)
-        lines = [views.line(n, np.arange(len(way)), moved[:, k]) for k, n in enumerate(names[:7])]
-        note = "Each from its least (0) to its largest value on the way (1)."
-        made.append(views.curves("Parameters on the way", "iteration", "", lines, note=note))
-    if len(best.optima) > 1:
-        rows = [(f"optimum {k + 1}", o.objective) for k, o in enumerate(best.optima)]
-        made.append(views.facts("Distinct optima", rows))
-    return made
+def optimum_views(optimum: Any, units: Sequence[str] = ()) -> list[dict[str, Any]]:
+    """Slopes of the objective, history of the parameters, and other optima."""
+    width = {variable.name: _tenth_of_range(variable) for variable in optimum.variables}
+    reach = {n: slope * width[n] for n, slope in optimum.gradient.items()}
+    payload = []
+    if max(map(abs, reach.values()), default=0.0) > FLAT * abs(optimum.fun):
+        title = f"Sensitivity of {optimum.label}"
+        note = "Gradient at the best design times a tenth of the range of the parameter."
+        factor, unit = shown_in(optimum.unit, units)
+        payload.append(
+            views.bars(title, {n: change / factor for n, change in reach.items()}, unit, note)
+        )
+    if len(optimum.history) > 1:
+        names = list(optimum.history[0].parameters)
+        designs = np.array([[iterate.parameters[n] for n in names] for iterate in optimum.history])
+        low, span = designs.min(axis=0), np.ptp(designs, axis=0)
+        scaled = (designs - low) / np.where(span > 0, span, 1.0)
+        lines = [
+            views.line(n, np.arange(len(designs)), scaled[:, k]) for k, n in enumerate(names[:7])
+        ]
+        note = "Each scaled from its minimum (0) to its maximum (1) over the iterations."
+        payload.append(views.curves("History of the parameters", "iteration", "", lines, note=note))
+    if len(optimum.optima) > 1:
+        rows = [(f"optimum {k + 1}", other.objective) for k, other in enumerate(optimum.optima)]
+        payload.append(views.facts("Distinct optima", rows))
+    return payload
 
 
-def _room(one: Any) -> float:
-    """A tenth of the range of a parameter, of its size where that is open."""
-    if one.lower is None or one.upper is None:
-        return 0.1 * abs(one.value)
-    return 0.1 * float(one.upper - one.lower)
+def _tenth_of_range(variable: Any) -> float:
+    """Tenth of the range of a parameter, or of its value if it is unbounded."""
+    if variable.lower is None or variable.upper is None:
+        return 0.1 * abs(variable.value)
+    return 0.1 * float(variable.upper - variable.lower)
 
 
 def _ghosts(first: dict[str, Any], time: np.ndarray) -> list[dict[str, Any]]:
-    """Bodies of the first design at these instants; none after its run ended."""
-    at = np.array(first["time"])
-    made = []
+    """Bodies of the initial design at given instants; NaN after the end of its run."""
+    instants = np.array(first["time"])
+    ghosts = []
     for body in first["scene"]["bodies"]:
-        if not body["shapes"] or not at.size:
+        if not body["shapes"] or not instants.size:
             continue
-        columns = {k: np.array(v, dtype=float) for k, v in body.items() if k not in STILL}
+        columns = {k: np.array(v, dtype=float) for k, v in body.items() if k not in CONSTANT_KEYS}
         ghost = {
-            k: np.interp(time, at, column, right=np.nan).tolist() if at.size > 1 else column[0]
+            k: np.interp(time, instants, column, right=np.nan).tolist()
+            if instants.size > 1
+            else column[0]
             for k, column in columns.items()
-            if column.shape == at.shape
+            if column.shape == instants.shape
         }
-        made.append({"shapes": body["shapes"], **ghost})
-    return made
+        ghosts.append({"shapes": body["shapes"], **ghost})
+    return ghosts
+
+
+def optimum_table(optimum: Any) -> str:
+    """HTML of an ``Optimum``: objective, parameters, limits and prices; names are escaped."""
+    unit = html.escape(optimum.unit)
+    start = optimum.history[0].objective
+    rows = [_row("th", "", "unit", "lower", "start", "best", "upper", "price")]
+    rows.append(_row("td", optimum.label, optimum.unit, "", start, optimum.fun, "", ""))
+    for bounded in (*optimum.limits, *optimum.variables):
+        rows.append(_bounded_row(bounded.shown_in((), (1.0, optimum.unit))))
+    mark = "✓" if optimum.success else "✗"
+    return (
+        f"<div><b>{mark} {html.escape(optimum.message)}</b><table>{''.join(rows)}</table>"
+        f"<small>price: improvement of the objective{f' [{unit}]' if unit else ''} per unit by "
+        f"which an active limit is relaxed; {optimum.runs} runs, {optimum.gradients} "
+        f"gradients</small></div>"
+    )
+
+
+def _bounded_row(bounded: Bounded) -> str:
+    def side(name: str) -> str:
+        value = getattr(bounded, name)
+        text = "" if value is None else f"{value:.6g}"
+        return f"<b>{text}</b>" if bounded.active == name else text
+
+    cells = [html.escape(bounded.name), html.escape(bounded.unit), side("lower")]
+    cells += [f"{bounded.start:.6g}", f"{bounded.value:.6g}", side("upper")]
+    cells.append(f"{bounded.price:.4g}" if bounded.active and bounded.price else "")
+    return "<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>"
+
+
+def _row(tag: str, *cells: str | float) -> str:
+    texts = [html.escape(c) if isinstance(c, str) else f"{c:.6g}" for c in cells]
+    return "<tr>" + "".join(f"<{tag}>{text}</{tag}>" for text in texts) + "</tr>"

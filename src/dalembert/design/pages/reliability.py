@@ -1,4 +1,4 @@
-"""The page of a reliability: the run at the design point, β, and what it depends on."""
+"""Pages of a reliability analysis and of a reliability-based optimum."""
 
 from __future__ import annotations
 
@@ -6,73 +6,79 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.pages.plain import plain_page, with_views
+from dalembert.design.pages.decision import plain_page, verdict, with_views
+from dalembert.design.pages.optimum import optimum_page
 from dalembert.report import views
 
 
-def reliability_page(found: Any, **first_view: Any) -> dict[str, Any]:
-    """What the report of a ``Reliability`` shows."""
-    result = found.result()
+def reliability_page(reliability: Any, **first_view: Any) -> dict[str, Any]:
+    """Page of a ``Reliability``."""
+    result = reliability.result()
     if result is None or not result.has_page:
-        return plain_page(found)
-    return with_views(result.page(**first_view), found, "design point")
+        return plain_page(reliability)
+    return with_views(result.page(**first_view), reliability, "design point")
 
 
-def reliability_views(found: Any) -> list[dict[str, Any]]:
-    """Index, design point, importance, sensitivities, and samples beside."""
-    point = found.point
+def reliability_views(reliability: Any) -> list[dict[str, Any]]:
+    """Index, design point, importance, sensitivities and samples."""
+    point = reliability.point
     rows = [
-        ("reliability index β", f"{found.beta:.5g}"),
-        ("probability of failure", f"{found.probability:.4g}"),
-        ("residual at the design point", f"{found.residual:.1e}"),
-        ("evaluations", found.searches[0].limits.calls),
+        ("reliability index β", f"{reliability.beta:.5g}"),
+        ("probability of failure", f"{reliability.probability:.4g}"),
+        ("residual at the design point", f"{reliability.residual:.1e}"),
+        ("evaluations", reliability.searches[0].limits.calls),
     ]
-    if found.sampled is not None:
-        low, high = found.sampled.interval
+    if reliability.sampled is not None:
+        low, high = reliability.sampled.interval
         rows[2:2] = [
-            ("by samples", f"{found.sampled.probability:.4g}"),
+            ("by samples", f"{reliability.sampled.probability:.4g}"),
             ("their 95 % interval", f"{low:.3g} … {high:.3g}"),
         ]
-    made = [
+    payload = [
         {**views.facts("Reliability", rows), "place": "board"},
-        {**_where(found), "place": "board"},
+        {**_design_point_view(reliability), "place": "board"},
         views.bars(
-            "Importance", found.importance, share=True, note="Shares of the variance at the point."
+            "Importance",
+            reliability.importance,
+            share=True,
+            note="Shares of the variance at the point.",
         ),
     ]
-    if len(found.points) > 1:
-        betas = {f"{k + 1}. {p.limit}": p.beta for k, p in enumerate(found.points)}
-        made.append(views.bars("β of every design point", betas))
-    made.append(_table(found))
-    moved = {
-        f"{name}, {number}": rate * _size(found, name, number)
-        for name, rates in found.sensitivity.items()
+    if len(reliability.points) > 1:
+        betas = {f"{k + 1}. {p.limit}": p.beta for k, p in enumerate(reliability.points)}
+        payload.append(views.bars("β of every design point", betas))
+    payload.append(_table(reliability))
+    changes = {
+        f"{name}, {number}": rate * _size(reliability, name, number)
+        for name, rates in reliability.sensitivity.items()
         for number, rate in rates.items()
     }
-    note = "Change of β where a number of a distribution grows by a tenth of its size."
-    made.append(views.bars("What β depends on", {k: 0.1 * v for k, v in moved.items()}, note=note))
-    others = {n: v for n, v in found.parameter_sensitivity.items() if v}
-    if others:
-        values = _nominal(found)
-        note = "Change of β where a parameter that is not random grows by a tenth of its size."
-        steps = {n: 0.1 * v * (abs(values.get(n, 0.0)) or 1.0) for n, v in others.items()}
-        made.append(views.bars("Other parameters", steps, note=note))
+    note = "Change of β if a parameter of a distribution increases by 10 %."
+    payload.append(
+        views.bars("Sensitivity of β", {k: 0.1 * v for k, v in changes.items()}, note=note)
+    )
+    nonrandom = {n: v for n, v in reliability.parameter_sensitivity.items() if v}
+    if nonrandom:
+        values = _nominal(reliability)
+        note = "Change of β if a deterministic parameter increases by 10 %."
+        steps = {n: 0.1 * v * (abs(values.get(n, 0.0)) or 1.0) for n, v in nonrandom.items()}
+        payload.append(views.bars("Deterministic parameters", steps, note=note))
     assert point is not None
-    return made
+    return payload
 
 
-def _size(found: Any, name: str, number: str) -> float:
-    return abs(found.nataf.random[name].numbers[number]) or 1.0
+def _size(reliability: Any, name: str, number: str) -> float:
+    return abs(reliability.nataf.random[name].numbers[number]) or 1.0
 
 
-def _nominal(found: Any) -> dict[str, float]:
-    model = found.searches[0].limits.model
+def _nominal(reliability: Any) -> dict[str, float]:
+    model = reliability.searches[0].limits.model
     return {} if model is None else dict(zip(model.parameters, map(float, model.nominal)))  # noqa: B905
 
 
-def _where(found: Any) -> dict[str, Any]:
-    """The design point in standard normal space, along its two largest directions."""
-    point, names = found.point, list(found.nataf.random)
+def _design_point_view(reliability: Any) -> dict[str, Any]:
+    """Design point in standard normal space, in the plane of its two largest components."""
+    point, names = reliability.point, list(reliability.nataf.random)
     order = np.argsort(-abs(point.u))[:2]
     if len(names) < 2:
         u = np.linspace(-4, 4, 161)
@@ -80,34 +86,72 @@ def _where(found: Any) -> dict[str, Any]:
         mark = views.line("design point", [point.u[0]], [0.0], "dots")
         return views.curves("Design point", f"u of {names[0]}", "density", [bell, mark])
     i, j = order
-    turn = np.linspace(0, 2 * np.pi, 121)
-    rings = [
-        views.line(f"{r} σ", r * np.cos(turn), r * np.sin(turn), "dashed", quiet=True)
+    angles = np.linspace(0, 2 * np.pi, 121)
+    circles = [
+        views.line(f"{r} σ", r * np.cos(angles), r * np.sin(angles), "dashed", quiet=True)
         for r in range(1, max(3, int(np.ceil(abs(point.beta)))) + 1)
     ]
-    at = point.u[[i, j]]
-    lines = [*rings, views.line("from the median", [0, at[0]], [0, at[1]])]
+    centre = point.u[[i, j]]
+    lines = [*circles, views.line("from the median", [0, centre[0]], [0, centre[1]])]
     normal = point.alpha[[i, j]]
     if (size := np.linalg.norm(normal)) > 1e-9:
         along = np.array([-normal[1], normal[0]]) / size * 2.5
-        ends = np.array([at - along, at + along])
-        lines.append(views.line("limit, to first order", ends[:, 0], ends[:, 1], "dashed"))
-    lines.append(views.line("design point", [at[0]], [at[1]], "dots"))
+        tangent = np.array([centre - along, centre + along])
+        lines.append(views.line("limit, to first order", tangent[:, 0], tangent[:, 1], "dashed"))
+    lines.append(views.line("design point", [centre[0]], [centre[1]], "dots"))
     note = "Standard normal variables; the circles are 1, 2, 3 … deviations from the median."
     return views.curves(
         "Design point", f"u of {names[i]}", f"u of {names[j]}", lines, equal=True, note=note
     )
 
 
-def _table(found: Any) -> dict[str, Any]:
-    """Medians and the design point in the units of the random parameters."""
-    median = found.nataf.values(np.zeros(found.nataf.size))
-    names = list(found.nataf.random)
-    model = found.searches[0].limits.model
+def _table(reliability: Any) -> dict[str, Any]:
+    """Medians and design point in the units of the random parameters."""
+    median = reliability.nataf.values(np.zeros(reliability.nataf.size))
+    names = list(reliability.nataf.random)
+    model = reliability.searches[0].limits.model
     units = [model.parameters[n].unit if model is not None else "" for n in names]
     rows = [
-        {"name": n, "cells": [float(m), float(found.point.x[n]), float(u)], "unit": unit}
-        for n, m, u, unit in zip(names, median, found.point.u, units, strict=True)
+        {"name": n, "cells": [float(m), float(reliability.point.x[n]), float(u)], "unit": unit}
+        for n, m, u, unit in zip(names, median, reliability.point.u, units, strict=True)
     ]
     heads = ["Median", "Design point", "Deviations"]
     return {"kind": "rows", "title": "Random parameters", "heads": heads, "rows": rows}
+
+
+def reliable_page(optimum: Any, **first_view: Any) -> dict[str, Any]:
+    """Page of a ``ReliableOptimum``: the page of the optimum with further views."""
+    page = optimum_page(optimum.optimum, **first_view)
+    return page | {"views": optimum.views(), "verdict": verdict(optimum)}
+
+
+def reliable_views(optimum: Any) -> list[dict[str, Any]]:
+    """Reliability index and design point of each limit, and the convergence of the rounds."""
+    names = list(optimum.limits[0].point)
+    rows = [
+        {
+            "name": entry.label,
+            "cells": [
+                np.nan if entry.beta is None else entry.beta,
+                entry.value,
+                *entry.point.values(),
+            ],
+            "unit": "",
+        }
+        for entry in optimum.limits
+    ]
+    heads = ["β", "Distance at the worst point", *names]
+    payload: list[dict[str, Any]] = [
+        {"kind": "rows", "title": "Limits and their worst points", "heads": heads, "rows": rows}
+    ]
+    if len(optimum.rounds) > 1:
+        count = np.arange(1, len(optimum.rounds) + 1)
+        line = views.line("objective", count, [entry.objective for entry in optimum.rounds])
+        margin = views.line("minimum margin", count, [entry.margin for entry in optimum.rounds])
+        payload.append(views.curves("Objective", "round", optimum.optimum.label, [line]))
+        payload.append(
+            views.curves("Minimum margin", "round", "of its limit", [margin], levels=[0.0])
+        )
+    facts = [("required β", f"{optimum.beta:g}"), ("rounds", len(optimum.rounds))]
+    payload.append(views.facts("Reliability", [*facts, ("runs", optimum.runs)]))
+    return [*payload, *optimum.optimum.views()]

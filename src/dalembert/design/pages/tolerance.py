@@ -1,4 +1,4 @@
-"""The page of tolerances: how the response scatters, and what each tolerance adds."""
+"""Page of a tolerance analysis: scatter of the response, and contributions."""
 
 from __future__ import annotations
 
@@ -6,63 +6,70 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.pages.plain import plain_page, with_views
+from dalembert.design.decision import axis_label
+from dalembert.design.pages.decision import plain_page, with_views
 from dalembert.report import views
 
 
-def tolerance_page(found: Any, **first_view: Any) -> dict[str, Any]:
-    """What the report of a ``Toleranced`` shows."""
-    if found.run is None or not found.run.has_page:
-        return plain_page(found)
-    return with_views(found.run.page(**first_view), found, "tolerances")
+def tolerance_page(result: Any, **first_view: Any) -> dict[str, Any]:
+    """Page of a ``Toleranced``."""
+    if result.run is None or not result.run.has_page:
+        return plain_page(result)
+    return with_views(result.run.page(**first_view), result, "tolerances")
 
 
-def tolerance_views(found: Any) -> list[dict[str, Any]]:
-    """Scatter, contributions, effects and the tolerances themselves."""
-    unit = found.unit
-    mean, std = (found.nominal, found.std) if found.hessian is None else found.second_order
-    marks = {"nominal": found.nominal}
-    if found.worst is not None:
-        marks |= {"least": found.worst[0], "largest": found.worst[1]}
-    values = np.zeros(0) if found.sampled is None else found.sampled
-    about = "first" if found.hessian is None else "second"
-    note = f"Curve: normal, mean and deviation to {about} order."
-    label = f"{found.label} [{unit}]" if unit else found.label
+def tolerance_views(result: Any) -> list[dict[str, Any]]:
+    """Scatter, contributions, effects and tolerances."""
+    unit = result.unit
+    mean, std = (result.nominal, result.std) if result.hessian is None else result.second_order
+    marks = {"nominal": result.nominal}
+    if result.worst is not None:
+        marks |= {"minimum": result.worst[0], "maximum": result.worst[1]}
+    values = np.zeros(0) if result.sampled is None else result.sampled
+    order = "first" if result.hessian is None else "second"
+    note = f"Curve: normal, mean and deviation to {order} order."
+    label = axis_label(result.label, unit)
     rows = [
-        ("nominal", f"{found.nominal:.6g} {unit}"),
-        (f"± {found.sigmas:g} σ, first order", f"{found.sigmas * found.std:.4g} {unit}"),
+        ("nominal", f"{result.nominal:.6g} {unit}"),
+        (
+            f"± {result.sigmas:g} σ, first order",
+            f"{result.sigmas * result.std:.4g} {unit}",
+        ),
     ]
-    if found.hessian is not None:
+    if result.hessian is not None:
         rows.append(("mean, second order", f"{mean:.6g} {unit}"))
-        rows.append((f"± {found.sigmas:g} σ, second order", f"{found.sigmas * std:.4g} {unit}"))
-    if found.worst is not None:
-        rows.append(("worst case", f"{found.worst[0]:.6g} … {found.worst[1]:.6g} {unit}"))
-    if found.sampled is not None:
-        rows.append(("samples", f"{found.sampled.size}"))
-        spread = found.sigmas * float(np.std(found.sampled, ddof=1))
-        rows.append((f"± {found.sigmas:g} σ, samples", f"{spread:.4g} {unit}"))
-    made = [
+        rows.append((f"± {result.sigmas:g} σ, second order", f"{result.sigmas * std:.4g} {unit}"))
+    if result.worst is not None:
+        rows.append(("worst case", f"{result.worst[0]:.6g} … {result.worst[1]:.6g} {unit}"))
+    if result.sampled is not None:
+        rows.append(("samples", f"{result.sampled.size}"))
+        spread = result.sigmas * float(np.std(result.sampled, ddof=1))
+        rows.append((f"± {result.sigmas:g} σ, samples", f"{spread:.4g} {unit}"))
+    payload = [
         {
-            **views.histogram(found.label, label, values, marks, (mean, std), note),
+            **views.histogram(result.label, label, values, marks, (mean, std), note),
             "place": "board",
         },
-        {**views.bars("Contributions", found.contributions, share=True), "place": "board"},
+        {**views.bars("Contributions", result.contributions, share=True), "place": "board"},
         views.facts("Scatter", rows),
         views.bars(
-            "Effects", found.effects, unit, "Change of the response where a tolerance is used up."
+            "Effects",
+            result.effects,
+            unit,
+            "Change of the response for a deviation by the full tolerance.",
         ),
-        _table(found),
+        _table(result),
     ]
-    return made
+    return payload
 
 
-def _table(found: Any) -> dict[str, Any]:
-    heads, columns = ["Tolerance ±"], [found.tolerances]
-    if found.allotted is not None:
+def _table(result: Any) -> dict[str, Any]:
+    heads, columns = ["Tolerance ±"], [result.tolerances]
+    if result.allotted is not None:
         heads.append("Allotted ±")
-        columns.append(found.allotted)
+        columns.append(result.allotted)
     rows = [
-        {"name": n, "cells": [float(c[n]) for c in columns], "unit": found.units.get(n, "")}
-        for n in found.tolerances
+        {"name": n, "cells": [float(c[n]) for c in columns], "unit": result.units.get(n, "")}
+        for n in result.tolerances
     ]
     return {"kind": "rows", "title": "Tolerances", "heads": heads, "rows": rows}

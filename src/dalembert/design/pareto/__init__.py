@@ -1,1 +1,1 @@
-"""Several aims."""
+"""Multi-objective optimisation: Pareto fronts."""

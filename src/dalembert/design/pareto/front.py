@@ -1,4 +1,4 @@
-"""A set of designs of which none is better in all aims."""
+"""Pareto front: a set of nondominated designs."""
 
 from __future__ import annotations
 
@@ -8,21 +8,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.design.decision import Decision
+from dalembert.design.decision import Decision, axis_label, plot_axes
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from dalembert.design.ecosystem.functions import DesignFunctions
 
-def best_of(values: np.ndarray) -> np.ndarray:
-    """Numbers of the rows that no other row is as good as in all columns and better in one."""
-    kept = []
+
+def nondominated(values: np.ndarray) -> np.ndarray:
+    """Indices of the rows that no other row dominates; repeated rows count once."""
+    indices = []
     for k, row in enumerate(values):
-        beaten = np.all(values <= row, axis=1) & np.any(values < row, axis=1)
-        same = np.all(values[:k] == row, axis=1)
-        if not beaten.any() and not same.any():
-            kept.append(k)
-    return np.array(kept, dtype=int)
+        dominated = np.all(values <= row, axis=1) & np.any(values < row, axis=1)
+        repeated = np.all(values[:k] == row, axis=1)
+        if not dominated.any() and not repeated.any():
+            indices.append(k)
+    return np.array(indices, dtype=int)
 
 
 @dataclass(eq=False)
@@ -33,11 +35,11 @@ class Front(Decision):
     ----------
     labels, units : of the aims
     names : of the parameters
-    values : (points, aims), along the first aim
+    values : (points, aims), sorted by the first aim
     designs : (points, parameters)
-    message : how it was found
-    runs : of the analysis
-    interrupted : by Ctrl-C; the points found until then are kept
+    message : method and remarks
+    runs : number of runs of the analysis
+    interrupted : ended by Ctrl-C; the points until then are kept
 
     Examples
     --------
@@ -55,7 +57,7 @@ class Front(Decision):
     """
 
     word = "pareto"
-    drawn = "front:front"
+    page_functions = "front:front"
     labels: list[str]
     units: list[str]
     names: list[str]
@@ -73,7 +75,7 @@ class Front(Decision):
 
     @property
     def success(self) -> bool:  # type: ignore[override]
-        """Whether it went to its end; one design alone is best in all aims."""
+        """Whether the search was completed; a single design is best in all aims."""
         return len(self) > 0 and not self.interrupted
 
     def __len__(self) -> int:
@@ -84,15 +86,15 @@ class Front(Decision):
         return dict(zip(self.names, map(float, self.designs[k]), strict=True))
 
     def hypervolume(self, reference: Sequence[float]) -> float:
-        """Area up to a reference that the front beats, for two aims: larger is better.
+        """Area dominated by the front up to a reference point, for two aims: larger is better.
 
         Raises
         ------
         ValueError
-            There are more than two aims.
+            The number of aims is not two.
         """
         if self.values.shape[1] != 2:
-            raise ValueError("the hypervolume is here for two aims")
+            raise ValueError("the hypervolume is implemented for two aims")
         points = self.values * self.senses
         limit = np.asarray(reference, dtype=float) * self.senses
         points = points[np.all(points < limit, axis=1)]
@@ -101,7 +103,7 @@ class Front(Decision):
         return float(np.sum((edges - points[:, 0]) * (limit[1] - points[:, 1])))
 
     def result(self, k: int) -> Any:
-        """The run of a point; None where the front knows no runs."""
+        """Result at a point; None if it cannot be run again."""
         return None if self.rerun is None else self.rerun(k)
 
     @property
@@ -126,7 +128,7 @@ class Front(Decision):
 
     @property
     def data(self) -> xr.Dataset:
-        """Aims and parameters of every point."""
+        """Aims and parameters of all points."""
         import xarray as xr
 
         return xr.Dataset(
@@ -140,13 +142,13 @@ class Front(Decision):
         )
 
     def table_of_designs(self) -> dict[str, Any]:
-        """Aims and parameters, as a page shows them."""
+        """Table of aims and parameters for the page."""
         from dalembert.design.pages.front import front_designs
 
         return front_designs(self)
 
     def to_dataframe(self) -> Any:
-        """One row a point: aims, then parameters."""
+        """One row per point: aims, then parameters."""
         import pandas as pd
 
         return pd.DataFrame(
@@ -154,20 +156,45 @@ class Front(Decision):
         )
 
     def plot(self, ax: Any = None) -> Any:
-        """The first two aims against each other; returns the axes."""
-        import matplotlib.pyplot as plt
-
-        if ax is None:
-            _, ax = plt.subplots(figsize=(5, 3.8), layout="constrained")
+        """Plot the first two aims; returns the axes."""
+        ax = plot_axes(ax, (5, 3.8))
         ax.plot(self.values[:, 0], self.values[:, 1], marker="o", ms=4, lw=1)
-        shown = [
-            f"{label} [{unit}]" if unit else label
-            for label, unit in zip(self.labels, self.units, strict=True)
-        ]
-        ax.set(xlabel=shown[0], ylabel=shown[1])
-        ax.grid(alpha=0.25)
-        ax.spines[["top", "right"]].set_visible(False)
+        labels = list(map(axis_label, self.labels, self.units))
+        ax.set(xlabel=labels[0], ylabel=labels[1])
         return ax
 
     def __repr__(self) -> str:
         return f"<Front of {len(self)} designs: {', '.join(self.labels)}; {self.message}>"
+
+
+def make_front(
+    functions: DesignFunctions,
+    senses: Sequence[float] | np.ndarray,
+    values: np.ndarray,
+    designs: np.ndarray,
+    message: str,
+    failed: list[str],
+) -> Front:
+    """Front of the nondominated designs, sorted by the first aim."""
+    indices = nondominated(values)
+    indices = indices[np.argsort(values[indices, 0])]
+    problem, points = functions.problem, designs[indices]
+    results = problem.results(points[0])
+    parameters = [problem.variables.parameters(x) for x in points]
+    case = problem.quantities[0].terms[0].case
+    units = dict(zip(problem.variables.names, problem.variables.units, strict=True))
+    return Front(
+        functions.labels,
+        [problem.unit(k, results) for k in range(functions.count)],
+        list(parameters[0]),
+        values[indices] * np.asarray(senses),
+        np.array([list(row.values()) for row in parameters]),
+        list(map(float, senses)),
+        message,
+        problem.runs,
+        problem.gradients,
+        failed,
+        name=case.model.name,
+        parameter_units=[units.get(n, case.model.parameters[n].unit) for n in parameters[0]],
+        rerun=lambda k: problem.results(points[k]).get(case),
+    )

@@ -1,4 +1,4 @@
-"""The points of a front by gradients: scalar problems, one for each point."""
+"""Gradient-based search of a Pareto front: one scalar problem per point."""
 
 from __future__ import annotations
 
@@ -10,26 +10,58 @@ import numpy as np
 from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer, Stop
-from dalembert.design.optimize.optimality import OPTIMAL, multipliers
-from dalembert.design.optimize.outcome import told_broken
+from dalembert.design.optimize.optimality import OPTIMAL, multipliers, solve_to_stationarity
 from dalembert.design.optimize.program import FEASIBLE, Program
-from dalembert.design.optimize.settling import settled
-from dalembert.design.pareto.front import Front, best_of
-from dalembert.design.quantity import Quantity
-from dalembert.design.weighted import Weighted
+from dalembert.design.optimize.verified_optimum import violated_limits
+from dalembert.design.pareto.front import Front, make_front, nondominated
+from dalembert.design.quantity import CaseResponse, Quantity, split_terms
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import searching
 
 STEEP = 1e-3
-"""Slope over the range of a variable, of the range of an aim, from which on it counts."""
+"""Threshold of the slope over the range of a variable, relative to the range of an aim [-]."""
 ROUGH = Stop(30, 1e-6)
-"""For a start of many; the best of what they come to is searched from again."""
-UNSEEN = 1e-6
-"""Slope over the range of a variable, of the largest one, that is none."""
+"""Stopping criteria of additional starts; the search continues from the best of them."""
+FLAT = 1e-6
+"""Threshold below which a slope counts as zero, relative to the largest slope [-]."""
+
+
+class Weighted(Quantity):
+    """``Σ w_k q_k``.
+
+    Parameters
+    ----------
+    parts : quantities
+    weights : one for each part
+    label : name
+    """
+
+    def __init__(
+        self, parts: Sequence[Quantity], weights: Sequence[float] | np.ndarray, label: str
+    ):
+        self.parts, self.weights, self.label = list(parts), np.asarray(weights), label
+
+    @property
+    def terms(self) -> list[CaseResponse]:
+        return [term for part in self.parts for term in part.terms]
+
+    def varying(self, names: Sequence[str]) -> Weighted:
+        return Weighted([part.varying(names) for part in self.parts], self.weights, self.label)
+
+    def _split(self, values: np.ndarray) -> list[np.ndarray]:
+        return split_terms(self.parts, values)
+
+    def value(self, values: np.ndarray) -> float:
+        split = zip(self.weights, self.parts, self._split(values), strict=True)
+        return float(sum(w * part.value(v) for w, part, v in split))
+
+    def slope(self, values: np.ndarray) -> np.ndarray:
+        split = zip(self.weights, self.parts, self._split(values), strict=True)
+        return np.concatenate([w * part.slope(v) for w, part, v in split])
 
 
 class FrontSearch:
-    """Scalar problems, one for each point, each from the point before it."""
+    """Scalar problems, one per point, each started from the previous point."""
 
     def __init__(
         self,
@@ -38,154 +70,158 @@ class FrontSearch:
         local: Optimizer,
         max_iterations: int,
         tolerance: float,
-        others: Sequence[np.ndarray] = (),
+        starts: Sequence[np.ndarray] = (),
     ):
-        """``others`` are designs from which each problem is searched too."""
-        self.begins = list(others)
+        """``starts`` are additional initial designs of each problem."""
+        self.starts = list(starts)
         self.functions, self.senses, self.local = functions, np.array(senses), local
         self.stop = Stop(max_iterations, tolerance)
         self.aims = functions.problem.quantities[: functions.count]
-        self.others = functions.problem.quantities[functions.count :]
-        self.found: list[np.ndarray] = []
-        self.failed: list[str] = []
+        self.constraints = functions.problem.quantities[functions.count :]
+        self.solutions: list[np.ndarray] = []
+        self.failures: list[str] = []
 
-    def solved(
-        self, goal: Quantity, limits: Sequence[Limit], x: np.ndarray, *others: np.ndarray
+    def solve(
+        self, goal: Quantity, limits: Sequence[Limit], x: np.ndarray, *starts: np.ndarray
     ) -> np.ndarray | None:
-        """The best design within further limits on aims, from some starts; None without one."""
-        end = self._ended(goal, limits, x)
-        nearby = [one for one in (self._rough(goal, limits, o) for o in others) if one is not None]
-        if nearby:
-            value, begin = min(nearby, key=lambda one: one[0])
-            if isinstance(end, str) or value < end[0]:
-                further = self._ended(goal, limits, begin)
-                end = end if isinstance(further, str) else further
-        if isinstance(end, str):
-            self.failed.append(end)
+        """Optimal design within further limits on aims, from several starts; None if all fail."""
+        best = self._solve_from(goal, limits, x)
+        attempts = [self._solve_roughly(goal, limits, start) for start in starts]
+        candidates = [attempt for attempt in attempts if attempt is not None]
+        if candidates:
+            value, start = min(candidates, key=lambda candidate: candidate[0])
+            if isinstance(best, str) or value < best[0]:
+                further = self._solve_from(goal, limits, start)
+                best = best if isinstance(further, str) else further
+        if isinstance(best, str):
+            self.failures.append(best)
             return None
-        self.found.append(end[1])
-        return end[1]
+        self.solutions.append(best[1])
+        return best[1]
 
     def _program(self, goal: Quantity, limits: Sequence[Limit], x: np.ndarray) -> Program:
-        quantities = [goal, *self.others, *(limit.response for limit in limits)]
-        problem = self.functions.problem.judged_by(quantities)
+        quantities = [goal, *self.constraints, *(limit.response for limit in limits)]
+        problem = self.functions.problem.with_quantities(quantities)
         return Program(problem, [*self.functions.limits, *limits], 1.0, x)
 
-    def _rough(
+    def _solve_roughly(
         self, goal: Quantity, limits: Sequence[Limit], x: np.ndarray
     ) -> tuple[float, np.ndarray] | None:
-        """Where a short search from one start of many comes to; None where limits are not kept."""
+        """Objective and design of a short search from a start; None if infeasible or failing."""
         try:
             program = self._program(goal, limits, x)
-        except AnalysisError:  # it cannot be run there
+        except AnalysisError:  # the start fails
             return None
         x = program.unscale(self.local.solve(program, program.scaled(x), ROUGH).z)
-        found = program.problem.evaluate(x, gradient=False)
-        if found is None or program.violation(found.values) > FEASIBLE:
+        evaluation = program.problem.evaluate(x, gradient=False)
+        if evaluation is None or program.violation(evaluation.values) > FEASIBLE:
             return None
-        return float(found.values[0]), x
+        return float(evaluation.values[0]), x
 
-    def _ended(
+    def _solve_from(
         self, goal: Quantity, limits: Sequence[Limit], x: np.ndarray
     ) -> tuple[float, np.ndarray] | str:
-        """The best goal and design that are found from a start; why there is none."""
+        """Optimal objective and design from a start, or the reason of failure."""
         program = self._program(goal, limits, x)
-        ended = settled(program, self.local, self.stop, program.scaled(x))
-        x = program.unscale(ended.z)
+        outcome = solve_to_stationarity(program, self.local, self.stop, program.scaled(x))
+        x = program.unscale(outcome.z)
         z = program.scaled(x)
-        program.measure_by_start()
-        point, found = program.point(z, record=False), program.problem.evaluate(x)
-        if point is None or found is None:
-            return "ended at a design that fails"
-        violation = program.violation(found.values)
-        left = multipliers(program, z, point).stationarity
-        if violation > FEASIBLE or left > OPTIMAL:
-            why = f"the gradient is left with {left:.2g} of its size ({ended.message})"
-            if violation > FEASIBLE:
-                why = f"limits are not kept, {told_broken(program, found.values)}"
-            return why
-        return float(found.values[0]), x
+        program.restore_scale()
+        point, evaluation = program.point(z, record=False), program.problem.evaluate(x)
+        if point is None or evaluation is None:
+            return "the run fails at the final design"
+        violation = program.violation(evaluation.values)
+        stationarity = multipliers(program, z, point).stationarity
+        if violation > FEASIBLE:
+            return f"limits are violated: {violated_limits(program, evaluation.values)}"
+        if stationarity > OPTIMAL:
+            return (
+                f"the relative residual of the gradient is {stationarity:.2g} ({outcome.message})"
+            )
+        return float(evaluation.values[0]), x
 
     def aim(self, row: int) -> Quantity:
-        """One aim, to be small."""
+        """One aim, to be minimised."""
         return Weighted([self.aims[row]], [self.senses[row]], self.aims[row].label)
 
     def values(self, x: np.ndarray) -> np.ndarray:
-        """(aims,) all to be small."""
+        """(aims,) values, all to be minimised."""
         return self.senses * self.functions.values(x)
 
     def front(self, method: str, points: int, report: Callable[[float], None]) -> Front:
-        """The points of the front; those found until then where it is interrupted.
+        """Search the front; Ctrl-C ends with the points until then.
 
         Raises
         ------
         AnalysisError
-            There is no best design in one of the aims.
+            One of the aims has no optimum.
         """
         try:
             with searching():
-                note = self._along(method, points, report)
+                note = self._search(method, points, report)
             return self.result(method, note)
         except KeyboardInterrupt:
-            if not self.found:
+            if not self.solutions:
                 raise
-            front = self.result(method, f"interrupted after {len(self.found)} searches")
+            front = self.result(method, f"interrupted after {len(self.solutions)} searches")
             front.interrupted = True
             return front
 
-    def _along(self, method: str, points: int, report: Callable[[float], None]) -> str:
-        """Search the corners and the points between; a note where there is nothing between."""
+    def _search(self, method: str, points: int, report: Callable[[float], None]) -> str:
+        """Search the anchor points and the points between; returns a remark if there are none."""
         shares, anchors = _shares(len(self.aims), points), []
-        whole = len(self.aims) + len(shares)
+        total = len(self.aims) + len(shares)
         for row in range(len(self.aims)):
-            x = self.solved(self.aim(row), [], self.functions.x0, *self.begins)
+            x = self.solve(self.aim(row), [], self.functions.x0, *self.starts)
             if x is None:
                 raise AnalysisError(
-                    f"no best design in {self.aims[row].label} alone: {self.failed[-1]}"
+                    f"no optimum of {self.aims[row].label} alone: {self.failures[-1]}"
                 )
             anchors.append(x)
-            report((row + 1) / whole)
+            report((row + 1) / total)
         corners = np.array([self.values(x) for x in anchors])
         low, high = corners.min(axis=0), corners.max(axis=0)
         span = high - low
         if np.any(span <= 1e-9 * np.maximum(abs(high), 1e-12)):
             return "the aims do not contradict each other"
         anchors = [
-            self.efficient(x, span) if self.is_loose(row, x, span) else x
+            self.make_efficient(x, span) if self.is_weakly_optimal(row, x, span) else x
             for row, x in enumerate(anchors)
         ]
         corners = np.array([self.values(x) for x in anchors])
         low, span = corners.min(axis=0), np.ptp(corners, axis=0)
         if np.any(span <= 1e-9 * np.maximum(abs(corners).max(axis=0), 1e-12)):
             return "the aims do not contradict each other"
-        last = anchors[-1]
+        previous = anchors[-1]
         for k, share in enumerate(shares):
-            make = self.normal if method == "normal-constraint" else self.epsilon
-            nearest = min(self.found, key=lambda x: self.distance(x, share @ corners, span))
-            starts = [(last, nearest, *self.begins)] if self.begins else [(last,), (nearest,)]
-            for begins in starts:
-                x = self.solved(self.aim(0), make(share, corners, low, span), *begins)
+            limits_of = self.normal if method == "normal-constraint" else self.epsilon
+            nearest = min(self.solutions, key=lambda x: self.distance(x, share @ corners, span))
+            starts = (
+                [(previous, nearest, *self.starts)] if self.starts else [(previous,), (nearest,)]
+            )
+            for start_designs in starts:
+                x = self.solve(self.aim(0), limits_of(share, corners, low, span), *start_designs)
                 if x is not None:
-                    last = x if len(self.aims) == 2 else self.efficient(x, span)
+                    previous = x if len(self.aims) == 2 else self.make_efficient(x, span)
                     break
-            report((len(self.aims) + k + 1) / whole)
+            report((len(self.aims) + k + 1) / total)
         return ""
 
-    def is_loose(self, row: int, x: np.ndarray, span: np.ndarray) -> bool:
-        """Whether a corner, at a bound as a rule, leaves variables that only other aims notice."""
+    def is_weakly_optimal(self, row: int, x: np.ndarray, span: np.ndarray) -> bool:
+        """Whether an anchor is only weakly optimal: other aims improve at no cost of its own."""
         lower, upper = self.functions.bounds.T
         width = self.functions.problem.variables.width
         slopes = self.senses[:, None] * self.functions.jacobian(x) * width
         sizes = np.abs(slopes).max(axis=1, keepdims=True)
-        if not np.all(sizes > STEEP * span[:, None]):  # an aim at rest within its bounds
+        if not np.all(sizes > STEEP * span[:, None]):  # an aim is stationary within the bounds
             return False
         slopes /= sizes
-        others = np.delete(slopes, row, axis=0)
-        falls = ((others > UNSEEN) & (x > lower)) | ((others < -UNSEEN) & (x < upper))
-        return bool(np.any((np.abs(slopes[row]) < UNSEEN) & falls.any(axis=0)))
+        other_slopes = np.delete(slopes, row, axis=0)
+        improves = ((other_slopes > FLAT) & (x > lower)) | ((other_slopes < -FLAT) & (x < upper))
+        return bool(np.any((np.abs(slopes[row]) < FLAT) & improves.any(axis=0)))
 
-    def efficient(self, x: np.ndarray, span: np.ndarray) -> np.ndarray:
-        """A design that is no worse in any aim and cannot be bettered in one alone."""
+    def make_efficient(self, x: np.ndarray, span: np.ndarray) -> np.ndarray:
+        """Efficient design that is no worse in any aim."""
         values = self.values(x)
         limits = [
             Limit(Weighted([aim], [sense / size], f"bound on {k}"), upper=float(value / size))
@@ -194,88 +230,55 @@ class FrontSearch:
             )
         ]
         goal = Weighted(self.aims, self.senses / span, "all aims")
-        better = self.solved(goal, limits, x)
-        if better is None:
+        improved = self.solve(goal, limits, x)
+        if improved is None:
             return x
-        self.found = [other for other in self.found if other is not x]
-        return better
+        self.solutions = [other for other in self.solutions if other is not x]
+        return improved
 
-    def distance(self, x: np.ndarray, place: np.ndarray, span: np.ndarray) -> float:
-        return float(np.linalg.norm((self.values(x) - place) / span))
+    def distance(self, x: np.ndarray, point: np.ndarray, span: np.ndarray) -> float:
+        return float(np.linalg.norm((self.values(x) - point) / span))
 
     def normal(
         self, share: np.ndarray, corners: np.ndarray, low: np.ndarray, span: np.ndarray
     ) -> list[Limit]:
-        """``N_k·(f̄ − X) ≤ 0``, N_k from the first corner to the others (Messac et al. 2003)."""
+        """``N_k·(f̄ − X) ≤ 0``, N_k from the first anchor to the others (Messac et al. 2003)."""
         unit = (corners - low) / span
-        place, made = share @ unit, []
+        target, limits = share @ unit, []
         for k in range(1, len(unit)):
             normal = unit[0] - unit[k]
             weights = normal * self.senses / span
-            offset = float(normal @ (low / span + place))
-            made.append(Limit(Weighted(self.aims, weights, f"normal {k}"), upper=offset))
-        return made
+            offset = float(normal @ (low / span + target))
+            limits.append(Limit(Weighted(self.aims, weights, f"normal {k}"), upper=offset))
+        return limits
 
     def epsilon(
         self, share: np.ndarray, corners: np.ndarray, low: np.ndarray, span: np.ndarray
     ) -> list[Limit]:
-        """``f_k ≤ ε_k`` for all aims but the first (Haimes 1971)."""
-        made, place = [], share @ corners
+        """``f_k ≤ ε_k`` for all aims except the first (Haimes 1971)."""
+        limits, target = [], share @ corners
         for k in range(1, len(corners)):
             aim = Weighted([self.aims[k]], [self.senses[k] / span[k]], f"bound on {k}")
-            made.append(Limit(aim, upper=float(place[k] / span[k])))
-        return made
+            limits.append(Limit(aim, upper=float(target[k] / span[k])))
+        return limits
 
     def result(self, method: str, note: str) -> Front:
-        values = np.array([self.values(x) for x in self.found])
-        designs = np.array(self.found)
-        lost = f"; {len(self.failed)} searches without result" if self.failed else ""
-        beaten = len(values) - len(best_of(values))
-        if beaten:
-            lost += f"; {beaten} of {len(values)} designs were beaten by others and left out"
-            lost += "" if self.begins else ": the best nearby only, starts= looks further"
-        text = f"{method}{lost}{'; ' + note if note else ''}"
-        return make_front(self.functions, self.senses, values, designs, text, self.failed)
+        values = np.array([self.values(x) for x in self.solutions])
+        designs = np.array(self.solutions)
+        remarks = f"; {len(self.failures)} searches failed" if self.failures else ""
+        dominated = len(values) - len(nondominated(values))
+        if dominated:
+            remarks += f"; {dominated} of {len(values)} designs were dominated and left out"
+            remarks += "" if self.starts else ": local optima only, use starts= for more"
+        text = f"{method}{remarks}{'; ' + note if note else ''}"
+        return make_front(self.functions, self.senses, values, designs, text, self.failures)
 
 
 def _shares(aims: int, points: int) -> list[np.ndarray]:
-    """Even convex combinations of the corners, corners left out (Das & Dennis 1998)."""
-    whole = points - 1
+    """Even convex combinations of the anchors, without the anchors (Das & Dennis 1998)."""
+    total = points - 1
     return [
-        np.array(counts) / whole
-        for counts in itertools.product(range(whole + 1), repeat=aims)
-        if sum(counts) == whole and max(counts) < whole
+        np.array(counts) / total
+        for counts in itertools.product(range(total + 1), repeat=aims)
+        if sum(counts) == total and max(counts) < total
     ]
-
-
-def make_front(
-    functions: DesignFunctions,
-    senses: Sequence[float] | np.ndarray,
-    values: np.ndarray,
-    designs: np.ndarray,
-    message: str,
-    failed: list[str],
-) -> Front:
-    """The designs that are not beaten, along the first aim."""
-    keep = best_of(values)
-    keep = keep[np.argsort(values[keep, 0])]
-    problem, at = functions.problem, designs[keep]
-    results = problem.results(at[0])
-    made = [problem.variables.parameters(x) for x in at]
-    case = problem.quantities[0].terms[0].case
-    units = dict(zip(problem.variables.names, problem.variables.units, strict=True))
-    return Front(
-        functions.labels,
-        [problem.unit(k, results) for k in range(functions.count)],
-        list(made[0]),
-        values[keep] * np.asarray(senses),
-        np.array([list(one.values()) for one in made]),
-        list(map(float, senses)),
-        message,
-        problem.runs,
-        problem.gradients,
-        failed,
-        name=case.model.name,
-        parameter_units=[units.get(n, case.model.parameters[n].unit) for n in made[0]],
-        rerun=lambda k: problem.results(at[k]).get(case),
-    )

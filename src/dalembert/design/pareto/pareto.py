@@ -1,4 +1,4 @@
-"""Several aims: designs of which none is better in all of them."""
+"""Pareto fronts of several aims."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer
 from dalembert.design.methods.registry import make_optimizer
-from dalembert.design.methods.spread import counted, refuse_open, spread
-from dalembert.design.pareto.front import Front
-from dalembert.design.pareto.front_search import FrontSearch, make_front
+from dalembert.design.methods.search_options import additional_starts
+from dalembert.design.pareto.front import Front, make_front
+from dalembert.design.pareto.front_search import FrontSearch
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible
 from dalembert.results.result import Analysis
@@ -49,20 +49,20 @@ def pareto(
     rng: int = 0,
     progress: Reported = False,
 ) -> Front:
-    """The front of several aims; Ctrl-C ends it with the points found until then.
+    """Pareto front of several aims; Ctrl-C ends it with the points until then.
 
     Parameters
     ----------
-    model, analysis : what is run; not needed where all responses are those of cases
+    model, analysis : model and analysis; omitted if all responses belong to cases
     minimize, maximize : the aims, two or more in all
     subject_to, vary, start, gradient, max_iterations, tolerance : as in ``optimize``
     method : ``"normal-constraint"`` (evenly spread points by gradients, Messac et al. 2003),
         ``"epsilon-constraint"`` (bounds on all aims but the first, Haimes 1971), ``"nsga2"`` or
         ``"nsga3"`` of pymoo
-    points : along each side of the front; population of an evolution
+    points : along each edge of the front; population of an evolution
     local : gradient method of each point
-    starts : of each point's search, the first from points found before; with more the front may
-        lie in pieces or on several branches, of which one start finds that nearest to it
+    starts : initial designs per point, the first from previous points; several find fronts that
+        are disconnected or have several branches
     generations : of an evolution
     rng : seed of an evolution or of the starts
     progress : True for a bar, or a function of the fraction done
@@ -105,26 +105,19 @@ def pareto(
     )
     if method in EVOLUTIONS:
         with progress_reporter(progress, method) as report:
-            return _evolved(functions, senses, method, points, generations, rng, report)
+            return _evolve(functions, senses, method, points, generations, rng, report)
     if functions.problem.variables.sizes:
-        raise UnsupportedError(f"{method} knows no sizes of catalogues; use method='nsga2'")
-    others = _other_starts(functions, counted(starts), rng)
+        raise UnsupportedError(f"{method} takes no discrete variables; use method='nsga2'")
+    variables = functions.problem.variables
+    bounds = variables.lower, variables.upper
+    start_designs = additional_starts(starts, variables.names, *bounds, rng)
     optimizer = make_optimizer(local, False)
-    search = FrontSearch(functions, senses, optimizer, max_iterations, tolerance, others)
+    search = FrontSearch(functions, senses, optimizer, max_iterations, tolerance, start_designs)
     with progress_reporter(progress, "front") as report:
         return search.front(method, points, report)
 
 
-def _other_starts(functions: DesignFunctions, starts: int, rng: int) -> list[np.ndarray]:
-    """Designs between the bounds, beside the one from which each point is searched."""
-    if starts == 1:
-        return []
-    variables = functions.problem.variables
-    refuse_open("starts", variables.names, variables.lower, variables.upper)
-    return list(spread(starts - 1, variables.lower, variables.upper, rng))
-
-
-def _evolved(
+def _evolve(
     functions: DesignFunctions,
     senses: Sequence[float],
     method: str,
@@ -134,13 +127,13 @@ def _evolved(
     report: Callable[[float], None],
 ) -> Front:
     """NSGA-II (Deb et al. 2002) or NSGA-III (Deb & Jain 2014) of pymoo."""
-    from dalembert.design.ecosystem.pymoo_problem import evolved
+    from dalembert.design.ecosystem.pymoo_problem import evolve
 
-    designs, made = evolved(functions, senses, method, points, generations, rng, report)
-    kept = np.array([functions.problem.variables.snapped(x) for x in designs])
-    values = np.array([np.asarray(senses) * functions.values(x) for x in kept])
-    text = f"{method}: {made} generations of {points}"
-    text += "; interrupted" if made < generations else ""
-    front = make_front(functions, senses, values, kept, text, [])
-    front.interrupted = made < generations
+    designs, completed = evolve(functions, senses, method, points, generations, rng, report)
+    snapped = np.array([functions.problem.variables.snapped(x) for x in designs])
+    values = np.array([np.asarray(senses) * functions.values(x) for x in snapped])
+    text = f"{method}: {completed} generations of {points}"
+    text += "; interrupted" if completed < generations else ""
+    front = make_front(functions, senses, values, snapped, text, [])
+    front.interrupted = completed < generations
     return front

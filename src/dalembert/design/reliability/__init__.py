@@ -1,1 +1,1 @@
-"""How often random parameters break a limit: design points, corrections, sampling."""
+"""Structural reliability: design points, first- and second-order methods, sampling."""

@@ -12,19 +12,19 @@ from dalembert.design.reliability.second_order import principal_axes
 from dalembert.errors import AnalysisError
 
 NEGLIGIBLE = 1e-6
-"""Share of the probability of the nearest point below which another one is left out."""
+"""Threshold for discarding a point, as fraction of the probability of the nearest point."""
 STARTS = 3
-"""Searches from beside a median at which the limit state does not change."""
-BESIDE = 0.1
-"""Distance from a point, as a share of its index, at which a surface that bends back is noticed."""
-WAY = (0.2, 0.4, 0.6, 0.8, 0.9)
-"""Shares of the way from the median to a point at which the limit state is evaluated."""
+"""Number of random starts if the gradient of the limit state vanishes at the median."""
+OFFSET = 0.1
+"""Distance for checking a surface that curves back, as fraction of the reliability index."""
+RAY_FRACTIONS = (0.2, 0.4, 0.6, 0.8, 0.9)
+"""Positions on the ray from the median to a point at which the limit state is checked."""
 ROUNDS = 5
-"""Upper limit of searches that follow one another from a point to nearer ones."""
+"""Upper limit of consecutive searches from a point to nearer ones."""
 SCAN = 2000
-"""Random points at which a formula is evaluated to check that no nearer point exists."""
+"""Number of random points at which a formula is checked for nearer design points."""
 NEAR_SURFACE = 1e-2
-"""Residual up to which a search that did not converge has come to the limit state."""
+"""Upper limit of the residual of an unconverged search that has reached the limit state."""
 
 
 @dataclass
@@ -33,11 +33,11 @@ class PointSearches:
 
     Attributes
     ----------
-    points : nearest first; a point that did not converge keeps its rank
-    searches : number of them
-    failed : searches that could not be evaluated to their end
-    astray : searches that did not converge, away from the limit state
-    beyond : searches that came to where a region of failure ends again
+    points : nearest first; an unconverged point keeps its rank
+    searches : number of searches
+    failed : number of searches that ended at values that cannot be evaluated
+    astray : number of searches that did not converge, away from the limit state
+    beyond : number of searches that reached the far boundary of a failure region
     """
 
     points: list[DesignPoint] = field(default_factory=list)
@@ -48,18 +48,18 @@ class PointSearches:
 
     @property
     def warning(self) -> str:
-        """Searches without a result, in a sentence; empty where there are none."""
-        ended = [
+        """Warning about searches without a result; empty if there are none."""
+        outcomes = [
             (self.failed, "ended at values that cannot be evaluated"),
-            (self.astray, "did not come to the limit state"),
-            (self.beyond, "came to where the region behind the limit state ends again"),
+            (self.astray, "did not reach the limit state"),
+            (self.beyond, "reached the far boundary of the failure region"),
         ]
-        told = " and ".join(f"{count} {text}" for count, text in ended if count)
-        if not told:
+        summary = " and ".join(f"{count} {text}" for count, text in outcomes if count)
+        if not summary:
             return ""
         label = self.points[0].limit
         return (
-            f"{label}: of {self.searches} searches for design points {told}; first order may "
+            f"{label}: of {self.searches} searches for design points {summary}; first order may "
             "be wrong: compare importance_sampling or subset_simulation"
         )
 
@@ -67,69 +67,70 @@ class PointSearches:
 def design_points(search: Search, starts: int, rng: Any) -> PointSearches:
     """Design points of a limit state from the median and from starts around it, nearest first.
 
-    Points that matter less than ``NEGLIGIBLE`` of the nearest are left out. A point that did not
-    converge stays where its index ranks it, unless a converged one is beside it. Each point is
-    checked: the way to it from the median is safe, and the surface bends less around the median
-    than the sphere through the point; otherwise the search goes on from where it is nearer.
+    Points with a probability below ``NEGLIGIBLE`` of that of the nearest point are discarded. An
+    unconverged point is ranked by its index, unless a converged point is close to it. Each point
+    is checked: the ray from the median to it must be safe, and the curvature of the surface must be
+    less than that of the sphere through the point; otherwise the search continues from a nearer
+    start.
 
     Raises
     ------
     AnalysisError
-        Not even the search from the median can be made.
+        The search from the median fails.
     """
     n = search.nataf.size
-    median = search.needed(np.zeros(n))
-    scale = abs(median) or abs(search.needed(np.full(n, 0.1))) or 1.0
+    median = search.finite_value(np.zeros(n))
+    scale = abs(median) or abs(search.finite_value(np.full(n, 0.1))) or 1.0
     check = _PointCheck(search, scale, np.sign(median))
-    found = PointSearches([check.nearest(_first(search, scale, rng))], 1)
-    radius = max(abs(found.points[0].beta), 1.0)
+    outcome = PointSearches([check.nearest(_first(search, scale, rng))], 1)
+    radius = max(abs(outcome.points[0].beta), 1.0)
     for _ in range(starts - 1):
         direction = rng.normal(size=n)
-        begin = radius * direction / np.linalg.norm(direction)
-        found.searches += 1
+        offset = radius * direction / np.linalg.norm(direction)
+        outcome.searches += 1
         try:
-            one = search.solve(begin, scale)
-            if not any(p.converged and _close(one, p) for p in found.points):
-                found.points.append(check.nearest(one))
+            point = search.solve(offset, scale)
+            if not any(p.converged and _close(point, p) for p in outcome.points):
+                outcome.points.append(check.nearest(point))
         except AnalysisError:
-            found.failed += 1
-    found.points = _ranked(found, check.side)
+            outcome.failed += 1
+    outcome.points = _ranked(outcome, check.side)
     for _ in range(ROUNDS if search.limits.cheap else 0):
-        start = check.scanned(found.points[0], rng)
+        start = check.scan(outcome.points[0], rng)
         if start is None:
             break
-        found.searches += 1
+        outcome.searches += 1
         try:
-            found.points.append(check.nearest(search.solve(start, scale)))
+            outcome.points.append(check.nearest(search.solve(start, scale)))
         except AnalysisError:
-            found.failed += 1
-        found.points = _ranked(found, check.side)
-    return found
+            outcome.failed += 1
+        outcome.points = _ranked(outcome, check.side)
+    return outcome
 
 
-def _ranked(found: PointSearches, side: float) -> list[DesignPoint]:
-    """Different points, nearest first; converged ones stand for others beside them."""
-    some: list[DesignPoint] = []
-    for one in sorted(found.points, key=lambda p: (not p.converged, abs(p.beta))):
-        if some and not one.converged and one.residual > NEAR_SURFACE:
-            found.astray += 1
-        elif some and one.beta * side < 0:
-            found.beyond += 1
-        elif not any(_close(one, other) for other in some):
-            some.append(one)
-    matching = [p for p in some if not p.beta * side < 0] or some
-    found.beyond += len(some) - len(matching)
+def _ranked(outcome: PointSearches, side: float) -> list[DesignPoint]:
+    """Distinct points, nearest first; a converged point represents others close to it."""
+    distinct: list[DesignPoint] = []
+    for point in sorted(outcome.points, key=lambda p: (not p.converged, abs(p.beta))):
+        if distinct and not point.converged and point.residual > NEAR_SURFACE:
+            outcome.astray += 1
+        elif distinct and point.beta * side < 0:
+            outcome.beyond += 1
+        elif not any(_close(point, other) for other in distinct):
+            distinct.append(point)
+    matching = [p for p in distinct if not p.beta * side < 0] or distinct
+    outcome.beyond += len(distinct) - len(matching)
     matching.sort(key=lambda p: abs(p.beta))
-    least = NEGLIGIBLE * _beyond(matching[0])
-    return [p for p in matching if p is matching[0] or _beyond(p) > least]
+    threshold = NEGLIGIBLE * _tail_probability(matching[0])
+    return [p for p in matching if p is matching[0] or _tail_probability(p) > threshold]
 
 
-def _close(one: DesignPoint, other: DesignPoint) -> bool:
-    return bool(np.linalg.norm(one.u - other.u) <= 0.05 * max(abs(one.beta), 1.0))
+def _close(point: DesignPoint, other: DesignPoint) -> bool:
+    return bool(np.linalg.norm(point.u - other.u) <= 0.05 * max(abs(point.beta), 1.0))
 
 
-def _beyond(point: DesignPoint) -> float:
-    """``Φ(−|β|)``, what is on the other side of the surface than the median, to first order."""
+def _tail_probability(point: DesignPoint) -> float:
+    """``Φ(−|β|)``: first-order probability of the region separated from the median."""
     from scipy.special import ndtr
 
     return float(ndtr(-abs(point.beta)))
@@ -137,7 +138,7 @@ def _beyond(point: DesignPoint) -> float:
 
 @dataclass
 class _PointCheck:
-    """Whether a stationary point of ``|u|`` on the surface can be the nearest of its region.
+    """Check whether a stationary point of ``|u|`` on the surface is the nearest of its region.
 
     Parameters
     ----------
@@ -149,13 +150,13 @@ class _PointCheck:
     side: float
 
     def nearest(self, point: DesignPoint) -> DesignPoint:
-        """The point, or the one to which a search leads from where the limit state is nearer."""
+        """The point, or the result of searches from starts at which the limit state is nearer."""
         for _ in range(ROUNDS):
             if not point.converged or not self.side:
                 return point
-            start = self._before(point)
+            start = self._crossing(point)
             if start is None:
-                point, start = self._beside(point)
+                point, start = self._curvature_check(point)
             if start is None:
                 return point
             try:
@@ -167,33 +168,34 @@ class _PointCheck:
             point = nearer
         return point
 
-    def scanned(self, point: DesignPoint, rng: Any) -> np.ndarray | None:
-        """The nearest of random points within the index of a point that are over the surface."""
+    def scan(self, point: DesignPoint, rng: Any) -> np.ndarray | None:
+        """Nearest failed point of a random sample within the sphere through a design point."""
         directions = rng.normal(size=(SCAN, point.u.size))
         directions /= np.linalg.norm(directions, axis=1)[:, None]
         radii = 0.98 * abs(point.beta) * rng.uniform(0.2, 1, SCAN)
         u = radii[:, None] * directions
         values = (
-            self.side * self.search.limits.many(self.search.nataf.values(u))[:, self.search.row]
+            self.side
+            * self.search.limits.values_at(self.search.nataf.values(u))[:, self.search.row]
         )
-        over = np.flatnonzero(values < -10 * self.search.tolerance * self.scale)
-        return u[over[np.argmin(radii[over])]] if over.size and point.converged else None
+        failed = np.flatnonzero(values < -10 * self.search.tolerance * self.scale)
+        return u[failed[np.argmin(radii[failed])]] if failed.size and point.converged else None
 
-    def _before(self, point: DesignPoint) -> np.ndarray | None:
-        """Where the straight way from the median to the point has crossed the surface already."""
-        shares = WAY if point.beta * self.side >= 0 else (*WAY, 1 - 1e-3)
-        crossed = (s for s in shares if self._over(s * point.u))
+    def _crossing(self, point: DesignPoint) -> np.ndarray | None:
+        """First checked point on the ray from the median that is behind the surface."""
+        shares = RAY_FRACTIONS if point.beta * self.side >= 0 else (*RAY_FRACTIONS, 1 - 1e-3)
+        crossed = (s for s in shares if self._separated(s * point.u))
         share = next(crossed, None)
         return None if share is None else share * point.u
 
-    def _over(self, u: np.ndarray) -> bool:
-        """Whether a point is on the other side of the surface than the median."""
+    def _separated(self, u: np.ndarray) -> bool:
+        """Whether the surface separates a point from the median."""
         value = self.side * self.search.value(u)
         return bool(value < -10 * self.search.tolerance * self.scale)
 
-    def _beside(self, point: DesignPoint) -> tuple[DesignPoint, np.ndarray | None]:
-        """The point with its curvatures, and a start beside it where the surface bends around the
-        median: from an axis of symmetry a search comes to the farthest point."""
+    def _curvature_check(self, point: DesignPoint) -> tuple[DesignPoint, np.ndarray | None]:
+        """The point with its curvatures, and a start close to it if the surface curves around the
+        median: a search along an axis of symmetry converges to the farthest point."""
         if point.u.size < 2:
             return point, None
         try:
@@ -204,22 +206,22 @@ class _PointCheck:
         radius = float(np.linalg.norm(point.u))
         if not (curvatures * point.beta).min() < -1 or not radius:
             return point, None
-        away = axes[:, int(np.argmin(curvatures * point.beta))]
+        axis = axes[:, int(np.argmin(curvatures * point.beta))]
         for sign in (1.0, -1.0):
-            there = point.u + sign * BESIDE * max(radius, 1.0) * away
-            there *= radius / np.linalg.norm(there)
-            if self._over(there):
-                return point, there
+            start = point.u + sign * OFFSET * max(radius, 1.0) * axis
+            start *= radius / np.linalg.norm(start)
+            if self._separated(start):
+                return point, start
         return point, None
 
 
 def _first(search: Search, scale: float, rng: Any) -> DesignPoint:
-    """The point reached from the median, or from beside it where no gradient shows the way there.
+    """Design point from the median, or from random starts if the gradient vanishes there.
 
     Raises
     ------
     AnalysisError
-        None of these searches can be made.
+        All of these searches fail.
     """
     n = search.nataf.size
     try:

@@ -1,4 +1,4 @@
-"""A random variable as a function ``x(u)`` of a standard normal one."""
+"""Base class of distributions: random variables ``x(u)`` of a standard normal variable."""
 
 from __future__ import annotations
 
@@ -38,17 +38,17 @@ class Distribution(ABC):
 
     @property
     def numbers(self) -> dict[str, float]:
-        """Name → number of what describes it."""
-        every = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
-        return {n: v for n, v in every.items() if isinstance(v, (int, float))}
+        """Parameters of the distribution, name → number."""
+        parameters = {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
+        return {n: v for n, v in parameters.items() if isinstance(v, (int, float))}
 
     def check_units(self, unit: str, name: str = "") -> None:
-        """Its numbers with units fit those of the parameter that it is of.
+        """Check that the units of its numbers fit the unit of the random parameter.
 
         Raises
         ------
         ExpressionError
-            Names the parameter and what was given.
+            Names the parameter and the value.
         """
         for number, value in self.numbers.items():
             entity = f"{name}.{number}" if name else number
@@ -59,22 +59,22 @@ class Distribution(ABC):
 
     def changes(self, u: float) -> dict[str, float]:
         """Number → derivative of ``x(u)`` by it, by central differences."""
-        made = {}
+        derivatives = {}
         for name, value in self.numbers.items():
             if math.isfinite(value):
                 step = 1e-5 * (abs(value) or self.moments[1])
                 ends = [replace(self, **{name: value + s}) for s in (-step, step)]  # type: ignore[type-var]
                 low, high = (float(end.from_normal(u)) for end in ends)
-                made[name] = (high - low) / (2 * step)
-        return made
+                derivatives[name] = (high - low) / (2 * step)
+        return derivatives
 
-    def _need(self, right: bool, what: str) -> None:
-        if not right:
-            raise ModelError(f"{what}", repr(self))
+    def _require(self, condition: bool, requirement: str) -> None:
+        if not condition:
+            raise ModelError(requirement, repr(self))
 
 
 def normal_points(count: int = 64) -> tuple[np.ndarray, np.ndarray]:
-    """Points and weights of ``∫ φ(u) · du``, by Gauss and Hermite."""
+    """Points and weights of Gauss–Hermite quadrature for ``∫ φ(u) · du``."""
     points, weights = np.polynomial.hermite_e.hermegauss(count)
     return points, weights / weights.sum()
 

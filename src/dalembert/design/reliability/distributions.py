@@ -1,4 +1,4 @@
-"""Distributions, as functions ``x(u)`` of a standard normal variable, exact far into both tails."""
+"""Distributions ``x(u)`` of a standard normal variable, accurate far into both tails."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Normal(Distribution):
     std: float
 
     def __post_init__(self) -> None:
-        self._need(self.std > 0, "std must be above zero")
+        self._require(self.std > 0, "std must be above zero")
 
     def from_normal(self, u: Any) -> Any:
         return self.mean + self.std * u
@@ -54,14 +54,14 @@ class Lognormal(Distribution):
 
     Parameters
     ----------
-    mean, std : of ``x`` itself
+    mean, std : mean and standard deviation of ``x``
 
     Examples
     --------
     >>> import math
     >>> import dalembert as da
     >>> yield_stress = da.Lognormal(mean=235e6, std=23.5e6)
-    >>> round(float(yield_stress.from_normal(0.0)) * math.sqrt(1.01) / 1e6, 6)  # median by mean
+    >>> round(float(yield_stress.from_normal(0.0)) * math.sqrt(1.01) / 1e6, 6)  # from the median
     235.0
     """
 
@@ -69,7 +69,7 @@ class Lognormal(Distribution):
     std: float
 
     def __post_init__(self) -> None:
-        self._need(self.mean > 0 and self.std > 0, "mean and std must be above zero")
+        self._require(self.mean > 0 and self.std > 0, "mean and std must be above zero")
 
     @property
     def logarithm(self) -> tuple[float, float]:
@@ -95,11 +95,11 @@ class Lognormal(Distribution):
 
 @options
 class Uniform(Distribution):
-    """Every value between two numbers equally likely.
+    """Uniform distribution between two bounds.
 
     Parameters
     ----------
-    lower, upper : ends of the range
+    lower, upper : bounds
 
     Examples
     --------
@@ -113,7 +113,7 @@ class Uniform(Distribution):
     upper: float
 
     def __post_init__(self) -> None:
-        self._need(self.lower < self.upper, "lower must be below upper")
+        self._require(self.lower < self.upper, "lower must be below upper")
 
     def from_normal(self, u: Any) -> Any:
         from scipy.special import ndtr
@@ -137,17 +137,17 @@ class Uniform(Distribution):
 
 @options
 class Weibull(Distribution):
-    """Weibull distribution of least values, ``F = 1 − exp(−((x − location)/scale)^shape)``.
+    """Weibull distribution of minima, ``F = 1 − exp(−((x − location)/scale)^shape)``.
 
     Parameters
     ----------
-    scale, shape : above zero
-    location : least value
+    scale, shape : positive
+    location : lower bound
 
     Examples
     --------
     >>> import dalembert as da
-    >>> life = da.Weibull(scale=1000.0, shape=1.0)  # of shape one: exponential
+    >>> life = da.Weibull(scale=1000.0, shape=1.0)  # shape one: exponential
     >>> [round(number, 3) for number in life.moments]
     [1000.0, 1000.0]
     """
@@ -157,7 +157,7 @@ class Weibull(Distribution):
     location: float = 0.0
 
     def __post_init__(self) -> None:
-        self._need(self.scale > 0 and self.shape > 0, "scale and shape must be above zero")
+        self._require(self.scale > 0 and self.shape > 0, "scale and shape must be above zero")
 
     def from_normal(self, u: Any) -> Any:
         from scipy.special import log_ndtr
@@ -185,7 +185,7 @@ class Weibull(Distribution):
 
 @options
 class Gumbel(Distribution):
-    """Gumbel distribution of largest values, ``F = exp(−exp(−(x − mode)/scale))``.
+    """Gumbel distribution of maxima, ``F = exp(−exp(−(x − mode)/scale))``.
 
     Parameters
     ----------
@@ -195,11 +195,11 @@ class Gumbel(Distribution):
     --------
     >>> import math
     >>> import dalembert as da
-    >>> wind = da.Gumbel(mean=20.0, std=3.0)  # the largest of a year
+    >>> wind = da.Gumbel(mean=20.0, std=3.0)  # annual maximum
     >>> scale = 3.0 * math.sqrt(6) / math.pi
     >>> mode = 20.0 - 0.5772156649 * scale
     >>> median = float(wind.from_normal(0.0))
-    >>> round(math.exp(-math.exp(-(median - mode) / scale)), 6)  # F there
+    >>> round(math.exp(-math.exp(-(median - mode) / scale)), 6)  # F at the median
     0.5
     """
 
@@ -207,7 +207,7 @@ class Gumbel(Distribution):
     std: float
 
     def __post_init__(self) -> None:
-        self._need(self.std > 0, "std must be above zero")
+        self._require(self.std > 0, "std must be above zero")
 
     @property
     def _mode_scale(self) -> tuple[float, float]:
@@ -235,9 +235,9 @@ class Gumbel(Distribution):
 
         u = np.asarray(u, dtype=float)
         log = log_ndtr(np.minimum(u, 9.0))
-        near = density(u) * np.exp(-log) / -log
-        far = np.exp(-(u**2) / 2 - log_ndtr(-u)) / math.sqrt(2 * math.pi)
-        return self._mode_scale[1] * np.where(u > 9.0, far, near)
+        moderate = density(u) * np.exp(-log) / -log
+        tail = np.exp(-(u**2) / 2 - log_ndtr(-u)) / math.sqrt(2 * math.pi)
+        return self._mode_scale[1] * np.where(u > 9.0, tail, moderate)
 
     @property
     def moments(self) -> tuple[float, float]:
@@ -246,12 +246,12 @@ class Gumbel(Distribution):
 
 @options
 class Truncated(Distribution):
-    """Another distribution, cut off below and above.
+    """Truncation of another distribution.
 
     Parameters
     ----------
-    of : what is cut
-    lower, upper : where; infinity leaves a side open
+    of : distribution that is truncated
+    lower, upper : bounds; infinity or None for an open side
 
     Examples
     --------
@@ -266,13 +266,13 @@ class Truncated(Distribution):
     upper: float | None = None
 
     def __post_init__(self) -> None:
-        low, high = self._ends
-        self._need(low < high, "lower must be below upper")
-        self._need(self._share > 1e-12, "nothing is left between lower and upper")
+        low, high = self._normal_bounds
+        self._require(low < high, "lower must be below upper")
+        self._require(self._share > 1e-12, "the probability between lower and upper is zero")
 
     @property
-    def _ends(self) -> tuple[float, float]:
-        """Where the cuts are, as standard normal numbers."""
+    def _normal_bounds(self) -> tuple[float, float]:
+        """The bounds as values of the standard normal variable."""
         with np.errstate(invalid="ignore", divide="ignore"):
             low = -np.inf if self.lower is None else float(self.of.to_normal(self.lower))
             high = np.inf if self.upper is None else float(self.of.to_normal(self.upper))
@@ -280,16 +280,16 @@ class Truncated(Distribution):
 
     @property
     def _share(self) -> float:
-        """Probability of what is left."""
+        """Probability between the bounds."""
         from scipy.special import ndtr
 
-        low, high = self._ends
+        low, high = self._normal_bounds
         return float(ndtr(-low) - ndtr(-high) if low > 0 else ndtr(high) - ndtr(low))
 
     def _inner(self, u: Any) -> Any:
         from scipy.special import ndtr, ndtri
 
-        (low, high), share = self._ends, self._share
+        (low, high), share = self._normal_bounds, self._share
         below, above = ndtr(low) + ndtr(u) * share, ndtr(-high) + ndtr(-np.asarray(u)) * share
         return np.where(below < above, ndtri(below), -ndtri(above))
 
@@ -299,7 +299,7 @@ class Truncated(Distribution):
     def to_normal(self, x: Any) -> Any:
         from scipy.special import ndtr, ndtri
 
-        (low, high), share, z = self._ends, self._share, self.of.to_normal(x)
+        (low, high), share, z = self._normal_bounds, self._share, self.of.to_normal(x)
         below, above = (ndtr(z) - ndtr(low)) / share, (ndtr(-z) - ndtr(-high)) / share
         return np.where(below < above, ndtri(below), -ndtri(above))
 

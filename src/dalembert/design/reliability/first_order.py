@@ -1,44 +1,100 @@
 """First-order reliability: the point of a limit state that is nearest to the origin of ``u``.
 
 Hasofer and Lind's index ``β = αᵀu*`` of the point ``u*`` with ``G(u*) = 0``, ``α = −∇G/|∇G|``.
-The methods are sequential quadratic programming (``quasi_newton.py``), the iteration of Rackwitz
-and Fiessler (HL-RF), and the improved one of Zhang and Der Kiureghian (1995); the first and the
-last have a line search on the merit ``|u|²/2 + c|G|``.
+The methods are sequential quadratic programming, the iteration of Rackwitz and Fiessler (HL-RF),
+and the improved iteration of Zhang and Der Kiureghian (1995); the first and the last use a line
+search on the merit function ``|u|²/2 + c|G|``.
+
+A step ``d`` and its multiplier ``λ`` solve ``B d + λ∇G = −u``, ``∇Gᵀd = −G``. ``B = I`` is the step
+of Rackwitz and Fiessler, which converges only if the curvature of the surface is less than that of
+the sphere about the origin, ``|βκ| < 1``. Otherwise ``B`` approximates the Hessian of
+``|u|²/2 + λG`` by damped BFGS updates (Powell 1978; Liu and Der Kiureghian, Structural Safety 9,
+1991), which also converges for strongly curved surfaces.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from dalembert.design.methods.stop import check_stop
+from dalembert.design.methods.search_options import check_stop
 from dalembert.design.reliability.limit_state import LimitStates
 from dalembert.design.reliability.nataf import Nataf
-from dalembert.design.reliability.quasi_newton import LagrangianHessian
 from dalembert.errors import AnalysisError, UnsupportedError
 
 METHODS = ("sqp", "improved-hlrf", "hlrf")
+DAMPING = 0.2
+"""Smallest ratio of measured to predicted curvature of an undamped update."""
+CONDITION = 1e-10
+"""Threshold for a restart of ``B``: ratio of its smallest to its largest eigenvalue."""
+
+
+@dataclass
+class LagrangianHessian:
+    """Quasi-Newton approximation ``B`` of the Hessian of the Lagrangian, positive definite.
+
+    Parameters
+    ----------
+    size : n, number of variables
+    """
+
+    size: int
+    matrix: np.ndarray = field(init=False)
+    new: bool = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.matrix, self.new = np.eye(self.size), True
+
+    def step(self, u: np.ndarray, g: float, slope: np.ndarray) -> tuple[np.ndarray, float]:
+        """(n,) ``d`` and ``λ``."""
+        solutions = np.linalg.solve(self.matrix, np.column_stack([u, slope]))
+        multiplier = (g - slope @ solutions[:, 0]) / (slope @ solutions[:, 1])
+        return -solutions @ np.array([1.0, multiplier]), float(multiplier)
+
+    def update(self, displacement: np.ndarray, change: np.ndarray) -> None:
+        """Damped BFGS update.
+
+        Parameters
+        ----------
+        displacement : (n,) difference of two points
+        change : (n,) difference of the gradients of the Lagrangian at these points
+        """
+        image = self.matrix @ displacement
+        predicted, self.new = float(displacement @ image), False
+        if not predicted > 1e-30:
+            return
+        measured = float(displacement @ change)
+        if measured < DAMPING * predicted:
+            fraction = (1 - DAMPING) * predicted / (predicted - measured)
+            change = fraction * change + (1 - fraction) * image
+            measured = float(displacement @ change)
+        self.matrix = (
+            self.matrix - np.outer(image, image) / predicted + np.outer(change, change) / measured
+        )
+        sizes = np.linalg.eigvalsh(self.matrix)
+        if not sizes[0] > CONDITION * sizes[-1]:
+            self.__post_init__()
 
 
 @dataclass(frozen=True)
 class DesignPoint:
-    """Where a limit state is likeliest to break.
+    """Most probable failure point of a limit state.
 
     Attributes
     ----------
     limit : label of the limit state
-    beta : reliability index, below zero where the means fail already
+    beta : reliability index, negative if the median fails
     u : (n,) in independent standard normal variables
     x : random parameter → value
     alpha : (n,) unit vector towards failure
     slope : ``|∇G|``
-    residual : ``|G(u*)|`` over ``|G|`` at the median: zero if it lies on the limit state
-    off : distance of ``u*`` from the ray along ``α``: zero if it is the nearest
+    residual : ``|G(u*)|`` over ``|G|`` at the median; zero on the limit state
+    ray_distance : distance of ``u*`` from the ray along ``α``; zero at the nearest point
     converged : whether both are within the tolerance
-    gradient, others : of ``g`` by the random and by the other parameters
-    iterations : taken
-    curvatures : (n − 1,) principal curvatures of the surface there; None before they are computed
+    gradient, other_gradient : of ``g`` by the random and by the other parameters
+    iterations : number of iterations
+    curvatures : (n − 1,) principal curvatures of the surface; None before they are computed
     """
 
     limit: str
@@ -49,10 +105,10 @@ class DesignPoint:
     alpha: np.ndarray
     slope: float
     residual: float
-    off: float
+    ray_distance: float
     converged: bool
     gradient: np.ndarray
-    others: np.ndarray
+    other_gradient: np.ndarray
     iterations: int
     curvatures: np.ndarray | None = None
 
@@ -71,7 +127,7 @@ class Search:
     Parameters
     ----------
     row : number of the limit state
-    tolerance : on residual and distance
+    tolerance : of residual and distance
     """
 
     limits: LimitStates
@@ -84,116 +140,116 @@ class Search:
     def __post_init__(self) -> None:
         check_stop(self.max_iterations, self.tolerance)
         if self.method not in METHODS:
-            known = ", ".join(METHODS)
-            raise UnsupportedError(f"unknown method {self.method!r}; known: {known}")
+            raise UnsupportedError(f"unknown method {self.method!r}; known: {', '.join(METHODS)}")
 
     def value(self, u: np.ndarray) -> float:
-        """``G(u)``; NaN where a run fails."""
+        """``G(u)``; NaN if a run fails."""
         return float(self.limits.values(self.nataf.values(u))[self.row])
 
     def slope(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``∇G``, and ``∂g`` by random and other parameters."""
-        random, others = self.limits.gradients(self.nataf.values(u))
-        return self.nataf.slopes(u).T @ random[self.row], random[self.row], others[self.row]
+        random, other = self.limits.gradients(self.nataf.values(u))
+        return self.nataf.slopes(u).T @ random[self.row], random[self.row], other[self.row]
 
     def solve(self, start: np.ndarray, scale: float) -> DesignPoint:
         """The design point reached from a start.
 
         Parameters
         ----------
-        scale : size of ``G``, that of the median
+        scale : magnitude of ``G``, its value at the median
 
         Raises
         ------
         AnalysisError
-            A run fails, or the limit state does not depend on what is random.
+            A run fails, or the limit state does not depend on the random parameters.
         """
         u, weight = start, 0.0
-        g, hessian = self.needed(u), LagrangianHessian(start.size)
-        before: tuple[np.ndarray, np.ndarray, float] | None = None
+        g, hessian = self.finite_value(u), LagrangianHessian(start.size)
+        previous: tuple[np.ndarray, np.ndarray, float] | None = None
         for iteration in range(self.max_iterations + 1):
-            slope, random, others = self.slope(u)
+            slope, random, other_gradient = self.slope(u)
             size = float(np.linalg.norm(slope))
             if not size > 0:
                 raise AnalysisError(
                     f"{self.limits.labels[self.row]}: does not change with the random parameters "
-                    f"at {self._told(u)}; its gradient is {size:g}"
+                    f"at {self._point_text(u)}; its gradient is {size:g}"
                 )
             alpha = -slope / size
-            off = float(np.linalg.norm(u - (alpha @ u) * alpha))
-            far = max(1.0, float(np.linalg.norm(u)))
-            done = abs(g) <= self.tolerance * scale and off <= self.tolerance**0.5 * far
-            exact = done and off <= 10 * self.tolerance * far
+            ray_distance = float(np.linalg.norm(u - (alpha @ u) * alpha))
+            radius = max(1.0, float(np.linalg.norm(u)))
+            done = abs(g) <= self.tolerance * scale and ray_distance <= self.tolerance**0.5 * radius
+            exact = done and ray_distance <= 10 * self.tolerance * radius
             if exact or iteration == self.max_iterations:
                 break
-            if before is not None and self.method == "sqp":
-                moved = u - before[0]
-                hessian.update(moved, moved + before[2] * (slope - before[1]))
+            if previous is not None and self.method == "sqp":
+                displacement = u - previous[0]
+                hessian.update(displacement, displacement + previous[2] * (slope - previous[1]))
             step, multiplier = hessian.step(u, g, slope)
-            before = u, slope, multiplier
+            previous = u, slope, multiplier
             if self.method == "hlrf":
-                following, value = u + step, self.needed(u + step)
+                following, value = u + step, self.finite_value(u + step)
             else:
                 if self.method == "improved-hlrf":
                     multiplier = float(np.linalg.norm(u)) / size
-                wanted = 2 * abs(multiplier) + 1e-3 / scale
-                weight = max(wanted, (weight + wanted) / 2)  # Powell 1978: it may fall again
-                following, value = self._searched(u, g, step, slope, weight)
+                required_weight = 2 * abs(multiplier) + 1e-3 / scale
+                # Powell 1978: the weight may decrease
+                weight = max(required_weight, (weight + required_weight) / 2)
+                following, value = self._line_search(u, g, step, slope, weight)
             if np.array_equal(following, u):
                 if hessian.new:
                     break
-                hessian, before, weight = LagrangianHessian(u.size), None, 0.0
+                hessian, previous, weight = LagrangianHessian(u.size), None, 0.0
             u, g = following, value
         x = dict(zip(self.limits.names, map(float, self.nataf.values(u)), strict=True))
         return DesignPoint(
             *(self.limits.labels[self.row], self.row, float(alpha @ u), u, x, alpha, size),
-            *(abs(g) / scale, off, done, random, others, iteration),
+            *(abs(g) / scale, ray_distance, done, random, other_gradient, iteration),
         )
 
-    def _searched(
+    def _line_search(
         self, u: np.ndarray, g: float, step: np.ndarray, slope: np.ndarray, weight: float
     ) -> tuple[np.ndarray, float]:
-        """The longest of halved steps that lowers the merit enough, by Armijo's rule.
+        """Backtracking line search with the Armijo condition on the merit function.
 
-        A step that does not is corrected back on to the surface once, for the curvature of the
-        surface alone must not shorten it (Maratos's effect).
+        A rejected step is projected on the surface once, so that the curvature of the surface does
+        not shorten it (Maratos effect).
         """
 
-        def merit(u: np.ndarray, g: float) -> float:
+        def merit_function(u: np.ndarray, g: float) -> float:
             return 0.5 * float(u @ u) + weight * abs(g)
 
-        before = merit(u, g)
-        falls = float((u + weight * np.sign(g) * slope) @ step)
-        length, rounding = 1.0, 1e-14 * (1 + abs(before))
+        initial_merit = merit_function(u, g)
+        directional_derivative = float((u + weight * np.sign(g) * slope) @ step)
+        length, rounding = 1.0, 1e-14 * (1 + abs(initial_merit))
 
-        def enough(u: np.ndarray, g: float) -> bool:
-            wanted = before + 0.1 * length * min(falls, 0) + rounding
-            return bool(np.isfinite(g) and merit(u, g) <= wanted)
+        def sufficient_decrease(u: np.ndarray, g: float) -> bool:
+            bound = initial_merit + 0.1 * length * min(directional_derivative, 0) + rounding
+            return bool(np.isfinite(g) and merit_function(u, g) <= bound)
 
         for _ in range(40):
-            there = u + length * step
-            value = self.value(there)
-            if enough(there, value):
-                return there, value
+            trial = u + length * step
+            value = self.value(trial)
+            if sufficient_decrease(trial, value):
+                return trial, value
             if self.method == "sqp" and np.isfinite(value):
-                corrected = there - value / float(slope @ slope) * slope
+                corrected = trial - value / float(slope @ slope) * slope
                 value = self.value(corrected)
-                if enough(corrected, value):
+                if sufficient_decrease(corrected, value):
                     return corrected, value
             length /= 2
         return u, g
 
-    def needed(self, u: np.ndarray) -> float:
-        """``G(u)``, an error where a run fails."""
+    def finite_value(self, u: np.ndarray) -> float:
+        """``G(u)``; an error if a run fails."""
         g = self.value(u)
         if not np.isfinite(g):
-            why = self.limits.failure
+            reason = self.limits.failure
             raise AnalysisError(
-                f"{self.limits.labels[self.row]}: cannot be evaluated at {self._told(u)}"
-                f"{': ' if why else ''}{why}"
+                f"{self.limits.labels[self.row]}: cannot be evaluated at {self._point_text(u)}"
+                f"{': ' if reason else ''}{reason}"
             )
         return g
 
-    def _told(self, u: np.ndarray) -> str:
+    def _point_text(self, u: np.ndarray) -> str:
         x = self.nataf.values(u)
         return ", ".join(f"{n} = {v:.6g}" for n, v in zip(self.limits.names, x, strict=True))

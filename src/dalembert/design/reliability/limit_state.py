@@ -1,4 +1,4 @@
-"""Limit states ``g(x)``: safe above zero, failed below; from runs of a model or from a formula."""
+"""Limit states ``g(x)``, safe if positive, by runs of a model or by formulas."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dalembert.design.limit import Limit
 from dalembert.design.optimize.optimization import design_problem
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.responses.base import Response
-from dalembert.responses.several import as_responses
+from dalembert.responses.evaluation import as_responses
 from dalembert.results.result import Analysis
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import parse_formula
@@ -26,11 +26,11 @@ class LimitStates(ABC):
 
     Attributes
     ----------
-    labels : of the limit states
-    names : of the random parameters
-    others : of the parameters that are not random
-    model : that is run; None of formulas
-    cheap : whether thousands of evaluations cost little
+    labels : labels of the limit states
+    names : names of the random parameters
+    others : names of the parameters that are not random
+    model : model of the runs; None for formulas
+    cheap : whether thousands of evaluations are fast
     """
 
     labels: list[str]
@@ -42,28 +42,28 @@ class LimitStates(ABC):
 
     @abstractmethod
     def values(self, x: np.ndarray) -> np.ndarray:
-        """(m,) ``g``; NaN where a run fails."""
+        """(m,) ``g``; NaN if a run fails."""
 
     @abstractmethod
     def gradients(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(m, n) by the random and (m, others) by the other parameters."""
 
-    def many(self, points: np.ndarray) -> np.ndarray:
+    def values_at(self, points: np.ndarray) -> np.ndarray:
         """(N, m) ``g`` at (N, n) points."""
         return np.array([self.values(x) for x in points]).reshape(len(points), len(self.labels))
 
     def result(self, x: np.ndarray) -> Any:
-        """The run at ``x``; None where nothing is run, or it fails."""
+        """The run at ``x``; None without a model, or if the run fails."""
         return None
 
     @property
     def failure(self) -> str:
-        """Why the last run failed."""
+        """Message of the last failed run."""
         return ""
 
 
 class RunLimits(LimitStates):
-    """Limit states by an analysis of a model for every ``x``, with its exact gradients."""
+    """Limit states by an analysis of a model, with exact gradients."""
 
     def __init__(
         self,
@@ -86,27 +86,31 @@ class RunLimits(LimitStates):
             for sign, bound, text in _sides(limit):
                 self.sides.append((row, sign, bound))
                 self.labels.append(f"{response.label}{text}")
-        every = as_responses(unique)
-        self.problem = design_problem(model, analysis, every, [*self.names, *self.others])
-        listed = list(model.parameters)
-        self.rest = np.array([model.nominal[listed.index(n)] for n in self.others])
+        unique_responses = as_responses(unique)
+        self.problem = design_problem(
+            model, analysis, unique_responses, [*self.names, *self.others]
+        )
+        parameters = list(model.parameters)
+        self.other_values = np.array([model.nominal[parameters.index(n)] for n in self.others])
 
     def values(self, x: np.ndarray) -> np.ndarray:
         self.calls += 1
-        found = self.problem.evaluate(np.append(x, self.rest), gradient=False)
-        if found is None:
+        evaluation = self.problem.evaluate(np.append(x, self.other_values), gradient=False)
+        if evaluation is None:
             return np.full(len(self.sides), np.nan)
-        return np.array([sign * (found.values[row] - bound) for row, sign, bound in self.sides])
+        return np.array(
+            [sign * (evaluation.values[row] - bound) for row, sign, bound in self.sides]
+        )
 
     def gradients(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found = self.problem.evaluate(np.append(x, self.rest))
-        if found is None:
+        evaluation = self.problem.evaluate(np.append(x, self.other_values))
+        if evaluation is None:
             raise AnalysisError(f"a run fails: {self.failure}")
-        rows = np.array([sign * self.problem.slope(found, row) for row, sign, _ in self.sides])
+        rows = np.array([sign * self.problem.slope(evaluation, row) for row, sign, _ in self.sides])
         return rows[:, : len(self.names)], rows[:, len(self.names) :]
 
     def result(self, x: np.ndarray) -> Any:
-        return next(iter(self.problem.results(np.append(x, self.rest)).values()), None)
+        return next(iter(self.problem.results(np.append(x, self.other_values)).values()), None)
 
     @property
     def failure(self) -> str:
@@ -114,15 +118,15 @@ class RunLimits(LimitStates):
 
 
 class FormulaLimits(LimitStates):
-    """Limit states by formulas of the random parameters alone; many points at once."""
+    """Limit states by formulas of the random parameters, vectorised over points."""
 
     cheap = True
 
     def __init__(self, formulas: Sequence[str], names: Sequence[str]):
         self.labels, self.names, self.others = list(formulas), list(names), []
         symbols = {name: Expression(ca.SX.sym(name), name) for name in names}
-        made = [parse_formula(text, symbols.get) for text in formulas]
-        g = ca.vertcat(*(ca.SX(m.sx) for m in made))
+        expressions = [parse_formula(text, symbols.get) for text in formulas]
+        g = ca.vertcat(*(ca.SX(m.sx) for m in expressions))
         x = ca.vertcat(*(s.sx for s in symbols.values()))
         self._g = ca.Function("g", [x], [ca.densify(g)])
         self._slope = ca.Function("dg", [x], [ca.densify(ca.jacobian(g, x))])
@@ -132,43 +136,43 @@ class FormulaLimits(LimitStates):
         return self._g(x).full().ravel()
 
     def gradients(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found = self._slope(x).full()
-        return found, np.zeros((found.shape[0], 0))
+        gradients = self._slope(x).full()
+        return gradients, np.zeros((gradients.shape[0], 0))
 
-    def many(self, points: np.ndarray) -> np.ndarray:
+    def values_at(self, points: np.ndarray) -> np.ndarray:
         self.calls += len(points)
         return self._g(points.T).full().T
 
 
 def limit_states(
-    model: ParametricModel | None, given: Any, names: Sequence[str], analysis: Analysis | None
+    model: ParametricModel | None, limits: Any, names: Sequence[str], analysis: Analysis | None
 ) -> LimitStates:
-    """The limit states that were given, one or several.
+    """Limit states from responses, limits or formulas, one or several.
 
     Raises
     ------
     AnalysisError
-        Neither formulas, nor responses of a model with an analysis.
+        The limit states are neither formulas nor responses of a model with an analysis.
     """
-    listed = list(given) if isinstance(given, (list, tuple)) else [given]
-    if not listed:
+    limit_list = list(limits) if isinstance(limits, (list, tuple)) else [limits]
+    if not limit_list:
         raise AnalysisError("there is no limit state; give a response, a Limit or a formula")
-    if model is None and all(isinstance(one, str) for one in listed):
-        return FormulaLimits(listed, names)
+    if model is None and all(isinstance(limit, str) for limit in limit_list):
+        return FormulaLimits(limit_list, names)
     if model is None or analysis is None:
         raise AnalysisError(
             "limit states of a model need analysis=...; formulas of the random parameters alone "
             "need no model: reliability(None, 'r - s', ...)"
         )
-    for one in listed:
-        if not isinstance(one, (Response, Limit)):
+    for limit in limit_list:
+        if not isinstance(limit, (Response, Limit)):
             text = "give a response, safe above zero, or a Limit"
-            raise AnalysisError(f"{one!r} is no limit state of a model; {text}")
-    return RunLimits(model, listed, names, analysis)
+            raise AnalysisError(f"{limit!r} is not a limit state of a model; {text}")
+    return RunLimits(model, limit_list, names, analysis)
 
 
 def _sides(limit: Response | Limit) -> list[tuple[float, float, str]]:
-    """Sign, bound and text of what must be above zero."""
+    """Sign, bound and label of each side of a limit; ``sign (response − bound) > 0`` is safe."""
     if not isinstance(limit, Limit):
         return [(1.0, 0.0, " > 0")]
     sides = []

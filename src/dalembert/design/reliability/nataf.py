@@ -1,7 +1,7 @@
-"""Nataf's transformation: correlated random variables as functions of independent normal ones.
+"""Nataf transformation from independent normal to correlated random variables.
 
-``x_i = F_i⁻¹(Φ(z_i))``, ``z = L u``, where ``L Lᵀ = R₀`` and ``R₀`` is such that ``x`` has the
-wanted linear correlation (Liu and Der Kiureghian 1986).
+``x_i = F_i⁻¹(Φ(z_i))``, ``z = L u``, ``L Lᵀ = R₀``, with the matrix ``R₀`` for which ``x`` has the
+prescribed linear correlation (Liu and Der Kiureghian 1986).
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ Correlation = Mapping[tuple[str, str], float] | np.ndarray | None
 
 @dataclass
 class Nataf:
-    """``u ↦ x`` and its derivative.
+    """Nataf transformation ``u ↦ x`` and its derivative.
 
     Parameters
     ----------
     random : name → distribution
-    correlation : pair of names → linear correlation, or the whole matrix
+    correlation : pair of names → linear correlation, or the full matrix
     """
 
     random: Mapping[str, Distribution]
@@ -34,15 +34,17 @@ class Nataf:
     factor: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
-        wanted = correlation_matrix(list(self.random), self.correlation)
-        listed, n = list(self.random.values()), len(self.random)
+        prescribed = correlation_matrix(list(self.random), self.correlation)
+        distributions, n = list(self.random.values()), len(self.random)
         normal = np.eye(n)
         for i in range(n):
             for j in range(i):
-                if wanted[i, j]:
-                    found = _of_normal(listed[i], listed[j], wanted[i, j], self._pair(i, j))
-                    normal[i, j] = normal[j, i] = found
-        refuse_indefinite(normal, "of the normal variables behind it")
+                if prescribed[i, j]:
+                    value = _normal_correlation(
+                        distributions[i], distributions[j], prescribed[i, j], self._pair(i, j)
+                    )
+                    normal[i, j] = normal[j, i] = value
+        check_definite(normal, "of the underlying normal variables")
         self.factor = np.linalg.cholesky(normal)
 
     def _pair(self, i: int, j: int) -> str:
@@ -71,80 +73,82 @@ class Nataf:
         return np.linalg.solve(self.factor, np.array(z))
 
 
-def correlation_matrix(names: list[str], given: Correlation) -> np.ndarray:
+def correlation_matrix(names: list[str], correlation: Correlation) -> np.ndarray:
     """(n, n) linear correlation.
 
     Raises
     ------
     ModelError
-        Not a correlation: unknown names, not symmetric, or not positive definite.
+        A name is unknown, or the matrix is not symmetric or not positive definite.
     """
     n = len(names)
-    if given is None:
+    if correlation is None:
         return np.eye(n)
-    if isinstance(given, Mapping):
-        made = np.eye(n)
-        for pair, value in given.items():
+    if isinstance(correlation, Mapping):
+        matrix = np.eye(n)
+        for pair, value in correlation.items():
             if not (isinstance(pair, tuple) and len(pair) == 2 and pair[0] != pair[1]):
-                raise ModelError(f"{pair!r} is no pair of two names", "correlation")
+                raise ModelError(f"{pair!r} is not a pair of two names", "correlation")
             for name in pair:
                 if name not in names:
                     raise ModelError(unknown("random parameter", name, names), "correlation")
             i, j = map(names.index, pair)
-            made[i, j] = made[j, i] = float(value)
+            matrix[i, j] = matrix[j, i] = float(value)
     else:
-        made = np.asarray(given, dtype=float)
-        if made.shape != (n, n):
-            raise ModelError(f"has shape {made.shape}; it needs ({n}, {n})", "correlation")
-        if not (np.allclose(made, made.T) and np.allclose(np.diag(made), 1)):
+        matrix = np.asarray(correlation, dtype=float)
+        if matrix.shape != (n, n):
+            raise ModelError(f"has shape {matrix.shape}; it needs ({n}, {n})", "correlation")
+        if not (np.allclose(matrix, matrix.T) and np.allclose(np.diag(matrix), 1)):
             raise ModelError("must be symmetric with ones on its diagonal", "correlation")
-    if not np.all(np.isfinite(made)):
-        raise ModelError("holds numbers that are none", "correlation")
-    refuse_indefinite(made, "given")
-    return made
+    if not np.all(np.isfinite(matrix)):
+        raise ModelError("contains NaN or infinite values", "correlation")
+    check_definite(matrix, "given")
+    return matrix
 
 
-def refuse_indefinite(matrix: np.ndarray, which: str) -> None:
-    """A correlation matrix is positive definite.
+def check_definite(matrix: np.ndarray, which: str) -> None:
+    """Check that a correlation matrix is positive definite.
 
     Raises
     ------
     ModelError
-        With its smallest eigenvalue.
+        The matrix is not positive definite; the message contains its smallest eigenvalue.
     """
-    least = float(np.linalg.eigvalsh(matrix)[0])
-    if least <= 1e-12:
+    smallest = float(np.linalg.eigvalsh(matrix)[0])
+    if smallest <= 1e-12:
         raise ModelError(
-            f"the matrix {which} is not positive definite (smallest eigenvalue {least:.3g}): no "
-            "variables can be correlated so; make the correlations smaller",
+            f"the matrix {which} is not positive definite (smallest eigenvalue {smallest:.3g}): no "
+            "variables have these correlations; reduce them",
             "correlation",
         )
 
 
-def _of_normal(a: Distribution, b: Distribution, wanted: float, pair: str) -> float:
-    """Correlation of the normal variables with which two others have the wanted one."""
+def _normal_correlation(a: Distribution, b: Distribution, prescribed: float, pair: str) -> float:
+    """Correlation of the normal variables for a prescribed correlation of two variables."""
     if isinstance(a, Normal) and isinstance(b, Normal):
-        return wanted
+        return prescribed
     if isinstance(a, Lognormal) and isinstance(b, Lognormal):
         (_, s), (_, r) = a.logarithm, b.logarithm
-        ratio = wanted * (a.std / a.mean) * (b.std / b.mean)
-        if ratio > -1 and abs(found := float(np.log1p(ratio)) / (s * r)) < 1:
-            return found
+        ratio = prescribed * (a.std / a.mean) * (b.std / b.mean)
+        if ratio > -1 and abs(value := float(np.log1p(ratio)) / (s * r)) < 1:
+            return value
     from scipy.optimize import brentq
 
-    reach = 1 - 1e-9
-    low, high = (_correlation(a, b, r) for r in (-reach, reach))
-    if not low < wanted < high:
+    largest = 1 - 1e-9
+    low, high = (_correlation(a, b, r) for r in (-largest, largest))
+    if not low < prescribed < high:
         raise ModelError(
-            f"{pair} cannot have a correlation of {wanted:g}; with their distributions it lies "
+            f"{pair} cannot have a correlation of {prescribed:g}; with their distributions it lies "
             f"between {low:.4g} and {high:.4g}",
             "correlation",
         )
-    return float(brentq(lambda r: _correlation(a, b, r) - wanted, -reach, reach, xtol=1e-13))
+    return float(
+        brentq(lambda r: _correlation(a, b, r) - prescribed, -largest, largest, xtol=1e-13)
+    )
 
 
 def _correlation(a: Distribution, b: Distribution, normal: float) -> float:
-    """Correlation of two variables whose normal ones have this correlation."""
+    """Correlation of two variables for a correlation of the underlying normal variables."""
     u, w = normal_points()
     (mean_a, std_a), (mean_b, std_b) = a.moments, b.moments
     other = normal * u[:, None] + np.sqrt(1 - normal**2) * u

@@ -1,9 +1,9 @@
-"""The best design whose limits hold with a given reliability.
+"""Reliability-based design optimisation.
 
-Optimisation and reliability in turn (SORA, Du and Chen 2004): every limit is kept at the worst
-point of its random parameters at the index that is wanted, where the last design put it; at the
-new design the worst points are looked for again, until nothing moves. Each round begins where the
-last one ended, with its design and its worst points. All gradients are exact.
+Sequential optimisation and reliability assessment (SORA, Du and Chen 2004): every limit is
+evaluated at the worst point of its random parameters at the required index, computed at the last
+design; the worst points are recomputed at the new design, until both converge. Each round starts
+from the design and the worst points of the last round. All gradients are exact.
 """
 
 from __future__ import annotations
@@ -15,17 +15,21 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.bounded import Bounded
-from dalembert.design.limit import Limit
+from dalembert.design.limit import Bounded, Limit
 from dalembert.design.methods.base import Optimizer, Stop
+from dalembert.design.methods.search_options import OnIteration
 from dalembert.design.optimize.evaluation_log import EvaluationLog
-from dalembert.design.optimize.optimization import Searched, aimed, design_problem, fingerprint
+from dalembert.design.optimize.optimization import (
+    OptimizerSettings,
+    design_problem,
+    fingerprint,
+    signed_objective,
+)
 from dalembert.design.optimize.optimum import Optimum
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Correlation
 from dalembert.design.reliability.reliable_optimum import ReliableLimit, ReliableOptimum, Round
 from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
-from dalembert.design.telling import Told
 from dalembert.design.variables import varied_names
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching
@@ -34,8 +38,8 @@ from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
 
-SETTLED = 1e-5
-"""Change of a design, of its size, and of a limit, of its own, that ends the rounds."""
+CONVERGED = 1e-5
+"""Threshold for convergence of the rounds: relative change of the design, margin of the limits."""
 
 
 @spelled
@@ -58,26 +62,26 @@ def optimize_reliable(
     tolerance: float = 1e-8,
     rounds: int = 20,
     history: str | Path | None = None,
-    progress: bool | Told = False,
+    progress: bool | OnIteration = False,
 ) -> ReliableOptimum:
-    """Best parameters for which every limit holds with a probability ``Φ(β)``, to first order.
+    """Optimal parameters for which every limit holds with probability ``Φ(β)``, to first order.
 
     Parameters
     ----------
-    model, analysis : what is run
-    minimize, maximize : the objective at the design itself
-    subject_to : limits on responses, each of which must hold with this reliability
-    random : parameter → distribution; where the parameter varies, its mean is the design
-    beta : reliability index of each limit
-    vary, start, method, gradient, max_iterations, tolerance, progress : as of ``optimize``
-    correlation : pair of names → linear correlation, or the whole matrix
-    rounds : of optimisation and reliability at most
-    history : file in which evaluations are kept; the same call goes on from it after an interrupt
+    model, analysis : model and analysis of the runs
+    minimize, maximize : the objective, evaluated at the design
+    subject_to : limits on responses, each with the required reliability
+    random : parameter → distribution; the mean of a design variable is its value at the design
+    beta : required reliability index of each limit
+    vary, start, method, gradient, max_iterations, tolerance, progress : as in ``optimize``
+    correlation : pair of names → linear correlation, or the full matrix
+    rounds : upper limit of rounds of optimisation and reliability assessment
+    history : file that records evaluations; the same call resumes from it after an interrupt
 
     Raises
     ------
     AnalysisError
-        No limits or nothing random, or a run fails at the start.
+        There are no limits or no random parameters, or a run fails at the start.
 
     Examples
     --------
@@ -101,34 +105,34 @@ def optimize_reliable(
         raise AnalysisError(f"beta is {beta!r}; give an index above zero, such as 3")
     if not random:
         raise AnalysisError("nothing is random; give random={parameter: distribution}")
-    sign, objective = aimed(minimize, maximize)
+    sign, objective = signed_objective(minimize, maximize)
     task = ReliableTask(model, analysis, one_sided(subject_to), random, correlation, beta)
-    how = Searched(method, gradient, Stop(max_iterations, tolerance), progress)
-    walk = _Rounds(task, how, sign, objective, vary, dict(start or {}), history)
+    search = OptimizerSettings(method, gradient, Stop(max_iterations, tolerance), progress)
+    state = _Rounds(task, search, sign, objective, vary, dict(start or {}), history)
     try:
         with searching():
-            walk.walk(max(rounds, 1))
+            state.iterate(max(rounds, 1))
     except KeyboardInterrupt:
-        if walk.best is None:
+        if state.best is None:
             raise
-        walk.stopped = True
-    return walk.ended()
+        state.stopped = True
+    return state.result()
 
 
 @dataclass
 class _Rounds:
-    """Optimisation and reliability in turn, and what they came to."""
+    """Alternating rounds of optimisation and reliability assessment, with their results."""
 
     task: ReliableTask
-    how: Searched
+    search: OptimizerSettings
     sign: float
     objective: Any
     vary: Sequence[Any] | None
     start: dict[str, float]
     history: str | Path | None
     best: Optimum | None = None
-    found: list[ReliableLimit] = field(default_factory=list)
-    told: list[Round] = field(default_factory=list)
+    limits: list[ReliableLimit] = field(default_factory=list)
+    rounds: list[Round] = field(default_factory=list)
     settled: bool = False
     stopped: bool = False
     sizes: np.ndarray | None = None
@@ -138,58 +142,61 @@ class _Rounds:
         self.points, self.log = task.means, None
         self.varied = varied_names(task.model.parameters, self.vary)
         if self.history is not None:
-            wanted = [self.objective, *(limit.response for limit in task.limits)]
-            problem = design_problem(task.model, task.analysis, wanted, self.vary, self.start)
-            about = {"random": repr(dict(task.random)), "correlation": repr(task.correlation)}
-            self.log = EvaluationLog(self.history, fingerprint(problem) | about)
+            quantities = [self.objective, *(limit.response for limit in task.limits)]
+            problem = design_problem(task.model, task.analysis, quantities, self.vary, self.start)
+            problem_data = {
+                "random": repr(dict(task.random)),
+                "correlation": repr(task.correlation),
+            }
+            self.log = EvaluationLog(self.history, fingerprint(problem) | problem_data)
             task.states.problem.log = self.log.part("reliability")
 
-    def walk(self, rounds: int) -> None:
-        """From round to round, until nothing moves."""
-        at = dict[str, float]()
+    def iterate(self, rounds: int) -> None:
+        """Alternate until the design and the worst points converge."""
+        previous = dict[str, float]()
         for number in range(rounds):
             best = self._optimum()
-            self.best = best if self.best is None else _after(self.best, best)
+            self.best = best if self.best is None else _continued(self.best, best)
             if best.interrupted:
                 self.stopped = True
                 return
-            moved = max((_change(best.x[n], at.get(n)) for n in best.x), default=0.0)
-            self.points, self.found = self.task.worst(best, self.points)
-            at = self.start = dict(best.x)
-            margin = min(one.margin for one in self.found)
-            self.told.append(Round(number, best.fun, best.x, margin, best.runs))
-            self.settled = moved <= SETTLED and margin >= -SETTLED
+            change = max((_change(best.x[n], previous.get(n)) for n in best.x), default=0.0)
+            self.points, self.limits = self.task.worst(best, self.points)
+            previous = self.start = dict(best.x)
+            margin = min(limit.margin for limit in self.limits)
+            self.rounds.append(Round(number, best.fun, best.x, margin, best.runs))
+            self.settled = change <= CONVERGED and margin >= -CONVERGED
             if self.settled:
                 break
         assert self.best is not None
-        self.found = self.task.with_indices(self.best, self.points, self.found)
+        self.limits = self.task.with_indices(self.best, self.points, self.limits)
 
     def _optimum(self) -> Optimum:
-        """The best design for the limits at their worst points of the last one."""
+        """The optimum for limits at the worst points of the last design."""
         task, limits = self.task, self.task.at(self.points, self.varied)
-        wanted = [self.objective, *(limit.response for limit in limits)]
-        problem = design_problem(task.model, task.analysis, wanted, self.vary, self.start)
+        quantities = [self.objective, *(limit.response for limit in limits)]
+        problem = design_problem(task.model, task.analysis, quantities, self.vary, self.start)
         if self.log is not None:
             problem.log = task.log_of(self.log, self.points)
-        program = self.how.program(problem, limits, self.sign, self.sizes)
+        program = self.search.program(problem, limits, self.sign, self.sizes)
         self.sizes = program.sizes
-        return self.how.best(program)
+        return self.search.best(program)
 
-    def ended(self) -> ReliableOptimum:
-        """What there is by now."""
+    def result(self) -> ReliableOptimum:
+        """The result of the completed rounds."""
         best = self.best
         assert best is not None
         if self.stopped:
             best = replace(best, success=False, interrupted=True, message="interrupted")
-        limits = self.found or self.task.unknown()
+        limits = self.limits or self.task.unknown()
         runs = self.task.states.problem.runs + best.runs
         return ReliableOptimum(
-            best, self.task.beta, limits, self.told, self.settled, runs, self.stopped
+            best, self.task.beta, limits, self.rounds, self.settled, runs, self.stopped
         )
 
 
-def _after(before: Optimum, best: Optimum) -> Optimum:
-    """An optimum that goes on from another one, told from the very start."""
+def _continued(before: Optimum, best: Optimum) -> Optimum:
+    """An optimum that continues another one, with the initial values and history of both."""
     return replace(
         best,
         initial=before.initial,
@@ -197,13 +204,15 @@ def _after(before: Optimum, best: Optimum) -> Optimum:
         runs=before.runs + best.runs,
         gradients=before.gradients + best.gradients,
         failed_runs=before.failed_runs + best.failed_runs,
-        variables=_begun(before.variables, best.variables),
-        limits=_begun(before.limits, best.limits),
+        variables=_with_initial_values(before.variables, best.variables),
+        limits=_with_initial_values(before.limits, best.limits),
     )
 
 
-def _begun(before: list[Bounded], now: list[Bounded]) -> list[Bounded]:
-    return [replace(one, start=first.start) for first, one in zip(before, now, strict=True)]
+def _with_initial_values(before: list[Bounded], after: list[Bounded]) -> list[Bounded]:
+    return [
+        replace(bound, start=initial.start) for initial, bound in zip(before, after, strict=True)
+    ]
 
 
 def _change(new: float, old: float | None) -> float:

@@ -1,4 +1,4 @@
-"""What an optimisation with a given reliability ends with."""
+"""Result of reliability-based design optimisation."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Round:
-    """A design of the rounds.
+    """The design after a round.
 
     Attributes
     ----------
-    objective : there
+    objective : value at the design
     x : parameter → value
-    margin : least of the limits at their worst points, of their sizes; below zero, broken
-    runs : of its optimisation
+    margin : smallest relative margin of the limits at their worst points; negative if violated
+    runs : number of runs of its optimisation
     """
 
     number: int
@@ -33,14 +33,14 @@ class Round:
 
 @dataclass(frozen=True)
 class ReliableLimit:
-    """A limit at the best design.
+    """A limit at the optimal design.
 
     Attributes
     ----------
-    value : how far it is from breaking at its worst point
-    margin : the same of its size
+    value : margin at the worst point, positive if safe
+    margin : the same, relative to the bound
     point : the worst point, random parameter → value
-    beta : its index, None where its design point is not found
+    beta : reliability index; None if its design point could not be computed
     """
 
     label: str
@@ -56,14 +56,14 @@ class ReliableOptimum(Decision):
 
     Attributes
     ----------
-    optimum : of all rounds, its limits at the worst points of the last but one
-    beta : index that was wanted
-    limits : ReliableLimit each
-    rounds : designs on the way
-    settled : whether design and worst points no longer move
-    runs : of the model, of all rounds, the searches for worst points among them
-    stopped : by Ctrl-C; the design is the best one reached, limits are of the last whole round, not
-        a number where there was none
+    optimum : optimum of the last round, with limits at the worst points of the previous round
+    beta : required reliability index
+    limits : ReliableLimit of each limit
+    rounds : designs of all rounds
+    settled : whether design and worst points have converged
+    runs : number of runs in all rounds, including the searches for worst points
+    stopped : by Ctrl-C; the design is the best so far, limits are those of the last complete round,
+        NaN without one
 
     Examples
     --------
@@ -86,7 +86,7 @@ class ReliableOptimum(Decision):
     """
 
     word = "optimum"
-    drawn = "reliable_optimum:reliable"
+    page_functions = "reliability:reliable"
     optimum: Optimum
     beta: float
     limits: list[ReliableLimit]
@@ -121,8 +121,8 @@ class ReliableOptimum(Decision):
     @property
     def message(self) -> str:  # type: ignore[override]
         if self.stopped:
-            whole = len(self.rounds)
-            return f"interrupted after {whole} whole round{'' if whole == 1 else 's'}"
+            count = len(self.rounds)
+            return f"interrupted after {count} complete round{'' if count == 1 else 's'}"
         if self.settled:
             return self.optimum.message
         return f"worst points still move after {len(self.rounds)} rounds; give more rounds"
@@ -135,21 +135,24 @@ class ReliableOptimum(Decision):
     def findings(self) -> dict[str, Any]:
         return self.optimum.findings() | {
             "beta": self.beta,
-            "reliability": [asdict(one) for one in self.limits],
-            "rounds": [asdict(one) for one in self.rounds],
+            "reliability": [asdict(entry) for entry in self.limits],
+            "rounds": [asdict(entry) for entry in self.rounds],
             "runs": self.runs,
         }
 
     @property
     def data(self) -> xr.Dataset:
-        """That of the optimum, with the limits and their worst points."""
+        """Data of the optimum, with the limits and their worst points."""
         nan = float("nan")
-        limits = [one.label for one in self.limits]
+        limits = [limit.label for limit in self.limits]
         names = list(self.limits[0].point)
-        points = [[one.point[n] for n in names] for one in self.limits]
+        points = [[limit.point[n] for n in names] for limit in self.limits]
         return self.optimum.data.assign(
-            limit_beta=("limit", [nan if one.beta is None else one.beta for one in self.limits]),
-            limit_value=("limit", [one.value for one in self.limits]),
+            limit_beta=(
+                "limit",
+                [nan if limit.beta is None else limit.beta for limit in self.limits],
+            ),
+            limit_value=("limit", [limit.value for limit in self.limits]),
             worst_point=(("limit", "random"), points),
         ).assign_coords(limit=limits, random=names)
 

@@ -1,1 +1,1 @@
-"""Many designs of one model: which, where they are computed, and what is kept of them."""
+"""Parameter studies: tables of designs, workers, storage, indices and surrogates."""

@@ -1,4 +1,4 @@
-"""Tables of designs: grids, samples that fill space evenly, random ones, given ones."""
+"""Tables of designs: grids, space-filling samples, Monte Carlo samples, custom tables."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Ranges = Mapping[str, Sequence[float]]
-"""Parameter → lower and upper end."""
-MOST = 10_000_000
-"""Designs in one table."""
+"""Parameter → lower and upper bound."""
+MAX_DESIGNS = 10_000_000
+"""Upper limit of the designs in a table."""
 
 
 @dataclass(frozen=True, eq=False)
 class Design(Spelled):
-    """Values of some parameters, one row per design.
+    """Table of parameter values, one row per design.
 
     Attributes
     ----------
     names : of the k parameters
     values : (n, k)
-    given : parameter → the numbers that texts gave with units, where there are some
+    given : parameter → its values as specified, with units
 
     Examples
     --------
@@ -55,7 +55,7 @@ class Design(Spelled):
         values = np.asarray(self.values, dtype=float)
         if values.ndim != 2 or values.shape[1] != len(self.names) or not len(values):
             raise AnalysisError(
-                f"a table of designs has a row for each and a column for each of "
+                f"a table of designs has one row per design and one column for each of "
                 f"{', '.join(self.names)}; got the shape {values.shape}"
             )
         if not np.all(np.isfinite(values)):
@@ -68,14 +68,16 @@ class Design(Spelled):
 
     @classmethod
     def grid(cls, axes: Mapping[str, Sequence[float]]) -> Design:
-        """Every combination of the values given for each parameter; the last varies fastest."""
+        """All combinations of the values of each parameter; the last varies fastest."""
         count = int(np.prod([float(np.size(v)) for v in axes.values()])) if axes else 0
-        if count > MOST:
-            raise AnalysisError(f"the grid has {count} designs, more than {MOST}; take fewer")
-        read = _read(axes)
-        mesh = np.meshgrid(*(np.asarray(v, dtype=float) for v in read.values()), indexing="ij")
+        if count > MAX_DESIGNS:
+            raise AnalysisError(f"the grid has {count} designs, more than {MAX_DESIGNS}; use fewer")
+        values_by_name = _parse_units(axes)
+        mesh = np.meshgrid(
+            *(np.asarray(v, dtype=float) for v in values_by_name.values()), indexing="ij"
+        )
         values: Any = np.stack([m.ravel() for m in mesh], axis=1) if axes else mesh
-        return cls(tuple(axes), values, read)
+        return cls(tuple(axes), values, values_by_name)
 
     @classmethod
     def latin_hypercube(cls, ranges: Ranges, count: int, rng: Any = None) -> Design:
@@ -83,7 +85,7 @@ class Design(Spelled):
         from scipy.stats import qmc
 
         sampler = qmc.LatinHypercube(len(ranges), rng=random_generator(rng))
-        return cls._stretched(ranges, sampler.random(_counted(count)))
+        return cls._from_unit_cube(ranges, sampler.random(_checked_count(count)))
 
     @classmethod
     def sobol(cls, ranges: Ranges, count: int, rng: Any = None) -> Design:
@@ -91,64 +93,64 @@ class Design(Spelled):
         from scipy.stats import qmc
 
         sampler = qmc.Sobol(len(ranges), rng=random_generator(rng))
-        whole = 2 ** int(np.ceil(np.log2(_counted(count))))
-        return cls._stretched(ranges, sampler.random(whole)[:count])
+        power_of_two = 2 ** int(np.ceil(np.log2(_checked_count(count))))
+        return cls._from_unit_cube(ranges, sampler.random(power_of_two)[:count])
 
     @classmethod
     def monte_carlo(cls, distributions: Mapping[str, Any], count: int, rng: Any = None) -> Design:
-        """Independent random values; each a frozen distribution of ``scipy.stats``, or a range."""
+        """Independent random values, each of a frozen ``scipy.stats`` distribution or a range."""
         generator = random_generator(rng)
         columns = []
-        for name, given in distributions.items():
-            if hasattr(given, "rvs"):
-                columns.append(given.rvs(size=_counted(count), random_state=generator))
+        for name, distribution in distributions.items():
+            if hasattr(distribution, "rvs"):
+                columns.append(distribution.rvs(size=_checked_count(count), random_state=generator))
             else:
-                lower, upper = _range(name, _read({name: given})[name])
-                columns.append(generator.uniform(lower, upper, _counted(count)))
+                lower, upper = _checked_range(name, _parse_units({name: distribution})[name])
+                columns.append(generator.uniform(lower, upper, _checked_count(count)))
         ranges = {name: v for name, v in distributions.items() if not hasattr(v, "rvs")}
-        made = cls.table(dict(zip(distributions, columns, strict=True)))
-        return cls(made.names, made.values, _read(ranges))
+        table = cls.table(dict(zip(distributions, columns, strict=True)))
+        return cls(table.names, table.values, _parse_units(ranges))
 
     @classmethod
     def table(cls, columns: Mapping[str, Any] | pd.DataFrame) -> Design:
-        """Given designs: parameter → its values, or a DataFrame."""
-        read = _read({str(name): columns[name] for name in columns})
-        made = {name: np.asarray(values, dtype=float) for name, values in read.items()}
-        if len({column.size for column in made.values()}) > 1:
-            sizes = ", ".join(f"{name} {column.size}" for name, column in made.items())
-            raise AnalysisError(f"columns of a table are of one length, got {sizes}")
-        values = np.stack(list(made.values()), axis=1) if made else np.zeros((0, 0))
-        return cls(tuple(made), values, read)
+        """Custom designs: parameter → its values, or a DataFrame."""
+        numbers = _parse_units({str(name): columns[name] for name in columns})
+        arrays = {name: np.asarray(values, dtype=float) for name, values in numbers.items()}
+        if len({column.size for column in arrays.values()}) > 1:
+            sizes = ", ".join(f"{name} {column.size}" for name, column in arrays.items())
+            raise AnalysisError(f"columns of a table must have the same length, got {sizes}")
+        values = np.stack(list(arrays.values()), axis=1) if arrays else np.zeros((0, 0))
+        return cls(tuple(arrays), values, numbers)
 
     @classmethod
-    def _stretched(cls, ranges: Ranges, unit: np.ndarray) -> Design:
-        read = _read(ranges)
-        ends = np.array([_range(name, given) for name, given in read.items()])
-        return cls(tuple(ranges), ends[:, 0] + unit * (ends[:, 1] - ends[:, 0]), read)
+    def _from_unit_cube(cls, ranges: Ranges, unit: np.ndarray) -> Design:
+        numbers = _parse_units(ranges)
+        ends = np.array([_checked_range(name, bounds) for name, bounds in numbers.items()])
+        return cls(tuple(ranges), ends[:, 0] + unit * (ends[:, 1] - ends[:, 0]), numbers)
 
 
-def _read(columns: Mapping[str, Any]) -> dict[str, Any]:
-    """Numbers, with those of texts that have units, ``"10 mm"``."""
-    made: dict[str, Any] = {}
+def _parse_units(columns: Mapping[str, Any]) -> dict[str, Any]:
+    """Columns as numbers; texts such as ``"10 mm"`` are converted."""
+    numbers: dict[str, Any] = {}
     for name, values in columns.items():
         if getattr(getattr(values, "dtype", None), "kind", "O") in "fiu":
-            made[name] = np.asarray(values).ravel()
+            numbers[name] = np.asarray(values).ravel()
             continue
         try:
-            made[name] = [measured(one) for one in np.asarray(values, dtype=object).ravel()]
+            numbers[name] = [measured(value) for value in np.asarray(values, dtype=object).ravel()]
         except ExpressionError as error:
             raise AnalysisError(f"{name}: {error.message}") from None
-    return made
+    return numbers
 
 
-def _range(name: str, given: Any) -> tuple[float, float]:
-    ends = np.asarray(given, dtype=float).ravel()
+def _checked_range(name: str, bounds: Any) -> tuple[float, float]:
+    ends = np.asarray(bounds, dtype=float).ravel()
     if ends.size != 2 or not ends[0] < ends[1]:
-        raise AnalysisError(f"{name}: a range is (lower, upper), got {given!r:.60}")
+        raise AnalysisError(f"{name}: a range is (lower, upper), got {bounds!r:.60}")
     return float(ends[0]), float(ends[1])
 
 
-def _counted(count: int) -> int:
-    if not isinstance(count, (int, np.integer)) or not 0 < count <= MOST:
-        raise AnalysisError(f"the number of designs is 1 to {MOST}, got {count!r:.30}")
+def _checked_count(count: int) -> int:
+    if not isinstance(count, (int, np.integer)) or not 0 < count <= MAX_DESIGNS:
+        raise AnalysisError(f"the number of designs is 1 to {MAX_DESIGNS}, got {count!r:.30}")
     return int(count)

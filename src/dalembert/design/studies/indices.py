@@ -1,4 +1,4 @@
-"""Which parameters matter over their whole ranges: Sobol' and Morris indices."""
+"""Global sensitivity: Sobol' and Morris indices."""
 
 from __future__ import annotations
 
@@ -16,31 +16,31 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Run = Callable[[Design], Study]
-"""Runs the designs, such as ``lambda design: da.sweep(model, design, ...)``."""
+"""Function that runs designs, such as ``lambda design: da.sweep(model, design, ...)``."""
 
 
 @spelled
 def sobol_indices(
     run: Run, ranges: Ranges, samples: int = 256, rng: int | None = None
 ) -> xr.Dataset:
-    """Shares of the variance of each response that are due to each parameter.
+    """Sobol' indices: shares of the variance of each response due to each parameter.
 
-    ``first = Var(E[f|x])/Var(f)`` alone and ``total = 1 − Var(E[f|others])/Var(f)`` with all its
-    interactions, parameters uniform and independent; each with the half width of its 95 %
-    confidence interval, by bootstrap. It takes ``samples·(k + 2)`` designs.
+    ``first = Var(E[f|x])/Var(f)`` alone and ``total = 1 − Var(E[f|others])/Var(f)`` with all
+    interactions, for uniform and independent parameters; each with the half width of its 95 %
+    confidence interval by bootstrap. Requires ``samples·(k + 2)`` designs.
     Source: A. Saltelli et al. (2010), Computer Physics Communications 181, by SALib.
 
     Parameters
     ----------
-    run : computes the designs
-    ranges : parameter → lower and upper end
+    run : function that runs the designs
+    ranges : parameter → lower and upper bound
     samples : a power of two
     rng : seed
 
     Raises
     ------
     AnalysisError
-        A design fails: the estimates need them all.
+        A design fails; the estimates need all designs.
 
     Examples
     --------
@@ -57,7 +57,7 @@ def sobol_indices(
     >>> shares["total"].values.round(1).ravel()  # 9 and 1 of 10
     array([0.9, 0.1])
     """
-    _salib()
+    _require_salib()
     from SALib.analyze import sobol as analysis
     from SALib.sample import sobol as sampling
 
@@ -65,40 +65,40 @@ def sobol_indices(
     values = sampling.sample(problem, samples, calc_second_order=False, seed=rng)
 
     def indices(response: np.ndarray) -> Mapping[str, np.ndarray]:
-        found = analysis.analyze(problem, response, calc_second_order=False, seed=rng)
+        result = analysis.analyze(problem, response, calc_second_order=False, seed=rng)
         return {
-            "first": found["S1"],
-            "first_error": found["S1_conf"],
-            "total": found["ST"],
-            "total_error": found["ST_conf"],
+            "first": result["S1"],
+            "first_error": result["S1_conf"],
+            "total": result["ST"],
+            "total_error": result["ST_conf"],
         }
 
-    return _of_runs(run, ranges, values, indices)
+    return _index_dataset(run, ranges, values, indices)
 
 
 @spelled
 def morris_indices(
     run: Run, ranges: Ranges, trajectories: int = 20, levels: int = 4, rng: int | None = None
 ) -> xr.Dataset:
-    """Elementary effects: which parameters matter at all, with few runs.
+    """Morris indices: elementary effects for screening with few runs.
 
     ``mean_absolute`` and ``mean`` of the change of a response over the range of a parameter, and
-    the ``deviation``, which is large where the effect is not linear or depends on others. It takes
+    its ``deviation``, which is large for nonlinear effects and interactions. Requires
     ``trajectories·(k + 1)`` designs.
     Source: M. D. Morris (1991), Technometrics 33; F. Campolongo et al. (2007), by SALib.
 
     Parameters
     ----------
-    run : computes the designs
-    ranges : parameter → lower and upper end
-    trajectories : how many, of one step along every parameter each
-    levels : of the grid on which they go, an even number
+    run : function that runs the designs
+    ranges : parameter → lower and upper bound
+    trajectories : number of trajectories, each with one step along every parameter
+    levels : of the grid, an even number
     rng : seed
 
     Raises
     ------
     AnalysisError
-        A design fails: the effects need them all.
+        A design fails; the effects need all designs.
 
     Examples
     --------
@@ -115,7 +115,7 @@ def morris_indices(
     >>> effects["mean"].values.round(6).ravel()
     array([3., 1.])
     """
-    _salib()
+    _require_salib()
     from SALib.analyze import morris as analysis
     from SALib.sample import morris as sampling
 
@@ -123,11 +123,11 @@ def morris_indices(
     values = sampling.sample(problem, trajectories, num_levels=levels, seed=rng)
 
     def indices(response: np.ndarray) -> Mapping[str, np.ndarray]:
-        found = analysis.analyze(problem, values, response, num_levels=levels, seed=rng)
+        result = analysis.analyze(problem, values, response, num_levels=levels, seed=rng)
         names = {"mean": "mu", "mean_absolute": "mu_star", "deviation": "sigma"}
-        return {name: np.asarray(found[key]) for name, key in names.items()}
+        return {name: np.asarray(result[key]) for name, key in names.items()}
 
-    return _of_runs(run, ranges, values, indices)
+    return _index_dataset(run, ranges, values, indices)
 
 
 def _problem(ranges: Ranges) -> dict[str, Any]:
@@ -138,33 +138,35 @@ def _problem(ranges: Ranges) -> dict[str, Any]:
     return {"num_vars": len(ranges), "names": list(ranges), "bounds": bounds}
 
 
-def _complete(study: Study) -> Study:
+def _require_all(study: Study) -> Study:
     if study.failures:
         number, reason = next(iter(study.failures.items()))
         raise AnalysisError(
-            f"{len(study.failures)} of {len(study.design)} designs fail, and the indices need "
-            f"them all; narrow the ranges (design {number}: {reason})"
+            f"{len(study.failures)} of {len(study.design)} designs fail, but the indices need "
+            f"all designs; narrow the ranges (design {number}: {reason})"
         )
     return study
 
 
-def _of_runs(
+def _index_dataset(
     run: Run,
     ranges: Ranges,
     values: np.ndarray,
     indices: Callable[[np.ndarray], Mapping[str, np.ndarray]],
 ) -> xr.Dataset:
-    """The indices of every response of these designs, response × parameter."""
+    """Indices of every response, response × parameter."""
     import xarray as xr
 
-    study = _complete(run(Design(tuple(ranges), values)))
+    study = _require_all(run(Design(tuple(ranges), values)))
     rows = [indices(study.column(name)) for name in study.responses]
     coords = {"response": list(study.responses), "parameter": list(ranges)}
-    along = ("response", "parameter")
-    return xr.Dataset({key: (along, np.array([r[key] for r in rows])) for key in rows[0]}, coords)
+    dims = ("response", "parameter")
+    return xr.Dataset(
+        {key: (dims, np.array([row[key] for row in rows])) for key in rows[0]}, coords
+    )
 
 
-def _salib() -> None:
+def _require_salib() -> None:
     try:
         import SALib  # noqa: F401
     except ImportError:

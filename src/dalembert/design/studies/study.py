@@ -1,4 +1,4 @@
-"""What a study found."""
+"""Result of a study."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.design.decision import Decision
+from dalembert.design.decision import Decision, plot_axes
 from dalembert.design.studies.design import Design
-from dalembert.design.studies.tables import CSV_NOTE
 from dalembert.errors import AnalysisError
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+CSV_NOTE = "the table is CSV, because pyarrow is not installed: pip install 'dalembert[study]'"
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,10 +29,10 @@ class Study(Decision):
     name : of the model
     design : the n designs
     responses : labels
-    values : (n, responses); not a number where a design failed
-    reasons : (n,) why it failed; empty where it did not
-    folder : where it is kept
-    reused : how many answers were in the folder already
+    values : (n, responses); NaN for failed designs
+    reasons : (n,) reason of failure; empty for successful designs
+    folder : folder of the stored answers
+    reused : number of answers that were already stored
     units : of parameters and responses, by name
     stored : file of the whole table in the folder
     warnings : warnings of the designs with the smallest and largest responses, which run again on
@@ -54,7 +55,7 @@ class Study(Decision):
     """
 
     word = "study"
-    drawn = "study:study"
+    page_functions = "study:study"
     name: str
     design: Design
     responses: tuple[str, ...]
@@ -68,27 +69,27 @@ class Study(Decision):
 
     @property
     def message(self) -> str:  # type: ignore[override]
-        """How many designs have their responses."""
-        done = int(self.success.sum())
-        return f"{done} of {len(self.design)} designs"
+        """Number of successful designs."""
+        count = int(self.success.sum())
+        return f"{count} of {len(self.design)} designs"
 
     @property
     def success(self) -> np.ndarray:  # type: ignore[override]
-        """(n,) whether the design has its responses."""
+        """(n,) whether the design succeeded."""
         return np.array([not reason for reason in self.reasons], dtype=bool)
 
     @property
     def failures(self) -> dict[int, str]:
-        """Number of a design that failed → why."""
+        """Number of a failed design → reason."""
         return {k: reason for k, reason in enumerate(self.reasons) if reason}
 
     def column(self, response: str | None = None) -> np.ndarray:
-        """(n,) one response, the only one by default.
+        """(n,) values of one response; the name may be omitted if there is only one.
 
         Raises
         ------
         AnalysisError
-            There is none of this name, or several and none is named.
+            The name is unknown, or missing among several responses.
         """
         if response is None and len(self.responses) == 1:
             return self.values[:, 0]
@@ -109,7 +110,7 @@ class Study(Decision):
 
     @property
     def table(self) -> pd.DataFrame:
-        """A row for each design."""
+        """One row per design."""
         import pandas as pd
 
         return pd.DataFrame(self.columns).set_index("design")
@@ -140,14 +141,14 @@ class Study(Decision):
         """Parameters, responses and reasons of all designs."""
         import xarray as xr
 
-        made = xr.Dataset({n: ("design", c) for n, c in self.columns.items() if n != "design"})
+        dataset = xr.Dataset({n: ("design", c) for n, c in self.columns.items() if n != "design"})
         for name, unit in self.units.items():
-            if name in made:
-                made[name].attrs["units"] = unit
-        return made.assign_coords(design=range(len(self.design)))
+            if name in dataset:
+                dataset[name].attrs["units"] = unit
+        return dataset.assign_coords(design=range(len(self.design)))
 
     def to_dataframe(self) -> pd.DataFrame:
-        """A row for each design."""
+        """One row per design."""
         return self.table
 
     def table_of_designs(self) -> dict[str, Any]:
@@ -156,17 +157,14 @@ class Study(Decision):
         return study_designs(self)
 
     def plot(self, x: str, response: str | None = None, ax: Any = None) -> Any:
-        """A response over a parameter, a point for each design; returns the axes."""
-        import matplotlib.pyplot as plt
-
-        if ax is None:
-            _, ax = plt.subplots(figsize=(5, 3.6), layout="constrained")
+        """Plot a response over a parameter; returns the axes."""
+        ax = plot_axes(ax, (5, 3.6))
         if x not in self.design.names:
-            raise AnalysisError(f"{x!r} does not vary; there is {', '.join(self.design.names)}")
+            raise AnalysisError(
+                f"{x!r} does not vary; the study varies {', '.join(self.design.names)}"
+            )
         ax.plot(self.design.values[:, self.design.names.index(x)], self.column(response), ".", ms=4)
         ax.set(xlabel=x, ylabel=response or self.responses[0])
-        ax.grid(alpha=0.25)
-        ax.spines[["top", "right"]].set_visible(False)
         return ax
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Surfaces through the designs of a study, and how far off they are."""
+"""Surrogate models fitted to the designs of a study, with cross-validation."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from dalembert.text.spelling import spelled
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """A response as a function of parameters, fitted to the designs of a study.
+    """Surrogate model of a response, fitted to the designs of a study.
 
     Attributes
     ----------
-    response, names : what it gives, of which parameters
-    lower, upper : (k,) ends of the designs that it was fitted to
-    error : root mean square error at designs left out of the fit (cross-validation)
-    determination : share of the variance that it explains there, 1 at best
+    response, names : response and its parameters
+    lower, upper : (k,) ranges of the fitted designs
+    error : root mean square error in cross-validation
+    determination : coefficient of determination in cross-validation, at most 1
 
     Examples
     --------
@@ -49,33 +49,33 @@ class Surface:
     fitted: Any
 
     def __call__(self, **parameters: Any) -> Any:
-        """The response at values of the parameters, numbers or arrays."""
-        return self._predicted(parameters)[0]
+        """Response at values of the parameters, numbers or arrays."""
+        return self._predict(parameters)[0]
 
     def deviation(self, **parameters: Any) -> Any:
-        """The standard deviation that a Gaussian process gives of itself there."""
-        return self._predicted(parameters, return_std=True)[1]
+        """Standard deviation of a Gaussian process at values of the parameters."""
+        return self._predict(parameters, return_std=True)[1]
 
-    def _predicted(self, parameters: Mapping[str, Any], **how: Any) -> tuple[Any, ...]:
+    def _predict(self, parameters: Mapping[str, Any], **options: Any) -> tuple[Any, ...]:
         if set(parameters) != set(self.names):
             raise AnalysisError(f"give values of {', '.join(self.names)}; got {set(parameters)}")
-        sides = np.broadcast_arrays(*(np.asarray(parameters[n], dtype=float) for n in self.names))
-        x = np.stack([side.ravel() for side in sides], axis=1)
-        if not hasattr(self.fitted[-1], "kernel_") and how:
-            raise UnsupportedError("only a Gaussian process tells its deviation")
-        made = self.fitted.predict((x - self.lower) / (self.upper - self.lower), **how)
-        parts = made if isinstance(made, tuple) else (made,)
-        return tuple(part.reshape(sides[0].shape)[()] for part in parts)
+        columns = np.broadcast_arrays(*(np.asarray(parameters[n], dtype=float) for n in self.names))
+        x = np.stack([column.ravel() for column in columns], axis=1)
+        if not hasattr(self.fitted[-1], "kernel_") and options:
+            raise UnsupportedError("only a Gaussian process has a deviation")
+        prediction = self.fitted.predict((x - self.lower) / (self.upper - self.lower), **options)
+        parts = prediction if isinstance(prediction, tuple) else (prediction,)
+        return tuple(part.reshape(columns[0].shape)[()] for part in parts)
 
 
 @spelled
 def response_surface(study: Study, response: str | None = None, degree: int = 2) -> Surface:
-    """Polynomial of all parameters by least squares.
+    """Polynomial response surface by least squares.
 
     Parameters
     ----------
     study : designs and their responses
-    response : label; not needed where there is one only
+    response : label; may be omitted if there is only one
     degree : of the polynomial
 
     Raises
@@ -94,10 +94,10 @@ def response_surface(study: Study, response: str | None = None, degree: int = 2)
     >>> grid = da.Design.grid({"a": [1.0, 2.0, 3.0], "b": [1.0, 2.0, 3.0]})
     >>> study = da.sweep(spring.build(), grid, analysis=da.Statics(), responses=da.final("a*b"))
     >>> plane = da.response_surface(study, degree=1)
-    >>> round(float(plane(a=2.0, b=2.0)), 6), plane.determination < 1  # a plane does not bend
+    >>> round(float(plane(a=2.0, b=2.0)), 6), plane.determination < 1  # a plane has no curvature
     (4.0, True)
     """
-    _sklearn()
+    _require_sklearn()
     from math import comb
 
     from sklearn.linear_model import LinearRegression
@@ -105,20 +105,20 @@ def response_surface(study: Study, response: str | None = None, degree: int = 2)
     from sklearn.preprocessing import PolynomialFeatures
 
     terms = comb(len(study.design.names) + degree, degree)
-    made = make_pipeline(PolynomialFeatures(degree), LinearRegression())
-    return _surface(study, response, made, terms)
+    estimator = make_pipeline(PolynomialFeatures(degree), LinearRegression())
+    return _fit_surface(study, response, estimator, terms)
 
 
 @spelled
 def gaussian_process(study: Study, response: str | None = None, rng: int = 0) -> Surface:
-    """Gaussian process with a squared exponential kernel, a length for each parameter, and noise.
+    """Gaussian process with an anisotropic squared exponential kernel and noise.
 
     Source: C. E. Rasmussen, C. K. I. Williams, *Gaussian Processes for Machine Learning*, ch. 2.
 
     Parameters
     ----------
     study : designs and their responses
-    response : label; not needed where there is one only
+    response : label; may be omitted if there is only one
     rng : seed
 
     Examples
@@ -135,7 +135,7 @@ def gaussian_process(study: Study, response: str | None = None, rng: int = 0) ->
     >>> round(float(process(k=1.25)), 2)  # sin 1.25 = 0.949
     0.95
     """
-    _sklearn()
+    _require_sklearn()
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
     from sklearn.pipeline import make_pipeline
@@ -147,10 +147,10 @@ def gaussian_process(study: Study, response: str | None = None, rng: int = 0) ->
     process = GaussianProcessRegressor(
         kernel, normalize_y=True, random_state=rng, n_restarts_optimizer=4
     )
-    return _surface(study, response, make_pipeline(process), len(study.design.names) + 2)
+    return _fit_surface(study, response, make_pipeline(process), len(study.design.names) + 2)
 
 
-def _surface(study: Study, response: str | None, estimator: Any, least: int) -> Surface:
+def _fit_surface(study: Study, response: str | None, estimator: Any, required: int) -> Surface:
     import warnings
 
     from sklearn.base import clone
@@ -159,30 +159,30 @@ def _surface(study: Study, response: str | None, estimator: Any, least: int) -> 
 
     y = study.column(response)[study.success]
     x = study.design.values[study.success]
-    if len(y) <= least:
-        raise AnalysisError(f"{len(y)} designs are too few for this surface; give {least + 1}")
+    if len(y) <= required:
+        raise AnalysisError(f"{len(y)} designs are too few for this surface; give {required + 1}")
     lower, upper = x.min(axis=0), x.max(axis=0)
     if np.any(lower == upper):
-        same = study.design.names[int(np.argmax(lower == upper))]
-        raise AnalysisError(f"{same} does not vary in the study; leave it out")
+        constant = study.design.names[int(np.argmax(lower == upper))]
+        raise AnalysisError(f"{constant} does not vary in the study; leave it out")
     scaled = (x - lower) / (upper - lower)
     folds = KFold(min(10, len(y)), shuffle=True, random_state=0)
-    with warnings.catch_warnings():  # a length at the end of its range is no fault
+    with warnings.catch_warnings():  # a length scale at a bound is accepted
         warnings.simplefilter("ignore", ConvergenceWarning)
         fitted = estimator.fit(scaled, y)
     kernel = getattr(fitted[-1], "kernel_", None)
-    left = clone(estimator)
-    if kernel is not None:  # lengths found once serve every fold
-        left[-1].set_params(kernel=kernel, optimizer=None)
-    left_out = cross_val_predict(left, scaled, y, cv=folds)
-    error = float(np.sqrt(np.mean((left_out - y) ** 2)))
-    spread = float(np.var(y))
-    share = 1 - error**2 / spread if spread else 1.0
+    fold_estimator = clone(estimator)
+    if kernel is not None:  # all folds use the same length scales
+        fold_estimator[-1].set_params(kernel=kernel, optimizer=None)
+    predicted = cross_val_predict(fold_estimator, scaled, y, cv=folds)
+    error = float(np.sqrt(np.mean((predicted - y) ** 2)))
+    variance = float(np.var(y))
+    determination = 1 - error**2 / variance if variance else 1.0
     name = response or study.responses[0]
-    return Surface(name, study.design.names, lower, upper, error, share, fitted)
+    return Surface(name, study.design.names, lower, upper, error, determination, fitted)
 
 
-def _sklearn() -> None:
+def _require_sklearn() -> None:
     try:
         import sklearn  # noqa: F401
     except ImportError:

@@ -1,4 +1,4 @@
-"""A model run at many designs."""
+"""Parameter sweep: an analysis at many designs."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from pathlib import Path
 import numpy as np
 
 from dalembert.analysis.progress import Reported, progress_reporter
-from dalembert.design.studies.cluster import Cluster
 from dalembert.design.studies.design import Design
 from dalembert.design.studies.folder import StudyFolder
 from dalembert.design.studies.study import Study
 from dalembert.design.studies.task import Answer, StudyTask
-from dalembert.design.studies.workers import Chunk, Here, Processes, Workers
+from dalembert.design.studies.workers import Chunk, Cluster, InProcess, Processes, Workers
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response
-from dalembert.responses.several import as_responses
+from dalembert.responses.evaluation import as_responses
 from dalembert.results.result import Analysis
-from dalembert.results.warnings import Warnings
+from dalembert.results.status import Warnings
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
 
 ModelSource = ParametricModel | Callable[[], ParametricModel]
-LARGEST_CHUNK = 256
-LEAST_BATCH = 128
-"""Designs that are run side by side at once, where there are so many."""
+MAX_CHUNK = 256
+"""Upper limit of the designs of a chunk."""
+MIN_BATCH = 128
+"""Lower limit of the designs of a batch, if there are enough designs."""
 CHECKED = 4
-"""Upper limit of designs that run again on their own for their warnings."""
+"""Upper limit of the designs that are run again for their warnings."""
 
 
 @spelled
@@ -45,25 +45,25 @@ def sweep(
     chunk: int | None = None,
     progress: Reported = False,
 ) -> Study:
-    """Responses of an analysis at many designs; those that fail are kept with their reason.
+    """Run an analysis at many designs; failures are stored with their reasons.
 
     Parameters
     ----------
-    model : a model, or a function that makes one; a cluster needs the function
+    model : a model, or a function that builds one; a cluster needs the function
     design : ``Design.grid``, ``.latin_hypercube``, ``.sobol``, ``.monte_carlo`` or ``.table``
     analysis : ``Dynamics(...)``, ``Kinematics(...)`` and so on
-    responses : what is kept of each run
-    folder : where answers are written as they come; a study that was ended, even killed, goes on
-        there, with any number of workers; Parquet, without pyarrow CSV
-    workers : processes; None for all cores
-    scheduler : address of a Dask scheduler, instead of processes here
-    chunk : designs that a worker is given at once
-    progress : True for a bar with the time left, or a function of the fraction done
+    responses : evaluated in each run
+    folder : folder for the answers; an interrupted or killed study resumes from it, with any
+        number of workers; Parquet, or CSV without pyarrow
+    workers : number of processes; None for all cores
+    scheduler : address of a Dask scheduler, instead of local processes
+    chunk : designs per chunk of work
+    progress : True for a bar with the remaining time, or a function of the fraction done
 
     Raises
     ------
     AnalysisError
-        No such response, or no scheduler at the address.
+        Unknown response, or no scheduler at the address.
     FileError
         The folder holds another study.
 
@@ -81,7 +81,7 @@ def sweep(
     >>> study.values[:, 0].round(6)  # F/k
     array([10.,  5.,  2.])
     """
-    make = _maker(model, analysis, as_responses(responses), scheduler)
+    make = _task_maker(model, analysis, as_responses(responses), scheduler)
     return run_study(make, design, folder, workers, scheduler, chunk, progress)
 
 
@@ -94,51 +94,51 @@ def run_study(
     chunk: int | None = None,
     progress: Reported = False,
 ) -> Study:
-    """``sweep`` of a task that is made here and, on a cluster, by every worker."""
+    """Run a study whose task is built here and, on a cluster, by every worker."""
     check_counts(workers, chunk)
     task = make()
     task.check(design)
     identity = task.identity(design)
-    count = _workers(workers)
-    place: Workers
+    count = _worker_count(workers)
+    backend: Workers
     if scheduler is not None:
-        place = Cluster(scheduler, make, task, identity)
+        backend = Cluster(scheduler, make, task, identity)
     else:
-        place = Here(task) if count == 1 else Processes(make, task, count)
-    size = chunk or _size(task, len(design), count)
+        backend = InProcess(task) if count == 1 else Processes(make, task, count)
+    size = chunk or _chunk_size(task, len(design), count)
     labels = [response.label for response in task.responses]
-    about = {"model": task.model.name, "designs": len(design), "responses": labels}
-    kept = None if folder is None else StudyFolder(folder, identity, about)
+    description = {"model": task.model.name, "designs": len(design), "responses": labels}
+    storage = None if folder is None else StudyFolder(folder, identity, description)
     try:
-        found = kept.answers() if kept else {}
-        reused = len(found)
+        answered = storage.answers() if storage else {}
+        reused = len(answered)
         with progress_reporter(progress, "sweep") as report:
-            for answers in place.answers(_chunks(design, found, size)):
-                if kept:
-                    kept.add(answers)
-                found.update((a.number, a) for a in answers)
-                report(len(found) / len(design))
-        study = _study(task, design, tuple(labels), found, folder, reused)
-        if kept:
-            study = replace(study, stored=kept.finish(study.columns))
+            for answers in backend.answers(_chunks(design, answered, size)):
+                if storage:
+                    storage.add(answers)
+                answered.update((answer.number, answer) for answer in answers)
+                report(len(answered) / len(design))
+        study = _make_study(task, design, tuple(labels), answered, folder, reused)
+        if storage:
+            study = replace(study, stored=storage.finish(study.columns))
     finally:
-        if kept:
-            kept.close()
+        if storage:
+            storage.close()
     return study
 
 
-def _study(
+def _make_study(
     task: StudyTask,
     design: Design,
     labels: tuple[str, ...],
-    found: dict[int, Answer],
+    answers: dict[int, Answer],
     folder: str | Path | None,
     reused: int,
 ) -> Study:
-    listed = [found[k] for k in range(len(design))]
-    values = np.array([a.values for a in listed])
-    reasons = tuple(a.reason for a in listed)
-    where = None if folder is None else Path(folder)
+    ordered = [answers[k] for k in range(len(design))]
+    values = np.array([answer.values for answer in ordered])
+    reasons = tuple(answer.reason for answer in ordered)
+    path = None if folder is None else Path(folder)
     warnings = Warnings(deferred=lambda: task.warnings(design, _extreme_designs(values)))
     return Study(
         task.model.name,
@@ -146,7 +146,7 @@ def _study(
         labels,
         values,
         reasons,
-        where,
+        path,
         reused,
         task.units,
         warnings=warnings,
@@ -160,36 +160,36 @@ def _extreme_designs(values: np.ndarray) -> list[int]:
     return [int(k) for k in dict.fromkeys(extremes)][:CHECKED]
 
 
-def _chunks(design: Design, done: dict[int, Answer], size: int) -> list[Chunk]:
-    """What is left to do, in pieces."""
-    left = np.array([k for k in range(len(design)) if k not in done], dtype=int)
-    pieces = [left[k : k + size] for k in range(0, left.size, size)]
+def _chunks(design: Design, answered: dict[int, Answer], size: int) -> list[Chunk]:
+    """Chunks of the designs without answers."""
+    pending = np.array([k for k in range(len(design)) if k not in answered], dtype=int)
+    pieces = [pending[k : k + size] for k in range(0, pending.size, size)]
     return [Chunk(piece, design.names, design.values[piece]) for piece in pieces]
 
 
-def _size(task: StudyTask, designs: int, count: int) -> int:
-    """Designs of a chunk: enough that a batch is worth it, few enough that answers keep coming."""
-    even = max(1, min(LARGEST_CHUNK, designs // (16 * count)))
-    return max(even, min(LEAST_BATCH, -(-designs // count))) if task.batched else even
+def _chunk_size(task: StudyTask, designs: int, count: int) -> int:
+    """Designs per chunk: enough for efficient batches, few enough for frequent answers."""
+    size = max(1, min(MAX_CHUNK, designs // (16 * count)))
+    return max(size, min(MIN_BATCH, -(-designs // count))) if task.batched else size
 
 
 def check_counts(workers: int | None, chunk: int | None) -> None:
-    """Refuse numbers of processes or designs that are none.
+    """Refuse invalid numbers of processes or designs.
 
     Raises
     ------
     AnalysisError
-        With the name of the argument.
+        An argument is not a positive integer.
     """
-    counts = ("workers", "processes", workers), ("chunk", "designs given out at once", chunk)
-    for name, what, count in counts:
+    counts = ("workers", "processes", workers), ("chunk", "designs per chunk", chunk)
+    for name, noun, count in counts:
         if count is None:
             continue
         if not isinstance(count, int) or isinstance(count, bool) or count < 1:
-            raise AnalysisError(f"{name} is a number of {what}, at least 1, got {count!r:.30}")
+            raise AnalysisError(f"{name} is a number of {noun}, at least 1, got {count!r:.30}")
 
 
-def _workers(count: int | None) -> int:
+def _worker_count(count: int | None) -> int:
     if count is None:
         return (
             len(os.sched_getaffinity(0))
@@ -199,8 +199,8 @@ def _workers(count: int | None) -> int:
     return count
 
 
-class _Maker:
-    """Makes the task from a function that makes the model; can be sent to other processes."""
+class _TaskMaker:
+    """Picklable function that builds the task from a function that builds the model."""
 
     def __init__(
         self, model: Callable[[], ParametricModel], analysis: Analysis, responses: list[Response]
@@ -211,16 +211,16 @@ class _Maker:
         return StudyTask(self.model(), self.analysis, self.responses)
 
 
-def _maker(
+def _task_maker(
     model: ModelSource, analysis: Analysis, responses: list[Response], scheduler: str | None
 ) -> Callable[[], StudyTask]:
     if not isinstance(model, ParametricModel):
         if not callable(model):
-            raise AnalysisError(f"{model!r:.60} is neither a model nor a function that makes one")
-        return _Maker(model, analysis, responses)
+            raise AnalysisError(f"{model!r:.60} is neither a model nor a function that builds one")
+        return _TaskMaker(model, analysis, responses)
     if scheduler is not None:
         raise UnsupportedError(
-            "a built model cannot be sent to other machines; give a function that makes it, "
+            "a built model cannot be sent to other machines; give a function that builds it, "
             "da.sweep(make_model, ...)"
         )
     return lambda: StudyTask(model, analysis, responses)

@@ -1,4 +1,4 @@
-"""What is done for every design of a study, and what it is known by."""
+"""Task of a study: evaluation of designs, and the identity of the study."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from dalembert.design.studies.design import Design
 from dalembert.errors import AnalysisError, DalembertError
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
-from dalembert.responses.batch import batch_responses
+from dalembert.responses.evaluation import batch_responses
 from dalembert.results.batch.designs import Designs
 from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
@@ -32,13 +32,13 @@ from dalembert.units.measured import check_measured
 
 @dataclass(frozen=True)
 class Answer:
-    """What a design gave.
+    """Responses of a design.
 
     Attributes
     ----------
     number : of the design
-    values : of the responses; not a number where it failed
-    reason : why it failed; empty where it did not
+    values : of the responses; NaN if the design failed
+    reason : reason of failure; empty if it succeeded
     """
 
     number: int
@@ -48,50 +48,50 @@ class Answer:
 
 @dataclass(frozen=True, eq=False)
 class StudyTask:
-    """A model, an analysis of it, and responses: all that a worker needs."""
+    """Model, analysis and responses, as needed by a worker."""
 
     model: ParametricModel
     analysis: Analysis
     responses: Sequence[Response]
     together: bool = True
-    """Designs go through the batch engine where that serves the analysis."""
+    """Whether to use the batch engine for analyses that it supports."""
 
     @property
     def units(self) -> dict[str, str]:
         """Unit of every parameter and response."""
-        made = {name: p.unit for name, p in self.model.parameters.items()}
+        units = {name: p.unit for name, p in self.model.parameters.items()}
         for response in self.responses:
-            made[response.label] = response.unit_of(self.model)
-        return made
+            units[response.label] = response.unit_of(self.model)
+        return units
 
     def failed(self, number: int, reason: str) -> Answer:
-        """The answer of a design that has none."""
+        """Answer of a failed design."""
         return Answer(number, (float("nan"),) * len(self.responses), reason)
 
     @cached_property
     def batched(self) -> bool:
-        """Whether designs are run side by side."""
+        """Whether designs are run as a batch."""
         engine = getattr(self.analysis, "batched", None)
         if engine is None or not self.together or follow_parameters(self.analysis):
             return False
         try:
             return bool(engine.serves(self.analysis, self.model))
-        except DalembertError:  # the nominal design fails; others need not
+        except DalembertError:  # the nominal design fails, others may succeed
             return False
 
     def answers(
         self, numbers: np.ndarray, names: Sequence[str], values: np.ndarray
     ) -> list[Answer]:
-        """Run some designs, side by side where the analysis allows it."""
-        if self.batched:  # even one, so that chunks of any size find the same numbers
+        """Run designs, as a batch if the analysis supports it."""
+        if self.batched:  # even a single design, so that results do not depend on the chunk size
             try:
-                return self._side_by_side(numbers, names, values)
-            except DalembertError:  # all fail for one reason, or there is no room for so many
+                return self._run_batch(numbers, names, values)
+            except DalembertError:  # a common failure, or too little memory for the batch
                 pass
         pairs = zip(numbers, values, strict=True)
         return [self.answer(int(number), names, row) for number, row in pairs]
 
-    def _side_by_side(
+    def _run_batch(
         self, numbers: np.ndarray, names: Sequence[str], values: np.ndarray
     ) -> list[Answer]:
         columns = dict(zip(names, values.T, strict=True))
@@ -99,29 +99,31 @@ class StudyTask:
         batch = solve_batch(self.analysis, self.model, designs, False, 1)
         if Outcome.INTERRUPTED in batch.counts:
             raise KeyboardInterrupt
-        found = batch_responses(batch, self.responses)
-        table = np.column_stack([found[r.label].values for r in self.responses])
-        made = []
+        responses = batch_responses(batch, self.responses)
+        table = np.column_stack([responses[response.label].values for response in self.responses])
+        answers = []
         for number, status, row in zip(numbers, batch.statuses, table, strict=True):
-            reason = _reason(status)
+            reason = _failure_reason(status)
             if not reason and not np.all(np.isfinite(row)):
                 reason = NOT_FINITE
-            kept = tuple(map(float, row))
-            made.append(self.failed(int(number), reason) if reason else Answer(int(number), kept))
-        return made
+            response_values = tuple(map(float, row))
+            answers.append(
+                self.failed(int(number), reason) if reason else Answer(int(number), response_values)
+            )
+        return answers
 
     def answer(self, number: int, names: Sequence[str], values: np.ndarray) -> Answer:
-        """Run one design; what fails is told, not raised."""
+        """Run one design; failures are returned, not raised."""
         problem = design_problem(self.model, self.analysis, self.responses, names)
         try:
-            found = problem.evaluate(values, gradient=False)
-        except DalembertError as error:  # values with which an element cannot be
+            evaluation = problem.evaluate(values, gradient=False)
+        except DalembertError as error:  # invalid parameter values of an element
             return self.failed(number, str(error))
-        except Exception as error:  # one design must not end a study of thousands
+        except Exception as error:  # one design must not abort the study
             return self.failed(number, f"{type(error).__name__}: {error}")
-        if found is None:
+        if evaluation is None:
             return self.failed(number, problem.failures[-1])
-        return Answer(number, tuple(float(v) for v in found.values))
+        return Answer(number, tuple(float(v) for v in evaluation.values))
 
     def warnings(self, design: Design, numbers: Iterable[int]) -> list[str]:
         """Warnings of some designs, each run on its own."""
@@ -139,75 +141,75 @@ class StudyTask:
         Raises
         ------
         ModelError
-            Names the nearest parameters.
+            Unknown parameter; the message lists similar names.
         AnalysisError
-            A response is called like a column of the table, or the design is no ``Design``.
+            A response has the name of another column, or ``design`` is no ``Design``.
         """
         if not isinstance(design, Design):
             raise AnalysisError(
                 f"design is {design!r:.60}; give a da.Design, such as "
                 "da.Design.grid({'length': [1.0, 2.0]})"
             )
-        taken = {"design", "reason", *design.names}
+        reserved = {"design", "reason", *design.names}
         for response in self.responses:
-            if response.label in taken:
+            if response.label in reserved:
                 raise AnalysisError(
-                    f"a response is called {response.label!r}, as a column of the table is; "
+                    f"response {response.label!r} has the name of another column of the table; "
                     "give it another name"
                 )
-        one = dict(zip(design.names, design.values[0], strict=True))
-        parameter_vector(self.model.parameters, one, self.model.name)
+        first_design = dict(zip(design.names, design.values[0], strict=True))
+        parameter_vector(self.model.parameters, first_design, self.model.name)
         for name, values in design.given.items():
-            given = [] if isinstance(values, np.ndarray) else values
-            check_measured(given, self.model.parameters[name].unit, name)
+            measured_values = [] if isinstance(values, np.ndarray) else values
+            check_measured(measured_values, self.model.parameters[name].unit, name)
 
     def identity(self, design: Design) -> str:
-        """Hash of everything that decides what the study finds."""
+        """Hash of everything that determines the results of the study."""
         digest = hashlib.sha256()
         model = [self.model.name, self.model.nominal, list(self.model.parameters)]
-        about = [model, self.analysis, list(self.responses), design.names, design.values]
-        for text in (*map(described, about), model_text(self.model)):
+        content = [model, self.analysis, list(self.responses), design.names, design.values]
+        for text in (*map(canonical_text, content), model_text(self.model)):
             digest.update(text.encode() + b"\0")
         return digest.hexdigest()
 
 
-def _reason(status: Status) -> str:
-    """Why a design of a batch failed, in the words of a run of its own."""
+def _failure_reason(status: Status) -> str:
+    """Reason of failure of a design of a batch, as of a single run."""
     if status.success:
         return ""
-    begun = status.outcome not in (Outcome.NOT_ASSEMBLED, Outcome.REFUSED)
-    return str(status) if begun else status.message
+    has_started = status.outcome not in (Outcome.NOT_ASSEMBLED, Outcome.REFUSED)
+    return str(status) if has_started else status.message
 
 
 def model_text(model: ParametricModel) -> str:
-    """The equations of a mechanism, or the description of a structure, as text."""
+    """Text of the equations of a mechanism, or of the description of a structure."""
     if isinstance(model, Model):
         e = model.all_equations
-        stated = [e.pose_rate, e.inertia.matrix, e.bias, e.force, e.constraints, e.nonholonomic]
-        graphs = [ca.SX(g) for g in stated if isinstance(g, (ca.SX, ca.DM))]
-        free = ca.symvar(ca.vertcat(*(ca.vec(g) for g in graphs)))
-        start = described([model.guesses])
+        terms = [e.pose_rate, e.inertia.matrix, e.bias, e.force, e.constraints, e.nonholonomic]
+        graphs = [ca.SX(graph) for graph in terms if isinstance(graph, (ca.SX, ca.DM))]
+        free = ca.symvar(ca.vertcat(*(ca.vec(graph) for graph in graphs)))
+        start = canonical_text([model.guesses])
         return ca.Function("equations", free, graphs).serialize() + start
-    return described(vars(getattr(model, "structure", model)))
+    return canonical_text(vars(getattr(model, "structure", model)))
 
 
-def described(thing: Any, depth: int = 14) -> str:
-    """Options, tables and formulas as text that is the same in every process."""
-    if isinstance(thing, np.ndarray):
-        return f"{thing.shape}{thing.dtype}{hashlib.sha256(thing.tobytes()).hexdigest()}"
-    if thing is None or isinstance(thing, (str, bytes, bool, int, float, complex, np.generic)):
-        return repr(thing)
-    if isinstance(thing, (Expression, ca.SX, ca.DM)):
-        return str(thing if not isinstance(thing, Expression) else (thing.sx, thing.unit))
-    kind = type(thing).__name__
+def canonical_text(content: Any, depth: int = 14) -> str:
+    """Text of options, tables and formulas that is reproducible across processes."""
+    if isinstance(content, np.ndarray):
+        return f"{content.shape}{content.dtype}{hashlib.sha256(content.tobytes()).hexdigest()}"
+    if content is None or isinstance(content, (str, bytes, bool, int, float, complex, np.generic)):
+        return repr(content)
+    if isinstance(content, (Expression, ca.SX, ca.DM)):
+        return str(content if not isinstance(content, Expression) else (content.sx, content.unit))
+    type_name = type(content).__name__
     if depth == 0:
-        return kind
-    if isinstance(thing, Mapping):
-        inner: Iterable[Any] = ((str(key), value) for key, value in thing.items())
-    elif isinstance(thing, (list, tuple)):
-        inner = thing
-    elif is_dataclass(thing):
-        inner = [(f.name, getattr(thing, f.name, None)) for f in fields(thing)]
+        return type_name
+    if isinstance(content, Mapping):
+        parts: Iterable[Any] = ((str(key), value) for key, value in content.items())
+    elif isinstance(content, (list, tuple)):
+        parts = content
+    elif is_dataclass(content):
+        parts = [(f.name, getattr(content, f.name, None)) for f in fields(content)]
     else:
-        return getattr(thing, "__qualname__", kind)
-    return f"{kind}({','.join(described(part, depth - 1) for part in inner)})"
+        return getattr(content, "__qualname__", type_name)
+    return f"{type_name}({','.join(canonical_text(part, depth - 1) for part in parts)})"

@@ -1,7 +1,7 @@
-"""Where the designs of a study are computed: here, in processes, or on a cluster.
+"""Backends that evaluate the designs of a study: in-process, process pool or Dask cluster.
 
-All give the answers of chunks as they come, in any order. A chunk whose worker dies is given out
-again; a design that takes its worker down even alone is answered as failed.
+All yield the answers of chunks as they arrive, in any order. A chunk whose worker dies is submitted
+again; a design that kills its worker even alone is recorded as failed.
 """
 
 from __future__ import annotations
@@ -15,38 +15,43 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from dalembert.design.studies.task import Answer, StudyTask
+from dalembert.errors import AnalysisError, UnsupportedError
 
 DIED = "the process that computed it died"
-TRIES = 2
-"""Deaths of a design on its own before it is to blame: the first may be chance."""
-AHEAD = 2
-"""Chunks given out per worker, so that none waits for the next."""
+MAX_TRIES = 2
+"""Runs of a single design whose worker dies until the design counts as failed."""
+CHUNKS_AHEAD = 2
+"""Submitted chunks per worker, so that no worker idles."""
+WAIT = 5.0
+"""Upper limit of the time to connect to the scheduler [s]."""
+_task_lock = threading.Lock()
+"""Serialises the threads of a worker, as compiled functions are not thread-safe."""
 
 
 @dataclass(frozen=True, eq=False)
 class Chunk:
-    """Some designs: numbers (n,), names of the parameters, values (n, k)."""
+    """Chunk of designs: numbers (n,), names of the parameters, values (n, k)."""
 
     numbers: np.ndarray
     names: tuple[str, ...]
     values: np.ndarray
 
-    def parted(self) -> list[Chunk]:
-        """Each design on its own."""
-        each = range(self.numbers.size)
-        return [Chunk(self.numbers[k : k + 1], self.names, self.values[k : k + 1]) for k in each]
+    def split(self) -> list[Chunk]:
+        """Chunks of single designs."""
+        indices = range(self.numbers.size)
+        return [Chunk(self.numbers[k : k + 1], self.names, self.values[k : k + 1]) for k in indices]
 
 
 class Workers(Protocol):
-    """Who computes."""
+    """Protocol of the backends."""
 
     def answers(self, chunks: Sequence[Chunk]) -> Iterator[list[Answer]]:
-        """The answers of each chunk as they come."""
+        """Yield the answers of each chunk as they arrive."""
         ...
 
 
@@ -56,8 +61,8 @@ def answer_chunk(task: StudyTask, chunk: Chunk) -> list[Answer]:
 
 
 @dataclass(frozen=True, eq=False)
-class Here:
-    """One after the other in this process."""
+class InProcess:
+    """Sequential evaluation in this process."""
 
     task: StudyTask
 
@@ -69,15 +74,15 @@ class Here:
 _task: StudyTask | None = None
 
 
-def _begin(make: Callable[[], StudyTask], parent: int) -> None:
-    """A worker's first act: it has the task, leaves Ctrl-C to its parent, and ends with it."""
+def _initialise_worker(make: Callable[[], StudyTask], parent: int) -> None:
+    """Initialise a worker: build the task, ignore Ctrl-C, and exit with the parent process."""
     global _task
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+    threading.Thread(target=_exit_with_parent, args=(parent,), daemon=True).start()
     _task = make()
 
 
-def _end_with(parent: int) -> None:
+def _exit_with_parent(parent: int) -> None:
     while os.getppid() == parent:
         time.sleep(0.5)
     os._exit(1)
@@ -90,13 +95,13 @@ def _answer(chunk: Chunk) -> list[Answer]:
 
 @dataclass(frozen=True, eq=False)
 class Processes:
-    """Several processes of this machine.
+    """Pool of local processes.
 
     Parameters
     ----------
-    make : makes the task; sent to the workers where processes cannot be forked
-    task : made already
-    count : of the processes
+    make : function that builds the task, sent to the workers if processes cannot be forked
+    task : task built in this process
+    count : number of processes
     """
 
     make: Callable[[], StudyTask]
@@ -104,52 +109,130 @@ class Processes:
     count: int
 
     def answers(self, chunks: Sequence[Chunk]) -> Iterator[list[Answer]]:
-        left = dict(enumerate(chunks))
-        while left:
-            before = len(left)
-            yield from self._together(left)
-            if len(left) == before:  # one of those that were given out first takes workers down
-                for key in list(left)[: AHEAD * self.count]:
-                    yield self._alone(left.pop(key))
+        pending = dict(enumerate(chunks))
+        while pending:
+            remaining = len(pending)
+            yield from self._run_until_death(pending)
+            if len(pending) == remaining:  # one of the first submitted chunks kills its worker
+                for key in list(pending)[: CHUNKS_AHEAD * self.count]:
+                    yield self._run_single(pending.pop(key))
 
-    def _together(self, left: dict[int, Chunk]) -> Iterator[list[Answer]]:
-        """Answers until all are there or a worker dies; what is answered is taken out."""
-        waiting = iter(list(left))
+    def _run_until_death(self, pending: dict[int, Chunk]) -> Iterator[list[Answer]]:
+        """Yield answers until all chunks are done or a worker dies; updates ``pending``."""
+        keys = iter(list(pending))
         running: dict[Future, int] = {}
         with self._pool(self.count) as pool:
             try:
                 while True:
-                    for key in waiting:
-                        running[pool.submit(_answer, left[key])] = key
-                        if len(running) >= AHEAD * self.count:
+                    for key in keys:
+                        running[pool.submit(_answer, pending[key])] = key
+                        if len(running) >= CHUNKS_AHEAD * self.count:
                             break
                     if not running:
                         return
                     for future in wait(running, return_when=FIRST_COMPLETED).done:
                         key = running.pop(future)
-                        found = future.result()
-                        del left[key]
-                        yield found
+                        answers = future.result()
+                        del pending[key]
+                        yield answers
             except BrokenProcessPool:
                 return
             finally:
                 pool.shutdown(wait=True, cancel_futures=True)
 
-    def _alone(self, chunk: Chunk) -> list[Answer]:
-        """Designs one by one; one that dies even so, and again, has failed."""
-        return [a for one in chunk.parted() for a in self._tried(one)]
+    def _run_single(self, chunk: Chunk) -> list[Answer]:
+        """Run designs one by one; a design that kills its worker repeatedly fails."""
+        return [answer for single in chunk.split() for answer in self._retry(single)]
 
-    def _tried(self, one: Chunk) -> list[Answer]:
-        for _ in range(TRIES):
+    def _retry(self, chunk: Chunk) -> list[Answer]:
+        for _ in range(MAX_TRIES):
             with self._pool(1) as pool:
                 try:
-                    return pool.submit(_answer, one).result()
+                    return pool.submit(_answer, chunk).result()
                 except BrokenProcessPool:
                     continue
-        return [self.task.failed(int(one.numbers[0]), DIED)]
+        return [self.task.failed(int(chunk.numbers[0]), DIED)]
 
     def _pool(self, count: int) -> ProcessPoolExecutor:
         forks = "fork" in multiprocessing.get_all_start_methods()
         context = multiprocessing.get_context("fork" if forks else "spawn")
-        make = (lambda: self.task) if forks else self.make  # a forked process has it already
-        return ProcessPoolExecutor(count, context, _begin, (make, os.getpid()))
+        make = (lambda: self.task) if forks else self.make  # inherited by forked processes
+        return ProcessPoolExecutor(count, context, _initialise_worker, (make, os.getpid()))
+
+
+_cluster_tasks: dict[str, StudyTask] = {}
+"""Task of the current study on this worker, cached as it is expensive to build."""
+
+
+def answer_on_worker(identity: str, make: Callable[[], StudyTask], chunk: Chunk) -> list[Answer]:
+    """Answers of a chunk, computed on a worker; builds the task once."""
+    with _task_lock:
+        if identity not in _cluster_tasks:
+            _cluster_tasks.clear()
+            _cluster_tasks[identity] = make()
+        return answer_chunk(_cluster_tasks[identity], chunk)
+
+
+@dataclass(frozen=True, eq=False)
+class Cluster:
+    """Workers of a Dask scheduler, which replaces workers that die.
+
+    Parameters
+    ----------
+    scheduler : address, such as ``tcp://host:8786``
+    make : function that builds the task on each worker
+    task : task built in this process
+    identity : hash of the study
+    """
+
+    scheduler: str
+    make: Callable[[], StudyTask]
+    task: StudyTask
+    identity: str
+
+    def answers(self, chunks: Sequence[Chunk]) -> Iterator[list[Answer]]:
+        distributed = _distributed()
+        try:
+            client = distributed.Client(self.scheduler, timeout=WAIT, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise AnalysisError(
+                f"there is no Dask scheduler at {self.scheduler} ({error}); start one with "
+                "'dask scheduler', and workers with 'dask worker ADDRESS --nthreads 1'"
+            ) from None
+        with client:
+            yield from self._answers(distributed, client, list(chunks))
+
+    def _answers(
+        self, distributed: Any, client: Any, chunks: list[Chunk]
+    ) -> Iterator[list[Answer]]:
+        def submit(chunk: Chunk) -> Any:
+            future = client.submit(answer_on_worker, self.identity, self.make, chunk, pure=False)
+            submitted[future.key] = chunk
+            return future
+
+        submitted: dict[str, Chunk] = {}
+        running = distributed.as_completed([submit(chunk) for chunk in chunks], loop=client.loop)
+        for future in running:
+            chunk = submitted.pop(future.key)
+            if future.status == "finished":
+                yield future.result()
+            elif future.status != "error" and client.status == "running":
+                running.add(submit(chunk))  # lost with its worker
+            elif future.status != "error":
+                raise AnalysisError(f"the scheduler at {self.scheduler} is gone; start it again")
+            elif not isinstance(error := future.exception(), distributed.KilledWorker):
+                raise AnalysisError(f"a worker of {self.scheduler} failed: {error!r}")
+            elif chunk.numbers.size == 1:
+                yield [self.task.failed(int(chunk.numbers[0]), DIED)]
+            else:
+                running.update([submit(single) for single in chunk.split()])
+
+
+def _distributed() -> Any:
+    try:
+        import distributed
+    except ImportError:
+        raise UnsupportedError(
+            "a study on a cluster needs dask.distributed: pip install 'dalembert[cluster]'"
+        ) from None
+    return distributed

@@ -1,1 +1,1 @@
-"""Synthesis: from what shall be done to the mechanism that does it."""
+"""Dimensional synthesis of linkages, cams and mechanisms from a target."""

@@ -1,8 +1,8 @@
-"""An atlas of coupler curves, searched for those alike in shape to a target.
+"""Atlas of coupler curves, searched for curves with the shape of a target.
 
-Closed paths are compared by Fourier descriptors: the moduli of the coefficients of the curve by its
-arc length, which do not change with place, size, turn and starting point. Pieces of path, and paths
-with prescribed timing, are compared with pieces of all curves.
+Closed paths are compared by Fourier descriptors: the moduli of the Fourier coefficients over the
+arc length, which are invariant to translation, scale, rotation and starting point. Open paths, and
+paths with prescribed timing, are compared with segments of all curves.
 Source: I. Ullah, S. Kota (1997), Journal of Mechanical Design 119, 504-510.
 """
 
@@ -18,13 +18,14 @@ from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.target import Target
 
 COUNT, SAMPLES, HARMONICS = 4096, 72, 6
-PIECES = (0.15, 0.25, 0.35, 0.5, 0.65, 0.8, 0.95)
-"""Lengths of the pieces of curves, in turns of the crank."""
+"""Numbers of linkages, of samples per revolution, and of Fourier coefficients."""
+SEGMENTS = (0.15, 0.25, 0.35, 0.5, 0.65, 0.8, 0.95)
+"""Lengths of segments of curves, in revolutions of the crank."""
 
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """A linkage near the target, the crank angles for its entries, and how far off it is."""
+    """A linkage near the target, with crank angles at its entries and its distance."""
 
     linkage: Linkage
     theta: np.ndarray
@@ -34,13 +35,13 @@ class Start:
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """Linkages of unit size with their curves.
+    """Linkages of unit size with their coupler curves.
 
     Attributes
     ----------
-    kind : of linkage
+    kind : class of the linkages
     q, branch : dimensions (n,) by name, and branches (n,)
-    curves : (n, SAMPLES) coupler points in one turn
+    curves : (n, SAMPLES) coupler points in one revolution
     """
 
     kind: type[Linkage]
@@ -49,147 +50,151 @@ class Atlas:
     curves: np.ndarray
 
     def nearest(self, target: Target, count: int) -> list[Start]:
-        """Linkages, moved, turned and sized so that they come near the points of a target."""
+        """Linkages, transformed by similarities, that are nearest to the points of a target."""
         if target.closed and target.crank_angles is None:
             return self._closed(target, count)
         z = target.complex_points
         pick = np.unique(np.linspace(0, len(z) - 1, min(len(z), 9)).astype(int))
-        found = []
-        for sense, places in self._pieces(target, len(z)):
-            samples = np.rint(places * SAMPLES).astype(int) % SAMPLES
-            _, off = fitted(self.curves[:, samples[pick]], z[pick])
-            for k in np.argsort(off)[: max(4, count // 4)]:
-                found.append((off[k], k, sense, samples, 2 * np.pi * places))
+        candidates = []
+        for sense, positions in self._segments(target, len(z)):
+            samples = np.rint(positions * SAMPLES).astype(int) % SAMPLES
+            _, distance = fit_similarity(self.curves[:, samples[pick]], z[pick])
+            for k in np.argsort(distance)[: max(4, count // 4)]:
+                candidates.append((distance[k], k, sense, samples, 2 * np.pi * positions))
         if target.crank_angles is None:
-            found += self._by_length(z, pick, count)
-        found.sort(key=lambda entry: entry[0])
-        return self._distinct(found, z, count)
+            candidates += self._segments_by_length(z, pick, count)
+        candidates.sort(key=lambda entry: entry[0])
+        return self._distinct(candidates, z, count)
 
-    def _pieces(self, target: Target, size: int) -> list[tuple[int, np.ndarray]]:
-        """Sense of turning, and places of the entries on the curves in turns."""
-        begins = np.arange(0, 1, 1 / 24)
+    def _segments(self, target: Target, size: int) -> list[tuple[int, np.ndarray]]:
+        """Sense of rotation, and positions of the entries on the curves in revolutions."""
+        starts = np.arange(0, 1, 1 / 24)
         if target.crank_angles is not None:
-            given = (target.crank_angles - target.crank_angles[0]) / (2 * np.pi)
-            return [(1, begin + given) for begin in begins]
+            timing = (target.crank_angles - target.crank_angles[0]) / (2 * np.pi)
+            return [(1, start + timing) for start in starts]
         even = np.linspace(0, 1, size)
-        return [(s, b + s * even * piece) for b in begins for piece in PIECES for s in (1, -1)]
+        return [(s, b + s * even * length) for b in starts for length in SEGMENTS for s in (1, -1)]
 
-    def _by_length(self, z: np.ndarray, pick: np.ndarray, count: int) -> list:
-        """Pieces of curves on which the entries are as far apart as those of the target."""
-        along = np.concatenate([[0.0], np.cumsum(abs(np.diff(z)))])
-        along /= along[-1] or 1.0
-        curves, theta = self._even
-        found = []
-        for begin in np.arange(0, 1, 1 / 24):
-            for piece in PIECES:
+    def _segments_by_length(self, z: np.ndarray, pick: np.ndarray, count: int) -> list:
+        """Segments with the distances of the target along the curve between entries."""
+        arc_length = np.concatenate([[0.0], np.cumsum(abs(np.diff(z)))])
+        arc_length /= arc_length[-1] or 1.0
+        curves, theta = self._resampled
+        candidates = []
+        for start in np.arange(0, 1, 1 / 24):
+            for length in SEGMENTS:
                 for sense in (1, -1):
-                    places = begin + sense * piece * along
-                    samples = np.rint(places * SAMPLES).astype(int) % SAMPLES
-                    _, off = fitted(curves[:, samples[pick]], z[pick])
-                    for k in np.argsort(off)[: max(4, count // 4)]:
+                    positions = start + sense * length * arc_length
+                    samples = np.rint(positions * SAMPLES).astype(int) % SAMPLES
+                    _, distance = fit_similarity(curves[:, samples[pick]], z[pick])
+                    for k in np.argsort(distance)[: max(4, count // 4)]:
                         angles = np.unwrap(theta[k][samples], period=2 * np.pi)
-                        found.append((off[k], k, sense, samples, angles))
-        return found
+                        candidates.append((distance[k], k, sense, samples, angles))
+        return candidates
 
     def _closed(self, target: Target, count: int) -> list[Start]:
         z = target.complex_points
         steps = np.abs(np.diff(np.append(z, z[0])))
-        along = np.concatenate([[0.0], np.cumsum(steps)[:-1]]) / steps.sum()
-        _, near = self._tree.query(descriptors(by_length(z[None, :])[0])[0], k=96)
-        found = []
-        curves, theta = (each[near] for each in self._even)
+        arc_length = np.concatenate([[0.0], np.cumsum(steps)[:-1]]) / steps.sum()
+        _, nearest = self._tree.query(descriptors(resample_by_length(z[None, :])[0])[0], k=96)
+        candidates = []
+        curves, theta = (array[nearest] for array in self._resampled)
         for sense in (1, -1):
             for shift in np.arange(0, 1, 1 / 36):
-                samples = np.rint((shift + sense * along) * SAMPLES).astype(int) % SAMPLES
-                _, off = fitted(curves[:, samples], z)
-                for k in np.argsort(off)[:4]:
+                samples = np.rint((shift + sense * arc_length) * SAMPLES).astype(int) % SAMPLES
+                _, distance = fit_similarity(curves[:, samples], z)
+                for k in np.argsort(distance)[:4]:
                     angles = np.unwrap(theta[k][samples], period=2 * np.pi)
-                    found.append((off[k], near[k], sense, None, angles))
-        found.sort(key=lambda entry: entry[0])
-        return self._distinct(found, z, count)
+                    candidates.append((distance[k], nearest[k], sense, None, angles))
+        candidates.sort(key=lambda entry: entry[0])
+        return self._distinct(candidates, z, count)
 
-    def _distinct(self, found: list, z: np.ndarray, count: int) -> list[Start]:
-        """The best piece of each linkage."""
-        taken: dict[int, Start] = {}
-        for off, k, sense, _, theta in found:
-            if k in taken or len(taken) == count:
+    def _distinct(self, candidates: list, z: np.ndarray, count: int) -> list[Start]:
+        """The best segment of each linkage."""
+        starts: dict[int, Start] = {}
+        for distance, k, sense, _, theta in candidates:
+            if k in starts or len(starts) == count:
                 continue
             q = {name: values[k] for name, values in self.q.items()}
             curve = self.kind.points(q, self.branch[k], theta)
-            ratio, _ = fitted(curve[None, :], z)
-            turned = float(np.angle(ratio[0]))
-            moved = np.mean(z) - ratio[0] * np.mean(curve)
+            ratio, _ = fit_similarity(curve[None, :], z)
+            rotation = float(np.angle(ratio[0]))
+            offset = np.mean(z) - ratio[0] * np.mean(curve)
             unit = self.kind(**q, branch=int(self.branch[k]))
-            made = unit.scaled(float(abs(ratio[0])), complex(moved))
-            placed = type(made)(**{**made.numbers, "angle": turned}, branch=made.branch)
-            taken[k] = Start(placed, theta + turned, sense, float(off))
-        return list(taken.values())
+            scaled = unit.scaled(float(abs(ratio[0])), complex(offset))
+            transformed = type(scaled)(
+                **{**scaled.numbers, "angle": rotation}, branch=scaled.branch
+            )
+            starts[k] = Start(transformed, theta + rotation, sense, float(distance))
+        return list(starts.values())
 
     @property
-    def _even(self) -> tuple[np.ndarray, np.ndarray]:
-        return _even(self.kind)
+    def _resampled(self) -> tuple[np.ndarray, np.ndarray]:
+        return _resampled(self.kind)
 
     @property
     def _tree(self) -> Any:
         return _tree(self.kind)
 
 
-def fitted(curves: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Turn and size, and root mean square distance, of the best similarity ``a + b·curve ≈ z``."""
+def fit_similarity(curves: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Coefficient ``b`` and rms distance of the best similarity ``a + b·curve ≈ z``."""
     w = curves - curves.mean(axis=1, keepdims=True)
-    about = z - z.mean()
+    centred = z - z.mean()
     power = np.maximum((abs(w) ** 2).sum(axis=1), 1e-12)
-    ratio = (w.conj() @ about) / power
-    off = np.sqrt(np.maximum((abs(about) ** 2).sum() - abs(ratio) ** 2 * power, 0) / z.size)
-    return ratio, off
+    ratio = (w.conj() @ centred) / power
+    distance = np.sqrt(np.maximum((abs(centred) ** 2).sum() - abs(ratio) ** 2 * power, 0) / z.size)
+    return ratio, distance
 
 
-def by_length(curves: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Closed curves at equal steps of their length, and where that is in turns times 2π."""
-    closed = np.concatenate([curves, curves[:, :1]], axis=1)
-    along = np.concatenate(
-        [np.zeros((len(curves), 1)), np.cumsum(abs(np.diff(closed, axis=1)), axis=1)], axis=1
+def resample_by_length(curves: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Closed curves resampled at equal steps of arc length, and the curve parameters there."""
+    closed_curves = np.concatenate([curves, curves[:, :1]], axis=1)
+    arc_lengths = np.concatenate(
+        [np.zeros((len(curves), 1)), np.cumsum(abs(np.diff(closed_curves, axis=1)), axis=1)], axis=1
     )
-    angles = np.linspace(0, 2 * np.pi, closed.shape[1])
-    made, where = [], []
-    for row, length in zip(closed, along, strict=True):
-        wanted = np.arange(SAMPLES) / SAMPLES * length[-1]
-        made.append(np.interp(wanted, length, row.real) + 1j * np.interp(wanted, length, row.imag))
-        where.append(np.interp(wanted, length, angles))
-    return np.array(made), np.array(where)
+    angles = np.linspace(0, 2 * np.pi, closed_curves.shape[1])
+    resampled, parameters = [], []
+    for row, length in zip(closed_curves, arc_lengths, strict=True):
+        positions = np.arange(SAMPLES) / SAMPLES * length[-1]
+        resampled.append(
+            np.interp(positions, length, row.real) + 1j * np.interp(positions, length, row.imag)
+        )
+        parameters.append(np.interp(positions, length, angles))
+    return np.array(resampled), np.array(parameters)
 
 
 def descriptors(curves: np.ndarray) -> np.ndarray:
-    """Moduli of the coefficients, the two of an order sorted so that the sense does not count."""
-    found = np.abs(np.fft.fft(curves, axis=1))
+    """Moduli of the coefficients; those of an order are sorted, independent of the sense."""
+    moduli = np.abs(np.fft.fft(curves, axis=1))
     orders = np.arange(1, HARMONICS + 1)
-    pair = np.stack([found[:, orders], found[:, -orders]])
-    whole = np.sqrt((pair**2).sum(axis=(0, 2)))[:, None]
-    more = np.argmax(pair[:, :, 0], axis=0)
+    pair = np.stack([moduli[:, orders], moduli[:, -orders]])
+    norm = np.sqrt((pair**2).sum(axis=(0, 2)))[:, None]
+    larger = np.argmax(pair[:, :, 0], axis=0)
     rows = np.arange(len(curves))
-    return np.concatenate([pair[more, rows], pair[1 - more, rows]], axis=1) / whole
+    return np.concatenate([pair[larger, rows], pair[1 - larger, rows]], axis=1) / norm
 
 
 @lru_cache(maxsize=4)
-def atlas_of(kind: type[Linkage]) -> Atlas:
-    """The atlas of a kind of linkage, built when it is first asked for."""
+def linkage_atlas(kind: type[Linkage]) -> Atlas:
+    """The atlas of a class of linkages, built on first use."""
     rng = np.random.default_rng(0)
     q, branch = kind.drawn(rng, COUNT), rng.choice([-1, 1], COUNT)
     theta = np.arange(SAMPLES) * 2 * np.pi / SAMPLES
     columns = {name: values[:, None] for name, values in q.items()}
     curves = kind.points(columns, branch[:, None], theta[None, :])
-    good = np.isfinite(curves).all(axis=1)
-    return Atlas(kind, {n: v[good] for n, v in q.items()}, branch[good], curves[good])
+    finite = np.isfinite(curves).all(axis=1)
+    return Atlas(kind, {n: v[finite] for n, v in q.items()}, branch[finite], curves[finite])
 
 
 @lru_cache(maxsize=4)
 def _tree(kind: type[Linkage]) -> Any:
     from scipy.spatial import cKDTree
 
-    return cKDTree(descriptors(_even(kind)[0]))
+    return cKDTree(descriptors(_resampled(kind)[0]))
 
 
 @lru_cache(maxsize=4)
-def _even(kind: type[Linkage]) -> tuple[np.ndarray, np.ndarray]:
-    """Curves at equal steps of their length, and the crank angles there."""
-    return by_length(atlas_of(kind).curves)
+def _resampled(kind: type[Linkage]) -> tuple[np.ndarray, np.ndarray]:
+    """Curves resampled at equal steps of arc length, and the crank angles there."""
+    return resample_by_length(linkage_atlas(kind).curves)

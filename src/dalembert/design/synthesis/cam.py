@@ -1,7 +1,7 @@
-"""Disc cams from a law of the follower.
+"""Disc cams with translating followers.
 
-The cam turns by ``θ`` against the clock; the follower goes along y, at ``x = offset``, by ``s(θ)``,
-or swings by it.
+The cam rotates counterclockwise by ``θ``; the follower translates along y, at ``x = offset``, by
+``s(θ)``.
 Source: R. L. Norton, *Cam Design and Manufacturing Handbook*, ch. 7.
 """
 
@@ -20,16 +20,17 @@ from dalembert.elements.laws.base import as_law
 from dalembert.errors import AnalysisError
 
 SAMPLES = 1441
+"""Number of angles per revolution."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cam(ABC):
-    """A cam that moves a follower.
+    """Base class of disc cams.
 
     Parameters
     ----------
-    law : of the follower over the angle of the cam, which stands for time; a law, or a formula in t
-    base_radius : of the circle on which the cam touches where the law is zero [m]
+    law : motion of the follower over the cam angle, which replaces time; a law, or a formula in t
+    base_radius : radius of the base circle, the contact radius at zero lift [m]
     """
 
     law: Any
@@ -44,12 +45,12 @@ class Cam(ABC):
         time = ca.SX.sym("t")
         s = as_law(self.law, "law").value(time)
         if ca.symvar(ca.substitute(s, time, 0)):
-            raise AnalysisError("the law of a cam has numbers, no parameters; put values in")
+            raise AnalysisError("the law of a cam contains parameters; replace them by numbers")
         rate = ca.gradient(s, time)
         return ca.Function("lift", [time], [s, rate, ca.gradient(rate, time)])
 
     def lift(self, theta: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """``s`` and its first two derivatives by the angle of the cam."""
+        """``s`` and its first two derivatives by the cam angle."""
         angles = np.asarray(theta, dtype=float)
         rows = self._lift.map(angles.size)(angles.reshape(1, -1))
         s, rate, second = (np.array(row).reshape(angles.shape) for row in rows)
@@ -57,23 +58,23 @@ class Cam(ABC):
 
     @property
     def turn(self) -> np.ndarray:
-        """Angles of one turn."""
+        """Angles of one revolution."""
         return np.linspace(0, 2 * np.pi, SAMPLES)
 
     @abstractmethod
     def profile(self, theta: Any = None) -> np.ndarray:
-        """(n, 2) points of the cam, touched at these angles, in its own axes."""
+        """(n, 2) contact points at cam angles, in the frame of the cam."""
 
     @abstractmethod
     def radius(self, theta: Any = None) -> np.ndarray:
-        """(n,) radius of curvature of the profile, negative where it is hollow [m]."""
+        """(n,) radius of curvature of the profile, negative if concave [m]."""
 
     @abstractmethod
     def undercut(self) -> bool:
-        """Whether the follower would need a profile that cuts into itself."""
+        """Whether the profile is undercut."""
 
     def pressure_angle(self, theta: Any = None) -> np.ndarray:
-        """(n,) between the force on the follower and its way [rad]."""
+        """(n,) angle between the force on the follower and its direction of motion [rad]."""
         return np.zeros(np.shape(self._angles(theta)))
 
     def _angles(self, theta: Any) -> np.ndarray:
@@ -86,11 +87,11 @@ def _plane(z: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FlatFaceCam(Cam):
-    """A follower with a flat face square to its way: ``P = e^{−iθ}(s' + i (R + s))``.
+    """Flat-faced follower, perpendicular to its motion: ``P = e^{−iθ}(s' + i (R + s))``.
 
     Parameters
     ----------
-    law : of the lift [m] by the angle of the cam [rad], a Law or a formula in ``da.t``
+    law : lift [m] over the cam angle [rad], a Law or a formula in ``da.t``
     base_radius : ``R`` [m]
 
     Examples
@@ -100,7 +101,7 @@ class FlatFaceCam(Cam):
     >>> import dalembert as da
     >>> lift = da.CycloidalRise(height=0.01, duration=2.0, fall=2.0, period=2 * math.pi)
     >>> cam = da.FlatFaceCam(law=lift, base_radius=0.04)
-    >>> np.linalg.norm(cam.profile([0.0, 2.0]), axis=1).round(6)  # base circle, and the lift more
+    >>> np.linalg.norm(cam.profile([0.0, 2.0]), axis=1).round(6)  # base circle, with the lift added
     array([0.04, 0.05])
     >>> [round(side * 1e3, 3) for side in cam.face]  # ± s' = 2 h/2 [mm]: half its face
     [-10.0, 10.0]
@@ -121,25 +122,25 @@ class FlatFaceCam(Cam):
 
     @property
     def face(self) -> tuple[float, float]:
-        """How far the contact goes to either side of the axis of the follower [m]."""
+        """Range of the contact point on either side of the follower axis [m]."""
         rate = self.lift(self.turn)[1]
         return float(rate.min()), float(rate.max())
 
     @classmethod
     def smallest(cls, law: Any, least_radius: float) -> Self:
-        """The least base circle with a radius of curvature of at least this [m]."""
+        """Cam with the smallest base circle for a minimum radius of curvature [m]."""
         unit = cls(law=law, base_radius=1.0)
-        needed = 1.0 + least_radius - float(unit.radius().min())
-        lowest = -float(unit.lift(unit.turn)[0].min()) + least_radius
-        return cls(law=law, base_radius=max(needed, lowest, least_radius))
+        curvature_limit = 1.0 + least_radius - float(unit.radius().min())
+        lift_limit = -float(unit.lift(unit.turn)[0].min()) + least_radius
+        return cls(law=law, base_radius=max(curvature_limit, lift_limit, least_radius))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RolledCam(Cam):
-    """A cam on which a roller rolls, whatever leads it.
+    """Base class of cams with a roller follower.
 
-    With the centre of the roller at ``p(θ)`` in the plane of complex numbers, the pitch curve is
-    ``e^{−iθ} p`` in the axes of the cam, its derivatives, turned, ``p' − i p`` and
+    With the roller centre ``p(θ)`` in the complex plane, the pitch curve is ``e^{−iθ} p`` in the
+    frame of the cam; its derivatives, without the rotation, are ``p' − i p`` and
     ``p'' − 2i p' − p``.
     """
 
@@ -147,38 +148,38 @@ class RolledCam(Cam):
 
     @abstractmethod
     def centre(self, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """``p`` and its first two derivatives by the angle of the cam."""
+        """``p`` and its first two derivatives by the cam angle."""
 
     @abstractmethod
     def way(self, theta: np.ndarray) -> np.ndarray:
-        """Direction in which the follower leads the centre where it rises."""
+        """Direction of motion of the roller centre for a rising follower."""
 
     def pitch(self, theta: Any = None) -> np.ndarray:
-        """(n, 2) places of the centre of the roller in the axes of the cam."""
+        """(n, 2) positions of the roller centre in the frame of the cam."""
         angles = self._angles(theta)
         return _plane(np.exp(-1j * angles) * self.centre(angles)[0])
 
     def profile(self, theta: Any = None) -> np.ndarray:
         angles = self._angles(theta)
-        place, along = self.centre(angles)[0], self._along(angles)
-        inward = -1j * along / abs(along)
-        return _plane(np.exp(-1j * angles) * (place + self.roller_radius * inward))
+        position, tangent = self.centre(angles)[0], self._tangent(angles)
+        inward = -1j * tangent / abs(tangent)
+        return _plane(np.exp(-1j * angles) * (position + self.roller_radius * inward))
 
-    def _along(self, angles: np.ndarray) -> np.ndarray:
-        place, rate, _ = self.centre(angles)
-        return rate - 1j * place
+    def _tangent(self, angles: np.ndarray) -> np.ndarray:
+        position, rate, _ = self.centre(angles)
+        return rate - 1j * position
 
     def pressure_angle(self, theta: Any = None) -> np.ndarray:
         angles = self._angles(theta)
-        return np.angle(1j * self._along(angles) / self.way(angles))
+        return np.angle(1j * self._tangent(angles) / self.way(angles))
 
     def pitch_radius(self, theta: Any = None) -> np.ndarray:
         """(n,) radius of curvature of the pitch curve [m]."""
         angles = self._angles(theta)
-        place, rate, second = self.centre(angles)
-        along, bend = rate - 1j * place, second - 2j * rate - place
-        with np.errstate(divide="ignore"):  # the cam is on the right of the curve
-            return abs(along) ** 3 / -(along.conj() * bend).imag
+        position, rate, second = self.centre(angles)
+        tangent, curvature = rate - 1j * position, second - 2j * rate - position
+        with np.errstate(divide="ignore"):  # the cam lies on the right of the curve
+            return abs(tangent) ** 3 / -(tangent.conj() * curvature).imag
 
     def radius(self, theta: Any = None) -> np.ndarray:
         return self.pitch_radius(theta) - self.roller_radius
@@ -190,17 +191,17 @@ class RolledCam(Cam):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RollerCam(RolledCam):
-    """A follower that goes straight, with a roller of radius ``r`` and an offset ``e``.
+    """Translating follower with a roller of radius ``r`` and an offset ``e``.
 
-    ``p = e + i h``, ``h = √((R + r)² − e²) + s``; the pressure angle is ``atan((s' − e)/h)``. With
-    ``r = 0`` the follower has a knife edge.
+    ``p = e + i h``, ``h = √((R + r)² − e²) + s``; the pressure angle is ``atan((s' − e)/h)``. For
+    ``r = 0`` it is a knife-edge follower.
 
     Parameters
     ----------
-    law : of the lift [m] by the angle of the cam [rad], a Law or a formula in ``da.t``
+    law : lift [m] over the cam angle [rad], a Law or a formula in ``da.t``
     base_radius : ``R`` [m]
     roller_radius : ``r`` [m]
-    offset : ``e`` of the way of the follower from the axis of the cam [m]
+    offset : ``e``, distance of the follower axis from the cam axis [m]
 
     Examples
     --------
@@ -239,8 +240,8 @@ class RollerCam(RolledCam):
     def smallest(
         cls, law: Any, pressure_angle: float, roller_radius: float = 0.0, least_radius: float = 0.0
     ) -> Self:
-        """The least base circle, and the offset, that keep the pressure angle [rad] and leave a
-        radius of curvature of at least ``least_radius`` where the profile is convex [m].
+        """Cam with the smallest base circle, and its offset, for a maximum pressure angle [rad] and
+        a minimum radius of curvature ``least_radius`` of convex parts of the profile [m].
 
         Raises
         ------
@@ -255,7 +256,7 @@ class RollerCam(RolledCam):
         s, rate, _ = unit.lift(unit.turn)
         slope = math.tan(pressure_angle)
 
-        def made(offset: float) -> RollerCam:
+        def cam_at(offset: float) -> RollerCam:
             height = max(float(np.max(abs(rate - offset) / slope - s)), 1e-9 - float(s.min()))
             pitch = max(math.hypot(height, offset), roller_radius * (1 + 1e-9) + 1e-12)
             cam = cls(
@@ -275,10 +276,10 @@ class RollerCam(RolledCam):
             return cam
 
         best = minimize_scalar(
-            lambda offset: made(offset).base_radius,
+            lambda offset: cam_at(offset).base_radius,
             bounds=(float(rate.min()), float(rate.max())),
             method="bounded",
             options={"xatol": 1e-6 * float(np.ptp(rate) or 1.0)},
         )
-        found: Any = made(float(best.x))
-        return found
+        cam: Any = cam_at(float(best.x))
+        return cam

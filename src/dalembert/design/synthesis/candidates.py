@@ -1,4 +1,4 @@
-"""What every synthesis ends with: mechanisms to choose from, the best first."""
+"""Base classes of synthesis results: candidate mechanisms, sorted by error."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
 
 class Candidate(ABC):
-    """A mechanism and how it meets the target.
+    """A mechanism with its error relative to the target.
 
     Attributes
     ----------
-    crank_angles : (n,) of the crank at the entries of the target
-    error : sum of squares of what is in the target
-    distances : (n,) of the points, or of the outputs
+    crank_angles : (n,) crank angles at the entries of the target [rad]
+    error : sum of squared deviations from the target
+    distances : (n,) deviations of the points, or of the outputs
     """
 
     crank_angles: np.ndarray
@@ -38,51 +38,51 @@ class Candidate(ABC):
 
     @property
     def units(self) -> dict[str, str]:
-        """Of the dimensions that have one."""
+        """Units of the dimensions that are not lengths."""
         return {}
 
     @abstractmethod
     def told(self) -> dict[str, Any]:
-        """It, as plain data."""
+        """Further properties, as plain data."""
 
     @abstractmethod
     def curve(self) -> np.ndarray:
-        """(m, 2) path of the point over a turn."""
+        """(m, 2) path of the point over one revolution."""
 
     @abstractmethod
     def passed(self) -> np.ndarray:
-        """(n, 2) places of the point at the entries."""
+        """(n, 2) positions of the point at the entries."""
 
     @abstractmethod
     def reached(self) -> np.ndarray:
-        """(n,) outputs at the entries, without jumps."""
+        """(n,) unwrapped outputs at the entries."""
 
     @abstractmethod
     def page(self) -> dict[str, Any] | None:
-        """Its motion over a turn, None where it cannot be moved so."""
+        """Page of its motion over one revolution; None if the motion cannot be computed."""
 
     @property
     @abstractmethod
     def watched(self) -> list[str]:
-        """Measures that its page plots at first, where it has them."""
+        """Measures plotted initially on its page, if available."""
 
     def judged(self) -> dict[str, tuple[str, float]]:
-        """Further numbers it is judged by: name → unit, value."""
+        """Further criteria: name → unit, value."""
         return {}
 
 
 @dataclass(eq=False)
 class Candidates(Decision):
-    """What was found, best first; each differs from the others.
+    """Distinct candidates, sorted by error.
 
     Attributes
     ----------
-    starts : mechanisms that were polished
-    interrupted : by Ctrl-C; the solutions found until then are kept
+    starts : number of optimised starts
+    interrupted : by Ctrl-C; the solutions computed so far are available
     """
 
     word = "synthesis"
-    drawn = "synthesis:synthesis"
+    page_functions = "synthesis:synthesis"
     noun: ClassVar[str] = "mechanisms"
     target: Target
     solutions: Sequence[Any]
@@ -92,12 +92,12 @@ class Candidates(Decision):
 
     @property
     def success(self) -> bool:  # type: ignore[override]
-        """Whether it went to its end."""
+        """Whether all starts were optimised."""
         return not self.interrupted
 
     @property
     def message(self) -> str:  # type: ignore[override]
-        """How many, and the least error."""
+        """Number of candidates, and the smallest error."""
         count = len(self.solutions)
         noun = self.noun if count != 1 else self.noun[:-1]
         text = f"{count} {noun}, least error {self.best.error:.3g}"
@@ -110,7 +110,7 @@ class Candidates(Decision):
     @property
     @abstractmethod
     def kind(self) -> str:
-        """What they are."""
+        """Kind of the candidates."""
 
     def findings(self) -> dict[str, Any]:
         return {
@@ -133,23 +133,23 @@ class Candidates(Decision):
         """Dimensions, errors and crank angles of every solution."""
         import xarray as xr
 
-        listed, each = self.solutions, ("solution", "entry")
+        solutions, dimensions = self.solutions, ("solution", "entry")
         return xr.Dataset(
             {
                 "dimensions": (
                     ("solution", "dimension"),
-                    [list(s.numbers.values()) for s in listed],
+                    [list(s.numbers.values()) for s in solutions],
                 ),
-                "error": ("solution", [s.error for s in listed]),
-                "crank_angles": (each, [s.crank_angles for s in listed]),
-                "distances": (each, [s.distances for s in listed]),
+                "error": ("solution", [s.error for s in solutions]),
+                "crank_angles": (dimensions, [s.crank_angles for s in solutions]),
+                "distances": (dimensions, [s.distances for s in solutions]),
             },
-            {"dimension": list(self.best.numbers), "solution": range(len(listed))},
+            {"dimension": list(self.best.numbers), "solution": range(len(solutions))},
             {"linkage": self.kind},
         )
 
     def to_dataframe(self) -> pd.DataFrame:
-        """One row a solution: error, dimensions."""
+        """A row per solution: error, dimensions."""
         import pandas as pd
 
         return pd.DataFrame([{"error": s.error, **s.numbers} for s in self.solutions])
@@ -160,5 +160,5 @@ class Candidates(Decision):
         return synthesis_designs(self)
 
     def __repr__(self) -> str:
-        found, least = f"{len(self.solutions)} {self.noun}", self.best.error
-        return f"<{type(self).__name__}: {found}, least error {least:.3g}>"
+        count, error = f"{len(self.solutions)} {self.noun}", self.best.error
+        return f"<{type(self).__name__}: {count}, least error {error:.3g}>"

@@ -1,7 +1,7 @@
-"""Mechanisms out of chains of links: six-bars of Watt and Stephenson, geared five-bars, your own.
+"""Linkages from kinematic chains: six-bars of Watt and Stephenson, geared five-bars, others.
 
-A chain says which joints each link has; an inversion says which link stands still. A mechanism is
-given by where its joints are in one position, so that every choice of numbers can be assembled.
+A chain lists the joints of each link; an inversion defines the fixed link. A mechanism is described
+by the positions of its joints in one configuration, so that all numbers can be assembled.
 Source: R. S. Hartenberg, J. Denavit, *Kinematic Synthesis of Linkages* (1964), ch. 2; names of the
 inversions as in A. G. Erdman, G. N. Sandor, *Mechanism Design* (1984).
 """
@@ -20,7 +20,7 @@ from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.text.wording import unknown
 
 Places = Mapping[str, tuple[float, float]]
-"""Joint, or point of a link, → where it is in one position [m]."""
+"""Joint, or point of a link, → its position in one configuration [m]."""
 
 WATT = {
     "left": ("A", "B", "C"),
@@ -30,7 +30,7 @@ WATT = {
     "upper": ("C", "G"),
     "outer": ("G", "E"),
 }
-"""Watt's chain: two links of three joints, joined to each other in A."""
+"""Watt's chain: two ternary links, joined to each other in A."""
 STEPHENSON = {
     "left": ("A", "B", "C"),
     "right": ("D", "E", "F"),
@@ -39,12 +39,12 @@ STEPHENSON = {
     "upper": ("C", "G"),
     "outer": ("G", "F"),
 }
-"""Stephenson's chain: two links of three joints that are not joined to each other."""
+"""Stephenson's chain: two ternary links that are not joined to each other."""
 
 
 @dataclass(frozen=True)
 class Inversion:
-    """A chain with the link that stands still and the one that the motor turns against it."""
+    """A chain with its fixed link and the link driven by the motor."""
 
     chain: Mapping[str, tuple[str, ...]]
     ground: str
@@ -58,7 +58,7 @@ INVERSIONS = {
     "stephenson II": Inversion(STEPHENSON, "outer", "upper"),
     "stephenson III": Inversion(STEPHENSON, "left", "first"),
 }
-"""The distinct six-bars with turning joints; other links that stand still give one of these."""
+"""The distinct six-bars with revolute joints; other fixed links are equivalent to one of these."""
 
 
 def six_bar(
@@ -72,22 +72,22 @@ def six_bar(
     speed: float = 1.0,
     name: str = "",
 ) -> System:
-    """A six-bar of Watt or Stephenson.
+    """Six-bar linkage of Watt or Stephenson.
 
     Parameters
     ----------
     kind : ``"watt I"``, ``"watt II"``, ``"stephenson I"``, ``"stephenson II"``,
         ``"stephenson III"``; the joints of their links are ``da.INVERSIONS[kind].chain``
-    joints : A … G, where they are in one position [m]
-    points : link → point → where it is in the same position
-    ground, crank : other links than usual, of the same chain
-    reach : bounds of the parameters, so far to both sides of where they are [m]
+    joints : A … G, positions in one configuration [m]
+    points : link → point → position in the same configuration
+    ground, crank : other fixed and driven links of the same chain
+    reach : bounds of the parameters, relative to their values [m]
     speed : of the motor [rad/s]
 
     Raises
     ------
     ModelError
-        An unknown kind, or joints that are missing.
+        The kind is unknown, or joints are missing.
 
     Examples
     --------
@@ -102,12 +102,12 @@ def six_bar(
     """
     if kind not in INVERSIONS:
         raise ModelError(unknown("six-bar", kind, INVERSIONS))
-    usual = INVERSIONS[kind]
+    inversion = INVERSIONS[kind]
     return linkage_from_chain(
-        usual.chain,
+        inversion.chain,
         joints,
-        ground or usual.ground,
-        crank or usual.crank,
+        ground or inversion.ground,
+        crank or inversion.crank,
         points,
         reach=reach,
         speed=speed,
@@ -126,24 +126,24 @@ def linkage_from_chain(
     speed: float = 1.0,
     name: str = "linkage",
 ) -> System:
-    """A planar linkage with turning joints from its chain.
+    """Planar linkage with revolute joints from its chain.
 
-    Its parameters are the places of joints and points in the position that is given, ``A_x``,
-    ``A_y`` …; links are bodies of their names, with a point for each joint.
+    Its parameters are the positions of joints and points in the configuration, ``A_x``, ``A_y`` …;
+    links are bodies with their names and a point for each joint.
 
     Parameters
     ----------
-    chain : link → its joints; each joint is of two links
-    joints : where they are in one position [m]
-    ground, crank : the link that stands still, and the one that a motor turns
-    points : link → point → where it is in the same position
-    reach : bounds of the parameters, so far to both sides [m]
+    chain : link → its joints; each joint connects two links
+    joints : positions in one configuration [m]
+    ground, crank : the fixed link, and the link driven by a motor
+    points : link → point → position in the same configuration
+    reach : bounds of the parameters, relative to their values [m]
     speed : of the motor [rad/s]
 
     Raises
     ------
     ModelError
-        A joint without place or not of two links, an unknown link.
+        A joint has no position or does not connect two links, or a link is unknown.
 
     Examples
     --------
@@ -154,61 +154,68 @@ def linkage_from_chain(
     >>> model.diagnosis.summary
     '1 degree of freedom, 1 driven, 0 free'
     """
-    _refuse(chain, joints, (ground, crank, *(points or {})))
-    made = System(name)
+    _check_chain(chain, joints, (ground, crank, *(points or {})))
+    system = System(name)
 
-    def place(at: str, xy: tuple[float, float]) -> tuple[Parameter, Parameter]:
+    def add_position(label: str, xy: tuple[float, float]) -> tuple[Parameter, Parameter]:
         ends = [(v - reach, v + reach) if reach else None for v in xy]
-        x, y = (made.parameter(f"{at}_{a}", xy[k], "m", ends[k]) for k, a in enumerate("xy"))
+        x, y = (system.parameter(f"{label}_{a}", xy[k], "m", ends[k]) for k, a in enumerate("xy"))
         return x, y
 
-    known = {joint: place(joint, joints[joint]) for joint in _all(chain)}
-    others = {
-        link: {p: place(p, xy) for p, xy in given.items()} for link, given in (points or {}).items()
+    positions = {joint: add_position(joint, joints[joint]) for joint in _joint_names(chain)}
+    point_positions = {
+        link: {p: add_position(p, xy) for p, xy in named.items()}
+        for link, named in (points or {}).items()
     }
     bodies = {
-        link: made.add(_link(link, {j: known[j] for j in own} | others.get(link, {})))
-        for link, own in chain.items()
+        link: system.add(
+            _link(link, {j: positions[j] for j in link_joints} | point_positions.get(link, {}))
+        )
+        for link, link_joints in chain.items()
         if link != ground
     }
 
     def point(link: str, joint: str) -> Any:
-        return made.ground.point(*known[joint]) if link == ground else bodies[link].points[joint]
+        return (
+            system.ground.point(*positions[joint]) if link == ground else bodies[link].points[joint]
+        )
 
-    for joint in known:
-        first, second = (link for link, own in chain.items() if joint in own)
-        made.add(planar.Revolute(f"joint_{joint}", point(first, joint), point(second, joint)))
-    made.add(planar.RotationalDriver("motor", made.ground, bodies[crank], speed * t))
-    return made
+    for joint in positions:
+        first, second = (link for link, link_joints in chain.items() if joint in link_joints)
+        system.add(planar.Revolute(f"joint_{joint}", point(first, joint), point(second, joint)))
+    system.add(planar.RotationalDriver("motor", system.ground, bodies[crank], speed * t))
+    return system
 
 
-def _link(name: str, places: Mapping[str, tuple[Any, Any]]) -> planar.Body:
-    """A link at angle zero in the position given, its origin in its first joint."""
-    x, y = next(iter(places.values()))
-    local = {joint: (px - x, py - y) for joint, (px, py) in places.items()}
+def _link(name: str, positions: Mapping[str, tuple[Any, Any]]) -> planar.Body:
+    """A link at angle zero in the configuration, with its origin in its first joint."""
+    x, y = next(iter(positions.values()))
+    local = {joint: (px - x, py - y) for joint, (px, py) in positions.items()}
     return planar.Body(name, mass=1.0, inertia=1.0, position=(x, y), angle=0.0, points=local)
 
 
-def _all(chain: Mapping[str, Sequence[str]]) -> list[str]:
-    return list(dict.fromkeys(joint for own in chain.values() for joint in own))
+def _joint_names(chain: Mapping[str, Sequence[str]]) -> list[str]:
+    return list(dict.fromkeys(joint for joints in chain.values() for joint in joints))
 
 
-def _refuse(chain: Mapping[str, Sequence[str]], joints: Places, links: Sequence[str]) -> None:
-    for joint in _all(chain):
-        count = sum(joint in own for own in chain.values())
+def _check_chain(chain: Mapping[str, Sequence[str]], joints: Places, links: Sequence[str]) -> None:
+    for joint in _joint_names(chain):
+        count = sum(joint in link_joints for link_joints in chain.values())
         if count != 2:
-            raise ModelError(f"the joint {joint!r} is of {count} links; each joins two")
+            raise ModelError(f"the joint {joint!r} is of {count} links; each joint connects two")
         if joint not in joints:
-            raise ModelError(f"where is the joint {joint!r}? give joints={{{joint!r}: (x, y), …}}")
+            raise ModelError(
+                f"the joint {joint!r} has no position; give joints={{{joint!r}: (x, y), …}}"
+            )
     for joint in joints:
-        if joint not in _all(chain):
-            raise ModelError(unknown("joint", joint, _all(chain)))
+        if joint not in _joint_names(chain):
+            raise ModelError(unknown("joint", joint, _joint_names(chain)))
     for link in links:
         if link not in chain:
             raise ModelError(unknown("link", link, chain))
 
 
-FIVE = {"crank": ("O1", "A"), "left": ("A", "C"), "right": ("C", "B"), "gear": ("B", "O2")}
+FIVE_BAR = {"crank": ("O1", "A"), "left": ("A", "C"), "right": ("C", "B"), "gear": ("B", "O2")}
 
 
 def geared_five_bar(
@@ -220,21 +227,21 @@ def geared_five_bar(
     speed: float = 1.0,
     name: str = "geared five-bar",
 ) -> System:
-    """A five-bar whose two links on the ground are geared.
+    """Geared five-bar: the two links at the ground are connected by gears.
 
-    ``gear`` turns ``ratio`` times as fast as ``crank``.
+    The speed of ``gear`` is ``ratio`` times that of ``crank``.
 
     Parameters
     ----------
     joints : O1 and O2 on the ground, A between ``crank`` and ``left``, C between ``left`` and
         ``right``, B between ``right`` and ``gear`` [m]
-    ratio : of the speeds; negative for two gears in mesh, positive for a ring or an idler
-    points, reach, speed : as of ``linkage_from_chain``
+    ratio : ratio of the speeds; negative for external gears, positive for a ring gear or an idler
+    points, reach, speed : as in ``linkage_from_chain``
 
     Raises
     ------
     ModelError
-        A ratio of zero, or joints that are missing.
+        The ratio is zero, or joints are missing.
 
     Examples
     --------
@@ -245,11 +252,11 @@ def geared_five_bar(
     '1 degree of freedom, 1 driven, 0 free'
     """
     if not ratio:
-        raise ModelError("the ratio of the gears is zero; give that of their speeds")
-    chain = {**FIVE, "base": ("O1", "O2")}
-    made = linkage_from_chain(
+        raise ModelError("the ratio of the gears is zero; give the ratio of their speeds")
+    chain = {**FIVE_BAR, "base": ("O1", "O2")}
+    system = linkage_from_chain(
         chain, joints, "base", "crank", points, reach=reach, speed=speed, name=name
     )
-    crank, gear = made.bodies[0], made.bodies[-1]
-    made.add(planar.Coupling("gears", crank, gear, ratio=ratio))
-    return made
+    crank, gear = system.bodies[0], system.bodies[-1]
+    system.add(planar.Coupling("gears", crank, gear, ratio=ratio))
+    return system

@@ -1,4 +1,4 @@
-"""Four-bars."""
+"""Four-bar linkages."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class FourBar(Linkage):
     crank, coupler, follower, ground : lengths ``d``, ``c``, ``f``, ``g``; metres for ``system()``
     x, y : pivot of the crank
     angle : ``γ`` [rad]
-    u, v : coupler point, along the coupler from the crank pin and square to it
+    u, v : coupler point, from the crank pin along the coupler and normal to it
     branch : +1 or −1
 
     Examples
@@ -50,19 +50,25 @@ class FourBar(Linkage):
     def closed(q: Numbers, branch: ca.SX, theta: ca.SX) -> tuple[Direction, Direction | ca.SX]:
         x, y = _line(q, theta)
         c, f = q["coupler"], q["follower"]
-        far = ca.sqrt(x**2 + y**2)
-        inner = (c**2 + far**2 - f**2) / (2 * c * far)
-        cos_in = ca.fmin(ca.fmax(inner, -EDGE), EDGE)
+        distance = ca.sqrt(x**2 + y**2)
+        cosine = (c**2 + distance**2 - f**2) / (2 * c * distance)
+        cos_in = ca.fmin(ca.fmax(cosine, -EDGE), EDGE)
         sin_in = branch * ca.sqrt(1 - cos_in**2)
-        along, square = (x * cos_in - y * sin_in) / far, (y * cos_in + x * sin_in) / far
-        return (along, square), ((c * along - x) / f, (c * square - y) / f)
+        parallel, normal = (
+            (x * cos_in - y * sin_in) / distance,
+            (y * cos_in + x * sin_in) / distance,
+        )
+        return (parallel, normal), ((c * parallel - x) / f, (c * normal - y) / f)
 
     @staticmethod
     def closes(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
         x, y = _line(q, theta)
         c, f = q["coupler"], q["follower"]
-        edge, far = 2 * c * f * np.cos(least), x**2 + y**2
-        return [far - (c**2 + f**2 - edge), c**2 + f**2 + edge - far]
+        product, squared_distance = 2 * c * f * np.cos(least), x**2 + y**2
+        return [
+            squared_distance - (c**2 + f**2 - product),
+            c**2 + f**2 + product - squared_distance,
+        ]
 
     @staticmethod
     def transmission_sine(q: Numbers, phi: Any, output: Any) -> Any:
@@ -70,23 +76,24 @@ class FourBar(Linkage):
 
     @staticmethod
     def turns(q: Numbers, least: float) -> list[ca.SX]:
-        """``c² + f² − 2cf cos μ`` is the square of the distance of crank pin and follower pivot,
-        which goes from ``|g − d|`` to ``g + d``: Grashof's rule where ``least`` is 0."""
+        """``c² + f² − 2cf cos μ`` is the squared distance of crank pin and follower pivot, which
+        ranges from ``|g − d|`` to ``g + d``: Grashof's condition if ``least`` is 0."""
         d, c, f, g = (q[n] for n in ("crank", "coupler", "follower", "ground"))
-        edge = 2 * c * f * np.cos(least)
-        return [(g - d) ** 2 - (c**2 + f**2 - edge), c**2 + f**2 + edge - (g + d) ** 2]
+        product = 2 * c * f * np.cos(least)
+        return [(g - d) ** 2 - (c**2 + f**2 - product), c**2 + f**2 + product - (g + d) ** 2]
 
     @staticmethod
     def loop(q: Numbers, branch: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         ground = q["ground"] * np.exp(1j * q["angle"])
         pin = q["crank"] * np.exp(1j * theta)
         line = ground - pin
-        far = np.abs(line)
+        distance = np.abs(line)
         with np.errstate(invalid="ignore", divide="ignore"):
-            inner = np.arccos(
-                (q["coupler"] ** 2 + far**2 - q["follower"] ** 2) / (2 * q["coupler"] * far)
+            inner_angle = np.arccos(
+                (q["coupler"] ** 2 + distance**2 - q["follower"] ** 2)
+                / (2 * q["coupler"] * distance)
             )
-        phi = np.angle(line) + branch * inner
+        phi = np.angle(line) + branch * inner_angle
         return phi, np.angle(pin + q["coupler"] * np.exp(1j * phi) - ground)
 
     @classmethod
@@ -108,7 +115,7 @@ class FourBar(Linkage):
     def drawn(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
         zero = np.zeros(count)
         crank, coupler = rng.uniform(0.1, 0.9, count), rng.uniform(0.4, 2.5, count)
-        # what Grashof leaves to the follower: from |c − f| ≤ 1 − d and c + f ≥ 1 + d
+        # range of the follower by Grashof: from |c − f| ≤ 1 − d and c + f ≥ 1 + d
         low = np.maximum(coupler - (1 - crank), 1 + crank - coupler)
         high = coupler + 1 - crank
         follower = low + rng.uniform(0.05, 0.95, count) * (high - low)
@@ -121,12 +128,12 @@ class FourBar(Linkage):
 
     @staticmethod
     def circuits(q: Numbers, theta: Any, phi: Any, output: Any) -> np.ndarray:
-        """By Grashof's rule the joints away from the shortest link never straighten."""
-        sizes = {name: float(q[name]) for name in FourBar.lengths}
-        least = min(sizes, key=lambda name: sizes[name])
-        if 2 * (sizes[least] + max(sizes.values())) >= sum(sizes.values()):
+        """By Grashof's condition, joints that are not on the shortest link never straighten."""
+        lengths = {name: float(q[name]) for name in FourBar.lengths}
+        shortest = min(lengths, key=lambda name: lengths[name])
+        if 2 * (lengths[shortest] + max(lengths.values())) >= sum(lengths.values()):
             return np.zeros(np.shape(theta))
-        angle = {"coupler": theta - q["angle"], "follower": phi - theta}.get(least, output - phi)
+        angle = {"coupler": theta - q["angle"], "follower": phi - theta}.get(shortest, output - phi)
         return np.asarray(np.sign(np.sin(angle)))
 
     def joints(self, theta: float) -> np.ndarray:
@@ -134,33 +141,35 @@ class FourBar(Linkage):
         phi = self.coupler_angle(theta)
         pivot = complex(self.x, self.y)
         pin = pivot + self.crank * np.exp(1j * theta)
-        far, end = (
+        far_pivot, end = (
             pivot + self.ground * np.exp(1j * self.angle),
             pin + self.coupler * np.exp(1j * phi),
         )
-        return np.array([pivot, pin, far, end, pin + complex(self.u, self.v) * np.exp(1j * phi)])
+        return np.array(
+            [pivot, pin, far_pivot, end, pin + complex(self.u, self.v) * np.exp(1j * phi)]
+        )
 
     @property
     def kind(self) -> str:
-        """What Grashof's rule says: the shortest link and its opposite."""
-        sizes = {n: getattr(self, n) for n in self.lengths}
-        short, long = min(sizes.values()), max(sizes.values())
-        gap = 2 * (short + long) - sum(sizes.values())
-        if abs(gap) < 1e-12 * long:
+        """Type by Grashof's condition and the shortest link."""
+        lengths = {n: getattr(self, n) for n in self.lengths}
+        minimum, maximum = min(lengths.values()), max(lengths.values())
+        gap = 2 * (minimum + maximum) - sum(lengths.values())
+        if abs(gap) < 1e-12 * maximum:
             return "change point"
         if gap > 0:
             return "triple rocker"
-        shortest = min(sizes, key=lambda name: sizes[name])
+        shortest = min(lengths, key=lambda name: lengths[name])
         kinds = {"crank": "crank-rocker", "follower": "rocker-crank", "ground": "double crank"}
         return kinds.get(shortest, "double rocker")
 
     def cognates(self) -> tuple[FourBar, FourBar]:
-        """The two other four-bars with the same coupler curve (Roberts–Chebyshev theorem).
+        """The two cognate four-bars with the same coupler curve (Roberts–Chebyshev theorem).
 
-        With ``k = (P − A)/(B − A)`` the third pivot is ``O + k g``. One cognate has the pivots of
-        ``O`` and the third; its crank is parallel to our coupler, so its branch changes where ours
-        has crank and follower parallel. The other, whose crank turns with ours, has the third and
-        the follower's.
+        With ``k = (P − A)/(B − A)`` the third pivot is ``O + k g``. The first cognate has the
+        pivots ``O`` and the third; its crank is parallel to the coupler of this linkage, so its
+        branch changes where crank and follower of this linkage are parallel. The second one, with a
+        crank that rotates like this one, has the third pivot and that of the follower.
         Source: R. S. Hartenberg, J. Denavit, *Kinematic Synthesis of Linkages* (1964), ch. 6.
         """
         k = complex(self.u, self.v) / self.coupler
@@ -168,7 +177,7 @@ class FourBar(Linkage):
         if abs(k) < 1e-12 or abs(1 - k) < 1e-12:
             raise AnalysisError("the coupler point is on a joint; its curve is an arc")
 
-        def made(
+        def cognate(
             at: complex, frame: complex, sizes: tuple[float, ...], ratio: complex, branch: int
         ) -> FourBar:
             crank, coupler, follower = sizes
@@ -183,14 +192,14 @@ class FourBar(Linkage):
         left, right = abs(k), abs(1 - k)
         third = origin + k * ground
         return (
-            made(
+            cognate(
                 origin,
                 k * ground,
                 (left * self.coupler, left * self.crank, left * self.follower),
                 1 / k,
                 self.branch,
             ),
-            made(
+            cognate(
                 third,
                 (1 - k) * ground,
                 (right * self.crank, right * self.follower, right * self.coupler),
@@ -200,29 +209,29 @@ class FourBar(Linkage):
         )
 
     def system(self, name: str = "four-bar", speed: float = 1.0) -> System:
-        made = System(name)
-        q = self.parameters(made)
+        system = System(name)
+        q = self.parameters(system)
         start = self.angle + 0.5
         phi, psi = (float(a) for a in self.loop(self.numbers, self.branch, np.array(start)))
-        crank = made.add(planar.Bar("crank", length=q["crank"], mass=1.0, angle=start))
+        crank = system.add(planar.Bar("crank", length=q["crank"], mass=1.0, angle=start))
         point = {"P": (q["u"] - q["coupler"] / 2, q["v"])}
-        coupler = made.add(
+        coupler = system.add(
             planar.Bar("coupler", length=q["coupler"], mass=1.0, angle=phi, points=point)
         )
-        follower = made.add(planar.Bar("follower", length=q["follower"], mass=1.0, angle=psi))
-        ground = made.ground
-        far = ground.point(
+        follower = system.add(planar.Bar("follower", length=q["follower"], mass=1.0, angle=psi))
+        ground = system.ground
+        far_pivot = ground.point(
             q["x"] + q["ground"] * cos(q["angle"]), q["y"] + q["ground"] * sin(q["angle"])
         )
-        made.add(planar.Revolute("O1", ground.point(q["x"], q["y"]), crank.start))
-        made.add(planar.Revolute("A", crank.end, coupler.start))
-        made.add(planar.Revolute("B", coupler.end, follower.end))
-        made.add(planar.Revolute("O2", far, follower.start))
-        made.add(planar.RotationalDriver("motor", ground, crank, start + speed * t))
-        return made
+        system.add(planar.Revolute("O1", ground.point(q["x"], q["y"]), crank.start))
+        system.add(planar.Revolute("A", crank.end, coupler.start))
+        system.add(planar.Revolute("B", coupler.end, follower.end))
+        system.add(planar.Revolute("O2", far_pivot, follower.start))
+        system.add(planar.RotationalDriver("motor", ground, crank, start + speed * t))
+        return system
 
 
 def _line(q: Numbers, theta: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """From the crank pin to the pivot of the follower."""
+    """Vector from the crank pin to the follower pivot."""
     d, g, gamma = q["crank"], q["ground"], q["angle"]
     return g * ca.cos(gamma) - d * ca.cos(theta), g * ca.sin(gamma) - d * ca.sin(theta)

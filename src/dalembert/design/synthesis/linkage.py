@@ -1,7 +1,7 @@
-"""What synthesis needs of a linkage with one loop: crank, coupler with a point, and an output.
+"""Base class of single-loop linkages: crank, coupler with a point, and an output.
 
-The plane is that of complex numbers. ``θ`` is the angle of the crank, ``φ`` of the coupler; the
-output is the angle of a follower or the place of a slider. All angles count from the x axis.
+Positions are complex numbers. ``θ`` is the angle of the crank, ``φ`` of the coupler; the output is
+the angle of a follower or the position of a slider. All angles are relative to the x axis.
 """
 
 from __future__ import annotations
@@ -23,13 +23,15 @@ Numbers = Mapping[str, Any]
 Direction = tuple[Any, Any]
 """Cosine and sine of an angle."""
 EDGE = 1 - 1e-7
-"""Largest cosine or sine of an angle inside the loop, whose derivatives are finite."""
+"""Upper limit of cosines and sines of angles in the loop, for finite derivatives."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Linkage(ABC):
-    """One closed loop; ``u, v`` is the coupler point, from the crank pin along and square to the
-    coupler, ``x, y`` the pivot of the crank, ``angle`` the direction of the frame, ``branch`` ±1.
+    """Single-loop linkage.
+
+    ``u, v`` is the coupler point, from the crank pin along and normal to the coupler, ``x, y`` the
+    pivot of the crank, ``angle`` the direction of the frame, and ``branch`` ±1.
     """
 
     crank: float
@@ -42,7 +44,7 @@ class Linkage(ABC):
     branch: int = 1
 
     lengths: ClassVar[tuple[str, ...]] = ()
-    """Dimensions that are not negative."""
+    """Dimensions that are positive."""
     output_is_angle: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -65,19 +67,19 @@ class Linkage(ABC):
         """Dimension → value."""
         return {name: float(getattr(self, name)) for name in self.names()}
 
-    # what a kind of linkage states ---------------------------------------------------------
+    # interface of linkages --------------------------------------------------------------
     @staticmethod
     @abstractmethod
     def closed(q: Numbers, branch: ca.SX, theta: ca.SX) -> tuple[Direction, Direction | ca.SX]:
-        """Direction of the coupler, and direction of the follower or place of the slider.
+        """Direction of the coupler, and direction of the follower or position of the slider.
 
-        Where the loop is open they are those of the nearest closed one.
+        If the loop is open, those of the nearest closed loop.
         """
 
     @staticmethod
     @abstractmethod
     def closes(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
-        """Not negative where the loop closes with no transmission angle below ``least`` [rad]."""
+        """Nonnegative if the loop closes with a transmission angle of at least ``least`` [rad]."""
 
     @staticmethod
     @abstractmethod
@@ -87,52 +89,52 @@ class Linkage(ABC):
     @staticmethod
     @abstractmethod
     def turns(q: Numbers, least: float) -> list[ca.SX]:
-        """Not negative where the crank turns all the way with no transmission angle below
-        ``least`` [rad]."""
+        """Nonnegative if the crank rotates fully with a transmission angle of at least ``least``
+        [rad]."""
 
     @staticmethod
     @abstractmethod
     def loop(q: Numbers, branch: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Angle of the coupler and output at crank angles; not a number where it is open."""
+        """Angle of the coupler and output at crank angles; NaN if the loop is open."""
 
     @classmethod
     @abstractmethod
     def fitted(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
-        """Dimensions (k,) of unit frame for outputs (k, n) at crank angles (k, n).
+        """Dimensions (k,) for unit frame from outputs (k, n) at crank angles (k, n).
 
-        Least squares of the equation of the linkage without its coupler angle, which is linear in
+        Least squares of the loop equation with the coupler angle eliminated, which is linear in
         three coefficients: exact for three entries. Lengths that are not real are NaN.
         """
 
     @classmethod
     @abstractmethod
     def drawn(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
-        """Random linkages of unit size whose crank turns."""
+        """Random linkages of unit size with fully rotating cranks."""
 
     @staticmethod
     @abstractmethod
     def circuits(q: Numbers, theta: Any, phi: Any, output: Any) -> np.ndarray:
-        """Number of the circuit of each position, ±1; 0 where all positions are on one circuit."""
+        """Circuit of each position, ±1; 0 if all positions are on one circuit."""
 
     @abstractmethod
     def joints(self, theta: float) -> np.ndarray:
-        """Places of pivots, pins and coupler point as complex numbers, the crank's first."""
+        """Complex positions of pivots, pins and coupler point, starting with the crank."""
 
     @abstractmethod
     def system(self, name: str = "linkage", speed: float = 1.0) -> System:
-        """The mechanism, its crank turned at constant speed [rad/s]; parameters are the
+        """The mechanism with its crank driven at constant speed [rad/s]; parameters are the
         dimensions, ``coupler.P`` is the coupler point."""
 
     def parameters(self, system: System) -> dict[str, Parameter]:
-        """The dimensions as parameters of a system, under names of their own."""
-        given = {"x": "pivot_x", "y": "pivot_y", "u": "point_u", "v": "point_v"}
-        made = {}
+        """The dimensions as parameters of a system."""
+        names = {"x": "pivot_x", "y": "pivot_y", "u": "point_u", "v": "point_v"}
+        parameters = {}
         for name, value in self.numbers.items():
-            full = given.get(name) or ("frame_angle" if name == "angle" else f"{name}_length")
-            made[name] = system.parameter(full, value, "rad" if name == "angle" else "m")
-        return made
+            full_name = names.get(name) or ("frame_angle" if name == "angle" else f"{name}_length")
+            parameters[name] = system.parameter(full_name, value, "rad" if name == "angle" else "m")
+        return parameters
 
-    # what follows --------------------------------------------------------------------------
+    # derived quantities --------------------------------------------------------------------
     @classmethod
     def points(cls, q: Numbers, branch: Any, theta: np.ndarray) -> np.ndarray:
         """Coupler points as complex numbers."""
@@ -141,7 +143,7 @@ class Linkage(ABC):
         return pin + (q["u"] + 1j * q["v"]) * np.exp(1j * phi)
 
     def path(self, theta: Any) -> np.ndarray:
-        """(n, 2) places of the coupler point at crank angles."""
+        """(n, 2) positions of the coupler point at crank angles."""
         z = self.points(self.numbers, self.branch, np.asarray(theta, dtype=float))
         return np.stack([z.real, z.imag], axis=-1)
 
@@ -150,23 +152,23 @@ class Linkage(ABC):
         return self.loop(self.numbers, self.branch, np.asarray(theta, dtype=float))[0]
 
     def output(self, theta: Any) -> np.ndarray:
-        """Follower angle or slider place at crank angles."""
+        """Follower angle or slider position at crank angles."""
         return self.loop(self.numbers, self.branch, np.asarray(theta, dtype=float))[1]
 
     @property
     def crank_turns(self) -> bool:
-        """Whether the crank turns all the way."""
+        """Whether the crank rotates fully."""
         return all(float(ca.DM(g)) >= -1e-12 for g in self.turns(self.numbers, 0.0))
 
     def transmission(self, theta: Any = None) -> float:
-        """Least transmission angle [rad] at crank angles, by default of a whole turn."""
+        """Minimum transmission angle [rad] at crank angles, by default over one revolution."""
         turn = np.linspace(0, 2 * np.pi, 721) + self.angle if theta is None else theta
         phi, output = self.loop(self.numbers, self.branch, np.asarray(turn, dtype=float))
         sine = np.array(self.transmission_sine(self.numbers, ca.DM(phi), ca.DM(output)))
         return float(np.arcsin(np.clip(np.min(sine * self.branch), -1, 1)))
 
     def scaled(self, size: float, at: complex = 0.0) -> Self:
-        """All lengths times ``size``, then moved."""
+        """The linkage with all lengths multiplied by ``size``, then translated."""
         free = {n: v * size for n, v in self.numbers.items() if n != "angle"}
         free["x"], free["y"] = free["x"] + at.real, free["y"] + at.imag
         return type(self)(**{**self.numbers, **free}, branch=self.branch)

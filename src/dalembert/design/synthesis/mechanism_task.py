@@ -1,4 +1,4 @@
-"""What is sought of a mechanism with a motor, and how far a turn of it is from that."""
+"""Synthesis task of a driven mechanism, and its deviation from the target."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from dalembert.results.motion import Motion
 from dalembert.text.wording import unknown
 
 SAMPLES = 144
-"""Positions of a turn among which entries are looked for at first."""
-DRAWS = 40
-"""Random mechanisms tried for each one that turns."""
+"""Number of positions per revolution for the initial assignment of entries."""
+MAX_DRAWS = 40
+"""Upper limit of random mechanisms per mechanism with a rotating motor."""
 
 
 @dataclass(frozen=True, eq=False)
 class MechanismTask:
-    """What is sought of a mechanism.
+    """A synthesis task of a driven mechanism.
 
     Parameters
     ----------
     model : driven Model
     target : Target
-    measures : ``"x"``, ``"y"``, ``"angle"``, ``"output"`` → measure, as far as the target has it
-    vary : parameters
-    bounds : of them, in their order
+    measures : ``"x"``, ``"y"``, ``"angle"``, ``"output"`` → measure, if the target contains it
+    vary : names of the varied parameters
+    bounds : (n, 2) bounds of these parameters
     speed : of the motor [rad/s]
-    order : free timing passes the entries in their order
+    order : for free timing, whether the entries are passed in their order
     """
 
     model: Model
@@ -53,9 +53,9 @@ class MechanismTask:
     def free_timing(self) -> bool:
         return self.target.crank_angles is None
 
-    # one turn ------------------------------------------------------------------------------
-    def turned(self, q: np.ndarray, times: Any = SAMPLES + 1) -> Motion | None:
-        """A turn of the motor with these parameters; None where it cannot be made."""
+    # revolutions ---------------------------------------------------------------------------
+    def run_revolution(self, q: np.ndarray, times: Any = SAMPLES + 1) -> Motion | None:
+        """A revolution of the motor with these parameters; None if it fails."""
         try:
             run = Kinematics(self.period, outputs=times).run(
                 self.model, dict(zip(self.vary, map(float, q), strict=True))
@@ -64,55 +64,55 @@ class MechanismTask:
             return None
         return run if run.status.success else None
 
-    def drawn(self, rng: np.random.Generator) -> tuple[np.ndarray, Motion] | None:
-        """A random mechanism within the bounds whose motor turns all the way."""
-        for _ in range(DRAWS):
+    def draw(self, rng: np.random.Generator) -> tuple[np.ndarray, Motion] | None:
+        """A random mechanism within the bounds with a fully rotating motor."""
+        for _ in range(MAX_DRAWS):
             q = rng.uniform(self.bounds[:, 0], self.bounds[:, 1])
-            made = self.turned(q)
-            if made is not None:
-                return q, made
+            motion = self.run_revolution(q)
+            if motion is not None:
+                return q, motion
         return None
 
     @property
-    def given(self) -> np.ndarray:
-        """Times of the entries from the first on."""
+    def entry_times(self) -> np.ndarray:
+        """Times of the entries relative to the first one."""
         angles = self.target.crank_angles
         assert angles is not None
         return (angles - angles[0]) / self.speed
 
     # distances -----------------------------------------------------------------------------
-    def off(self, rows: Any, turned: Any, sums: Callable[[Any], Any]) -> Any:
-        """Sum of squares of measures in rows, ``x, y, angle, output``, at the entries."""
+    def squared_error(self, rows: Any, origins: Any, sums: Callable[[Any], Any]) -> Any:
+        """Sum of squared deviations of the measures ``x, y, angle, output`` at the entries."""
         target, total = self.target, 0.0
         if target.points is not None:
             total = sums(rows["x"] - target.points[:, 0]) + sums(rows["y"] - target.points[:, 1])
         if target.coupler_angles is not None:
-            total += sums(rows["angle"] - turned["angle"] - target.coupler_angles)
+            total += sums(rows["angle"] - origins["angle"] - target.coupler_angles)
         if target.outputs is not None:
-            total += sums(rows["output"] - turned["output"] - target.outputs)
+            total += sums(rows["output"] - origins["output"] - target.outputs)
         return total
 
-    def counted_from(self, rows: Mapping[str, np.ndarray]) -> dict[str, float]:
-        """From where angles and outputs are counted, as it suits them best."""
-        aims = {"angle": self.target.coupler_angles, "output": self.target.outputs}
+    def origins(self, rows: Mapping[str, np.ndarray]) -> dict[str, float]:
+        """Optimal origins of angles and outputs."""
+        targets = {"angle": self.target.coupler_angles, "output": self.target.outputs}
         return {
-            name: float(np.mean(rows[name] - aim)) if aim is not None else 0.0
-            for name, aim in aims.items()
+            name: float(np.mean(rows[name] - target)) if target is not None else 0.0
+            for name, target in targets.items()
         }
 
     def distance(self, run: Motion) -> tuple[float, np.ndarray]:
-        """Error of a run at the entries, and the distances of points or outputs."""
+        """Error of a run at the entries, and the deviations of points or outputs."""
         rows = {name: run.values(m) for name, m in self.measures.items()}
         for name in ("angle", "output"):
             if name in rows:
                 rows[name] = np.unwrap(rows[name])
-        free = self.counted_from(rows)
-        error = float(self.off(rows, free, lambda z: float(np.sum(np.square(z)))))
+        origins = self.origins(rows)
+        error = float(self.squared_error(rows, origins, lambda z: float(np.sum(np.square(z)))))
         if self.target.points is not None:
-            two = np.array([rows["x"], rows["y"]]).T - self.target.points
-            return error, np.linalg.norm(two, axis=1)
+            vectors = np.array([rows["x"], rows["y"]]).T - self.target.points
+            return error, np.linalg.norm(vectors, axis=1)
         assert self.target.outputs is not None
-        return error, abs(rows["output"] - free["output"] - self.target.outputs)
+        return error, abs(rows["output"] - origins["output"] - self.target.outputs)
 
 
 def mechanism_task(
@@ -126,22 +126,22 @@ def mechanism_task(
     speed: float,
     order: bool,
 ) -> MechanismTask:
-    """The task, its names checked.
+    """The task, after checking all names.
 
     Raises
     ------
     AnalysisError
-        A parameter without two bounds, or a measure that the target needs and that is not named.
+        A parameter has no two bounds, or a measure that the target needs is missing.
     """
     measures: dict[str, str] = {}
-    for needed, given, what, made in (
+    for needed, name, option, entries in (
         (target.points is not None, point, "point", {"x": f"{point}.x", "y": f"{point}.y"}),
         (target.coupler_angles is not None, body, "body", {"angle": f"{body}.angle"}),
         (target.outputs is not None, output, "output", {"output": output}),
     ):
-        if needed and not given:
-            raise AnalysisError(f"the target needs {what}=: name it, such as point='coupler.P'")
-        measures |= made if needed else {}
+        if needed and not name:
+            raise AnalysisError(f"the target needs {option}=: name it, such as point='coupler.P'")
+        measures |= entries if needed else {}
     for measure in measures.values():
         model.expression(measure)
     names = (
@@ -153,14 +153,16 @@ def mechanism_task(
             if np.all(np.isfinite((bounds or {}).get(n, p.bounds)))
         )
     )
-    ends = []
+    limits = []
     for name in names:
         if name not in model.parameters:
             raise AnalysisError(unknown("parameter", name, model.parameters))
         pair = (bounds or {}).get(name, model.parameters[name].bounds)
         if not np.all(np.isfinite(pair)):
             raise AnalysisError(f"synthesis needs two finite bounds of {name!r}; give bounds=")
-        ends.append(pair)
+        limits.append(pair)
     if not names:
         raise AnalysisError("nothing to vary: give parameters bounds, or vary= and bounds=")
-    return MechanismTask(model, target, measures, names, np.array(ends, dtype=float), speed, order)
+    return MechanismTask(
+        model, target, measures, names, np.array(limits, dtype=float), speed, order
+    )

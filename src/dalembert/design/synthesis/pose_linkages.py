@@ -1,4 +1,4 @@
-"""Linkages through poses: pairs of Burmester dyads with their defects."""
+"""Exact linkages through poses: pairs of Burmester dyads with their defects."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.slider_crank import SliderCrank
 
-CLOSED = 1e-6
-"""Relative deviation from the poses up to which a linkage passes them."""
+TOLERANCE = 1e-6
+"""Upper limit of the relative deviation from the poses."""
 SCAN = 720
-"""Crank angles at which the range of a rocking crank is looked for."""
+"""Number of crank angles for the range of a rocking crank."""
 
 
 @dataclass(frozen=True, eq=False)
 class PoseLinkage:
-    """A linkage whose coupler takes all poses, and its defects as the crank drives it.
+    """A linkage with its coupler in all poses, and the defects of its motion.
 
     Attributes
     ----------
     linkage : FourBar or SliderCrank, on the branch of the first pose
     crank_angles : (n,) at the poses
-    branch_defect : the driven crank has to pass a dead centre between poses
-    circuit_defect : the loop must be opened to reach some pose
+    branch_defect : the driven crank passes a dead centre between poses
+    circuit_defect : a pose is on another circuit
     order_defect : the crank passes the poses in another order
-    residual : largest deviation from the poses, by solving the loop at the crank angles
+    residual : largest deviation from the poses, from the solution of the loop
     """
 
     linkage: Linkage
@@ -48,17 +48,17 @@ class PoseLinkage:
             "circuit": self.circuit_defect,
             "order": self.order_defect,
         }
-        return tuple(name for name, there in named.items() if there)
+        return tuple(name for name, present in named.items() if present)
 
 
 @dataclass(frozen=True, eq=False)
 class PoseLinkages:
-    """All linkages of pairs of dyads, those without defects first.
+    """All linkages of pairs of dyads, linkages without defects first.
 
     Attributes
     ----------
     dyads : list of Dyad
-    linkages : list of PoseLinkage, one for each pair that is a four-bar or a slider-crank
+    linkages : list of PoseLinkage, for each pair that is a four-bar or a slider-crank
     """
 
     dyads: list[Dyad]
@@ -66,60 +66,61 @@ class PoseLinkages:
 
 
 def pose_linkages(points: Any, angles: Any, samples: int = 24) -> PoseLinkages:
-    """All four-bars and slider-cranks whose coupler takes two to five poses exactly.
+    """All four-bars and slider-cranks that guide the coupler through two to five poses exactly.
 
-    Five poses have up to four Burmester dyads and so up to six linkages. For fewer poses the dyads
-    are samples. Each pair stands once, driven at the pivot that leaves the fewest defects. A pair
-    of sliders is left out.
+    Five poses have up to four Burmester dyads and up to six linkages. For fewer poses the dyads
+    are samples. Each pair is driven at the pivot with the fewest defects. Pairs of sliders are
+    excluded.
 
     Parameters
     ----------
-    points : (n, 2) of a coupler point in each pose
-    angles : (n,) of the coupler [rad]
-    samples : of the dyads of less than five poses, about
+    points : (n, 2) positions of a coupler point in each pose
+    angles : (n,) angles of the coupler [rad]
+    samples : approximate number of dyads for fewer than five poses
 
     Raises
     ------
     AnalysisError
-        Not two to five poses, or two that are one.
+        There are not two to five poses, or two poses are equal.
 
     Examples
     --------
     >>> import dalembert as da
     >>> bar = da.FourBar(crank=0.4, coupler=1.1, follower=0.9, ground=1.2, u=0.5, v=0.6)
     >>> turn = [0.2, 0.9, 1.7, 2.6, 3.4]
-    >>> found = da.pose_linkages(bar.path(turn), bar.coupler_angle(turn))
-    >>> len(found.dyads), len(found.linkages)
+    >>> result = da.pose_linkages(bar.path(turn), bar.coupler_angle(turn))
+    >>> len(result.dyads), len(result.linkages)
     (4, 6)
-    >>> bars = [one.linkage for one in found.linkages]
-    >>> {0.4, 0.9} in [{round(one.crank, 6), round(one.follower, 6)} for one in bars]
+    >>> bars = [candidate.linkage for candidate in result.linkages]
+    >>> {0.4, 0.9} in [{round(b.crank, 6), round(b.follower, 6)} for b in bars]
     True
     """
     dyads = burmester_dyads(points, angles, samples)
     alpha = np.asarray(angles, dtype=float)
     z = np.asarray(points, dtype=float) @ [1, 1j]
-    found = []
-    for one, other in combinations(dyads, 2):
-        drives = [(a, b) for a, b in ((one, other), (other, one)) if not a.is_slider]
-        built = [_linkage(a, b, z, alpha) for a, b in drives]
-        known = [linkage for linkage in built if linkage is not None]
-        if known:
-            found.append(min(known, key=_preference))
-    return PoseLinkages(dyads, sorted(found, key=_preference))
+    linkages = []
+    for dyad, other in combinations(dyads, 2):
+        drives = [(a, b) for a, b in ((dyad, other), (other, dyad)) if not a.is_slider]
+        candidates = [_linkage(a, b, z, alpha) for a, b in drives]
+        valid = [linkage for linkage in candidates if linkage is not None]
+        if valid:
+            linkages.append(min(valid, key=_preference))
+    return PoseLinkages(dyads, sorted(linkages, key=_preference))
 
 
-def _preference(one: PoseLinkage) -> tuple[int, bool, float]:
-    least = one.linkage.transmission(one.crank_angles)
-    return len(one.defects), not one.linkage.crank_turns, -least
+def _preference(candidate: PoseLinkage) -> tuple[int, bool, float]:
+    """Sorting key: number of defects, rocking crank, negative transmission angle."""
+    transmission = candidate.linkage.transmission(candidate.crank_angles)
+    return len(candidate.defects), not candidate.linkage.crank_turns, -transmission
 
 
 def _linkage(drive: Dyad, follow: Dyad, z: np.ndarray, alpha: np.ndarray) -> PoseLinkage | None:
-    """The linkage of two dyads; None where it degenerates or does not pass the poses."""
+    """The linkage of two dyads; None if it degenerates or does not pass the poses."""
     assert drive.center is not None
     rod = follow.places[0] - drive.places[0]
     size = float(np.max(abs(z - z[0]))) or abs(rod)
     radius = abs(drive.places[0] - drive.center)
-    if min(abs(rod), radius) < CLOSED * size:
+    if min(abs(rod), radius) < TOLERANCE * size:
         return None
     point = (z[0] - drive.places[0]) * np.conj(rod) / abs(rod)
     shared: dict[str, float] = {
@@ -130,24 +131,24 @@ def _linkage(drive: Dyad, follow: Dyad, z: np.ndarray, alpha: np.ndarray) -> Pos
     theta = np.angle(drive.places - drive.center)
     phi = np.angle(rod) + alpha - alpha[0]
     if follow.center is None:
-        along = (follow.places[0] - drive.center) * np.exp(-1j * follow.direction)
-        own = {"offset": float(along.imag), "angle": follow.direction}
+        slider = (follow.places[0] - drive.center) * np.exp(-1j * follow.direction)
+        specific = {"offset": float(slider.imag), "angle": follow.direction}
         branches = np.sign(np.cos(phi - follow.direction))
-        return _judged(SliderCrank, shared | own, branches, theta, phi, z, size)
+        return _check_linkage(SliderCrank, shared | specific, branches, theta, phi, z, size)
     ground = follow.center - drive.center
     arm = follow.places - follow.center
-    if min(abs(ground), abs(arm[0])) < CLOSED * size:
+    if min(abs(ground), abs(arm[0])) < TOLERANCE * size:
         return None
-    own = {
+    specific = {
         "ground": float(abs(ground)),
         "angle": float(np.angle(ground)),
         "follower": float(abs(arm[0])),
     }
     branches = np.sign(np.sin(np.angle(arm) - phi))
-    return _judged(FourBar, shared | own, branches, theta, phi, z, size)
+    return _check_linkage(FourBar, shared | specific, branches, theta, phi, z, size)
 
 
-def _judged(
+def _check_linkage(
     kind: type[Linkage],
     numbers: dict[str, float],
     branches: np.ndarray,
@@ -156,14 +157,16 @@ def _judged(
     z: np.ndarray,
     size: float,
 ) -> PoseLinkage | None:
-    """The linkage with its defects, its loop solved at all poses."""
+    """The linkage with its defects, from the solution of the loop at all poses."""
     branches = np.where(branches == 0, 1, branches).astype(int)
     linkage = kind(**numbers, branch=int(branches[0]))
-    solved, output = linkage.loop(linkage.numbers, branches, theta)
-    places = linkage.points(linkage.numbers, branches, theta)
-    off = np.maximum(abs(places - z) / size, abs(np.exp(1j * solved) - np.exp(1j * phi)))
-    residual = float(np.max(off)) if np.all(np.isfinite(off)) else np.inf
-    if not residual < np.sqrt(CLOSED):  # near a dead centre the loop solves to half the digits
+    coupler_angles, output = linkage.loop(linkage.numbers, branches, theta)
+    positions = linkage.points(linkage.numbers, branches, theta)
+    deviation = np.maximum(
+        abs(positions - z) / size, abs(np.exp(1j * coupler_angles) - np.exp(1j * phi))
+    )
+    residual = float(np.max(deviation)) if np.all(np.isfinite(deviation)) else np.inf
+    if not residual < np.sqrt(TOLERANCE):  # near a dead centre the loop has half the digits
         return None
     circuits = kind.circuits(linkage.numbers, theta, phi, output)
     branch, circuit = bool(np.ptp(branches)), bool(np.ptp(circuits))
@@ -172,11 +175,11 @@ def _judged(
 
 
 def _in_order(linkage: Linkage, theta: np.ndarray) -> bool:
-    """Whether a crank on one branch passes the angles in their order, in either sense."""
+    """Whether a crank on one branch passes the angles in order, in either sense."""
     if linkage.crank_turns:
         return any(np.sum(np.diff(s * theta) % (2 * np.pi)) < 2 * np.pi for s in (1, -1))
     turn = np.arange(SCAN) * 2 * np.pi / SCAN
-    opened = turn[~np.isfinite(linkage.coupler_angle(turn))]
-    start = float(opened[0]) if opened.size else 0.0
+    open_angles = turn[~np.isfinite(linkage.coupler_angle(turn))]
+    start = float(open_angles[0]) if open_angles.size else 0.0
     steps = np.diff((theta - start) % (2 * np.pi))
     return bool(np.all(steps > 0) or np.all(steps < 0))

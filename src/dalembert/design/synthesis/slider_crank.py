@@ -1,4 +1,4 @@
-"""Slider–cranks."""
+"""Slider–crank linkages."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from dalembert.symbolic.formulas.functions import cos, sin
 @dataclass(frozen=True, kw_only=True)
 class SliderCrank(Linkage):
     """``d e^{iθ} + c e^{iφ} = (s + i e) e^{iγ}``: crank d, rod c, offset e of the rail, whose
-    direction is ``angle`` γ, and the place s of the slider. The branch is the sign of
+    direction is ``angle`` γ, and the position s of the slider. The branch is the sign of
     ``cos(φ − γ)``.
 
     Parameters
@@ -27,7 +27,7 @@ class SliderCrank(Linkage):
     offset : ``e``
     x, y : pivot of the crank
     angle : ``γ`` [rad]
-    u, v : coupler point, along the rod from the crank pin and square to it
+    u, v : coupler point, from the crank pin along the rod and normal to it
     branch : +1 or −1
 
     Examples
@@ -55,9 +55,9 @@ class SliderCrank(Linkage):
 
     @staticmethod
     def closes(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
-        off = q["offset"] - q["crank"] * ca.sin(theta - q["angle"])
-        edge = q["coupler"] * np.cos(least)
-        return [edge - off, edge + off]
+        height = q["offset"] - q["crank"] * ca.sin(theta - q["angle"])
+        projection = q["coupler"] * np.cos(least)
+        return [projection - height, projection + height]
 
     @staticmethod
     def transmission_sine(q: Numbers, phi: Any, output: Any) -> Any:
@@ -65,17 +65,19 @@ class SliderCrank(Linkage):
 
     @staticmethod
     def turns(q: Numbers, least: float) -> list[ca.SX]:
-        edge = q["coupler"] * np.cos(least) - q["crank"]
-        return [edge - q["offset"], edge + q["offset"]]
+        margin = q["coupler"] * np.cos(least) - q["crank"]
+        return [margin - q["offset"], margin + q["offset"]]
 
     @staticmethod
     def loop(q: Numbers, branch: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        turned = theta - q["angle"]
+        relative_angle = theta - q["angle"]
         with np.errstate(invalid="ignore"):
-            lean = np.arcsin((q["offset"] - q["crank"] * np.sin(turned)) / q["coupler"])
-        lean = np.where(np.asarray(branch) > 0, lean, np.pi - lean)
-        place = q["crank"] * np.cos(turned) + q["coupler"] * np.cos(lean)
-        return lean + q["angle"], place
+            rod_angle = np.arcsin(
+                (q["offset"] - q["crank"] * np.sin(relative_angle)) / q["coupler"]
+            )
+        rod_angle = np.where(np.asarray(branch) > 0, rod_angle, np.pi - rod_angle)
+        position = q["crank"] * np.cos(relative_angle) + q["coupler"] * np.cos(rod_angle)
+        return rod_angle + q["angle"], position
 
     @classmethod
     def fitted(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
@@ -106,9 +108,9 @@ class SliderCrank(Linkage):
 
     @staticmethod
     def circuits(q: Numbers, theta: Any, phi: Any, output: Any) -> np.ndarray:
-        """Where crank or rod turns all the way, the other one never is square to the rail."""
-        gap, off = float(q["coupler"]) - float(q["crank"]), abs(float(q["offset"]))
-        if abs(gap) <= off:
+        """If crank or rod rotates fully, the other link is never perpendicular to the rail."""
+        gap, offset = float(q["coupler"]) - float(q["crank"]), abs(float(q["offset"]))
+        if abs(gap) <= offset:
             return np.zeros(np.shape(theta))
         return np.asarray(np.sign(np.cos((phi if gap > 0 else theta) - q["angle"])))
 
@@ -122,31 +124,37 @@ class SliderCrank(Linkage):
         return np.array([pivot, pin, pin + self.coupler * np.exp(1j * phi), point, foot])
 
     def system(self, name: str = "slider-crank", speed: float = 1.0) -> System:
-        made = System(name)
-        q = self.parameters(made)
+        system = System(name)
+        q = self.parameters(system)
         start = self.angle + 0.5
-        phi, place = (float(a) for a in self.loop(self.numbers, self.branch, np.array(start)))
-        crank = made.add(planar.Bar("crank", length=q["crank"], mass=1.0, angle=start))
+        phi, position = (float(a) for a in self.loop(self.numbers, self.branch, np.array(start)))
+        crank = system.add(planar.Bar("crank", length=q["crank"], mass=1.0, angle=start))
         point = {"P": (q["u"] - q["coupler"] / 2, q["v"])}
-        coupler = made.add(
+        coupler = system.add(
             planar.Bar("coupler", length=q["coupler"], mass=1.0, angle=phi, points=point)
         )
         rail = (q["x"] - q["offset"] * sin(q["angle"]), q["y"] + q["offset"] * cos(q["angle"]))
-        at = complex(self.x, self.y) + complex(place, self.offset) * np.exp(1j * self.angle)
-        slider = made.add(
+        slider_position = complex(self.x, self.y) + complex(position, self.offset) * np.exp(
+            1j * self.angle
+        )
+        slider = system.add(
             planar.Body(
-                "slider", mass=1.0, inertia=1.0, position=(at.real, at.imag), angle=self.angle
+                "slider",
+                mass=1.0,
+                inertia=1.0,
+                position=(slider_position.real, slider_position.imag),
+                angle=self.angle,
             )
         )
-        ground = made.ground
-        made.add(planar.Revolute("O", ground.point(q["x"], q["y"]), crank.start))
-        made.add(planar.Revolute("A", crank.end, coupler.start))
-        made.add(planar.Revolute("B", coupler.end, slider.center))
+        ground = system.ground
+        system.add(planar.Revolute("O", ground.point(q["x"], q["y"]), crank.start))
+        system.add(planar.Revolute("A", crank.end, coupler.start))
+        system.add(planar.Revolute("B", coupler.end, slider.center))
         direction = (cos(q["angle"]), sin(q["angle"]))
-        made.add(
+        system.add(
             planar.Translational(
                 "rail", ground.point(*rail), slider.center, axis=direction, angle=q["angle"]
             )
         )
-        made.add(planar.RotationalDriver("motor", ground, crank, start + speed * t))
-        return made
+        system.add(planar.RotationalDriver("motor", ground, crank, start + speed * t))
+        return system

@@ -1,6 +1,6 @@
-"""Disc cams whose follower swings about a pivot, by an angle that a law tells.
+"""Disc cams with oscillating followers.
 
-The pivot is at ``x = distance``, the cam turns about the origin by ``θ`` against the clock, and
+The pivot is at ``x = distance``, the cam rotates counterclockwise about the origin by ``θ``, and
 ``ψ = ψ_0 + s(θ)`` is the angle between the line from the pivot to the cam and the arm.
 Source: R. L. Norton, *Cam Design and Manufacturing Handbook*, ch. 7; J. E. Shigley, J. J. Uicker,
 *Theory of Machines and Mechanisms*, ch. 5.
@@ -21,15 +21,15 @@ from dalembert.errors import AnalysisError
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SwingingRollerCam(RolledCam):
-    """A follower that swings, with a roller at the end of its arm.
+    """Oscillating follower with a roller at the end of its arm.
 
     ``p = c − a e^{−iψ}`` with the arm a and the distance c of the pivot; ``|p| = R + r`` at the
     start. The pressure angle is ``atan((a (1 + ψ') − c cos ψ)/(c sin ψ))``.
 
     Parameters
     ----------
-    arm : from the pivot to the centre of the roller [m]
-    distance : of the pivot from the axis of the cam [m]
+    arm : distance of the roller centre from the pivot [m]
+    distance : distance of the pivot from the cam axis [m]
     roller_radius : ``r`` [m]
 
     Examples
@@ -53,7 +53,7 @@ class SwingingRollerCam(RolledCam):
         if self.roller_radius < 0 or not abs(self.distance - self.arm) < reach:
             raise AnalysisError(
                 f"an arm of {self.arm:g} at a distance of {self.distance:g} does not bring its "
-                f"roller, of radius {self.roller_radius:g}, on to the base circle, "
+                f"roller, of radius {self.roller_radius:g}, to the base circle, "
                 f"{self.base_radius:g}"
             )
         if reach >= self.distance + self.arm:
@@ -87,46 +87,46 @@ class SwingingRollerCam(RolledCam):
         roller_radius: float = 0.0,
         least_radius: float = 0.0,
     ) -> Self:
-        """The least base circle, and the distance of the pivot, that keep the pressure angle [rad]
-        and leave a radius of curvature of at least ``least_radius`` where the profile is convex.
+        """Cam with the smallest base circle, and its pivot distance, for a maximum pressure angle
+        [rad] and a minimum radius of curvature ``least_radius`` of convex parts of the profile.
 
         Raises
         ------
         AnalysisError
-            The angle is not between 0 and π/2, or no cam for this arm keeps it.
+            The angle is not between 0 and π/2, or no cam with this arm satisfies it.
         """
         from scipy.optimize import minimize_scalar
 
         if not 0 < pressure_angle < math.pi / 2:
             raise AnalysisError(f"the pressure angle is between 0 and π/2, got {pressure_angle:g}")
-        given = _Demands(cls, law, pressure_angle, arm, roller_radius, least_radius)
-        tried = np.linspace(0.4, 2.5, 64) * arm
-        sizes = [given.size(c) for c in tried]
+        limits = _Limits(cls, law, pressure_angle, arm, roller_radius, least_radius)
+        distances = np.linspace(0.4, 2.5, 64) * arm
+        sizes = [limits.size(c) for c in distances]
         k = int(np.argmin(sizes))
         if not np.isfinite(sizes[k]):
             raise AnalysisError(
                 f"no cam keeps a pressure angle of {pressure_angle:g} with an arm of {arm:g}; "
                 "give a longer arm or a larger angle"
             )
-        ends = tried[max(k - 1, 0)], tried[min(k + 1, tried.size - 1)]
-        found = minimize_scalar(
-            lambda c: min(given.size(c), 1e3 * arm),
+        ends = distances[max(k - 1, 0)], distances[min(k + 1, distances.size - 1)]
+        result = minimize_scalar(
+            lambda c: min(limits.size(c), 1e3 * arm),
             bounds=ends,
             method="bounded",
             options={"xatol": 1e-5 * arm},
         )
-        distance = float(found.x) if found.fun <= sizes[k] else float(tried[k])
+        distance = float(result.x) if result.fun <= sizes[k] else float(distances[k])
         return cls(
             law=law,
-            base_radius=given.size(distance),
+            base_radius=limits.size(distance),
             arm=arm,
             distance=distance,
             roller_radius=roller_radius,
         )
 
 
-class _Demands:
-    """What the smallest cam has to keep, for many starts of the arm at once."""
+class _Limits:
+    """Limits of the smallest cam, vectorised over initial angles of the arm."""
 
     def __init__(
         self,
@@ -143,44 +143,44 @@ class _Demands:
         self.pitch = roller + least
 
     def size(self, distance: float) -> float:
-        """The least base radius with the pivot there; infinite where there is none."""
+        """Smallest base radius for a pivot distance; infinite if none satisfies the limits."""
         low, high = 0.01, math.pi - 0.05 - float(self.motion[0].max())
-        for _ in range(5):  # the first start that is kept, looked for ever closer
+        for _ in range(5):  # first feasible angle by successive refinement
             starts = np.linspace(low, high, 41)
-            kept = self._kept(distance, starts)
-            if not kept.any():
+            feasible = self._feasible(distance, starts)
+            if not feasible.any():
                 return math.inf
-            k = int(np.argmax(kept))
+            k = int(np.argmax(feasible))
             low, high = starts[max(k - 1, 0)], starts[k]
         a, c = self.arm, distance
         return math.sqrt(a**2 + c**2 - 2 * a * c * math.cos(high)) - self.roller
 
-    def _kept(self, c: float, starts: np.ndarray) -> np.ndarray:
-        """(n,) whether pressure angle and curvature are kept from these starts on."""
+    def _feasible(self, c: float, starts: np.ndarray) -> np.ndarray:
+        """(n,) whether pressure angle and curvature satisfy the limits for initial angles."""
         s, rate, second = self.motion
         a, psi = self.arm, starts[:, None] + s
         tangent = (a * (1 + rate) - c * np.cos(psi)) / (c * np.sin(psi))
         arm = a * np.exp(-1j * psi)
-        along = 1j * (rate * arm - (c - arm))
-        bend = (1j * second + rate**2) * arm + 2 * rate * arm - (c - arm)
+        pitch_tangent = 1j * (rate * arm - (c - arm))
+        pitch_curvature = (1j * second + rate**2) * arm + 2 * rate * arm - (c - arm)
         with np.errstate(divide="ignore"):
-            pitch = abs(along) ** 3 / -(along.conj() * bend).imag
-        wide = np.where(pitch > 0, pitch, np.inf).min(axis=1) >= self.pitch * (1 + 1e-9)
+            pitch = abs(pitch_tangent) ** 3 / -(pitch_tangent.conj() * pitch_curvature).imag
+        curvature_ok = np.where(pitch > 0, pitch, np.inf).min(axis=1) >= self.pitch * (1 + 1e-9)
         reach = np.sqrt(a**2 + c**2 - 2 * a * c * np.cos(starts))
-        return (abs(tangent).max(axis=1) <= self.tangent) & wide & (reach > self.roller)
+        return (abs(tangent).max(axis=1) <= self.tangent) & curvature_ok & (reach > self.roller)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SwingingFlatCam(Cam):
-    """A follower that swings, with a flat face parallel to its arm, ``offset`` towards the cam.
+    """Oscillating flat-faced follower; the face is parallel to the arm, ``offset`` to the cam.
 
-    The face is ``H = c sin ψ − f`` away from the axis of the cam, in a direction that turns by
+    The distance of the face from the cam axis is ``H = c sin ψ − f``, in a direction rotated by
     ``ψ + θ``: the profile is ``e^{−i(ψ+θ)} (c cos ψ ψ'/(1 + ψ') + i H)``.
 
     Parameters
     ----------
-    distance : of the pivot from the axis of the cam [m]
-    offset : of the face from the pivot, towards the cam [m]
+    distance : distance of the pivot from the cam axis [m]
+    offset : distance of the face from the pivot, towards the cam [m]
 
     Examples
     --------
@@ -206,7 +206,7 @@ class SwingingFlatCam(Cam):
             )
         s, rate, _ = self.lift(self.turn)
         if self.start + float(s.max()) >= math.pi / 2:
-            raise AnalysisError("the face would swing beyond the square to the pivot line")
+            raise AnalysisError("the face would swing beyond the perpendicular to the pivot line")
         if float(rate.min()) <= -1:
             raise AnalysisError("the follower falls as fast as the cam turns; give it more time")
 
@@ -219,23 +219,23 @@ class SwingingFlatCam(Cam):
         angles = self._angles(theta)
         s, rate, _ = self.lift(angles)
         psi = self.start + s
-        along = self.distance * np.cos(psi) * rate / (1 + rate)
-        away = self.distance * np.sin(psi) - self.offset
-        z = np.exp(-1j * (psi + angles)) * (along + 1j * away)
+        tangential = self.distance * np.cos(psi) * rate / (1 + rate)
+        height = self.distance * np.sin(psi) - self.offset
+        z = np.exp(-1j * (psi + angles)) * (tangential + 1j * height)
         return np.stack([z.real, z.imag], axis=-1)
 
     def radius(self, theta: Any = None) -> np.ndarray:
         """``ρ = H + d²H/dβ²`` with ``β = ψ + θ``."""
         s, rate, second = self.lift(self._angles(theta))
         psi, c, speed = self.start + s, self.distance, 1 + rate
-        bend = c * np.cos(psi) * second / speed**2 - c * np.sin(psi) * rate**2 / speed
-        return c * np.sin(psi) - self.offset + bend / speed
+        derivative = c * np.cos(psi) * second / speed**2 - c * np.sin(psi) * rate**2 / speed
+        return c * np.sin(psi) - self.offset + derivative / speed
 
     def undercut(self) -> bool:
         return bool(self.radius().min() <= 0)
 
     def contact(self, theta: Any = None) -> np.ndarray:
-        """(n,) where on the face the cam touches, from the foot of the pivot [m]."""
+        """(n,) position of the contact on the face, from the foot of the pivot [m]."""
         s, rate, _ = self.lift(self._angles(theta))
         return self.distance * np.cos(self.start + s) / (1 + rate)
 
@@ -244,6 +244,6 @@ class SwingingFlatCam(Cam):
 
     @property
     def face(self) -> tuple[float, float]:
-        """Between which distances from the foot of the pivot the cam touches [m]."""
-        places = self.contact()
-        return float(places.min()), float(places.max())
+        """Range of the contact on the face, from the foot of the pivot [m]."""
+        positions = self.contact()
+        return float(positions.min()), float(positions.max())

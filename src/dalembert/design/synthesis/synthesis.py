@@ -1,9 +1,10 @@
-"""What the synthesis of linkages with one loop ends with."""
+"""Results of synthesis: linkages and mechanisms with their errors."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,26 +13,27 @@ from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.design.synthesis.candidates import Candidate, Candidates
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.errors import DalembertError
+from dalembert.results.motion import Motion
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
 FRAMES = 121
-"""Instants of a turn that a page shows."""
-TURN = np.linspace(0, 2 * math.pi, 361)
+"""Number of instants of a revolution on a page."""
+REVOLUTION = np.linspace(0, 2 * math.pi, 361)
 
 
 @dataclass(frozen=True, eq=False)
 class Solution(Candidate):
-    """A linkage and how it meets the target.
+    """A linkage with its error relative to the target.
 
     Attributes
     ----------
     linkage : FourBar or SliderCrank
-    crank_angles : (n,) of the crank at the entries of the target
-    error : sum of squares of the distances; for functions and motions of the angles, too [rad]
-    distances : (n,) of the points, or of the outputs
+    crank_angles : (n,) crank angles at the entries of the target [rad]
+    error : sum of squared distances; for functions and motions also of angles [rad]
+    distances : (n,) deviations of the points, or of the outputs
 
     Examples
     --------
@@ -60,7 +62,7 @@ class Solution(Candidate):
 
     @property
     def transmission(self) -> float:
-        """Least transmission angle [rad], of a turn, or at the entries where the crank rocks."""
+        """Minimum transmission angle [rad] over a revolution, or at the entries if it rocks."""
         turns = self.linkage.crank_turns
         return float(self.linkage.transmission(None if turns else self.crank_angles))
 
@@ -72,7 +74,9 @@ class Solution(Candidate):
         }
 
     def curve(self) -> np.ndarray:
-        return self.linkage.path(TURN if self.linkage.crank_turns else np.sort(self.crank_angles))
+        return self.linkage.path(
+            REVOLUTION if self.linkage.crank_turns else np.sort(self.crank_angles)
+        )
 
     def passed(self) -> np.ndarray:
         return self.linkage.path(self.crank_angles)
@@ -99,18 +103,18 @@ class Solution(Candidate):
 
 @dataclass(eq=False, repr=False)
 class Synthesis(Candidates):
-    """Linkages with one loop, best first; each differs from the others.
+    """Distinct single-loop linkages, sorted by error.
 
     Examples
     --------
     >>> import numpy as np
     >>> import dalembert as da
     >>> turn = np.linspace(0.0, 1.0, 3)
-    >>> half = da.Target.function(turn, 0.5 * turn)  # the rocker goes half as far
-    >>> found = da.synthesize(half, starts=4)
-    >>> isinstance(found, da.Synthesis), found.best is found.solutions[0]
+    >>> half = da.Target.function(turn, 0.5 * turn)  # half the crank angle
+    >>> result = da.synthesize(half, starts=4)
+    >>> isinstance(result, da.Synthesis), result.best is result.solutions[0]
     (True, True)
-    >>> errors = [one.error for one in found.solutions]
+    >>> errors = [solution.error for solution in result.solutions]
     >>> errors == sorted(errors)
     True
     """
@@ -127,5 +131,70 @@ class Synthesis(Candidates):
         return super().data.assign(branch=("solution", branches))
 
     def to_dataframe(self) -> pd.DataFrame:
-        """One row a solution: error, dimensions, branch."""
+        """A row per solution: error, dimensions, branch."""
         return super().to_dataframe().assign(branch=[s.linkage.branch for s in self.solutions])
+
+
+@dataclass(frozen=True, eq=False)
+class MechanismSolution(Candidate):
+    """A mechanism with its error relative to the target.
+
+    Attributes
+    ----------
+    parameters : name → value
+    crank_angles : (n,) rotation of the motor at the entries of the target [rad]
+    error : sum of squared deviations from the target
+    distances : (n,) deviations of the points, or of the outputs
+    motion : a revolution of the motor
+    entries : the same motion at the entries
+    measures : ``"x"``, ``"y"``, ``"angle"``, ``"output"`` → measure, if the target contains it
+    """
+
+    parameters: dict[str, float]
+    crank_angles: np.ndarray
+    error: float
+    distances: np.ndarray
+    motion: Motion = field(repr=False)
+    entries: Motion = field(repr=False)
+    measures: Mapping[str, str] = field(repr=False)
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        return self.parameters
+
+    @property
+    def units(self) -> dict[str, str]:
+        parameters = self.motion.model.parameters
+        return {name: parameters[name].unit for name in self.parameters}
+
+    def told(self) -> dict[str, Any]:
+        return {"crank_turns": True}
+
+    def _path(self, motion: Motion) -> np.ndarray:
+        return np.column_stack([motion.values(self.measures[axis]) for axis in "xy"])
+
+    def curve(self) -> np.ndarray:
+        return self._path(self.motion)
+
+    def passed(self) -> np.ndarray:
+        return self._path(self.entries)
+
+    def reached(self) -> np.ndarray:
+        return np.unwrap(self.entries.values(self.measures["output"]))
+
+    @property
+    def watched(self) -> list[str]:
+        return list(self.measures.values())
+
+    def page(self) -> dict[str, Any]:
+        trace = [self.measures["x"].removesuffix(".x")] if "x" in self.measures else []
+        return self.motion.page(trace=trace)
+
+
+@dataclass(eq=False, repr=False)
+class MechanismSynthesis(Candidates):
+    """Distinct mechanisms of one topology, sorted by error."""
+
+    @property
+    def kind(self) -> str:
+        return str(self.best.motion.model.name)

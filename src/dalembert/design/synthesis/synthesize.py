@@ -1,4 +1,4 @@
-"""From what shall be done to the linkages that do it."""
+"""Dimensional synthesis of single-loop linkages."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage import Linkage
-from dalembert.design.synthesis.problem import Polish
+from dalembert.design.synthesis.linkage_fit import LinkageFit
 from dalembert.design.synthesis.starts import starts_of
 from dalembert.design.synthesis.synthesis import Solution, Synthesis
 from dalembert.design.synthesis.target import Target
@@ -21,7 +21,7 @@ from dalembert.text.spelling import spelled
 from dalembert.text.wording import unknown
 
 CANDIDATES = 6
-"""Starts of open paths that are compared, for each that is polished."""
+"""Number of compared starts per optimised start, for open paths."""
 
 
 @spelled
@@ -40,88 +40,91 @@ def synthesize(
 ) -> Synthesis:
     """Linkages for a path, a motion or a function: least squares from many starts.
 
-    Starts come from an atlas of curves where there are points, else at random; they are polished
-    with exact derivatives by IPOPT. Every solution is checked by solving its loop anew. Ctrl-C ends
-    it with the solutions found until then.
+    Starts for points are taken from an atlas of coupler curves, or are random; they are optimised
+    by Ipopt with exact derivatives. Every solution is verified by solving its loop. Ctrl-C returns
+    the solutions computed so far.
 
     Parameters
     ----------
     target : ``Target.path``, ``Target.motion`` or ``Target.function``
     linkage : ``FourBar`` or ``SliderCrank``
     bounds : dimension → (lower, upper) in the unit of the target
-    crank_turns : the crank turns all the way (Grashof), so that branch and circuit stay
-    transmission : least transmission angle [rad], over the turn or, without, at the entries
-    order : free timing passes the entries in their order
-    starts : how many linkages are polished
+    crank_turns : the crank rotates fully (Grashof), so that branch and circuit do not change
+    transmission : minimum transmission angle [rad], over a revolution, or at the entries without
+        ``crank_turns``
+    order : for free timing, the entries are passed in their order
+    starts : number of optimised starts
     progress : True for a bar, or a function of the fraction done
     rng : seed of the starts
 
     Raises
     ------
     AnalysisError
-        Bounds of no dimension, or no start leads to a linkage within the limits.
+        A bound is not that of a dimension, or no start converges to a linkage within the limits.
 
     Examples
     --------
     >>> import dalembert as da
     >>> points = [(20, 20 + 5 * k) for k in range(5)]  # straight up
-    >>> found = da.synthesize(da.Target.path(points), starts=4)
-    >>> found.best.error < 1e-8, found.best.linkage.crank_turns
+    >>> result = da.synthesize(da.Target.path(points), starts=4)
+    >>> result.best.error < 1e-8, result.best.linkage.crank_turns
     (True, True)
     """
     if not isinstance(target, Target):
         raise AnalysisError(f"give a target such as da.Target.path(points); got {target!r:.60}")
     if not isinstance(linkage, type):
         raise AnalysisError(
-            "synthesize knows FourBar and SliderCrank; for a model of your own take "
+            "synthesize supports FourBar and SliderCrank; for another model use "
             "da.synthesize_mechanism(target, model, point=...)"
         )
     size, at = _frame(target)
     scaled = _scaled(target, size, at)
     ends = _bounds(linkage, target, bounds, size, at)
-    polish = Polish(linkage, scaled, ends, crank_turns, transmission, order)
+    fit = LinkageFit(linkage, scaled, ends, crank_turns, transmission, order)
     generator = random_generator(rng)
-    many = CANDIDATES * starts if _is_open_path(target) else starts
-    chosen = starts_of(linkage, scaled, ends, crank_turns, many, generator)
-    found: list[Solution] = []
+    count = CANDIDATES * starts if _is_open_path(target) else starts
+    selected = starts_of(linkage, scaled, ends, crank_turns, count, generator)
+    solutions: list[Solution] = []
     free = target.crank_angles is None and target.outputs is None
     done = 0
     with progress_reporter(progress, f"{linkage.__name__}s") as report:
         try:
             with searching():
-                chosen = polish.selected(chosen, starts)
-                for start in chosen:
-                    made = polish(start)
-                    if made is not None:
-                        bar = made[0].scaled(size, at)
-                        _keep(found, _solution(target, bar, made[1], crank_turns), free)
+                selected = fit.select(selected, starts)
+                for start in selected:
+                    fitted = fit(start)
+                    if fitted is not None:
+                        bar = fitted[0].scaled(size, at)
+                        _add_distinct(
+                            solutions, _solution(target, bar, fitted[1], crank_turns), free
+                        )
                     done += 1
-                    report(done / len(chosen))
+                    report(done / len(selected))
         except KeyboardInterrupt:
-            if not found:
+            if not solutions:
                 raise
-    if not found:
+    if not solutions:
         raise AnalysisError(
-            f"none of {len(chosen)} starts leads to a {linkage.__name__} within the limits; "
+            f"none of {len(selected)} starts converges to a {linkage.__name__} within the limits; "
             "give more starts, wider bounds, a smaller transmission angle, or crank_turns=False"
         )
-    found.sort(key=lambda solution: solution.error)
-    return Synthesis(target, found, done, interrupted=done < len(chosen))
+    solutions.sort(key=lambda solution: solution.error)
+    return Synthesis(target, solutions, done, interrupted=done < len(selected))
 
 
 def _is_open_path(target: Target) -> bool:
-    """Whether entries have neither timing nor angles, so that starts tell little of their ends."""
+    """Whether entries have neither timing nor angles; errors of starts are not indicative then."""
     free = target.crank_angles is None and target.coupler_angles is None
     return free and target.points is not None and not target.closed
 
 
 def _frame(target: Target) -> tuple[float, complex]:
-    """Size and middle of the target, in which the problem is near one."""
+    """Size and centre of the target, for scaling."""
     if target.points is not None:
         z = target.complex_points
         size = float(np.sqrt(np.mean(abs(z - z.mean()) ** 2))) * 2
         if size == 0:
-            raise AnalysisError("all points of the target are one; give points apart")
+            raise AnalysisError("all points of the target are equal; give points apart")
         return size, complex(z.mean())
     return 1.0, 0j
 
@@ -135,34 +138,34 @@ def _scaled(target: Target, size: float, at: complex) -> Target:
 def _bounds(
     kind: type[Linkage],
     target: Target,
-    given: Mapping[str, tuple[float, float]] | None,
+    bounds: Mapping[str, tuple[float, float]] | None,
     size: float,
     at: complex,
 ) -> dict[str, tuple[float, float]]:
-    """In the frame of the target; what a function does not depend on is held."""
-    usual = dict.fromkeys(kind.names(), (-20.0, 20.0))
-    usual |= dict.fromkeys(kind.lengths, (0.02, 20.0))
-    usual["angle"] = (-4 * np.pi, 4 * np.pi)
+    """Bounds in the frame of the target; dimensions without influence on a function are fixed."""
+    result = dict.fromkeys(kind.names(), (-20.0, 20.0))
+    result |= dict.fromkeys(kind.lengths, (0.02, 20.0))
+    result["angle"] = (-4 * np.pi, 4 * np.pi)
     if target.points is None:
-        held = {"x": 0.0, "y": 0.0, "u": 0.0, "v": 0.0, "angle": 0.0}
-        held |= {"ground": 1.0} if "ground" in kind.lengths else {}
-        usual |= {name: (value, value) for name, value in held.items()}
-    moved = {"x": at.real, "y": at.imag}
-    for name, (lower, upper) in (given or {}).items():
-        if name not in usual:
-            raise AnalysisError(unknown("dimension", name, list(usual)))
+        fixed = {"x": 0.0, "y": 0.0, "u": 0.0, "v": 0.0, "angle": 0.0}
+        fixed |= {"ground": 1.0} if "ground" in kind.lengths else {}
+        result |= {name: (value, value) for name, value in fixed.items()}
+    shifts = {"x": at.real, "y": at.imag}
+    for name, (lower, upper) in (bounds or {}).items():
+        if name not in result:
+            raise AnalysisError(unknown("dimension", name, list(result)))
         if not lower <= upper:
             raise AnalysisError(f"bounds of {name}: {lower} is above {upper}")
-        by = 1.0 if name == "angle" else size
-        shift = moved.get(name, 0.0)
-        usual[name] = ((lower - shift) / by, (upper - shift) / by)
-    return usual
+        scale = 1.0 if name == "angle" else size
+        shift = shifts.get(name, 0.0)
+        result[name] = ((lower - shift) / scale, (upper - shift) / scale)
+    return result
 
 
 def _solution(
     target: Target, linkage: Linkage, theta: np.ndarray, crank_turns: bool
 ) -> Solution | None:
-    """The errors of a linkage, its loop solved anew; None where it does not do what it claims."""
+    """The errors of a linkage from the solution of its loop; None if it is not valid."""
     phi, output = linkage.loop(linkage.numbers, linkage.branch, theta)
     if not np.all(np.isfinite(phi)) or (crank_turns and not linkage.crank_turns):
         return None
@@ -171,12 +174,12 @@ def _solution(
         distances = np.linalg.norm(linkage.path(theta) - target.points, axis=1)
         error += float(distances @ distances)
     if target.coupler_angles is not None:
-        off = _from_mean(phi - target.coupler_angles, True)
-        error += float(off @ off)
+        deviation = _from_mean(phi - target.coupler_angles, True)
+        error += float(deviation @ deviation)
     if target.outputs is not None:
-        off = _from_mean(output - target.outputs, linkage.output_is_angle)
-        distances = abs(off)
-        error += float(off @ off)
+        deviation = _from_mean(output - target.outputs, linkage.output_is_angle)
+        distances = abs(deviation)
+        error += float(deviation @ deviation)
     return Solution(linkage, theta, error, distances)
 
 
@@ -185,25 +188,25 @@ def _from_mean(values: np.ndarray, angles: bool) -> np.ndarray:
     return values - values.mean()
 
 
-def _keep(found: list[Solution], made: Solution | None, free: bool) -> None:
-    """Take a solution unless the same linkage is there already."""
-    if made is None:
+def _add_distinct(solutions: list[Solution], new: Solution | None, free: bool) -> None:
+    """Add a solution; of equal linkages, only the best one is stored."""
+    if new is None:
         return
-    for k, other in enumerate(found):
-        if _same(made, other, free):
-            found[k] = min(made, other, key=lambda solution: solution.error)
+    for k, other in enumerate(solutions):
+        if _same(new, other, free):
+            solutions[k] = min(new, other, key=lambda solution: solution.error)
             return
-    found.append(made)
+    solutions.append(new)
 
 
-def _same(one: Solution, other: Solution, free: bool) -> bool:
-    """Whether the joints are at the same places at the first entry, whatever the angles count.
+def _same(solution: Solution, other: Solution, free: bool) -> bool:
+    """Whether the joints have the same positions at the first entry, independent of the angles.
 
-    Where crank angles are free, crank and follower may have changed their names.
+    If crank angles are free, crank and follower may be exchanged.
     """
-    a, b = (s.linkage.joints(float(s.crank_angles[0])) for s in (one, other))
-    near = 1e-4 * np.ptp(np.abs(a - a[0])) + 1e-9
-    if np.all(abs(a - b) < near):
+    a, b = (s.linkage.joints(float(s.crank_angles[0])) for s in (solution, other))
+    tolerance = 1e-4 * np.ptp(np.abs(a - a[0])) + 1e-9
+    if np.all(abs(a - b) < tolerance):
         return True
-    swaps = free and isinstance(one.linkage, FourBar)
-    return bool(swaps and np.all(abs(a - b[[2, 3, 0, 1, 4]]) < near))
+    swaps = free and isinstance(solution.linkage, FourBar)
+    return bool(swaps and np.all(abs(a - b[[2, 3, 0, 1, 4]]) < tolerance))

@@ -1,4 +1,4 @@
-"""What a linkage shall do."""
+"""Targets of synthesis: paths, motions and functions."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from dalembert.errors import AnalysisError
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """Points to pass, poses to take, or outputs to reach, in their order.
+    """Sequence of points, poses or outputs.
 
     Attributes
     ----------
-    points : (n, 2) of the coupler point; None where it is free
-    coupler_angles : (n,) how far the coupler turns [rad], counted from any line on it
-    outputs : (n,) how far the follower turns [rad], or the slider goes, from any start
-    crank_angles : (n,) how far the crank turns [rad], from any start; None leaves the timing free
-    closed : the path leads from the last point to the first
+    points : (n, 2) positions of the coupler point; None if free
+    coupler_angles : (n,) rotation of the coupler [rad], relative to any reference line
+    outputs : (n,) rotation of the follower [rad], or displacement of the slider, from any origin
+    crank_angles : (n,) rotation of the crank [rad], from any origin; None for free timing
+    closed : whether the path is closed
 
     Examples
     --------
@@ -29,7 +29,7 @@ class Target:
     >>> turn = np.linspace(0, 1, 4)
     >>> twice = da.Target.function(crank_angles=turn, outputs=2 * turn)
     >>> line = da.Target.path([(0, 0), (0.1, 0), (0.2, 0)])
-    >>> line.points.shape, line.crank_angles is None  # its timing is free
+    >>> line.points.shape, line.crank_angles is None  # free timing
     ((3, 2), True)
     """
 
@@ -42,10 +42,10 @@ class Target:
     def __post_init__(self) -> None:
         count = 0
         for name in ("points", "coupler_angles", "outputs", "crank_angles"):
-            given = getattr(self, name)
-            if given is None:
+            value = getattr(self, name)
+            if value is None:
                 continue
-            array = np.asarray(given, dtype=float)
+            array = np.asarray(value, dtype=float)
             shape = (array.shape[0], 2) if name == "points" and array.ndim else (array.size,)
             if array.shape != shape or array.size == 0 or not np.all(np.isfinite(array)):
                 entries = "pairs" if name == "points" else "numbers"
@@ -71,13 +71,13 @@ class Target:
 
     @classmethod
     def function(cls, crank_angles: Any, outputs: Any) -> Target:
-        """Function generation: outputs at angles of the crank."""
+        """Function generation: outputs at crank angles."""
         return cls(outputs=outputs, crank_angles=crank_angles)
 
     def __len__(self) -> int:
-        given = self.points if self.points is not None else self.outputs
-        assert given is not None
-        return len(given)
+        entries = self.points if self.points is not None else self.outputs
+        assert entries is not None
+        return len(entries)
 
     @property
     def complex_points(self) -> np.ndarray:

@@ -1,1 +1,1 @@
-"""Tolerances of drawings."""
+"""Tolerance analysis and allocation."""

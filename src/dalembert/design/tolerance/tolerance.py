@@ -1,7 +1,7 @@
-"""Tolerances: how a response scatters when dimensions keep within what the drawing allows.
+"""Tolerance analysis: scatter and worst case of a response for toleranced dimensions.
 
 First order: ``σ_f² = Σ (∂f/∂p_i σ_i)²``; second order adds the mean shift ``½ Σ f_ii σ_i²`` and
-``½ Σ (f_ij σ_i σ_j)²``; the worst case is sought within the box of all tolerances.
+``½ Σ (f_ij σ_i σ_j)²``; the worst case is the extreme within the box of all tolerances.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching
 from dalembert.options import random_generator
 from dalembert.responses.base import Response
-from dalembert.responses.several import as_responses
+from dalembert.responses.evaluation import as_responses
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
@@ -28,72 +28,74 @@ from dalembert.text.wording import unknown
 from dalembert.units.measured import check_measured, measured
 
 STEP = 1e-3
-"""Step of the second differences, relative to a tolerance."""
-TOGETHER = 20
-"""Samples after which it is told how far it is."""
-FEW = 5
-"""So many tolerances at most of which all corners are looked at."""
+"""Step of the second differences, relative to the tolerances [-]."""
+BLOCK_SIZE = 20
+"""Samples per progress report."""
+MAX_CORNER_DIMENSION = 5
+"""Upper limit of the tolerances for which all corners of the box are evaluated."""
 
 
 @dataclass
 class Box:
-    """A response over the box of all tolerances, ``p = p₀ + t z`` with ``|z| ≤ 1``."""
+    """Response over the box of all tolerances, ``p = p₀ + t z`` with ``|z| ≤ 1``."""
 
     problem: DesignProblem
     nominal: np.ndarray
     half: np.ndarray
 
     def value(self, z: np.ndarray) -> float:
-        """The response.
+        """Response.
 
         Raises
         ------
         AnalysisError
             The run fails.
         """
-        return float(self._found(z, False).values[0])
+        return float(self._evaluate(z, False).values[0])
 
     def slope(self, z: np.ndarray) -> np.ndarray:
-        """(n,) change of the response with each tolerance used up."""
-        return self.problem.slope(self._found(z, True), 0) * self.half
+        """(n,) derivatives by ``z``: first-order change for each full tolerance."""
+        return self.problem.slope(self._evaluate(z, True), 0) * self.half
 
-    def _found(self, z: np.ndarray, gradient: bool) -> Any:
+    def _evaluate(self, z: np.ndarray, gradient: bool) -> Any:
         p = self.nominal + self.half * z
-        found = self.problem.evaluate(p, gradient)
-        if found is None:
-            told = ", ".join(
+        evaluation = self.problem.evaluate(p, gradient)
+        if evaluation is None:
+            values = ", ".join(
                 f"{n} = {v:.6g}" for n, v in self.problem.variables.parameters(p).items()
             )
-            raise AnalysisError(f"a run fails at {told}: {self.problem.failures[-1]}")
-        return found
+            raise AnalysisError(f"a run fails at {values}: {self.problem.failures[-1]}")
+        return evaluation
 
     def hessian(self) -> np.ndarray:
-        """(n, n) second derivatives, by central differences of the exact gradient."""
+        """(n, n) second derivatives by central differences of the exact gradient."""
         size = self.half.size
         rows = [(self.slope(STEP * e) - self.slope(-STEP * e)) / (2 * STEP) for e in np.eye(size)]
-        found = np.array(rows)
-        return (found + found.T) / 2
+        matrix = np.array(rows)
+        return (matrix + matrix.T) / 2
 
     def extreme(self, sign: float) -> float:
-        """Smallest (−1) or largest (+1) response within the box, uphill from its best corner."""
+        """Minimum (−1) or maximum (+1) within the box, by a local search from the best corner."""
         from scipy.optimize import minimize
 
         start = max(self._corners(sign), key=lambda z: sign * self.value(z))
-        begin = sign * self.value(start)
-        scale = max(abs(begin - sign * self.value(0 * start)), 1e-9 * abs(begin), 1e-300)
+        corner_value = sign * self.value(start)
+        scale = max(
+            abs(corner_value - sign * self.value(0 * start)), 1e-9 * abs(corner_value), 1e-300
+        )
         outcome = minimize(
-            lambda z: (begin - sign * self.value(np.clip(z, -1, 1))) / scale,
+            lambda z: (corner_value - sign * self.value(np.clip(z, -1, 1))) / scale,
             0.9 * start,  # a corner may be a saddle
             jac=lambda z: -sign * self.slope(np.clip(z, -1, 1)) / scale,
             method="L-BFGS-B",
             bounds=[(-1, 1)] * self.half.size,
         )
-        return sign * max(begin, sign * self.value(np.clip(outcome.x, -1, 1)))
+        return sign * max(corner_value, sign * self.value(np.clip(outcome.x, -1, 1)))
 
     def _corners(self, sign: float) -> list[np.ndarray]:
-        """All corners of a small box; of a large one that to which the slope points."""
+        """All corners of a small box; of a large one the corner in the direction of the slope."""
         size = self.half.size
-        if size <= FEW:
+        if size <= MAX_CORNER_DIMENSION:
             return [2.0 * np.array(corner) - 1 for corner in np.ndindex(*(2,) * size)]
         return [np.where(sign * self.slope(np.zeros(size)) < 0, -1.0, 1.0)]
 
@@ -113,20 +115,20 @@ def tolerance(
     rng: Any = 0,
     progress: Reported = False,
 ) -> Toleranced:
-    """Scatter and worst case of a response from the tolerances of a drawing.
+    """Scatter and worst case of a response from dimensional tolerances.
 
-    Ctrl-C ends it with what is known by then, to first order at least.
+    Ctrl-C ends it with the results until then, at least to first order.
 
     Parameters
     ----------
     model : Model or StructuralModel
-    response : what must come out right
-    tolerances : parameter → half width, ``±t``, about its nominal value; or ``"0.1 mm"``
-    analysis : how the response is computed
-    sigmas : how many standard deviations a tolerance is; dimensions are normal
-    second_order : the Hessian too, by two gradients for each tolerance
-    worst_case : the extremes within all tolerances
-    samples : of Monte Carlo beside; none by default
+    response : toleranced response
+    tolerances : parameter → half width ``±t`` about its nominal value, or text as ``"0.1 mm"``
+    analysis : analysis of the response
+    sigmas : standard deviations per tolerance; dimensions are normally distributed
+    second_order : also the Hessian, by two gradients per tolerance
+    worst_case : also the extremes within all tolerances
+    samples : number of Monte Carlo samples; default none
     rng : seed or generator of the samples
     progress : True for a bar, or a function of the fraction done
 
@@ -145,10 +147,10 @@ def tolerance(
     >>> part = stack.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
     >>> height = da.final("a + b", name="height")
     >>> limits = {"a": 0.3e-3, "b": 0.4e-3}
-    >>> found = da.tolerance(stack.build(), height, limits, analysis=da.Statics())
-    >>> round(3 * found.std * 1e3, 6)  # √(0.3² + 0.4²) [mm]
+    >>> result = da.tolerance(stack.build(), height, limits, analysis=da.Statics())
+    >>> round(3 * result.std * 1e3, 6)  # √(0.3² + 0.4²) [mm]
     0.5
-    >>> [round(x * 1e3, 6) for x in found.worst]  # 0.7 mm off
+    >>> [round(x * 1e3, 6) for x in result.worst]  # ± 0.7 mm
     [49.3, 50.7]
     """
     if not tolerances:
@@ -162,16 +164,16 @@ def tolerance(
             raise ModelError(f"its tolerance is {width!r}; it must be above zero", name)
     if not sigmas > 0:
         raise AnalysisError(f"sigmas is {sigmas!r}; it must be above zero")
-    names, listed = list(widths), list(model.parameters)
-    nominal = np.array([model.nominal[listed.index(n)] for n in names])
-    half = np.array([float(t) for t in widths.values()])
+    names, parameter_names = list(widths), list(model.parameters)
+    nominal = np.array([model.nominal[parameter_names.index(n)] for n in names])
+    half_widths = np.array([float(t) for t in widths.values()])
     problem = design_problem(model, analysis, as_responses(response), names)
-    box, still = Box(problem, nominal, half), np.zeros(half.size)
-    found = Toleranced(
+    box, origin = Box(problem, nominal, half_widths), np.zeros(half_widths.size)
+    result = Toleranced(
         label=response.label,
-        nominal=box.value(still),
-        tolerances=dict(zip(names, map(float, half), strict=True)),
-        effects=dict(zip(names, map(float, box.slope(still)), strict=True)),
+        nominal=box.value(origin),
+        tolerances=dict(zip(names, map(float, half_widths), strict=True)),
+        effects=dict(zip(names, map(float, box.slope(origin)), strict=True)),
         sigmas=sigmas,
         name=model.name,
         unit=problem.unit(0, problem.results(nominal)),
@@ -182,28 +184,28 @@ def tolerance(
         try:
             with searching():
                 if second_order:
-                    found.hessian = box.hessian()
+                    result.hessian = box.hessian()
                 report(0.2)
                 if worst_case:
-                    found.worst = box.extreme(-1), box.extreme(1)
+                    result.worst = box.extreme(-1), box.extreme(1)
                 report(0.3)
                 if samples:
                     generator = random_generator(rng)
-                    found.sampled = np.zeros(0)
-                    for values in _sampled(box, sigmas, samples, generator):
-                        found.sampled = np.append(found.sampled, values)
-                        report(0.3 + 0.7 * found.sampled.size / samples)
+                    result.sampled = np.zeros(0)
+                    for values in _sample_blocks(box, sigmas, samples, generator):
+                        result.sampled = np.append(result.sampled, values)
+                        report(0.3 + 0.7 * result.sampled.size / samples)
         except KeyboardInterrupt:
-            found.interrupted = True
-    if found.sampled is not None and not found.sampled.size:
-        found.sampled = None
-    return found
+            result.interrupted = True
+    if result.sampled is not None and not result.sampled.size:
+        result.sampled = None
+    return result
 
 
-def _sampled(
+def _sample_blocks(
     box: Box, sigmas: float, samples: int, rng: np.random.Generator
 ) -> Iterator[np.ndarray]:
-    """Responses, some at a time; dimensions are normal."""
+    """Yield blocks of responses at normally distributed dimensions."""
     points = rng.normal(size=(samples, box.half.size)) / sigmas
-    for some in np.array_split(points, max(1, samples // TOGETHER)):
-        yield np.array([box.value(z) for z in some])
+    for block in np.array_split(points, max(1, samples // BLOCK_SIZE)):
+        yield np.array([box.value(z) for z in block])

@@ -1,4 +1,4 @@
-"""What a tolerance analysis ends with, and the cheapest tolerances that are enough."""
+"""Result of a tolerance analysis, and optimal tolerance allocation."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.design.decision import Decision
+from dalembert.design.decision import Decision, plot_axes
 from dalembert.errors import AnalysisError
 
 if TYPE_CHECKING:
@@ -21,12 +21,12 @@ class Toleranced(Decision):
 
     Attributes
     ----------
-    nominal : the response without deviations
-    effects : parameter → change of the response when its tolerance is used up, to first order
-    hessian : (n, n) second derivatives by used-up tolerances, or None
-    worst : smallest and largest response within all tolerances, or None
-    sampled : responses of Monte Carlo, or None
-    interrupted : by Ctrl-C; what there was by then is kept
+    nominal : response without deviations
+    effects : parameter → change of the response for its full tolerance, to first order
+    hessian : (n, n) second derivatives, scaled by the tolerances, or None
+    worst : minimum and maximum response within all tolerances, or None
+    sampled : responses of the Monte Carlo samples, or None
+    interrupted : ended by Ctrl-C; the results until then are kept
 
     Examples
     --------
@@ -37,15 +37,15 @@ class Toleranced(Decision):
     >>> end = stack.node("end", a + b)
     >>> part = stack.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
     >>> limits = {"a": 0.3e-3, "b": 0.4e-3}
-    >>> found = da.tolerance(stack.build(), da.final("a - b"), limits, analysis=da.Statics())
-    >>> isinstance(found, da.Toleranced), {n: round(e * 1e3, 6) for n, e in found.effects.items()}
+    >>> result = da.tolerance(stack.build(), da.final("a - b"), limits, analysis=da.Statics())
+    >>> isinstance(result, da.Toleranced), {n: round(e * 1e3, 6) for n, e in result.effects.items()}
     (True, {'a': 0.3, 'b': -0.4})
-    >>> {name: round(share, 6) for name, share in found.contributions.items()}  # 9 and 16 of 25
+    >>> {name: round(share, 6) for name, share in result.contributions.items()}  # 9 and 16 of 25
     {'a': 0.36, 'b': 0.64}
     """
 
     word = "tolerance"
-    drawn = "tolerance:tolerance"
+    page_functions = "tolerance:tolerance"
     label: str
     nominal: float
     tolerances: dict[str, float]
@@ -63,12 +63,12 @@ class Toleranced(Decision):
 
     @property
     def success(self) -> bool:  # type: ignore[override]
-        """Whether it went to its end."""
+        """Whether the analysis was completed."""
         return not self.interrupted
 
     @property
     def message(self) -> str:  # type: ignore[override]
-        """The response and its scatter."""
+        """Nominal response and its scatter."""
         text = (
             f"{self.label} {self.nominal:.6g} ± {self.sigmas * self.std:.3g} {self.unit}".rstrip()
         )
@@ -91,10 +91,10 @@ class Toleranced(Decision):
         Raises
         ------
         AnalysisError
-            It was not asked for.
+            It was not computed.
         """
         if self.hessian is None:
-            raise AnalysisError("second order was not asked for; give second_order=True")
+            raise AnalysisError("the second order was not computed; give second_order=True")
         h = self.hessian / self.sigmas**2
         mean = self.nominal + 0.5 * float(np.trace(h))
         return mean, float(np.sqrt(self.std**2 + 0.5 * np.sum(h**2)))
@@ -103,8 +103,8 @@ class Toleranced(Decision):
     def contributions(self) -> dict[str, float]:
         """Parameter → share of the variance to first order."""
         squares = np.square(list(self.effects.values()))
-        whole = float(squares.sum()) or 1.0
-        return dict(zip(self.effects, map(float, squares / whole), strict=True))
+        total = float(squares.sum()) or 1.0
+        return dict(zip(self.effects, map(float, squares / total), strict=True))
 
     def allot(
         self,
@@ -115,23 +115,23 @@ class Toleranced(Decision):
         bounds: tuple[float, float] | Mapping[str, tuple[float, float]] = (0.0, np.inf),
         worst_case: bool = False,
     ) -> dict[str, float]:
-        """The cheapest tolerances with which the response keeps within ``±limit``.
+        """Cheapest tolerances for which the response stays within ``±limit``.
 
-        ``min Σ c_i/t_i^k`` under ``Σ (g_i t_i)² ≤ limit²``, or under ``Σ |g_i| t_i ≤ limit`` in the
-        worst case, to first order. Where no bound holds, ``t_i ∝ (c_i/|g_i|^m)^(1/(k + m))``,
+        ``min Σ c_i/t_i^k`` subject to ``Σ (g_i t_i)² ≤ limit²``, or ``Σ |g_i| t_i ≤ limit`` in the
+        worst case, to first order. Without active bounds, ``t_i ∝ (c_i/|g_i|^m)^(1/(k + m))``,
         m = 2 or 1 (Chase and Greenwood 1988).
 
         Parameters
         ----------
-        limit : of the deviation of the response, at as many standard deviations as the tolerances
+        limit : of the deviation of the response, at the number of standard deviations ``sigmas``
         costs : parameter → ``c``
         exponent : ``k``
-        bounds : least and largest tolerance, of all or by parameter
+        bounds : minimum and maximum tolerance, of all or by parameter
 
         Raises
         ------
         AnalysisError
-            Costs that are missing, or a limit that even the least tolerances break.
+            Costs are missing, or the minimum tolerances already exceed the limit.
         """
         names = list(self.effects)
         missing = [n for n in names if not costs.get(n, 0) > 0]
@@ -139,19 +139,20 @@ class Toleranced(Decision):
             raise AnalysisError(f"allot: give a cost above zero for {', '.join(missing)}")
         if not (limit > 0 and exponent > 0):
             raise AnalysisError("allot: limit and exponent must be above zero")
-        each = {n: bounds[n] if isinstance(bounds, Mapping) else bounds for n in names}
-        low, high = np.array(list(each.values()), dtype=float).T
+        ranges = {n: bounds[n] if isinstance(bounds, Mapping) else bounds for n in names}
+        low, high = np.array(list(ranges.values()), dtype=float).T
         g = np.abs([self.effects[n] / self.tolerances[n] for n in names])
         c, power = np.array([costs[n] for n in names]), 1.0 if worst_case else 2.0
         if not np.any(g > 0):
             raise AnalysisError("allot: the response does not depend on any of the tolerances")
 
-        def size(t: np.ndarray) -> float:
+        def deviation(t: np.ndarray) -> float:
             return float(np.sum(np.where(g > 0, g * t, 0.0) ** power) ** (1 / power))
 
-        if size(low) > limit:
+        if deviation(low) > limit:
             raise AnalysisError(
-                f"allot: the least tolerances already deviate by {size(low):.6g}, limit {limit:.6g}"
+                f"allot: the minimum tolerances already deviate by {deviation(low):.6g}, above the "
+                f"limit {limit:.6g}"
             )
 
         def allotted(logarithm: float) -> np.ndarray:
@@ -159,7 +160,8 @@ class Toleranced(Decision):
                 free = np.exp(logarithm) * np.where(g > 0, c / g**power, np.inf)
             return np.clip(free ** (1 / (exponent + power)), low, high)
 
-        return dict(zip(names, map(float, allotted(_root(allotted, size, limit))), strict=True))
+        optimal = allotted(_multiplier(allotted, deviation, limit))
+        return dict(zip(names, map(float, optimal), strict=True))
 
     def findings(self) -> dict[str, Any]:
         second = None if self.hessian is None else self.second_order
@@ -204,25 +206,20 @@ class Toleranced(Decision):
             columns["hessian"] = (("parameter", "other"), self.hessian)
         if self.sampled is not None:
             columns["sampled"] = ("sample", self.sampled)
-        about = {"response": self.label, "units": self.unit, "nominal": self.nominal}
-        return xr.Dataset(columns, {"parameter": names}, about | {"std": self.std})
+        attributes = {"response": self.label, "units": self.unit, "nominal": self.nominal}
+        return xr.Dataset(columns, {"parameter": names}, attributes | {"std": self.std})
 
     def to_dataframe(self) -> Any:
-        """One row a tolerance."""
+        """One row per tolerance."""
         return self.data[["tolerance", "effect", "contribution"]].to_dataframe()
 
     # for people ----------------------------------------------------------------------------
     def plot(self, ax: Any = None) -> Any:
-        """What each tolerance does to the response; returns the axes."""
-        import matplotlib.pyplot as plt
-
-        if ax is None:
-            _, ax = plt.subplots(figsize=(5.5, 3.2), layout="constrained")
+        """Plot the effect of each tolerance; returns the axes."""
+        ax = plot_axes(ax, (5.5, 3.2))
         rows = sorted(self.effects.items(), key=lambda item: abs(item[1]))
         ax.barh([n for n, _ in rows], [abs(v) for _, v in rows], height=0.6)
-        ax.set(xlabel=f"change of {self.label} when the tolerance is used up")
-        ax.grid(alpha=0.25)
-        ax.spines[["top", "right"]].set_visible(False)
+        ax.set(xlabel=f"change of {self.label} for the full tolerance")
         return ax
 
     def table_html(self) -> str:
@@ -242,12 +239,12 @@ class Toleranced(Decision):
         return f"<Toleranced {self.label} {self.nominal:.6g} ± {spread:.3g}{worst}>"
 
 
-def _root(allotted: Any, size: Any, limit: float) -> float:
-    """The multiplier with which the limit is used up, or the largest that is of use."""
+def _multiplier(allotted: Any, deviation: Any, limit: float) -> float:
+    """Logarithm of the multiplier for which the limit is reached, by bisection."""
     low, high = -700.0, 700.0
-    if size(allotted(high)) <= limit:
+    if deviation(allotted(high)) <= limit:
         return high
     for _ in range(200):
-        middle = (low + high) / 2
-        low, high = (middle, high) if size(allotted(middle)) <= limit else (low, middle)
+        midpoint = (low + high) / 2
+        low, high = (midpoint, high) if deviation(allotted(midpoint)) <= limit else (low, midpoint)
     return low

@@ -1,4 +1,4 @@
-"""Direct collocation: cubics that meet the equations of motion in the middle of every interval."""
+"""Direct collocation with cubic splines, collocated in the middle of every interval."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class DirectCollocation(TrajectoryMethod):
     >>> fine = da.DirectCollocation(intervals=8)
     >>> best = da.optimize_trajectory(system.build(), da.final("time"), controls=["push"],
     ...     duration=(0.5, 3), end={"cart.x": 1, "cart.vx": 0}, method=fine)
-    >>> round(best.duration, 3)  # 2 √(m x/F): full on, full back
+    >>> round(best.duration, 3)  # 2 √(m x/F), bang-bang
     1.0
     """
 
@@ -40,11 +40,11 @@ class DirectCollocation(TrajectoryMethod):
 
 
 class HermiteSimpson(Transcription):
-    """The cubic through both ends of an interval meets the equations of motion in its middle."""
+    """Hermite–Simpson defects: the cubic satisfies the equations of motion in the middle."""
 
     def __init__(self, physics: Physics, intervals: int, duration: tuple[float, float]):
         super().__init__(physics, intervals, duration)
-        sizes = np.ones(physics.held.numel())
+        sizes = np.ones(physics.position_conditions.numel())
         self.blocks["slack"] = Block.free("slack", sizes, intervals)
 
     @cached_property
@@ -57,7 +57,7 @@ class HermiteSimpson(Transcription):
         return rate.map(self.n + 1)(self.knots.y, self.knots.v)
 
     def _cubics(self, values: ca.MX, rates: ca.MX) -> tuple[ca.MX, ca.MX]:
-        """Value and slope, in the middle, of the cubics through both ends."""
+        """Values and slopes of the cubic Hermite interpolants in the middles."""
         a, b, da, db = values[:, :-1], values[:, 1:], rates[:, :-1], rates[:, 1:]
         return (a + b) / 2 + self.h / 8 * (da - db), 1.5 / self.h * (b - a) - (da + db) / 4
 
@@ -73,9 +73,9 @@ class HermiteSimpson(Transcription):
 
     def equations(self) -> list[Rows]:
         middles, rate = self._middle
-        given = [rate, self.own("slack"), *vars(middles).values()]
-        between = self.physics.middle.map(self.n)(*given)
+        arguments = [rate, self.variables("slack"), *vars(middles).values()]
+        defects = self.physics.middle.map(self.n)(*arguments)
         return [
             Rows("equations of motion", self.knots.of(self.physics.rows())),
-            Rows("equations between the knots", between),
+            Rows("equations between the knots", defects),
         ]

@@ -1,4 +1,4 @@
-"""A control over time: a parabola in every interval, through its ends and its middle."""
+"""Controls over time: a parabola in every interval, through its ends and its middle."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from dalembert.symbolic.formulas.expression import t
 
 @dataclass(frozen=True, eq=False)
 class Control:
-    """A control that was found.
+    """An optimal control as a function of time.
 
     Attributes
     ----------
-    name, unit : of its parameter
+    name, unit : name and unit of its parameter
     times : (2N + 1,) ends and middles of the intervals [s]
     values : (2N + 1,)
 
@@ -44,7 +44,7 @@ class Control:
 
     @property
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """(N,) where intervals begin, and (N, 3) their polynomials in ``t − begin``."""
+        """(N,) starts of the intervals [s], and (N, 3) polynomial coefficients in ``t − start``."""
         h = self.times[2::2] - self.times[:-1:2]
         first, middle, last = self.values[:-1:2], self.values[1::2], self.values[2::2]
         slope = (4 * middle - 3 * first - last) / h
@@ -52,25 +52,25 @@ class Control:
         return self.times[:-1:2], np.column_stack([first, slope, bend])
 
     def __call__(self, times: np.ndarray | float) -> np.ndarray:
-        """Values at times."""
-        begins, rows = self.pieces
-        asked = np.asarray(times, dtype=float)
-        k = np.clip(np.searchsorted(begins, asked, side="right") - 1, 0, begins.size - 1)
-        past = asked - begins[k]
-        return np.asarray(rows[k, 0] + past * (rows[k, 1] + past * rows[k, 2]))
+        """Values of the control at times."""
+        starts, rows = self.pieces
+        instants = np.asarray(times, dtype=float)
+        k = np.clip(np.searchsorted(starts, instants, side="right") - 1, 0, starts.size - 1)
+        elapsed = instants - starts[k]
+        return np.asarray(rows[k, 0] + elapsed * (rows[k, 1] + elapsed * rows[k, 2]))
 
     @property
     def formula(self) -> ca.SX:
-        """As a formula of time; it is continuous, so that its pieces are no switches."""
-        begins, rows = self.pieces
-        begun = [(1 + ca.copysign(1, t.sx - b)) / 2 for b in begins[1:]]
+        """The control as a formula of time; continuous, so that its pieces are not switches."""
+        starts, rows = self.pieces
+        active = [(1 + ca.copysign(1, t.sx - b)) / 2 for b in starts[1:]]
 
         def pick(column: np.ndarray) -> ca.SX:
             jumps = [float(after - before) for before, after in pairwise(column)]
             return float(column[0]) + sum(
-                (jump * on for jump, on in zip(jumps, begun, strict=True)), ca.SX(0)
+                (jump * switch for jump, switch in zip(jumps, active, strict=True)), ca.SX(0)
             )
 
-        past = t.sx - pick(begins)
+        elapsed = t.sx - pick(starts)
         constant, slope, bend = (pick(column) for column in rows.T)
-        return constant + past * (slope + past * bend)
+        return constant + elapsed * (slope + elapsed * bend)

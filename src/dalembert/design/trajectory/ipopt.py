@@ -1,4 +1,4 @@
-"""The programme of a trajectory solved by Ipopt, with exact first and second derivatives."""
+"""Nonlinear programme of a trajectory and its solution by Ipopt with exact derivatives."""
 
 from __future__ import annotations
 
@@ -9,32 +9,33 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.design.telling import Told
+from dalembert.design.methods.search_options import OnIteration
 from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.interrupts import searching
 from dalembert.results.status import Outcome, Status
 
 SOLVED = 1e-6
-"""Largest residual of a plan, in natural sizes."""
+"""Upper limit of the residual of a solved plan, in natural sizes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Where Ipopt ended.
+    """Result of Ipopt.
 
     Attributes
     ----------
-    x : unknowns as the solver sees them
-    objective : there
-    iterations, told : how many, and what it says
+    x : scaled unknowns
+    objective : value at ``x``
+    iterations : number of iterations
+    message : return status of Ipopt
     interrupted : by Ctrl-C; the unknowns are those of the last iteration
     """
 
     x: np.ndarray
     objective: float
     iterations: int
-    told: str
+    message: str
     interrupted: bool = False
 
 
@@ -47,18 +48,18 @@ class Programme:
     rows: list[Rows]
     penalty: ca.MX | float = 0.0
 
-    def solved(
-        self, x0: np.ndarray, method: TrajectoryMethod, told: Told | None = None
+    def solve(
+        self, x0: np.ndarray, method: TrajectoryMethod, report: OnIteration | None = None
     ) -> Solution:
-        """The unknowns that Ipopt leads to."""
+        """Solve the programme by Ipopt from an initial guess."""
         unknowns = self.transcription.unknowns
         value = ca.Function("objective", [unknowns], [self.objective])
-        first = float(value(x0))
-        size = max(abs(first), 1e-3) if np.isfinite(first) else 1.0
+        initial_value = float(value(x0))
+        size = max(abs(initial_value), 1e-3) if np.isfinite(initial_value) else 1.0
         rows = ca.vertcat(*(ca.vec(row.value) for row in self.rows))
-        watch = _Watch(unknowns.numel(), rows.numel(), size, told, x0)
+        callback = _IterationCallback(unknowns.numel(), rows.numel(), size, report, x0)
         settings: dict[str, Any] = {
-            "iteration_callback": watch,
+            "iteration_callback": callback,
             "ipopt.max_iter": method.max_iterations,
             "ipopt.tol": max(method.tolerance, 1e-14),
             "ipopt.print_level": 0,
@@ -74,50 +75,54 @@ class Programme:
         lower, upper = self.transcription.bounds()
         try:
             with searching():
-                found = solver(x0=x0, lbx=lower, ubx=upper, lbg=self._ends(0), ubg=self._ends(1))
-                x, ended = np.array(found["x"]).ravel(), str(solver.stats()["return_status"])
+                result = solver(
+                    x0=x0, lbx=lower, ubx=upper, lbg=self._bounds(0), ubg=self._bounds(1)
+                )
+                x = np.array(result["x"]).ravel()
+                return_status = str(solver.stats()["return_status"])
         except KeyboardInterrupt:
-            watch.stopped = True
-        if watch.stopped:
-            return Solution(watch.x, float(value(watch.x)), watch.count, "interrupted", True)
-        message = ended.replace("_", " ").lower()
-        return Solution(x, float(value(x)), watch.count, message)
+            callback.stopped = True
+        if callback.stopped:
+            point = callback.x
+            return Solution(point, float(value(point)), callback.count, "interrupted", True)
+        message = return_status.replace("_", " ").lower()
+        return Solution(x, float(value(x)), callback.count, message)
 
-    def _ends(self, side: int) -> np.ndarray:
+    def _bounds(self, side: int) -> np.ndarray:
         pairs = [np.full(r.value.numel(), (r.lower, r.upper)[side]) for r in self.rows]
         return np.concatenate(pairs)
 
     def status(self, solution: Solution, duration: float) -> Status:
-        """Judged by the residuals, whatever the solver says; the worst of them has a name."""
-        open_by = [self._open(row, solution.x) for row in self.rows]
-        worst = int(np.argmax(open_by))
-        kept, message = bool(open_by[worst] <= SOLVED), f"Ipopt: {solution.told}"
+        """Status by the residuals, independent of the solver; the message names the largest one."""
+        residuals = [self._residual(row, solution.x) for row in self.rows]
+        largest = int(np.argmax(residuals))
+        solved, message = bool(residuals[largest] <= SOLVED), f"Ipopt: {solution.message}"
         if solution.interrupted:
             message = f"interrupted after {solution.iterations} iterations"
-            return Status(Outcome.INTERRUPTED, message, duration, open_by[worst])
-        if kept and solution.told in ("solve succeeded", "solved to acceptable level"):
-            return Status(Outcome.COMPLETED, message, duration, open_by[worst])
-        if not kept:
+            return Status(Outcome.INTERRUPTED, message, duration, residuals[largest])
+        if solved and solution.message in ("solve succeeded", "solved to acceptable level"):
+            return Status(Outcome.COMPLETED, message, duration, residuals[largest])
+        if not solved:
             message += (
-                f"; {self.rows[worst].label} left open by {open_by[worst]:.2g} of its size: give a "
-                "better guess, more intervals, a longer duration or wider bounds"
+                f"; {self.rows[largest].label} left open by {residuals[largest]:.2g} of its size: "
+                "give a better guess, more intervals, a longer duration or wider bounds"
             )
-        return Status(Outcome.NOT_CONVERGED, message, duration, open_by[worst])
+        return Status(Outcome.NOT_CONVERGED, message, duration, residuals[largest])
 
-    def _open(self, row: Rows, x: np.ndarray) -> float:
+    def _residual(self, row: Rows, x: np.ndarray) -> float:
         function = ca.Function("value", [self.transcription.unknowns], [row.value])
         value = np.array(function(x)).ravel()
-        over = np.maximum(row.lower - value, value - row.upper)
-        return float(np.max(np.nan_to_num(over, nan=np.inf), initial=0.0))
+        excess = np.maximum(row.lower - value, value - row.upper)
+        return float(np.max(np.nan_to_num(excess, nan=np.inf), initial=0.0))
 
 
-class _Watch(ca.Callback):
-    """Keeps the unknowns of the last iteration, and tells how far the search is."""
+class _IterationCallback(ca.Callback):
+    """Stores the unknowns of the last iteration and reports progress."""
 
-    def __init__(self, n: int, rows: int, size: float, told: Told | None, x0: np.ndarray):
+    def __init__(self, n: int, rows: int, size: float, report: OnIteration | None, x0: np.ndarray):
         ca.Callback.__init__(self)
         self.sizes = {"x": n, "f": 1, "g": rows, "lam_x": n, "lam_g": rows, "lam_p": 0}
-        self.size, self.told, self.x, self.count = size, told, np.array(x0, dtype=float), -1
+        self.size, self.report, self.x, self.count = size, report, np.array(x0, dtype=float), -1
         self.stopped = False
         self.construct("watch", {})
 
@@ -130,13 +135,13 @@ class _Watch(ca.Callback):
     def get_n_out(self) -> int:
         return 1
 
-    def eval(self, given: Sequence[Any]) -> list[int]:
-        found = dict(zip(ca.nlpsol_out(), given, strict=True))
-        self.x = np.array(found["x"]).ravel()
+    def eval(self, arguments: Sequence[Any]) -> list[int]:
+        outputs = dict(zip(ca.nlpsol_out(), arguments, strict=True))
+        self.x = np.array(outputs["x"]).ravel()
         self.count += 1
         try:
-            if self.told is not None and self.count:
-                self.told(self.count, float(found["f"]) * self.size)
-        except KeyboardInterrupt:  # CasADi would lose it
+            if self.report is not None and self.count:
+                self.report(self.count, float(outputs["f"]) * self.size)
+        except KeyboardInterrupt:  # CasADi does not propagate it
             self.stopped = True
         return [int(self.stopped)]

@@ -1,4 +1,4 @@
-"""What methods of trajectory optimisation have in common."""
+"""Base class of methods of trajectory optimisation."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
-from dalembert.design.methods.stop import check_stop
+from dalembert.design.methods.search_options import check_stop
 from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.transcription import Transcription
 from dalembert.errors import AnalysisError, UnsupportedError
@@ -19,18 +19,18 @@ from dalembert.results.recording import Trajectory
 from dalembert.results.result import Analysis
 
 STEPS = 20
-"""Steps of a forward run in an interval."""
+"""Number of steps of a forward run per interval."""
 
 
 @options
 class TrajectoryMethod(Analysis[Model, Motion]):
-    """How a motion becomes a nonlinear programme, solved by Ipopt.
+    """Transcription of a motion to a nonlinear programme, solved by Ipopt.
 
-    To write another one, give the ``transcription``.
+    A new method implements ``transcription``.
 
     Parameters
     ----------
-    intervals : of equal length, in each of which a control is a parabola
+    intervals : number of intervals of equal length; controls are parabolas in each of them
     max_iterations, tolerance : of Ipopt
     """
 
@@ -51,45 +51,47 @@ class TrajectoryMethod(Analysis[Model, Motion]):
         raise NotImplementedError
 
     def finer(self, steps: bool) -> TrajectoryMethod:
-        """The method on twice as many intervals, or where its steps are too long, with more."""
+        """The method with twice as many intervals, or with more steps if these are too long."""
         return replace(self, intervals=2 * self.intervals)
 
     @property
     def expands(self) -> bool:
-        """Whether the programme is one of operations alone, without solvers inside."""
+        """Whether the programme expands to scalar operations, as it contains no solvers."""
         return True
 
     def forward(self, duration: float) -> Dynamics:
-        """The run that shows what the controls do."""
+        """The analysis of the forward run under the controls."""
         return Dynamics(duration, step=duration / (STEPS * self.intervals))
 
     def run(self, model: Model, parameters: Any = None) -> Motion:
-        raise UnsupportedError("a plan is made by da.optimize_trajectory, not by a run")
+        raise UnsupportedError("a plan is computed by da.optimize_trajectory, not by a run")
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
-        """The plan between its knots: cubics through positions and through speeds.
+        """The plan between its knots, interpolated by cubics through positions and through speeds.
 
         Raises
         ------
         AnalysisError
-            A time outside the plan.
+            A time is outside the plan.
         """
         from scipy.interpolate import CubicHermiteSpline, interp1d
 
         s = motion.trajectory
         if np.any(times < s.t[0] - 1e-9) or np.any(times > s.t[-1] + 1e-9):
-            raise AnalysisError(f"the plan goes from {s.t[0]:g} to {s.t[-1]:g} s; ask within")
-        at = np.clip(times, s.t[0], s.t[-1])
+            raise AnalysisError(
+                f"the plan goes from {s.t[0]:g} to {s.t[-1]:g} s; give times within it"
+            )
+        instants = np.clip(times, s.t[0], s.t[-1])
         e = motion.model.equations
         if e.manifold.flat:
-            y = CubicHermiteSpline(s.t, s.y, s.v, axis=1)(at)
-        else:  # positions lead from the nearest knot
-            near = np.searchsorted((s.t[1:] + s.t[:-1]) / 2, at)
-            ahead = at - s.t[near]
-            way = ahead * s.v[:, near] + ahead**2 / 2 * s.a[:, near]
-            y = e.manifold.go(s.y[:, near], way)
-        v = CubicHermiteSpline(s.t, s.v, s.a, axis=1)(at)
+            y = CubicHermiteSpline(s.t, s.y, s.v, axis=1)(instants)
+        else:  # displacement from the nearest knot
+            nearest = np.searchsorted((s.t[1:] + s.t[:-1]) / 2, instants)
+            elapsed = instants - s.t[nearest]
+            displacement = elapsed * s.v[:, nearest] + elapsed**2 / 2 * s.a[:, nearest]
+            y = e.manifold.go(s.y[:, nearest], displacement)
+        v = CubicHermiteSpline(s.t, s.v, s.a, axis=1)(instants)
         a, multiplier, work = (
-            interp1d(s.t, part, axis=1)(at) for part in (s.a, s.multiplier, s.work)
+            interp1d(s.t, part, axis=1)(instants) for part in (s.a, s.multiplier, s.work)
         )
-        return replace(motion, trajectory=Trajectory(at, y, v, a, multiplier, work))
+        return replace(motion, trajectory=Trajectory(instants, y, v, a, multiplier, work))

@@ -1,4 +1,4 @@
-"""What a search for a trajectory ends with."""
+"""Result of trajectory optimisation."""
 
 from __future__ import annotations
 
@@ -25,23 +25,23 @@ class OptimalTrajectory(Decision):
 
     Attributes
     ----------
-    status : how the search ended, with the largest residual of its equations
-    fun : the objective
+    status : status of the optimisation, with the largest residual of its equations
+    fun : value of the objective
     duration : of the motion [s]
-    x : what was varied beside the motion, parameter → value
-    start : their values before
+    x : varied parameters, parameter → value
+    start : initial values of these parameters
     controls : name → Control, a function of time
-    planned : the motion at the knots, as collocation sees it
-    motion : the motion under these controls, run forward from where the plan begins; None where
-        the search failed
+    planned : the motion at the knots of the transcription
+    motion : the motion under these controls, run forward from the start of the plan; None if the
+        optimisation failed
     defect : largest distance from the plan after an interval run forward from its knot, in
         natural sizes (lengths of the mechanism, radians): how fine the intervals are
-    deviation : largest distance of ``planned`` and ``motion`` at a knot, likewise; large where the
+    deviation : largest distance of ``planned`` and ``motion`` at a knot, likewise; large if the
         mechanism is unstable and needs feedback
     step_error : largest distance of ``motion`` and a run with half of its steps, likewise
     intervals : of the plan, after refinement
     iterations : of the solver, in all refinements
-    warnings : chattering controls, and what was changed because of them
+    warnings : chattering controls, and the resulting modifications
     label, unit : of the objective
 
     Examples
@@ -57,12 +57,12 @@ class OptimalTrajectory(Decision):
     ...     duration=1.0, end={"cart.x": 1, "cart.vx": 0}, method=da.DirectCollocation(intervals=4))
     >>> isinstance(best, da.OptimalTrajectory), best.deviation < 1e-4
     (True, True)
-    >>> round(best.motion["cart.x"][-1].item(), 4)  # run forward under the control found
+    >>> round(best.motion["cart.x"][-1].item(), 4)  # forward run under the optimal control
     1.0
     """
 
     word = "trajectory"
-    drawn = "trajectory:trajectory"
+    page_functions = "trajectory:trajectory"
     status: Status
     fun: float
     duration: float
@@ -99,12 +99,12 @@ class OptimalTrajectory(Decision):
 
     @property
     def name(self) -> str:  # type: ignore[override]
-        """Of the model."""
+        """Name of the model."""
         return str(self.planned.model.name)
 
     @property
     def shown(self) -> Motion:
-        """The motion that was run forward, the plan where there is none."""
+        """The forward motion, or the plan if there is none."""
         return self.planned if self.motion is None else self.motion
 
     @property
@@ -169,16 +169,16 @@ class OptimalTrajectory(Decision):
 
     @property
     def data(self) -> xr.Dataset:
-        """The motion, and beside it the controls at the ends and middles of the intervals."""
-        made = self.shown.data
+        """The motion, and the controls at the ends and middles of the intervals."""
+        dataset = self.shown.data
         for name, control in self.controls.items():
             about = {"units": control.unit}
-            made = made.assign({f"control_{name}": ("control_time", control.values, about)})
+            dataset = dataset.assign({f"control_{name}": ("control_time", control.values, about)})
         times = next((c.times for c in self.controls.values()), np.zeros(0))
-        return made.assign_coords(control_time=("control_time", times, {"units": "s"}))
+        return dataset.assign_coords(control_time=("control_time", times, {"units": "s"}))
 
     def to_dataframe(self) -> pd.DataFrame:
-        """One row an instant of the motion, its controls among the measures."""
+        """A row per instant of the motion, with its controls among the measures."""
         return self.shown.to_dataframe()
 
     def __repr__(self) -> str:

@@ -1,7 +1,7 @@
-"""Controls, motion and dimensions at once: trajectory optimisation by direct collocation.
+"""Trajectory optimisation: simultaneous search for controls, motion and dimensions.
 
-``min J(x(t), u(t), p, T)`` subject to the equations of motion, limits on the way and conditions at
-both ends (Betts 2010; Kelly, *An introduction to trajectory optimization*, SIAM Review 2017).
+``min J(x(t), u(t), p, T)`` subject to the equations of motion, path constraints and boundary
+conditions (Betts 2010; Kelly, *An introduction to trajectory optimization*, SIAM Review 2017).
 """
 
 from __future__ import annotations
@@ -13,13 +13,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.served import need_mechanism
+from dalembert.analysis.requirements import need_mechanism
 from dalembert.design.limit import Limit
-from dalembert.design.telling import Told, teller
-from dalembert.design.trajectory.chattering import WEIGHT, roughness
+from dalembert.design.methods.search_options import OnIteration, iteration_callback
 from dalembert.design.trajectory.collocation import DirectCollocation
 from dalembert.design.trajectory.control import Control
-from dalembert.design.trajectory.guess import Guess, from_plan, guessed
+from dalembert.design.trajectory.guess import Guess, from_plan, initial_guess
 from dalembert.design.trajectory.ipopt import Programme, Solution
 from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.optimal import OptimalTrajectory
@@ -30,12 +29,19 @@ from dalembert.design.trajectory.quantities import (
     condition_rows,
     cyclic_rows,
     limit_rows,
-    number_of,
+    response_value,
     unit_of,
 )
-from dalembert.design.trajectory.refinement import REFINEMENTS, agrees, exploits_nodes, judged
 from dalembert.design.trajectory.transcription import Rows, Transcription
-from dalembert.design.trajectory.verification import verified
+from dalembert.design.trajectory.verification import (
+    REFINEMENTS,
+    ROUGHNESS_WEIGHT,
+    agrees,
+    exploits_nodes,
+    roughness,
+    verify_plan,
+    with_final_status,
+)
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible
 from dalembert.model.model import Model
@@ -64,36 +70,36 @@ def optimize_trajectory(
     method: TrajectoryMethod | None = None,
     verify: bool = True,
     accuracy: float = 1e-3,
-    progress: bool | Told = False,
+    progress: bool | OnIteration = False,
 ) -> OptimalTrajectory:
-    """Best motion of a mechanism, and the controls that make it.
+    """Optimal motion of a mechanism and the controls that produce it.
 
     Parameters
     ----------
-    model : Model; closed loops are kept closed by their constraints
+    model : Model; closed loops are enforced by their constraints
     minimize : ``integral``, ``mean``, ``rms``, ``maximum`` or ``final`` of a measure, or
-        ``combined`` of such; ``da.final("time")`` for the shortest time
+        ``combined`` of these; ``da.final("time")`` for the shortest time
     controls : parameters of forces and moments that become functions of time, within their bounds
     duration : of the motion, or its bounds [s]
-    begin, end : measure → value or (lower, upper), None for an open side; by default it begins
-        where the model starts
-    cyclic : measures that end as they began
-    subject_to : limits; those on ``maximum`` and ``minimum`` hold all the way
-    vary : parameters that are designed with the motion, within their bounds
-    parameters : values of others
-    guess : a motion, ``"simulate"``, or ``"line"``, which leads evenly to the places demanded at
-        the end; the line where there are such
+    begin, end : measure → value or (lower, upper), None for an open side; by default the motion
+        starts at the initial state of the model
+    cyclic : measures with equal values at both ends
+    subject_to : limits; those on ``maximum`` and ``minimum`` are path constraints
+    vary : parameters that are optimised together with the motion, within their bounds
+    parameters : values of other parameters
+    guess : a motion, ``"simulate"``, or ``"line"``, a straight line to the positions prescribed at
+        the end; by default the line if there are such positions
     method : ``DirectCollocation(intervals=...)`` or ``MultipleShooting(...)``
-    verify : run it forward under the controls; only a run that agrees with the plan is success
-    accuracy : largest distance of plan and run, in natural sizes (lengths of the mechanism,
-        radians). A plan that is farther away is refined, up to eight times the intervals; one whose
-        control chatters gets a small penalty on the second differences of its controls
+    verify : run forward under the controls; success requires a run that agrees with the plan
+    accuracy : upper limit of the distance of plan and run, in natural sizes (lengths of the
+        mechanism, radians). A plan beyond it is refined, up to eight times the intervals; if a
+        control chatters, a small penalty on the second differences of the controls is added
     progress : True prints each iteration, or a function of its number and objective
 
     Raises
     ------
     AnalysisError
-        An unknown name, nothing to control, or a guess that cannot be made; ``UnsupportedError``
+        A name is unknown, there is nothing to control, or the guess fails; ``UnsupportedError``
         for rigid contacts, and for controls that change masses or lengths.
 
     Examples
@@ -116,7 +122,7 @@ def optimize_trajectory(
     for name, listed in (("controls", controls), ("vary", vary)):
         if isinstance(listed, str):
             raise AnalysisError(f"{name} is {listed!r}; give a list of names, [{listed!r}]")
-    _refuse_names(model, [*controls, *vary])
+    _check_names(model, [*controls, *vary])
     if not controls and not vary:
         raise AnalysisError("nothing to find; name controls=[...], parameters of forces")
     check_conditions(begin, "begin")
@@ -124,19 +130,21 @@ def optimize_trajectory(
     if not (is_number(accuracy) and accuracy > 0):
         raise AnalysisError(f"accuracy is {accuracy!r}; give a number above zero, such as 1e-3")
     physics = Physics(model, controls, vary, model.values(parameters))
-    task = _Task(physics, minimize, span, begin, end or {}, cyclic, subject_to, teller(progress))
-    first = guessed(physics, guess, end or {}, span, method.intervals)
+    task = _Task(
+        physics, minimize, span, begin, end or {}, cyclic, subject_to, iteration_callback(progress)
+    )
+    first = initial_guess(physics, guess, end or {}, span, method.intervals)
     plan = task.plan(method, first, 0.0)
     if not verify:
         plan.warnings.append("no run under the controls has verified the plan (verify=False)")
     if not verify or not plan.success:
         return plan
-    return _refined(task, method, verified(plan, physics, method, begin is None), accuracy)
+    return _refine(task, method, verify_plan(plan, physics, method, begin is None), accuracy)
 
 
 @dataclass
 class _Task:
-    """What a trajectory is asked for, on whatever intervals."""
+    """A trajectory optimisation task, independent of the intervals."""
 
     physics: Physics
     minimize: Any
@@ -145,10 +153,10 @@ class _Task:
     end: Conditions
     cyclic: Sequence[str]
     subject_to: Sequence[Limit]
-    told: Told | None
+    report: OnIteration | None
 
     def plan(self, method: TrajectoryMethod, guess: Guess, penalty: float) -> OptimalTrajectory:
-        """The plan to which the search leads from a guess, with a penalty on rough controls."""
+        """Optimal plan from an initial guess, with a penalty on rough controls."""
         transcription = method.transcription(self.physics, self.span)
         begin, n = self.begin, method.intervals
         rows = [
@@ -159,28 +167,28 @@ class _Task:
             *cyclic_rows(transcription, self.cyclic),
             *limit_rows(transcription, self.subject_to),
         ]
-        objective = number_of(transcription, self.minimize)
+        objective = response_value(transcription, self.minimize)
         smooth = penalty * roughness(transcription) if penalty else 0.0
         programme = Programme(transcription, objective, [*rows, *transcription.peaks], smooth)
         x0 = transcription.pack(guess)
-        made = _made(programme, programme.solved(x0, method, self.told), method)
-        made.label = getattr(self.minimize, "label", made.label)
-        made.unit = unit_of(self.physics.model, self.minimize)
-        made.intervals = n
-        return made
+        plan = _plan_from(programme, programme.solve(x0, method, self.report), method)
+        plan.label = getattr(self.minimize, "label", plan.label)
+        plan.unit = unit_of(self.physics.model, self.minimize)
+        plan.intervals = n
+        return plan
 
 
-def _refined(
+def _refine(
     task: _Task, method: TrajectoryMethod, plan: OptimalTrajectory, accuracy: float
 ) -> OptimalTrajectory:
-    """The plan on finer intervals, or smoother, until the run under its controls agrees with it."""
+    """Refine or smooth the plan until the forward run under its controls agrees with it."""
     penalty, smoothed = 0.0, False
     for _ in range(REFINEMENTS):
         chatters = not smoothed and exploits_nodes(plan)
         if plan.motion is None or (agrees(plan, accuracy) and not chatters):
             break
         if chatters:
-            penalty, smoothed = WEIGHT * max(abs(plan.fun), 1e-6), True
+            penalty, smoothed = ROUGHNESS_WEIGHT * max(abs(plan.fun), 1e-6), True
         else:
             method = method.finer(steps=plan.deviation <= accuracy)
         guess = from_plan(task.physics, plan, method.intervals)
@@ -191,17 +199,17 @@ def _refined(
         if not following.success:
             break
         following.iterations += plan.iterations
-        plan = verified(following, task.physics, method, task.begin is None)
-    return judged(plan, accuracy, smoothed)
+        plan = verify_plan(following, task.physics, method, task.begin is None)
+    return with_final_status(plan, accuracy, smoothed)
 
 
 def duration_of(duration: Any) -> tuple[float, float]:
-    """Least and largest.
+    """Minimum and maximum of the duration [s].
 
     Raises
     ------
     AnalysisError
-        It is not a time, nor two finite bounds.
+        ``duration`` is neither a time nor a pair of finite bounds.
     """
     low, high = duration if isinstance(duration, (tuple, list)) else (duration, duration)
     if low is None or high is None or not (np.isfinite(high) and 0 <= low <= high and high > 0):
@@ -209,7 +217,7 @@ def duration_of(duration: Any) -> tuple[float, float]:
     return max(float(low), 1e-6 * float(high)), float(high)
 
 
-def _refuse_names(model: Model, names: Sequence[str]) -> None:
+def _check_names(model: Model, names: Sequence[str]) -> None:
     for k, name in enumerate(names):
         if name not in model.parameters:
             raise AnalysisError(unknown("parameter", name, model.parameters))
@@ -218,71 +226,73 @@ def _refuse_names(model: Model, names: Sequence[str]) -> None:
 
 
 def _at_start(transcription: Transcription) -> list[Rows]:
-    """Place and speeds of the model's start, on what the constraints leave free."""
+    """Initial positions and speeds of the model, in the directions free of constraints."""
     physics, knots = transcription.physics, transcription.knots
     model, recipe = physics.model, physics.model.closure.recipe
-    free = speed_basis(physics.equations, 0.0, model.start.y, physics.p)
-    away = ca.vertcat(recipe.pinned, recipe.position_conditions)
-    place = physics.of_state("pinned", away)
-    moving = ca.mtimes(ca.DM(free).T, physics.equations.v - ca.DM(model.start.v))
-    speed = physics.of_state("moving", moving * model.scales.time)
+    basis = speed_basis(physics.equations, 0.0, model.start.y, physics.p)
+    position = ca.vertcat(recipe.pinned, recipe.position_conditions)
+    position_function = physics.of_state("pinned", position)
+    speed = ca.mtimes(ca.DM(basis).T, physics.equations.v - ca.DM(model.start.v))
+    speed_function = physics.of_state("moving", speed * model.scales.time)
     return [
-        Rows("place at the start", knots.at(0, place)),
-        Rows("speeds at the start", knots.at(0, speed)),
+        Rows("positions at the start", knots.at(0, position_function)),
+        Rows("speeds at the start", knots.at(0, speed_function)),
     ]
 
 
-def _made(programme: Programme, solution: Solution, method: TrajectoryMethod) -> OptimalTrajectory:
-    """The plan, not yet run."""
+def _plan_from(
+    programme: Programme, solution: Solution, method: TrajectoryMethod
+) -> OptimalTrajectory:
+    """The plan of a solution, not yet verified."""
     physics = programme.transcription.physics
-    found = programme.transcription.unpack(solution.x)
-    duration = float(found["duration"][0, 0])
+    unknowns = programme.transcription.unpack(solution.x)
+    duration = float(unknowns["duration"][0, 0])
     status = programme.status(solution, duration)
-    varied = dict(zip(physics.vary, map(float, found["q"].ravel()), strict=True))
-    given = dict(zip(physics.model.parameters, map(float, physics.p), strict=False))
-    controls = _controls(physics, found, duration)
+    varied = dict(zip(physics.vary, map(float, unknowns["q"].ravel()), strict=True))
+    nominal = dict(zip(physics.model.parameters, map(float, physics.p), strict=False))
+    controls = _controls(physics, unknowns, duration)
     scheduled = ScheduledModel(physics.model, {n: c.formula for n, c in controls.items()})
-    p = physics.model.values(given | varied)
+    p = physics.model.values(nominal | varied)
     return OptimalTrajectory(
         status=status,
         fun=solution.objective,
         duration=duration,
         x=varied,
-        start={name: given[name] for name in varied},
+        start={name: nominal[name] for name in varied},
         controls=controls,
-        planned=_planned(scheduled, method, p, found, duration, status),
+        planned=_planned_motion(scheduled, method, p, unknowns, duration, status),
         iterations=solution.iterations,
     )
 
 
 def _controls(
-    physics: Physics, found: dict[str, np.ndarray], duration: float
+    physics: Physics, unknowns: dict[str, np.ndarray], duration: float
 ) -> dict[str, Control]:
-    made, count = {}, found["u_middle"].shape[1]
+    controls, count = {}, unknowns["u_middle"].shape[1]
     times = np.linspace(0, duration, 2 * count + 1)
     for k, name in enumerate(physics.controls):
         values = np.empty(2 * count + 1)
-        values[::2], values[1::2] = found["u"][k], found["u_middle"][k]
-        made[name] = Control(name, physics.model.parameters[name].unit, times, values)
-    return made
+        values[::2], values[1::2] = unknowns["u"][k], unknowns["u_middle"][k]
+        controls[name] = Control(name, physics.model.parameters[name].unit, times, values)
+    return controls
 
 
-def _planned(
+def _planned_motion(
     model: Model,
     method: TrajectoryMethod,
     p: np.ndarray,
-    found: dict[str, np.ndarray],
+    unknowns: dict[str, np.ndarray],
     duration: float,
     status: Status,
 ) -> Motion:
-    """The knots as a motion."""
+    """The values at the knots as a motion."""
     times = np.linspace(0, duration, method.intervals + 1)
     trajectory = Trajectory(
         times,
-        found["y"],
-        found["v"],
-        found["a"],
-        model.all_multipliers(found["multiplier"]),
+        unknowns["y"],
+        unknowns["v"],
+        unknowns["a"],
+        model.all_multipliers(unknowns["multiplier"]),
         np.full((2, times.size), np.nan),
     )
     return Motion(model, method, p, trajectory, status)

@@ -1,9 +1,9 @@
-"""The equations of a mechanism at one instant, as collocation asks for them.
+"""Equations of a mechanism at one instant, for direct collocation.
 
 Constraints of closed loops and Euler parameters hold at the knots at the levels of position, speed
-and acceleration. In the middle of an interval, where the interpolants leave them, displacements
-``C`` ᵀγ and multipliers of its own take up the difference, so that there are as many unknowns as
-equations (Posa, Kuindersma and Tedrake, *Optimization and stabilization of trajectories for
+and acceleration. In the middle of an interval the interpolants violate them; displacements ``C``
+ᵀγ and separate multipliers compensate for this, so that there are as many unknowns as equations
+(Posa, Kuindersma and Tedrake, *Optimization and stabilization of trajectories for
 constrained dynamical systems*, 2016).
 """
 
@@ -18,18 +18,18 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
-from dalembert.model.scheduled import refuse_other_than_forces
+from dalembert.model.scheduled import check_controls
 from dalembert.symbolic.formulas.expression import stack
 
 
 class Physics:
-    """Functions of ``t, y, v, a, λ, u, q``: controls u, parameters q that are varied.
+    """Functions of ``t, y, v, a, λ, u, q`` with controls u and varied parameters q.
 
     Parameters
     ----------
     model : Model
     controls, vary : names of parameters
-    p : values of the others
+    p : values of the other parameters
     """
 
     def __init__(self, model: Model, controls: Sequence[str], vary: Sequence[str], p: np.ndarray):
@@ -44,7 +44,7 @@ class Physics:
             raise UnsupportedError(
                 "shapes of flexible bodies cannot vary with a trajectory; leave out vary="
             )
-        refuse_other_than_forces(model, self.controls)
+        check_controls(model, self.controls)
         order = list(model.parameters)
         moving = [order.index(name) for name in (*self.controls, *self.vary)]
         fixed = [k for k in range(e.p.numel()) if k not in moving]
@@ -55,15 +55,16 @@ class Physics:
 
     def of_state(self, name: str, expression: ca.SX) -> ca.Function:
         """``(t, y, v, a, λ, u, q) →`` an expression."""
-        return ca.Function(name, self.state, [self._known(expression)], {"cse": True})
+        return ca.Function(name, self.state, [self._with_values(expression)], {"cse": True})
 
-    def _known(self, expression: ca.SX) -> ca.SX:
-        whole = self.model.equations.without_dropped(ca.densify(expression))
-        return ca.substitute(whole, *self._fixed)
+    def _with_values(self, expression: ca.SX) -> ca.SX:
+        """Insert the values of the fixed parameters."""
+        dense = self.model.equations.without_dropped(ca.densify(expression))
+        return ca.substitute(dense, *self._fixed)
 
     @property
-    def held(self) -> ca.SX:
-        """What is zero of a position: constraints, and bounds of the manifold."""
+    def position_conditions(self) -> ca.SX:
+        """Residuals of a position: constraints, and normalisation of the manifold."""
         e = self.equations
         return ca.vertcat(e.constraints[list(e.holds), :], e.manifold.bounds)
 
@@ -87,13 +88,13 @@ class Physics:
         }
 
     def rows(self, *kinds: str) -> ca.Function:
-        """``→`` equations of these kinds, each by its size, one above the other.
+        """``→`` stacked equations of these kinds, divided by their natural sizes.
 
         ``position`` and ``speed`` are constraints, ``balance`` and ``acceleration`` give ``v̇, λ``.
         """
         e = self.equations
         parts = {
-            "position": self.held,
+            "position": self.position_conditions,
             "speed": e.velocity_constraints,
             "balance": self.balance,
             "acceleration": ca.mtimes(e.jacobian, e.a) - e.constraint_acceleration,
@@ -103,10 +104,10 @@ class Physics:
 
     @cached_property
     def middle(self) -> ca.Function:
-        """``(ẏ, γ, t, y, v, a, λ, u, q) → ẏ − A v − slack, balance``, by size."""
+        """``(ẏ, γ, t, y, v, a, λ, u, q) → ẏ − A v − slack, balance``, scaled."""
         e, s = self.equations, self.model.scales
         rate = ca.SX.sym("rate", e.coordinate_count)
-        slack = ca.SX.sym("slack", self.held.numel())
+        slack = ca.SX.sym("slack", self.position_conditions.numel())
         count, lead = len(e.holds), ca.SX.zeros(e.coordinate_count)
         if count:
             push = ca.mtimes(e.position_jacobian[list(e.holds), :].T, slack[:count])
@@ -117,35 +118,37 @@ class Physics:
             (rate - e.pose_rate - lead) / (s.coordinates / s.time),
             self.balance / self.sizes["balance"],
         )
-        return ca.Function("middle", [rate, slack, *self.state], [self._known(rows)], {"cse": True})
+        return ca.Function(
+            "middle", [rate, slack, *self.state], [self._with_values(rows)], {"cse": True}
+        )
 
     def measure(self, measure: object) -> ca.Function:
         """``(t, y, v, a, λ, u, q) →`` a measure."""
-        found = self.model.expression(measure)  # type: ignore[arg-type]
-        return self.of_state("measure", found.sx)
+        expression = self.model.expression(measure)  # type: ignore[arg-type]
+        return self.of_state("measure", expression.sx)
 
     @cached_property
-    def solvable(self) -> ca.Function:
-        """``(t, y, v, u, q) →`` matrix and rest of the equations, linear in ``v̇`` and ``λ``."""
+    def linear_system(self) -> ca.Function:
+        """``(t, y, v, u, q) →`` matrix and constant term of the linear equations for ``v̇, λ``."""
         e = self.equations
-        zero = ca.vertcat(e.a, e.multiplier)
+        unknowns = ca.vertcat(e.a, e.multiplier)
         rows = ca.vertcat(self.balance, ca.mtimes(e.jacobian, e.a) - e.constraint_acceleration)
-        matrix = ca.jacobian(rows, zero)
-        rest = ca.substitute(rows, zero, ca.SX.zeros(zero.numel()))
-        known = [self._known(part) for part in (matrix, rest)]
-        return ca.Function("solvable", [e.t, e.y, e.v, self.u, self.q], known)
+        matrix = ca.jacobian(rows, unknowns)
+        constant = ca.substitute(rows, unknowns, ca.SX.zeros(unknowns.numel()))
+        outputs = [self._with_values(part) for part in (matrix, constant)]
+        return ca.Function("linear_system", [e.t, e.y, e.v, self.u, self.q], outputs)
 
     def accelerations(
         self, t: float, y: np.ndarray, v: np.ndarray, u: np.ndarray, q: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """``v̇`` and ``λ`` at a state, for a guess."""
-        matrix, rest = (part.full() for part in self.solvable(t, y, v, u, q))
-        found = np.linalg.lstsq(matrix, -rest.ravel(), rcond=1e-10)[0]
-        return found[: v.size], found[v.size :]
+        """``v̇`` and ``λ`` at a state, by least squares, for an initial guess."""
+        matrix, constant = (part.full() for part in self.linear_system(t, y, v, u, q))
+        solution = np.linalg.lstsq(matrix, -constant.ravel(), rcond=1e-10)[0]
+        return solution[: v.size], solution[v.size :]
 
 
 def speed_basis(e: Equations, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """(n, f) speeds that the constraints leave free at a position."""
+    """(n, f) basis of the speeds that satisfy the constraints at a position."""
     from scipy.linalg import null_space
 
     jacobian = ca.Function("jacobian", [e.t, e.y, e.v, e.p], [e.jacobian])

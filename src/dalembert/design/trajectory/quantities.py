@@ -1,4 +1,4 @@
-"""Objective and limits of a trajectory, from the same responses that designs are judged by."""
+"""Objective, limits and boundary conditions of a trajectory from responses and measures."""
 
 from __future__ import annotations
 
@@ -20,23 +20,25 @@ from dalembert.responses.values import At, Final
 
 Conditions = Mapping[str, float | tuple[float | None, float | None]]
 
+SUPPORTED = (
+    "trajectories support integral, mean, rms, maximum, final and at(0, …), and in limits minimum"
+)
+"""Part of error messages for other responses."""
 
-KNOWN = "trajectories know integral, mean, rms, maximum, final and at(0, …), and in limits minimum"
 
-
-def known_response(given: Any) -> None:
-    """Refuse what a trajectory cannot be judged by.
+def check_response(quantity: Any) -> None:
+    """Check that a response is available as objective or limit of a trajectory.
 
     Raises
     ------
     UnsupportedError
-        A kind of response that has no place here, or one of another run.
+        The kind of response is not supported, or it belongs to another run.
     """
-    limited = isinstance(given, Limit)
-    response = given.response if limited else given
+    limited = isinstance(quantity, Limit)
+    response = quantity.response if limited else quantity
     if isinstance(response, Combined):
         for part in response.parts.values():
-            known_response(part)
+            check_response(part)
         return
     if not isinstance(response, Response):
         raise UnsupportedError("a response of another run; a trajectory is judged by its own")
@@ -45,87 +47,89 @@ def known_response(given: Any) -> None:
     if not (first or isinstance(response, kinds)) or (
         isinstance(response, Minimum) and not limited
     ):
-        raise UnsupportedError(f"{response.label}: {KNOWN}")
+        raise UnsupportedError(f"{response.label}: {SUPPORTED}")
     if limited and isinstance(response, (Maximum, Minimum)):
-        _refuse_other_side(given)
+        _check_limit_side(quantity)
 
 
-def number_of(transcription: Transcription, given: Any) -> ca.MX:
-    """A response, or a formula of responses, of the unknowns.
+def response_value(transcription: Transcription, response: Any) -> ca.MX:
+    """A response, or a formula of responses, as a function of the unknowns.
 
     Raises
     ------
     UnsupportedError
-        A kind of response that has no place here.
+        The kind of response is not supported.
     """
-    if isinstance(given, Combined):
-        parts = [number_of(transcription, part) for part in given.parts.values()]
-        return given.function(ca.vertcat(*parts))[0]
-    if not isinstance(given, Response):
-        raise AnalysisError(f"{given!r:.60} is not a response; give one such as da.integral(...)")
+    if isinstance(response, Combined):
+        parts = [response_value(transcription, part) for part in response.parts.values()]
+        return response.function(ca.vertcat(*parts))[0]
+    if not isinstance(response, Response):
+        raise AnalysisError(
+            f"{response!r:.60} is not a response; give one such as da.integral(...)"
+        )
     physics, knots = transcription.physics, transcription.knots
-    function = physics.measure(given.measure)
-    if isinstance(given, Final):
+    function = physics.measure(response.measure)
+    if isinstance(response, Final):
         return knots.at(transcription.n, function)
-    if isinstance(given, At) and given.time == 0:
+    if isinstance(response, At) and response.time == 0:
         return knots.at(0, function)
-    if isinstance(given, (Integral, Mean)):
+    if isinstance(response, (Integral, Mean)):
         total = transcription.integral(function)
-        return total / transcription.duration if isinstance(given, Mean) else total
-    if isinstance(given, Rms):
-        square = physics.measure(physics.model.expression(given.measure) ** 2)
+        return total / transcription.duration if isinstance(response, Mean) else total
+    if isinstance(response, Rms):
+        square = physics.measure(physics.model.expression(response.measure) ** 2)
         mean = transcription.integral(square) / transcription.duration
         return ca.sqrt(mean + 1e-16)
-    if isinstance(given, Maximum) and not isinstance(given, Minimum):
+    if isinstance(response, Maximum) and not isinstance(response, Minimum):
         return transcription.peak(function)
-    raise UnsupportedError(f"{given.label}: {KNOWN}")
+    raise UnsupportedError(f"{response.label}: {SUPPORTED}")
 
 
-def unit_of(model: Model, given: Any) -> str:
-    """Of a response, or of a formula of such."""
-    if isinstance(given, Combined):
-        return given.given_unit
-    return str(given.unit(model.expression(given.measure).unit))
+def unit_of(model: Model, response: Any) -> str:
+    """Unit of a response, or of a formula of responses."""
+    if isinstance(response, Combined):
+        return response.given_unit
+    return str(response.unit(model.expression(response.measure).unit))
 
 
 def limit_rows(transcription: Transcription, limits: Sequence[Limit]) -> list[Rows]:
-    """Limits, each by its size; one of an extreme holds all the way."""
-    made = []
+    """Rows of limits, scaled; limits on extremes become path constraints."""
+    rows = []
     for limit in limits:
         response = limit.response
         extreme = isinstance(response, (Maximum, Minimum))
         if extreme:
-            _refuse_other_side(limit)
+            _check_limit_side(limit)
             function = transcription.physics.measure(response.measure)
-            both = transcription.knots.of(function), transcription.middles.of(function)
-            value = ca.horzcat(*both)
+            columns = transcription.knots.of(function), transcription.middles.of(function)
+            value = ca.horzcat(*columns)
         else:
-            value = number_of(transcription, response)
-        made.append(_row(response.label, value, limit.lower, limit.upper))
-    return made
+            value = response_value(transcription, response)
+        rows.append(_row(response.label, value, limit.lower, limit.upper))
+    return rows
 
 
-def _refuse_other_side(limit: Limit) -> None:
-    """A maximum has an upper bound, a minimum a lower one."""
-    upper = not isinstance(limit.response, Minimum)  # which is a maximum of the opposite
+def _check_limit_side(limit: Limit) -> None:
+    """Check that limits of maxima are upper bounds and limits of minima lower bounds."""
+    upper = not isinstance(limit.response, Minimum)  # a subclass of Maximum
     if (limit.lower if upper else limit.upper) is not None:
         side, kind = ("lower", "maximum") if upper else ("upper", "minimum")
         raise UnsupportedError(
-            f"{limit.response.label}: a {kind} of a trajectory cannot be held by its {side} side"
+            f"{limit.response.label}: a {kind} of a trajectory cannot have a {side} bound"
         )
 
 
-def check_conditions(given: Any, when: str) -> None:
-    """Refuse conditions at an end that are no bounds of measures.
+def check_conditions(conditions: Any, when: str) -> None:
+    """Check that the conditions at an end are values or bounds of measures.
 
     Raises
     ------
     AnalysisError
-        No mapping, or a value that is neither a number nor a pair of a lower and an upper one.
+        The conditions are not a mapping, or a value is neither a number nor a pair of bounds.
     """
-    if given is not None and not isinstance(given, Mapping):
-        raise AnalysisError(f"{when} is {given!r:.60}; give a dict, measure → value or bounds")
-    for name, value in (given or {}).items():
+    if conditions is not None and not isinstance(conditions, Mapping):
+        raise AnalysisError(f"{when} is {conditions!r:.60}; give a dict, measure → value or bounds")
+    for name, value in (conditions or {}).items():
         pair = value if isinstance(value, tuple) else (value, value)
         if len(pair) != 2 or not all(b is None or is_number(b) for b in pair):
             raise AnalysisError(
@@ -139,25 +143,25 @@ def check_conditions(given: Any, when: str) -> None:
 
 
 def condition_rows(
-    transcription: Transcription, given: Conditions, k: int, when: str
+    transcription: Transcription, conditions: Conditions, k: int, when: str
 ) -> list[Rows]:
-    """Measures that have values, or lie within bounds, at a knot."""
-    made = []
-    for measure, value in given.items():
+    """Rows of measures with values or bounds at a knot."""
+    rows = []
+    for measure, value in conditions.items():
         function = transcription.physics.measure(measure)
         lower, upper = value if isinstance(value, tuple) else (value, value)
-        made.append(_row(f"{measure} {when}", transcription.knots.at(k, function), lower, upper))
-    return made
+        rows.append(_row(f"{measure} {when}", transcription.knots.at(k, function), lower, upper))
+    return rows
 
 
 def cyclic_rows(transcription: Transcription, measures: Sequence[str]) -> list[Rows]:
-    """Measures that end as they began."""
-    made = []
+    """Rows of measures with equal values at both ends."""
+    rows = []
     for measure in measures:
         function, knots = transcription.physics.measure(measure), transcription.knots
         value = knots.at(transcription.n, function) - knots.at(0, function)
-        made.append(Rows(f"{measure} as it began", value))
-    return made
+        rows.append(Rows(f"{measure} as it began", value))
+    return rows
 
 
 def _row(label: str, value: ca.MX, lower: float | None, upper: float | None) -> Rows:

@@ -1,6 +1,6 @@
-"""A motion as a nonlinear programme: states and controls at knots, and in the middles between.
+"""Transcription of a motion: states and controls at knots and in the middles of intervals.
 
-Integrals are Simpson's. What leads from knot to knot is left to methods.
+Integrals follow Simpson's rule. The equations between knots are defined by the methods.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from dalembert.design.trajectory.physics import Physics
 
 @dataclass
 class Points:
-    """Columns of unknowns at instants, in the order that functions of states take them."""
+    """Columns of unknowns at instants, in the order of the arguments of functions of states."""
 
     t: ca.MX
     y: ca.MX
@@ -36,13 +36,13 @@ class Points:
         return function.map(self.count)(*vars(self).values())
 
     def at(self, k: int, function: ca.Function) -> ca.MX:
-        """Values at one of the instants."""
+        """Values at the k-th instant."""
         return function(*(part[:, k] for part in vars(self).values()))
 
 
 @dataclass
 class Block:
-    """Unknowns of one kind: how many rows and columns, their natural sizes and bounds."""
+    """Unknowns of one kind: shape, natural sizes and bounds."""
 
     name: str
     size: np.ndarray
@@ -56,17 +56,17 @@ class Block:
 
     @classmethod
     def free(cls, name: str, size: np.ndarray, columns: int) -> Block:
-        """Without bounds."""
+        """A block without bounds."""
         open_end = np.full(size.size, np.inf)
         return cls(name, size, columns, -open_end, open_end)
 
     @property
     def value(self) -> ca.MX:
-        """In their units."""
+        """Unknowns in physical units."""
         return ca.mtimes(ca.MX(ca.diag(ca.DM(self.size))), self.symbol)
 
     def scaled(self, values: np.ndarray) -> np.ndarray:
-        """As the solver sees them, column by column."""
+        """Values divided by their natural sizes, column by column."""
         shaped = np.broadcast_to(values, (self.size.size, self.columns))
         return np.asarray(shaped / self.size[:, None]).ravel(order="F")
 
@@ -87,14 +87,14 @@ class Rows:
 class Transcription(ABC):
     """The unknowns of a motion in N intervals and the equations between them.
 
-    Another one gives ``middles`` and ``equations``, and the unknowns that these need beside the
-    ``blocks`` here.
+    A subclass implements ``middles`` and ``equations``, and adds the unknowns that these need to
+    ``blocks``.
 
     Parameters
     ----------
-    physics : of the mechanism
-    intervals : how many, of the same length
-    duration : least and largest [s]
+    physics : equations of the mechanism
+    intervals : number of intervals of equal length
+    duration : minimum and maximum [s]
     """
 
     def __init__(self, physics: Physics, intervals: int, duration: tuple[float, float]):
@@ -104,8 +104,8 @@ class Transcription(ABC):
         def bounded(name: str, names: list[str], columns: int) -> Block:
             ends = np.array([model.parameters[n].bounds for n in names]).reshape(-1, 2)
             nominal = np.array([abs(model.parameters[n].value) for n in names])
-            known = np.where(np.isfinite(ends), abs(ends), 0.0).max(axis=1, initial=0.0)
-            size = np.maximum(known, nominal)
+            largest = np.where(np.isfinite(ends), abs(ends), 0.0).max(axis=1, initial=0.0)
+            size = np.maximum(largest, nominal)
             size[size == 0] = 1.0
             return Block(name, size, columns, ends[:, 0], ends[:, 1])
 
@@ -133,16 +133,16 @@ class Transcription(ABC):
         self.h = self.duration / intervals
 
     # points ------------------------------------------------------------------------------
-    def own(self, name: str) -> ca.MX:
-        """Unknowns of a kind, in their units."""
+    def variables(self, name: str) -> ca.MX:
+        """Unknowns of a kind, in physical units."""
         return self.blocks[name].value
 
     @cached_property
     def knots(self) -> Points:
         """The ends of the intervals."""
         share = ca.MX(ca.DM(np.linspace(0, 1, self.n + 1)).T)
-        y, v, a, multiplier, u = map(self.own, ("y", "v", "a", "multiplier", "u"))
-        q = ca.repmat(self.own("q"), 1, self.n + 1)
+        y, v, a, multiplier, u = map(self.variables, ("y", "v", "a", "multiplier", "u"))
+        q = ca.repmat(self.variables("q"), 1, self.n + 1)
         return Points(self.duration * share, y, v, a, multiplier, u, q)
 
     @property
@@ -152,13 +152,13 @@ class Transcription(ABC):
 
     @abstractmethod
     def equations(self) -> list[Rows]:
-        """What makes a motion of the unknowns."""
+        """Equations that the unknowns of a motion satisfy."""
 
     def between(self, y: ca.MX, v: ca.MX, a: ca.MX) -> Points:
         """The middles of the intervals, with states there."""
         share = ca.MX(ca.DM((np.arange(self.n) + 0.5) / self.n).T)
-        multiplier, u = self.own("multiplier_middle"), self.own("u_middle")
-        q = ca.repmat(self.own("q"), 1, self.n)
+        multiplier, u = self.variables("multiplier_middle"), self.variables("u_middle")
+        q = ca.repmat(self.variables("q"), 1, self.n)
         return Points(self.duration * share, y, v, a, multiplier, u, q)
 
     # numbers -----------------------------------------------------------------------------
@@ -169,8 +169,7 @@ class Transcription(ABC):
         return self.h / 6 * total
 
     def peak(self, function: ca.Function) -> ca.MX:
-        """An unknown that a function of states stays below all the way: where it is made small,
-        the largest value."""
+        """An unknown upper bound of a function of states; at its minimum, the largest value."""
         name = f"peak_{len(self.peaks)}"
         block = self.blocks[name] = Block.free(name, np.ones(1), 1)
         for points in (self.knots, self.middles):
@@ -178,26 +177,26 @@ class Transcription(ABC):
             self.peaks.append(Rows(f"largest value of {name}", below, -np.inf, 0.0))
         return block.value
 
-    # the whole ---------------------------------------------------------------------------
+    # all unknowns ------------------------------------------------------------------------
     @property
     def unknowns(self) -> ca.MX:
         return ca.vertcat(*(ca.vec(block.symbol) for block in self.blocks.values()))
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        both = [block.limits() for block in self.blocks.values()]
-        return np.concatenate([b[0] for b in both]), np.concatenate([b[1] for b in both])
+        limits = [block.limits() for block in self.blocks.values()]
+        return np.concatenate([b[0] for b in limits]), np.concatenate([b[1] for b in limits])
 
     def pack(self, guess: dict[str, np.ndarray]) -> np.ndarray:
-        """A guess as the solver sees it; zero where nothing is given."""
+        """A guess as vector of scaled unknowns; zero for missing blocks."""
         zero = np.zeros(1)
         parts = [block.scaled(guess.get(n, zero)) for n, block in self.blocks.items()]
         return np.concatenate(parts)
 
     def unpack(self, x: np.ndarray) -> dict[str, np.ndarray]:
-        """Unknowns by kind, in their units."""
-        made, begin = {}, 0
+        """Unknowns by kind, in physical units."""
+        values, start = {}, 0
         for name, block in self.blocks.items():
             count = block.symbol.numel()
-            part = x[begin : begin + count].reshape((block.size.size, block.columns), order="F")
-            made[name], begin = part * block.size[:, None], begin + count
-        return made
+            part = x[start : start + count].reshape((block.size.size, block.columns), order="F")
+            values[name], start = part * block.size[:, None], start + count
+        return values

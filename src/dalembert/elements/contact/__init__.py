@@ -1,1 +1,1 @@
-"""Contact: shapes that touch, laws of how they press, rub and bounce."""
+"""Contact: shapes, normal force laws, friction and restitution."""

@@ -1,4 +1,4 @@
-"""Cables: they pull and do not push."""
+"""Cables, which carry tension only."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ from dalembert.errors import ModelError
 
 @dataclass(eq=False)
 class Cable(Compliant):
-    """A cable that runs freely through points, tight at more than its length.
+    """A cable that runs without friction through points, with tension beyond its free length.
 
-    With the length ``s = Σ |r_{k+1} − r_k|`` of its path, ``F = k (s − l) + c ṡ ≥ 0`` where
-    ``s > l``, else none; the same in every part.
+    With the length ``s = Σ |r_{k+1} − r_k|`` of its path, ``F = k (s − l) + c ṡ ≥ 0`` for
+    ``s > l``, else zero; the tension is the same in all segments.
 
     Parameters
     ----------
-    points : of bodies, in order; at the first and the last it is fastened
+    points : of bodies, in order; it is attached to the first and the last
     length : l, without tension [m]
-    stiffness : k, of the whole cable [N/m]
+    stiffness : k of the whole cable [N/m]
     damping : c [N s/m]
 
     Examples
@@ -47,7 +47,7 @@ class Cable(Compliant):
     >>> ends = system.ground.point(-0.75, 0), weight.center, system.ground.point(0.75, 0)
     >>> cable = system.add(planar.Cable("cable", ends, length=2.5, stiffness=1e6))
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["cable.force"].item(), 2)  # m g/2 by the cosine 0.8 of both parts
+    >>> round(rest["cable.force"].item(), 2)  # m g/2 over the cosine 0.8 of both segments
     18.75
     """
 
@@ -57,19 +57,19 @@ class Cable(Compliant):
     damping: Scalar = quantity("N s/m", "damping", default=0.0, minimum=0.0)
 
     def __post_init__(self) -> None:
-        given = self.points
-        if not isinstance(given, Sequence) or isinstance(given, str) or len(given) < 2:
-            told = f"points must be a list of at least two, got {_told(given)}"
-            raise ModelError(told, self.name)
-        space = max(getattr(point, "dimension", 2) for point in given)
+        points = self.points
+        if not isinstance(points, Sequence) or isinstance(points, str) or len(points) < 2:
+            message = f"points must be a list of at least two, got {_description(points)}"
+            raise ModelError(message, self.name)
+        space = max(getattr(point, "dimension", 2) for point in points)
         self.points = tuple(
-            need_point(point, self.name, f"points[{k}]", space) for k, point in enumerate(given)
+            need_point(point, self.name, f"points[{k}]", space) for k, point in enumerate(points)
         )
         for point in self.points:
             if point.dimension != space:
                 raise ModelError(
                     f"the point of {point.body.name} lies in a plane and others in space; give all "
-                    "as many coordinates",
+                    "the same number of coordinates",
                     self.name,
                 )
         for k, (i, j) in enumerate(pairwise(self.points)):
@@ -88,9 +88,9 @@ class Cable(Compliant):
 
     @cached_property
     def path(self) -> ca.SX:
-        """Length of its path [m]."""
+        """Length of the path [m]."""
         between = [j.position.sx - i.position.sx for i, j in pairwise(self.points)]
-        return sum((ca.sqrt(ca.sumsqr(part) + NO_LENGTH**2) for part in between), ca.SX(0))
+        return sum((ca.sqrt(ca.sumsqr(segment) + NO_LENGTH**2) for segment in between), ca.SX(0))
 
     def gaps(self, rate: Rate) -> list[Gap]:
         return [Gap(self.length.sx - self.path, ca.SX(0, 1))]
@@ -99,15 +99,15 @@ class Cable(Compliant):
         return KelvinVoigt(stiffness=self.stiffness, damping=self.damping)
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        (touch,) = self.touches(rate)
-        slack = ca.fmax(0, touch.gap.distance)
-        return {"force": (touch.press, "N"), "path": (self.path, "m"), "slack": (slack, "m")}
+        (forces,) = self.contact_forces(rate)
+        slack = ca.fmax(0, forces.gap.distance)
+        return {"force": (forces.normal, "N"), "path": (self.path, "m"), "slack": (slack, "m")}
 
     def look(self) -> list[Look]:
         return [Rod(i, j) for i, j in pairwise(self.points)]
 
 
-def _told(given: Any) -> str:
-    """How many there are, or what it is instead."""
-    listed = isinstance(given, Sequence) and not isinstance(given, str)
-    return f"{len(given)}" if listed else repr(given)
+def _description(points: Any) -> str:
+    """Number of points, or the value that is not a list."""
+    is_list = isinstance(points, Sequence) and not isinstance(points, str)
+    return f"{len(points)}" if is_list else repr(points)

@@ -1,4 +1,4 @@
-"""What is compliant where it touches: forces by laws of gaps."""
+"""Compliant contact: forces as functions of gaps and slip."""
 
 from __future__ import annotations
 
@@ -9,92 +9,94 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Condition, ForceElement, Powers, Rate
+from dalembert.elements.component import Component
 from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.unilateral import Gap, Unilateral
-from dalembert.elements.ingredient import Ingredient
 from dalembert.symbolic.formulas.expression import Expression
 
 Measured = dict[str, tuple[ca.SX, str]]
 
 
 @dataclass(frozen=True, eq=False)
-class Touch:
+class ContactForces:
     """Forces at one gap.
 
     Attributes
     ----------
     gap : Gap
     speed : ``ġ`` [m/s]
-    press, elastic : normal force and its elastic part [N]
-    rub : (k,) force along the surface on the second body [N]
+    normal, elastic : normal force and its elastic part [N]
+    friction : (k,) force along the surface on the second body [N]
     """
 
     gap: Gap
     speed: ca.SX
-    press: ca.SX
+    normal: ca.SX
     elastic: ca.SX
-    rub: ca.SX
+    friction: ca.SX
 
 
 @dataclass(eq=False)
 class Compliant(Unilateral, ForceElement):
-    """Presses by a law where a gap is negative, ``N(−g, −ġ)``, and rubs there, ``T(N, slip)``."""
+    """Normal force ``N(−g, −ġ)`` and friction ``T(N, slip)`` at negative gaps."""
 
     def normal_law(self) -> NormalLaw | None:
-        """How it presses; None of what is rigid and makes no forces."""
+        """The normal force law; None for rigid contact."""
         raise NotImplementedError
 
-    def rubbing(self) -> Friction | None:
-        """How it rubs; not at all by default."""
+    def friction_law(self) -> Friction | None:
+        """The friction law; None by default."""
         return None
 
     def states(self) -> Iterable[ca.SX]:
-        """Those of friction, by gap."""
+        """States of friction, one group per gap."""
         return itertools.repeat(ca.SX(0, 1))
 
-    def ingredients(self) -> dict[str, Ingredient]:
-        """What it is made of beside numbers, by field."""
+    def components_by_field(self) -> dict[str, Component]:
+        """Laws and shapes by field."""
         return {}
 
     def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
-        named = self.ingredients().items()
-        of_these = [q for field, i in named for q in i.checked_quantities(f"{self.name}.{field}")]
-        return [*super().checked_quantities(), *of_these]
+        parts = self.components_by_field().items()
+        quantities = [
+            q for field, part in parts for q in part.checked_quantities(f"{self.name}.{field}")
+        ]
+        return [*super().checked_quantities(), *quantities]
 
     def conditions(self) -> list[Condition]:
-        of_these = [c for i in self.ingredients().values() for c in i.conditions()]
-        return [*super().conditions(), *of_these]
+        conditions = [c for part in self.components_by_field().values() for c in part.conditions()]
+        return [*super().conditions(), *conditions]
 
-    def touches(self, rate: Rate) -> list[Touch]:
-        """The forces at every gap."""
-        law, friction, found = self.normal_law(), self.rubbing(), []
+    def contact_forces(self, rate: Rate) -> list[ContactForces]:
+        """The forces at every gap; none for rigid contact."""
+        law, friction_law, forces = self.normal_law(), self.friction_law(), []
         if law is None:
             return []
         for gap, state in zip(self.gaps(rate), self.states(), strict=False):
             depth, speed = -gap.distance, rate(gap.distance)
-            press = pressed(depth, lambda d, v=-speed, law=law: law.force(d, v))
-            elastic = pressed(depth, law.elastic)
-            rub = ca.SX(gap.slip.numel(), 1)
-            if friction is not None and gap.slip.numel():
-                rub = friction.force(press, gap.slip, state)
-            found.append(Touch(gap, speed, press, elastic, rub))
-        return found
+            normal = if_penetrating(depth, lambda d, v=-speed, law=law: law.force(d, v))
+            elastic = if_penetrating(depth, law.elastic)
+            friction = ca.SX(gap.slip.numel(), 1)
+            if friction_law is not None and gap.slip.numel():
+                friction = friction_law.force(normal, gap.slip, state)
+            forces.append(ContactForces(gap, speed, normal, elastic, friction))
+        return forces
 
     def powers(self, rate: Rate) -> Powers:
-        touches = self.touches(rate)
-        normal: Powers = [(touch.speed, touch.press) for touch in touches]
-        return [*normal, *((touch.gap.slip, touch.rub) for touch in touches)]
+        forces = self.contact_forces(rate)
+        normal: Powers = [(f.speed, f.normal) for f in forces]
+        return [*normal, *((f.gap.slip, f.friction) for f in forces)]
 
-    def touching(self, rate: Rate, energy: float) -> Powers:
+    def contact_powers(self, rate: Rate, energy: float) -> Powers:
         law = self.normal_law()
         if law is None:
             return []
         depth, speed = ca.SX.sym("depth"), ca.SX.sym("speed")
-        force, resting = law.force(depth, speed), ca.vertcat(depth, speed)
-        at = ca.vertcat(law.depth_storing(energy), 0)
+        force, arguments = law.force(depth, speed), ca.vertcat(depth, speed)
+        values = ca.vertcat(law.depth_storing(energy), 0)
         stiffness, damping = (
-            ca.substitute(ca.jacobian(force, s), resting, at) for s in (depth, speed)
+            ca.substitute(ca.jacobian(force, s), arguments, values) for s in (depth, speed)
         )
         gaps = self.gaps(rate)
         return [
@@ -106,43 +108,42 @@ class Compliant(Unilateral, ForceElement):
         if law is None:
             return None
         gaps = self.gaps(lambda s: ca.SX.zeros(s.shape))
-        return sum((pressed(-gap.distance, law.stored) for gap in gaps), ca.SX(0))
+        return sum((if_penetrating(-gap.distance, law.stored) for gap in gaps), ca.SX(0))
 
     def dissipation(self, rate: Rate) -> Powers:
-        touches = self.touches(rate)
-        damped: Powers = [(touch.speed, touch.press - touch.elastic) for touch in touches]
-        return [*damped, *((touch.gap.slip, touch.rub) for touch in touches)]
+        forces = self.contact_forces(rate)
+        damping: Powers = [(f.speed, f.normal - f.elastic) for f in forces]
+        return [*damping, *((f.gap.slip, f.friction) for f in forces)]
 
     def measures(self, rate: Rate) -> Measured:
-        if self.normal_law() is None:  # rigid: its forces are found, not stated
+        if self.normal_law() is None:  # rigid: forces are unknowns
             return Unilateral.measures(self, rate)
-        gaps, touches = self.gaps(rate), self.touches(rate)
+        gaps, forces = self.gaps(rate), self.contact_forces(rate)
         distances, nearest = [gap.distance for gap in gaps], gaps[0].distance
         for distance in distances[1:]:
             nearest = ca.fmin(nearest, distance)
-        found: Measured = {"gap": (nearest, "m"), "penetration": (ca.fmax(0, -nearest), "m")}
-        if touches:
-            found["force"] = (sum((touch.press for touch in touches), ca.SX(0)), "N")
-        rubs = bool(touches) and self.rubbing() is not None
-        if rubs:
-            rubbed = sum((_size(touch.rub) for touch in touches), ca.SX(0))
-            found["friction_force"] = (rubbed, "N")
+        measures: Measured = {"gap": (nearest, "m"), "penetration": (ca.fmax(0, -nearest), "m")}
+        if forces:
+            measures["force"] = (sum((f.normal for f in forces), ca.SX(0)), "N")
+        if forces and self.friction_law() is not None:
+            friction = sum((_size(f.friction) for f in forces), ca.SX(0))
+            measures["friction_force"] = (friction, "N")
         if len(gaps) == 1 and gaps[0].slip.numel():
-            found["slip"] = (_size(gaps[0].slip), "m/s")
+            measures["slip"] = (_size(gaps[0].slip), "m/s")
         if len(gaps) > 1:
-            found |= _numbered("gap", distances, "m")
-            found |= _numbered("force", [touch.press for touch in touches], "N")
-        return found
+            measures |= _numbered("gap", distances, "m")
+            measures |= _numbered("force", [f.normal for f in forces], "N")
+        return measures
 
 
-def pressed(depth: ca.SX, law) -> ca.SX:
-    """What a law says of a depth where it is positive, else nothing."""
-    inside = ca.if_else(depth > 0, depth, 1)  # keeps 0^(n−1) out of the derivative
+def if_penetrating(depth: ca.SX, law) -> ca.SX:
+    """Value of a law at a positive depth, else zero."""
+    inside = ca.if_else(depth > 0, depth, 1)  # avoids 0^(n−1) in the derivative
     return ca.if_else(depth > 0, law(inside), 0)
 
 
 def _size(vector: ca.SX) -> ca.SX:
-    """Of the plane the component, with its sign; of space the length."""
+    """Signed component of a planar vector, norm of a spatial one."""
     return vector if vector.numel() == 1 else ca.sqrt(ca.sumsqr(vector) + 1e-60)
 
 

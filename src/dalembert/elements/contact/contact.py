@@ -1,83 +1,121 @@
-"""Contact of two bodies."""
+"""Contact of two shapes, and joints with clearance."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 
-from dalembert.elements.base import Constraint, Look, Rate, option
+from dalembert.elements.base import Constraint, Look, Rate, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
-from dalembert.elements.contact.bristle import Bristles
+from dalembert.elements.component import Component
 from dalembert.elements.contact.compliant import Compliant
-from dalembert.elements.contact.friction import Friction
+from dalembert.elements.contact.contact_point import ContactPoint
+from dalembert.elements.contact.friction import Bristles, Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
-from dalembert.elements.contact.meeting import Meeting
-from dalembert.elements.contact.pairing import meetings
-from dalembert.elements.contact.shapes import Shape, Vertex
+from dalembert.elements.contact.shapes import Hollow, Round, Shape, Vertex
 from dalembert.elements.contact.unilateral import Gap, Impact
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.ingredient import Ingredient
-from dalembert.elements.pair import need_point, refuse_same_body
+from dalembert.elements.pair import BetweenPoints, need_point, refuse_same_body
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
+from dalembert.symbolic.formulas.expression import Expression
+
+
+def contact_points(shape_i: Shape, shape_j: Shape, owner: str) -> list[ContactPoint]:
+    """All potential contact points of two shapes.
+
+    Raises
+    ------
+    ModelError
+        The contact of these two shapes is not implemented.
+    """
+    points: list[ContactPoint] = []
+    if isinstance(shape_j, shape_i.feels):
+        points += shape_i.contact_points(shape_j, owner)
+    if isinstance(shape_i, shape_j.feels) and (not points or shape_i.mutual):
+        points += [point.reversed() for point in shape_j.contact_points(shape_i, owner)]
+    if not points:
+        i, j = (type(shape).__name__ for shape in (shape_i, shape_j))
+        pairs = ", ".join(supported_pairs(shape_i.dimension))
+        raise ModelError(f"no contact of {i} and {j} is available; there are {pairs}", owner)
+    return points
+
+
+def supported_pairs(dimension: int) -> list[str]:
+    """The pairs of shapes whose contact is implemented, planar or spatial."""
+    kinds = [kind for kind in _final_classes(Shape) if kind.space in (0, dimension)]
+    pairs = {
+        frozenset((surface, other)): f"{surface.__name__}–{other.__name__}"
+        for surface in kinds
+        for other in kinds
+        if issubclass(other, surface.feels)
+    }
+    return list(pairs.values())
+
+
+def _final_classes(kind: type[Shape]) -> list[type[Shape]]:
+    """The subclasses of a class that have no subclasses."""
+    final = [last for subclass in kind.__subclasses__() for last in _final_classes(subclass)]
+    return list(dict.fromkeys(final)) or [kind]
+
 
 EXAMPLES = {"law": "contact.Hertz(stiffness=1e8)", "friction": "contact.Coulomb(0.3)"}
 
 
 @dataclass(eq=False)
-class Touching(Compliant):
-    """Two shapes by a law and friction; which shapes, the subclass says in ``shapes``.
+class ShapeContact(Compliant):
+    """Contact of the two ``shapes`` of a subclass, with a normal force law and friction.
 
     Parameters
     ----------
-    law : how they press, or bounce
-    friction : how they rub; not at all by default
+    law : normal force law, or restitution
+    friction : friction law; none by default
     """
 
-    law: NormalLaw | Restitution = option("how they press, or bounce", keyword=True)
-    friction: Friction | None = option("how they rub", default=None, keyword=True)
+    law: NormalLaw | Restitution = option("normal force law, or restitution", keyword=True)
+    friction: Friction | None = option("friction law", default=None, keyword=True)
 
     def __post_init__(self) -> None:
-        self._need("law", isinstance(self.law, (NormalLaw, Restitution)))
-        self._need("friction", self.friction is None or isinstance(self.friction, Friction))
+        self._check("law", isinstance(self.law, (NormalLaw, Restitution)))
+        self._check("friction", self.friction is None or isinstance(self.friction, Friction))
         super().__post_init__()
         refuse_same_body(*self.ends(), self.name)
         i, j = self.shapes
         if i.dimension != j.dimension:
-            flat = i if i.dimension == 2 else j
+            planar = i if i.dimension == 2 else j
             raise ModelError(
-                f"the {type(flat).__name__} of {flat.carrier.name} lies in a plane and the other "
-                "shape in space; give both as many coordinates",
+                f"the {type(planar).__name__} of {planar.carrier.name} lies in a plane and the "
+                "other shape in space; give both the same number of coordinates",
                 self.name,
             )
-        self.meetings: list[Meeting] = meetings(i, j, self.name)
+        self.contact_points: list[ContactPoint] = contact_points(i, j, self.name)
         self.bristles = self._bristles()
 
     def _bristles(self) -> list[Bristles]:
-        """The states of friction that has some, one group by gap."""
-        found: list[Bristles] = []
+        """States of the friction law, one group per gap; empty if the law has none."""
+        groups: list[Bristles] = []
         if self.friction is None:
-            return found
+            return groups
         for k, gap in enumerate(self._gaps):
-            made = Bristles(f"{self.name}.bristles{k + 1}", gap.slip.numel())
-            rate = self.friction.bending(gap.slip, made.pose)
+            group = Bristles(f"{self.name}.bristles{k + 1}", gap.slip.numel())
+            rate = self.friction.state_rate(gap.slip, group.pose)
             if rate is not None:
-                made.pose_rate = rate
-                found.append(made)
-        return found
+                group.pose_rate = rate
+                groups.append(group)
+        return groups
 
-    def _need(self, field: str, given: bool) -> None:
-        if not given:
+    def _check(self, field: str, valid: bool) -> None:
+        if not valid:
             value, example = getattr(self, field), EXAMPLES[field]
             raise ModelError(f"{field} must be one such as {example}; got {value!r}", self.name)
 
     @property
     def shapes(self) -> tuple[Shape, Shape]:
-        """Of the first and of the second body."""
+        """Shapes of the first and the second body."""
         raise NotImplementedError
 
     def ends(self) -> tuple[Any, Any]:
@@ -96,21 +134,21 @@ class Touching(Compliant):
         return (group.pose for group in self.bristles) if self.bristles else super().states()
 
     def own_constraints(self) -> list[Constraint]:
-        return [meeting.foot for meeting in self.meetings if meeting.foot is not None]
+        return [point.foot for point in self.contact_points if point.foot is not None]
 
-    def ingredients(self) -> dict[str, Ingredient]:
-        made = {"law": self.law, "friction": self.friction}
-        return {field: given for field, given in made.items() if given is not None}
+    def components_by_field(self) -> dict[str, Component]:
+        laws = {"law": self.law, "friction": self.friction}
+        return {field: law for field, law in laws.items() if law is not None}
 
     def normal_law(self) -> NormalLaw | None:
         return self.law if isinstance(self.law, NormalLaw) else None
 
-    def rubbing(self) -> Friction | None:
+    def friction_law(self) -> Friction | None:
         return self.friction
 
     @cached_property
     def _gaps(self) -> list[Gap]:
-        return [Gap(m.distance, m.slip(*self.ends())) for m in self.meetings]
+        return [Gap(p.distance, p.slip(*self.ends())) for p in self.contact_points]
 
     def gaps(self, rate: Rate) -> list[Gap]:
         return self._gaps
@@ -118,24 +156,24 @@ class Touching(Compliant):
     def impact(self) -> Impact | None:
         if not isinstance(self.law, Restitution):
             return None
-        rough = ca.SX(0) if self.friction is None else self.friction.sliding()
-        return Impact(self.law.e.sx, self.law.tangential.sx, rough)
+        coefficient = ca.SX(0) if self.friction is None else self.friction.sliding_coefficient()
+        return Impact(self.law.e.sx, self.law.tangential.sx, coefficient)
 
     def look(self) -> list[Look]:
-        return [part for shape in self.shapes for part in shape.look(self.meetings[0].place)]
+        return [part for shape in self.shapes for part in shape.look(self.contact_points[0].place)]
 
 
 @dataclass(eq=False)
-class Contact(Touching):
-    """Two shapes that press and rub where they touch, and part without force.
+class Contact(ShapeContact):
+    """Contact of two shapes with a normal force and friction, and no adhesion.
 
-    At every place where they may touch, ``N`` acts along the normal by the law of the depth and its
-    rate, ``T`` along the surface by the friction, on either body in opposite senses halfway between
-    the two surfaces. With a ``Restitution`` the contact is rigid and makes no forces.
+    At every contact point the law of the penetration and its rate gives ``N`` along the normal, and
+    the friction law ``T`` along the surface, with opposite signs on the two bodies, halfway between
+    the surfaces. With a ``Restitution`` the contact is rigid and has no force law.
 
     Parameters
     ----------
-    shape_i, shape_j : of two bodies, or a point of a body that touches
+    shape_i, shape_j : shapes of two bodies; a point of a body is a ``Vertex``
 
     Examples
     --------
@@ -148,7 +186,7 @@ class Contact(Touching):
     >>> law = planar.contact.KelvinVoigt(stiffness=1e4, damping=100.0)
     >>> touch = system.add(planar.Contact("touch", floor, rim, law=law))
     >>> motion = da.solve_dynamics(system.build(), 1.0, step=1e-3)
-    >>> round(motion["ball.y"][-1].item(), 6)  # radius less m g/k
+    >>> round(motion["ball.y"][-1].item(), 6)  # radius minus m g/k
     0.099
     """
 
@@ -160,20 +198,53 @@ class Contact(Touching):
         super().__post_init__()
 
     def _shape(self, field: str) -> Shape:
-        given = getattr(self, field)
-        if isinstance(given, (Point, BodyElement)):
-            return Vertex(need_point(given, self.name, field, given.dimension))
-        if not isinstance(given, Shape):
+        shape = getattr(self, field)
+        if isinstance(shape, (Point, BodyElement)):
+            return Vertex(need_point(shape, self.name, field, shape.dimension))
+        if not isinstance(shape, Shape):
             raise ModelError(
                 f"{field} must be a shape, e.g. contact.Circle(ball.center, 0.1), or a point; "
-                f"got {given!r}",
+                f"got {shape!r}",
                 self.name,
             )
-        return given
+        return shape
 
     @property
     def shapes(self) -> tuple[Shape, Shape]:
         return self.shape_i, self.shape_j
 
-    def ingredients(self) -> dict[str, Ingredient]:
-        return {"shape_i": self.shape_i, "shape_j": self.shape_j, **super().ingredients()}
+    def components_by_field(self) -> dict[str, Component]:
+        return {"shape_i": self.shape_i, "shape_j": self.shape_j, **super().components_by_field()}
+
+
+@dataclass(eq=False)
+class ClearanceJoint(ShapeContact, BetweenPoints):
+    """A journal in a bearing, or a ball in a socket, with clearance: contact instead of a joint.
+
+    The gap is ``g = clearance − |r_j − r_i|``; the bodies are free while it is positive.
+
+    Parameters
+    ----------
+    point_i : centre of the hole in the first body
+    point_j : centre of the journal or ball of the second body
+    radius : of the journal or ball [m]
+    clearance : radius of the hole minus that of the journal or ball [m]
+    """
+
+    radius: Scalar = quantity("m", "radius of journal or ball", above=0.0, keyword=True)
+    clearance: Scalar = quantity("m", "radius of the hole minus that", minimum=0.0, keyword=True)
+    hole: ClassVar[type[Hollow]]
+    inside: ClassVar[type[Round]]
+
+    @cached_property
+    def _shapes(self) -> tuple[Shape, Shape]:
+        hole_radius = Expression(self.radius.sx + self.clearance.sx)
+        return self.hole(self.point_i, hole_radius), self.inside(self.point_j, self.radius)
+
+    @property
+    def shapes(self) -> tuple[Shape, Shape]:
+        return self._shapes
+
+    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
+        relative = {"eccentricity": (self.between, "m"), "distance": (self.distance, "m")}
+        return {**super().measures(rate), **relative}

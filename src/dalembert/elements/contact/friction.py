@@ -1,4 +1,4 @@
-"""How bodies rub where they touch: friction by normal force and speed of slip."""
+"""Friction laws: force as a function of normal force and slip."""
 
 from __future__ import annotations
 
@@ -7,37 +7,71 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Condition, Scalar, quantity
-from dalembert.elements.ingredient import Ingredient
+from dalembert.elements.component import Component
+from dalembert.elements.coordinates import Coordinates
+
+
+class Bristles(Coordinates):
+    """Bristle deflections: coordinates without speeds and with the rate ``ż = f(y, v, z)``.
+
+    They change with time only; position analysis leaves them unchanged.
+    """
+
+    def __init__(self, name: str, count: int):
+        self.name = name
+        self.make_symbols((), ())
+        self.coordinate_names = ("z",) if count == 1 else tuple(f"z{k + 1}" for k in range(count))
+        self.coordinate_units = ("",) * count
+        self.rest = (0.0,) * count
+        self.pose = ca.vertcat(*(ca.SX.sym(f"{name}.{n}") for n in self.coordinate_names))
+        self.pose_rate = ca.SX.zeros(count)
+
+    @property
+    def flat(self) -> bool:
+        return False
+
+    def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
+        return pose
+
+    def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
+        return ca.SX(0, 1)
+
+    def guesses(self) -> tuple[list, list]:
+        return [ca.SX(0)] * self.pose.numel(), []
+
+    def specified(self) -> list[bool]:
+        return []
+
 
 AT_REST = 1e-6
-"""Slip, relative to the transition speed, up to which its direction is smoothed."""
+"""Slip over the transition speed below which the direction of slip is regularised [-]."""
 
 
 @dataclass(eq=False)
-class Friction(Ingredient):
+class Friction(Component):
     """Force along the surface against the slip ``u``, ``T = −μ(|u|) N u/|u|``."""
 
-    def sliding(self) -> ca.SX:
-        """Coefficient of bodies that slide, for impacts of rigid ones."""
+    def sliding_coefficient(self) -> ca.SX:
+        """Coefficient of sliding friction, for impacts of rigid bodies."""
         raise NotImplementedError
 
-    def bending(self, slip: ca.SX, bent: ca.SX) -> ca.SX | None:
-        """(k,) rate of its state (k,); None of friction that has none."""
+    def state_rate(self, slip: ca.SX, state: ca.SX) -> ca.SX | None:
+        """(k,) rate of the state (k,); None for a law without state."""
         return None
 
-    def force(self, press: ca.SX, slip: ca.SX, bent: ca.SX) -> ca.SX:
+    def force(self, normal: ca.SX, slip: ca.SX, state: ca.SX) -> ca.SX:
         """(k,) force at a normal force [N] and a slip (k,) [m/s], with its state if it has one."""
         raise NotImplementedError
 
 
 @dataclass(eq=False)
 class DryFriction(Friction):
-    """Friction that is largest where sliding begins.
+    """Friction with a maximum at the onset of sliding.
 
     Parameters
     ----------
     dynamic : coefficient of sliding friction μ_d
-    static : the largest coefficient μ_s; as dynamic by default
+    static : maximum coefficient μ_s; equal to ``dynamic`` by default
     """
 
     dynamic: Scalar = quantity("", "coefficient of sliding friction", minimum=0.0)
@@ -50,20 +84,20 @@ class DryFriction(Friction):
 
     def conditions(self) -> list[Condition]:
         wrong = "static= is below dynamic=: {:.6g} and {:.6g}; give at least that, or leave it out"
-        given = ca.vertcat(self.dynamic.sx + self.excess, self.dynamic.sx)
-        return [*super().conditions(), (self.excess, wrong, given)]
+        coefficients = ca.vertcat(self.dynamic.sx + self.excess, self.dynamic.sx)
+        return [*super().conditions(), (self.excess, wrong, coefficients)]
 
-    def sliding(self) -> ca.SX:
+    def sliding_coefficient(self) -> ca.SX:
         return self.dynamic.sx
 
 
 @dataclass(eq=False)
 class Coulomb(DryFriction):
-    """Dry friction made smooth (Brown and McPhee 2016); with ``x = |u|/v_t``,
+    """Smooth dry friction (Brown and McPhee 2016); with ``x = |u|/v_t``,
 
         μ = μ_d tanh 4x + (μ_s − μ_d) x / (x²/4 + 3/4)².
 
-    Where it should stick it creeps, by about ``v_t T/(4 μ_d N)``.
+    Instead of sticking it creeps at about ``v_t T/(4 μ_d N)``.
 
     Parameters
     ----------
@@ -80,31 +114,31 @@ class Coulomb(DryFriction):
     >>> law, rub = contact.KelvinVoigt(stiffness=1e5), contact.Coulomb(0.4)
     >>> touch = system.add(planar.Contact("touch", floor, tip, law=law, friction=rub))
     >>> motion = da.solve_dynamics(system.build(), 0.5, step=1e-3)
-    >>> round(motion["box.vx"][-1].item(), 3)  # slower by μ g t
+    >>> round(motion["box.vx"][-1].item(), 3)  # reduced by μ g t
     1.0
     """
 
     slip_speed: Scalar = quantity("m/s", "transition speed", default=1e-3, above=0.0)
 
     def coefficient(self, x: ca.SX) -> ca.SX:
-        """``μ`` at a speed relative to the transition speed."""
+        """``μ`` at a speed over the transition speed."""
         return self.dynamic.sx * ca.tanh(4 * x) + self.excess * x / (x**2 / 4 + 0.75) ** 2
 
-    def force(self, press: ca.SX, slip: ca.SX, bent: ca.SX) -> ca.SX:
+    def force(self, normal: ca.SX, slip: ca.SX, state: ca.SX) -> ca.SX:
         direction = slip / self.slip_speed.sx
         x = ca.sqrt(ca.sumsqr(direction) + AT_REST**2)
-        return -press * self.coefficient(x) * direction / x
+        return -normal * self.coefficient(x) * direction / x
 
 
 @dataclass(eq=False)
 class Stribeck(Coulomb):
-    """Friction that falls over a speed of its own, and grows again where it is lubricated,
+    """Friction that decreases with speed (Stribeck effect), with a viscous part,
 
         μ = (μ_d + (μ_s − μ_d) exp(−(u/v_s)²)) tanh 4x + η |u|,  x = |u|/v_t.
 
     Parameters
     ----------
-    stribeck_speed : v_s, by which it has fallen [m/s]
+    stribeck_speed : v_s, speed scale of the decrease [m/s]
     viscous : η [s/m]
 
     Examples
@@ -127,25 +161,25 @@ class Stribeck(Coulomb):
 
     def coefficient(self, x: ca.SX) -> ca.SX:
         speed = self.slip_speed.sx * x
-        fallen = ca.exp(-((speed / self.stribeck_speed.sx) ** 2))
-        dry = (self.dynamic.sx + self.excess * fallen) * ca.tanh(4 * x)
+        decay = ca.exp(-((speed / self.stribeck_speed.sx) ** 2))
+        dry = (self.dynamic.sx + self.excess * decay) * ca.tanh(4 * x)
         return dry + self.viscous.sx * speed
 
 
 @dataclass(eq=False)
 class LuGre(DryFriction):
-    """Friction by bristles that bend and slip (Canudas de Wit, Olsson, Åström, Lischinsky 1995):
+    """Bristle friction (Canudas de Wit, Olsson, Åström, Lischinsky 1995):
 
         T = −N (σ0 z + σ1 ż + σ2 u),  ż = u − σ0 |u|/g z,  g = μ_d + (μ_s − μ_d) exp(−(u/v_s)²).
 
-    It sticks: bodies at rest stay where they are, on bristles of the stiffness ``σ0 N``. Its state
-    is ``σ0 z/μ_d``, which is 1 where it slides on.
+    It sticks: bodies at rest stay at rest, on bristles of the stiffness ``σ0 N``. The state is
+    ``σ0 z/μ_d``, which is 1 in steady sliding.
 
     Parameters
     ----------
     dynamic : above 0
-    stiffness : σ0, by the normal force [1/m]
-    damping : σ1, of the bristles [s/m]
+    stiffness : σ0, stiffness of the bristles over the normal force [1/m]
+    damping : σ1, damping of the bristles over the normal force [s/m]
     viscous : σ2 [s/m]
     stribeck_speed : v_s [m/s]
 
@@ -160,7 +194,7 @@ class LuGre(DryFriction):
     >>> law, rub = contact.KelvinVoigt(1e2, stiffness=1e5), contact.LuGre(0.5, damping=1e2)
     >>> touch = system.add(planar.Contact("touch", floor, tip, law=law, friction=rub))
     >>> motion = da.solve_dynamics(system.build(), 0.5, step=1e-3)
-    >>> bool(0 < motion["box.x"][-1] < 1e-5)  # it sticks, on bristles that bend by micrometres
+    >>> bool(0 < motion["box.x"][-1] < 1e-5)  # sticks; bristles deflect by micrometres
     True
     """
 
@@ -170,14 +204,14 @@ class LuGre(DryFriction):
     viscous: Scalar = quantity("s/m", "viscous part σ2", default=0.0, minimum=0.0)
     stribeck_speed: Scalar = quantity("m/s", "Stribeck speed", default=1e-2, above=0.0)
 
-    def bending(self, slip: ca.SX, bent: ca.SX) -> ca.SX:
+    def state_rate(self, slip: ca.SX, state: ca.SX) -> ca.SX:
         small = AT_REST * self.stribeck_speed.sx
         size = ca.sqrt(ca.sumsqr(slip) + small**2)
-        fallen = ca.exp(-ca.sumsqr(slip) / self.stribeck_speed.sx**2)
-        most = 1 + self.excess / self.dynamic.sx * fallen
-        return self.stiffness.sx / self.dynamic.sx * (slip - (size - small) / most * bent)
+        decay = ca.exp(-ca.sumsqr(slip) / self.stribeck_speed.sx**2)
+        limit = 1 + self.excess / self.dynamic.sx * decay
+        return self.stiffness.sx / self.dynamic.sx * (slip - (size - small) / limit * state)
 
-    def force(self, press: ca.SX, slip: ca.SX, bent: ca.SX) -> ca.SX:
-        spring = self.dynamic.sx * bent
-        rate = self.dynamic.sx / self.stiffness.sx * self.bending(slip, bent)
-        return -press * (spring + self.damping.sx * rate + self.viscous.sx * slip)
+    def force(self, normal: ca.SX, slip: ca.SX, state: ca.SX) -> ca.SX:
+        spring = self.dynamic.sx * state
+        rate = self.dynamic.sx / self.stiffness.sx * self.state_rate(slip, state)
+        return -normal * (spring + self.damping.sx * rate + self.viscous.sx * slip)

@@ -1,7 +1,7 @@
-"""How bodies press where they touch: normal forces by depth and speed of penetration.
+"""Normal force laws: force as a function of the penetration and its rate.
 
-A law states the force ``N(δ, δ̇)`` of bodies that touch, ``δ > 0``, and the energy ``V(δ)`` stored
-in its elastic part. It never pulls.
+A law states the force ``N(δ, δ̇) ≥ 0`` at a penetration ``δ > 0``, and the energy ``V(δ)`` stored in
+its elastic part.
 """
 
 from __future__ import annotations
@@ -11,40 +11,40 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.component import Component
 from dalembert.elements.contact.unilateral import at_most_one
-from dalembert.elements.ingredient import Ingredient
 from dalembert.errors import ModelError
 
 
 @dataclass(eq=False)
-class NormalLaw(Ingredient):
-    """Force of bodies that touch; all of it is asked for at positive depths only."""
+class NormalLaw(Component):
+    """Normal force law; its methods are evaluated at positive penetrations only."""
 
     def elastic(self, depth: ca.SX) -> ca.SX:
-        """Part of the force that the depth alone determines [N]."""
+        """Elastic force, a function of the penetration only [N]."""
         raise NotImplementedError
 
     def stored(self, depth: ca.SX) -> ca.SX:
-        """Its energy [J]."""
+        """Energy of the elastic force [J]."""
         raise NotImplementedError
 
     def depth_storing(self, energy: float) -> ca.SX:
-        """The depth at which it stores that energy [m]."""
+        """Penetration at a stored energy [m]."""
         raise NotImplementedError
 
     def force(self, depth: ca.SX, speed: ca.SX) -> ca.SX:
-        """Force at a depth that grows at a speed, elastic without more [N]."""
+        """Force at a penetration and its rate; the elastic force by default [N]."""
         return self.elastic(depth)
 
 
 @dataclass(eq=False)
 class PowerLaw(NormalLaw):
-    """``N = K δⁿ (1 + c δ̇) ≥ 0``; how much it damps, the subclass says.
+    """``N = K δⁿ (1 + c δ̇) ≥ 0`` with the damping factor of a subclass.
 
     Parameters
     ----------
     stiffness : K [N/mⁿ]
-    exponent : n; 1.5 of round bodies (Hertz), 1 of flat ones
+    exponent : n; 1.5 for round bodies (Hertz), 1 for flat ones
     """
 
     stiffness: Scalar = quantity("N/m^n", "stiffness K", above=0.0, keyword=True)
@@ -54,12 +54,12 @@ class PowerLaw(NormalLaw):
         return self.stiffness.sx * depth**self.exponent.sx
 
     def stored(self, depth: ca.SX) -> ca.SX:
-        more = self.exponent.sx + 1
-        return self.stiffness.sx * depth**more / more
+        power = self.exponent.sx + 1
+        return self.stiffness.sx * depth**power / power
 
     def depth_storing(self, energy: float) -> ca.SX:
-        more = self.exponent.sx + 1
-        return (more * energy / self.stiffness.sx) ** (1 / more)
+        power = self.exponent.sx + 1
+        return (power * energy / self.stiffness.sx) ** (1 / power)
 
     def damping_factor(self) -> ca.SX:
         """``c`` [s/m]."""
@@ -73,7 +73,7 @@ class PowerLaw(NormalLaw):
 class Hertz(PowerLaw):
     """Elastic contact, ``N = K δⁿ`` (Hertz 1882).
 
-    Of balls, ``K = 4/3 E √R`` with ``1/R = 1/R_i + 1/R_j``,
+    For balls ``K = 4/3 E √R`` with ``1/R = 1/R_i + 1/R_j``,
     ``1/E = (1 − ν_i²)/E_i + (1 − ν_j²)/E_j``.
 
     Examples
@@ -97,14 +97,14 @@ class Hertz(PowerLaw):
 
 @dataclass(eq=False)
 class RestitutionLaw(PowerLaw):
-    """``N = K δⁿ (1 + d δ̇/v₀)`` with the factor ``d(e)`` of an author.
+    """``N = K δⁿ (1 + d δ̇/v₀)`` with a published factor ``d(e)``.
 
-    ``d`` is right at impacts with the speed ``v₀``; others bounce with another restitution.
+    ``d`` holds for impacts at the speed ``v₀``; impacts at other speeds have another restitution.
 
     Parameters
     ----------
-    restitution : e, as the author means it
-    impact_speed : v₀, of approach [m/s]
+    restitution : e, as defined by the source
+    impact_speed : v₀, speed of approach [m/s]
     """
 
     restitution: Scalar = quantity("", "coefficient of restitution e", default=None, minimum=0.0)
@@ -115,10 +115,10 @@ class RestitutionLaw(PowerLaw):
         self._complete()
 
     def _complete(self) -> None:
-        """Refuse a restitution that says nothing of how it damps."""
+        """Check that the parameters determine the damping."""
         if self.restitution is None or self.impact_speed is None:
             raise ModelError(
-                "give restitution= and impact_speed=, the speed of approach it is meant for",
+                "give restitution= and impact_speed=, the speed of approach for which it holds",
                 type(self).__name__,
             )
 
@@ -137,11 +137,11 @@ class RestitutionLaw(PowerLaw):
 
 @dataclass(eq=False)
 class HuntCrossley(RestitutionLaw):
-    """``d = 1.5 (1 − e)`` (Hunt and Crossley 1975), or a damping ``c = d/v₀`` of any impact.
+    """``d = 1.5 (1 − e)`` (Hunt and Crossley 1975), or a damping ``c = d/v₀``.
 
     Parameters
     ----------
-    damping : c, instead of the other two [s/m]
+    damping : c, instead of ``restitution`` and ``impact_speed`` [s/m]
 
     Examples
     --------
@@ -155,7 +155,7 @@ class HuntCrossley(RestitutionLaw):
     >>> law = contact.HuntCrossley(stiffness=1e8, damping=damping)
     >>> touch = system.add(planar.Contact("touch", floor, tip, law=law))
     >>> motion = da.solve_dynamics(system.build(), 0.01, integrator=da.DormandPrince(1e-9, 1e-9))
-    >>> round(motion["ball.vy"][-1].item(), 4)  # half as fast as before
+    >>> round(motion["ball.vy"][-1].item(), 4)  # half the speed of approach
     1.0
     """
 
@@ -196,7 +196,7 @@ class LankaraniNikravesh(RestitutionLaw):
 
 @dataclass(eq=False)
 class Flores(RestitutionLaw):
-    """``d = 8/5 (1 − e)/e`` (Flores, Machado, Silva and Martins 2011), for small ones too.
+    """``d = 8/5 (1 − e)/e`` (Flores, Machado, Silva and Martins 2011), for all restitutions.
 
     Examples
     --------
@@ -226,7 +226,7 @@ class Flores(RestitutionLaw):
 
 @dataclass(eq=False)
 class KelvinVoigt(NormalLaw):
-    """``N = k δ + c δ̇ ≥ 0``; at touching it jumps to ``c δ̇``.
+    """``N = k δ + c δ̇ ≥ 0``; at first contact the force jumps to ``c δ̇``.
 
     Parameters
     ----------
@@ -265,13 +265,13 @@ class KelvinVoigt(NormalLaw):
 
 
 @dataclass(eq=False)
-class Restitution(Ingredient):
-    """Rigid contact, ``ġ⁺ = −e ġ⁻`` (Newton): it bounces at an instant and makes no force.
+class Restitution(Component):
+    """Rigid contact with instantaneous impacts, ``ġ⁺ = −e ġ⁻`` (Newton), without a force law.
 
     Parameters
     ----------
     e : coefficient of restitution along the gap
-    tangential : of the slip
+    tangential : coefficient of restitution of the slip
 
     Examples
     --------
@@ -284,7 +284,7 @@ class Restitution(Ingredient):
     >>> law = contact.Restitution(0.5)
     >>> touch = system.add(planar.Contact("touch", floor, rim, law=law))
     >>> motion = da.solve_dynamics(system.build(), 0.3, step=0.01)
-    >>> round(motion["ball.y"][-1].item(), 6)  # 0.1, and half the speed of 2 m/s up for 0.1 s
+    >>> round(motion["ball.y"][-1].item(), 6)  # rises at half of 2 m/s for 0.1 s
     0.15
     """
 
@@ -292,6 +292,6 @@ class Restitution(Ingredient):
     tangential: Scalar = quantity("", "of the slip", default=0.0, minimum=0.0)
 
     def conditions(self):
-        shares = {"e": self.e.sx, "tangential": self.tangential.sx}
-        above = [at_most_one(share, name) for name, share in shares.items()]
-        return [*super().conditions(), *above]
+        coefficients = {"e": self.e.sx, "tangential": self.tangential.sx}
+        conditions = [at_most_one(coefficient, name) for name, coefficient in coefficients.items()]
+        return [*super().conditions(), *conditions]

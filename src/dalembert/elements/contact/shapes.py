@@ -1,10 +1,10 @@
-"""Shapes of bodies that touch: what all of them state, in the plane and in space.
+"""Base classes of contact shapes, planar and spatial.
 
-A shape says where it presses on others, its *spots*, balls that fill it or its corners; or how
-others press on it, by the signed distance of a place from its surface; or both. Two shapes meet by
-the spots of one and the distance from the other.
+A shape states its *spots*, balls or corners that touch other shapes, or the signed distance of a
+position from its surface, or both. The contact of two shapes is that of the spots of one with the
+surface of the other.
 
-To write a new one, give ``carrier``, ``spots`` if it is ``Spotted``, ``distance`` if it ``feels``.
+A new shape states ``carrier``, ``spots`` if it is ``Spotted``, ``distance`` if it ``feels``.
 """
 
 from __future__ import annotations
@@ -15,35 +15,35 @@ from typing import Any, ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Look, Scalar, option, quantity
-from dalembert.elements.contact.meeting import Meeting
-from dalembert.elements.ingredient import Ingredient
+from dalembert.elements.component import Component
+from dalembert.elements.contact.contact_point import ContactPoint
 from dalembert.elements.look import Ball as Dot, Rail
 from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 
 NO_LENGTH = 1e-30
-"""Keeps the length of nothing differentiable."""
+"""Regularisation of a length at zero [m]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Spot:
-    """A ball that stands for a shape, or for a part of it; a corner has no radius."""
+    """A ball that represents a shape or a part of it; a corner has the radius zero."""
 
     point: Point
     radius: ca.SX
 
 
 @dataclass(eq=False)
-class Shape(Ingredient):
+class Shape(Component):
     """A shape fixed in a body."""
 
     feels: ClassVar[tuple[type[Shape], ...]] = ()
-    """Shapes that press on it: balls, or corners on what is flat."""
+    """Shapes whose spots touch its surface."""
     mutual: ClassVar[bool] = False
-    """Corners of either of two such shapes touch the other."""
+    """Whether the corners of either of two such shapes touch the other."""
     space: ClassVar[int] = 0
-    """2 of the plane, 3 of space, 0 of both."""
+    """2 for planar, 3 for spatial shapes, 0 for both."""
 
     @property
     def carrier(self) -> Any:
@@ -52,59 +52,59 @@ class Shape(Ingredient):
 
     @property
     def dimension(self) -> int:
-        """Of the places on it."""
+        """Number of coordinates of its points."""
         return int(self.carrier.dimension)
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
-        """Of an inertial place from its surface, negative inside [m].
+        """Signed distance of an inertial position from its surface, negative inside [m].
 
-        Of a sharp one, which has no radius and touches inside only, a smaller one will do outside.
+        A ``sharp`` spot has no radius and touches inside only: a lower bound suffices outside.
         """
         raise NotImplementedError
 
     def local(self, place: ca.SX) -> ca.SX:
-        """The inertial place in the axes of its body."""
+        """An inertial position in the axes of its body."""
         n, body = place.numel(), self.carrier
         axes = ca.horzcat(*(body.turned(ca.SX.eye(n)[:, k]) for k in range(n)))
         return ca.mtimes(axes.T, place - body.locate(ca.SX.zeros(n)))
 
-    def meet(self, other: Shape, owner: str) -> list[Meeting]:
-        """Where another shape, which it feels, may touch it; by the spots of that one."""
-        return [self._felt(spot) for spot in other.spots()]
+    def contact_points(self, other: Shape, owner: str) -> list[ContactPoint]:
+        """Potential contact points with another shape in ``feels``, one per spot of it."""
+        return [self._contact_point(spot) for spot in other.spots()]
 
-    def _felt(self, spot: Spot) -> Meeting:
-        """The outward normal is the gradient of the distance."""
+    def _contact_point(self, spot: Spot) -> ContactPoint:
+        """Contact point of a spot; the outward normal is the gradient of the distance."""
         place = spot.point.position.sx
         symbol = ca.SX.sym("place", place.numel())
         distance = self.distance(symbol, sharp=spot.radius.is_zero())
         outward = ca.gradient(distance, symbol)
         distance, outward = ca.substitute([distance, outward], [symbol], [place])
         gap = distance - spot.radius
-        return Meeting(gap, outward, place - outward * (spot.radius + gap / 2))
+        return ContactPoint(gap, outward, place - outward * (spot.radius + gap / 2))
 
     def spots(self) -> list[Spot]:
-        """What presses on others."""
+        """Balls or corners that touch other shapes."""
         raise NotImplementedError
 
     def look(self, near: ca.SX) -> list[Look]:
-        """What pictures show of it, where it meets something at an inertial place."""
+        """Primitives that represent it in pictures, given an inertial contact point."""
         return []
 
 
 @dataclass(eq=False)
 class Spotted(Shape):
-    """A shape that presses by spots."""
+    """A shape with spots."""
 
 
 @dataclass(eq=False)
 class Pointed(Shape):
     """A shape about a point."""
 
-    point: Point = option("where it is")
+    point: Point = option("its position")
 
     def __post_init__(self) -> None:
-        name, given = type(self).__name__, getattr(self.point, "dimension", 2)
-        self.point = need_point(self.point, name, "point", max(given, self.space))
+        name, dimension = type(self).__name__, getattr(self.point, "dimension", 2)
+        self.point = need_point(self.point, name, "point", max(dimension, self.space))
         if self.space not in (0, self.point.dimension):
             raise ModelError(
                 f"its point on {self.carrier.name} has {self.point.dimension} coordinates; give it "
@@ -122,17 +122,17 @@ class Pointed(Shape):
         return self.point.dimension
 
     def away(self, place: ca.SX) -> ca.SX:
-        """Distance of a place from the point."""
+        """Distance of a position from the point."""
         return ca.sqrt(ca.sumsqr(place - self.point.position.sx) + NO_LENGTH**2)
 
 
 class Ball(Spotted, Pointed):
-    """A shape that one spot fills."""
+    """A shape with a single spot."""
 
 
 @dataclass(eq=False)
 class Vertex(Ball):
-    """A point that touches: a corner, a tip, a particle.
+    """A point: a corner, a tip, a particle.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ class Vertex(Ball):
     >>> left, right = contact.Vertex(bar.start), contact.Vertex(bar.end)
     >>> i = system.add(planar.Contact("i", floor, left, law=law))
     >>> j = system.add(planar.Contact("j", floor, right, law=law))
-    >>> system.build().diagnosis.degrees_of_freedom  # contacts take none away
+    >>> system.build().diagnosis.degrees_of_freedom  # contacts remove none
     3
     """
 
@@ -162,7 +162,7 @@ class Vertex(Ball):
 
 @dataclass(eq=False)
 class Round(Ball):
-    """All places at a distance from a point.
+    """All points within a distance of a point.
 
     Parameters
     ----------
@@ -182,11 +182,11 @@ class Round(Ball):
 
 @dataclass(eq=False)
 class Hollow(Pointed):
-    """What surrounds a round hole, with what touches it inside.
+    """The surroundings of a round hole, touched from inside.
 
     Parameters
     ----------
-    point : its middle, point of a body
+    point : its centre, point of a body
     radius : [m]
     """
 
@@ -198,25 +198,26 @@ class Hollow(Pointed):
 
 
 class Flat(Pointed):
-    """All places behind a line or plane."""
+    """A half-plane or half-space."""
 
     feels = (Spotted,)
 
     @property
     def outward(self) -> ca.SX:
-        """Unit normal out of the matter, inertial components."""
+        """Outward unit normal, inertial components."""
         raise NotImplementedError
 
     @property
     def along(self) -> list[ca.SX]:
-        """Directions in it, in the axes of the body."""
+        """Tangents, in the axes of the body."""
         raise NotImplementedError
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         return ca.dot(self.outward, place - self.point.position.sx)
 
     def look(self, near: ca.SX) -> list[Look]:
-        away = near - self.point.position.sx
+        relative = near - self.point.position.sx
         return [
-            Rail(self.point, line, ca.dot(self.carrier.turned(line), away)) for line in self.along
+            Rail(self.point, tangent, ca.dot(self.carrier.turned(tangent), relative))
+            for tangent in self.along
         ]

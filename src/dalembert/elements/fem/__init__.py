@@ -1,1 +1,1 @@
-"""Finite elements: what they are, and their energies as functions of the graph."""
+"""Finite elements and the expression graphs of their energies."""

@@ -1,4 +1,4 @@
-"""Elements at one node: springs to the ground, and masses."""
+"""Elements at one node: springs to the ground, masses and inertias."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import casadi as ca
 from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.energies import Named
-from dalembert.elements.fem.nodal import Nodal
+from dalembert.elements.fem.node import Nodal
 from dalembert.elements.fem.rotations import turn_of, vector_of
 from dalembert.errors import ModelError
 
@@ -23,7 +23,7 @@ class Attached(StructuralElement):
 
     Parameters
     ----------
-    node : where it is
+    node : the node
     """
 
     node: Nodal
@@ -32,8 +32,10 @@ class Attached(StructuralElement):
     def __post_init__(self) -> None:
         super().__post_init__()
         if not isinstance(self.node, Nodal) or self.node.dimension not in self.dimensions:
-            known = " or ".join(map(str, self.dimensions))
-            raise ModelError(f"needs a node with {known} coordinates; got {self.node!r}", self.name)
+            dimensions = " or ".join(map(str, self.dimensions))
+            raise ModelError(
+                f"needs a node with {dimensions} coordinates; got {self.node!r}", self.name
+            )
 
     def nodes(self) -> tuple[Nodal, ...]:
         return (self.node,)
@@ -44,7 +46,7 @@ class Attached(StructuralElement):
 
     @classmethod
     def directions(cls, x: list[ca.SX]) -> list[tuple[str, int]]:
-        """Axis and row of its motions: translations of the node, or rotations if it turns."""
+        """Axis and row of its motions: translations of the node, or its rotations."""
         d = x[0].numel()
         if not cls.turns:
             return [(AXES[k], k) for k in range(d)]
@@ -53,12 +55,12 @@ class Attached(StructuralElement):
 
 @dataclass(eq=False)
 class GroundSpring(Attached):
-    """Springs that hold a node to its initial place, ``W = Σ k u²/2``.
+    """Springs between a node and its initial position, ``W = Σ k u²/2``.
 
     Parameters
     ----------
-    stiffness_x, stiffness_y, stiffness_z : along the axes [N/m]; axes that the node has not count
-        nothing
+    stiffness_x, stiffness_y, stiffness_z : along the axes [N/m]; ignored for axes that the node
+        does not have
 
     Examples
     --------
@@ -81,13 +83,13 @@ class GroundSpring(Attached):
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        moved = cls.moved(u)
-        parts = (q[f"stiffness_{a}"] * moved[k] ** 2 / 2 for a, k in cls.directions(x))
-        return sum(parts, ca.SX(0))
+        displacement = cls.moved(u)
+        energies = (q[f"stiffness_{a}"] * displacement[k] ** 2 / 2 for a, k in cls.directions(x))
+        return sum(energies, ca.SX(0))
 
     @classmethod
     def moved(cls, u: list[ca.SX]) -> ca.SX:
-        """Displacement of the node, behind it its rotation, in space as a vector."""
+        """Displacement of the node followed by its rotation, a rotation vector in space."""
         if cls.turns and u[0].numel() > 3:
             return ca.vertcat(u[0][:3], vector_of(u[0]))
         return u[0]
@@ -95,16 +97,19 @@ class GroundSpring(Attached):
     @classmethod
     def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         name, unit = cls.effort
-        moved = cls.moved(u)
-        return {f"{name}_{a}": (q[f"stiffness_{a}"] * moved[k], unit) for a, k in cls.directions(x)}
+        displacement = cls.moved(u)
+        return {
+            f"{name}_{a}": (q[f"stiffness_{a}"] * displacement[k], unit)
+            for a, k in cls.directions(x)
+        }
 
 
 @dataclass(eq=False)
 class GroundRotationSpring(GroundSpring):
-    """Springs that hold the rotation of a node, ``W = Σ k r²/2``.
+    """Rotational springs between a node and the ground, ``W = Σ k r²/2``.
 
-    In the plane only ``stiffness_z`` counts. In space ``r`` are the components of the rotation
-    vector, which reaches half a turn in a mechanism and a whole one in a structure.
+    Planar nodes use ``stiffness_z`` only. In space ``r`` are the components of the rotation vector,
+    whose range is half a turn in a mechanism and a full one in a structure.
 
     Parameters
     ----------
@@ -155,7 +160,7 @@ class PointMass(Attached):
     >>> mast.support(foot)
     >>> modes = da.solve_modes(mast.build(), 1)
     >>> stiffness = 3 * 2e11 * 1e-7 / 3**3
-    >>> round(float(modes.frequencies[0]) * 2 * math.pi / math.sqrt(stiffness / 50), 6)  # of √(k/m)
+    >>> round(float(modes.frequencies[0]) * 2 * math.pi / math.sqrt(stiffness / 50), 6)  # by √(k/m)
     1.0
     """
 
@@ -168,12 +173,12 @@ class PointMass(Attached):
 
 @dataclass(eq=False)
 class PointInertia(Attached):
-    """Moments of inertia at a node that turns, ``T = Σ J ω²/2`` in axes that turn with the node.
+    """Moments of inertia at a node with rotation, ``T = Σ J ω²/2`` in axes fixed in the node.
 
     Parameters
     ----------
-    inertia_x, inertia_y, inertia_z : about the axes, principal ones [kg m²]; only ``inertia_z``
-        counts in the plane
+    inertia_x, inertia_y, inertia_z : about the principal axes [kg m²]; planar nodes use
+        ``inertia_z`` only
 
     Examples
     --------

@@ -1,12 +1,12 @@
-"""What a finite element is, of structures and of mechanisms alike.
+"""Base class of finite elements, for structures and mechanisms.
 
-To write a new one: a dataclass with ``name`` first, then its nodes, then its numbers as
-``quantity``; and one class method ``energy``, the strain energy of the displaced element, with
-``kinetic`` beside it if it has mass. Internal forces ``∂W/∂u``, tangent stiffness ``∂²W/∂u²``, mass
-matrix and all design derivatives follow by differentiation. Structures compile them once per kind
-of element and evaluate them for all elements of the kind at once; in a mechanism they are part of
-its equations. Where the inertia turns with the element, ``own_axes`` says how: inertia forces
-``d/dt ∂T/∂v − ∂T/∂u`` follow from the same kinetic energy.
+A new element is a dataclass with ``name`` first, then its nodes, then its quantities, and one class
+method ``energy``, the strain energy of the displaced element, with ``kinetic`` if it has mass.
+Internal forces ``∂W/∂u``, tangent stiffness ``∂²W/∂u²``, mass matrix and all design derivatives
+follow by differentiation. Structures compile them once per kind of element and evaluate them for
+all elements of the kind at once; in a mechanism they are part of its equations. If the inertia
+rotates with the element, ``own_axes`` states its axes: inertia forces ``d/dt ∂T/∂v − ∂T/∂u`` follow
+from the same kinetic energy.
 """
 
 from __future__ import annotations
@@ -20,11 +20,10 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, ForceElement, Look, Powers, Rate
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.fem.between_bodies import BetweenBodies
+from dalembert.elements.fem.between_bodies import BetweenBodies, NodeBody
 from dalembert.elements.fem.cell_functions import functions_of
 from dalembert.elements.fem.energies import Energies
-from dalembert.elements.fem.nodal import Nodal
-from dalembert.elements.fem.node_bodies import NodeBody
+from dalembert.elements.fem.node import Nodal
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 
@@ -42,18 +41,18 @@ class StructuralElement(Energies, ForceElement):
         check_options(self.name, self.options())
 
     def options(self) -> dict[str, bool]:
-        """Switches, which make elements of one class different kinds."""
+        """Values of the switches, which distinguish kinds of elements of one class."""
         fields = (f for f in dataclasses.fields(self) if f.metadata.get("kind") == "option")
         return {f.name: getattr(self, f.name) for f in fields}
 
     @classmethod
     def default_options(cls) -> dict[str, Any]:
-        """The switches and where they stand."""
+        """Default values of the switches."""
         fields = (f for f in dataclasses.fields(cls) if f.metadata.get("kind") == "option")
         return {f.name: f.default for f in fields}
 
     def nodes(self) -> tuple[Nodal, ...]:
-        """The nodes it ties together."""
+        """The nodes that it connects."""
         raise NotImplementedError
 
     # in a mechanism -----------------------------------------------------------------------
@@ -108,12 +107,12 @@ class StructuralElement(Energies, ForceElement):
 
 
 def check_options(entity: str, options: dict[str, Any]) -> None:
-    """Switches must be true or false.
+    """Check that switches are true or false.
 
     Raises
     ------
     ModelError
-        One is something else.
+        A switch has another value.
     """
     for name, value in options.items():
         if not isinstance(value, bool):

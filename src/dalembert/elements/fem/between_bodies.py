@@ -1,11 +1,12 @@
-"""One finite element between bodies: what its energies give to the equations of a mechanism.
+"""Finite elements between bodies of a mechanism, and the bodies at their nodes.
 
-Strain and kinetic energies are those of structures, at displacements of any size; what a node is
-displaced by is where its body went.
+Strain and kinetic energies are those of structures, for displacements of any size; the displacement
+of a node is that of its body.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -14,9 +15,69 @@ from typing import Any
 import casadi as ca
 
 from dalembert.elements.base import Condition, Look, Powers, Rate
+from dalembert.elements.body import BodyElement
 from dalembert.elements.fem.cell_functions import CellFunctions
-from dalembert.elements.fem.node_bodies import NodeBody
-from dalembert.elements.look import Strand
+from dalembert.elements.fem.node import Nodal
+from dalembert.elements.look import Ball, Strand
+from dalembert.errors import ModelError
+
+
+class NodeBody(Nodal):
+    """Mixin of bodies that are nodes of finite elements, placed before the body class.
+
+    Elements are free of stress at its ``position`` and its ``angle`` or ``rotation``.
+    """
+
+    turning: ca.SX
+    spin: ca.SX
+    turned: Callable[[ca.SX], ca.SX]
+
+    @property
+    def natural(self) -> ca.SX:  # type: ignore[override]
+        """Stress-free position.
+
+        Raises
+        ------
+        ModelError
+            The body has no ``position``.
+        """
+        body: Any = self
+        position = body.initial[0]
+        if position is None:
+            raise ModelError("needs a position, where its elements are free of stress", self.name)
+        return position.sx
+
+    @property
+    def place(self) -> ca.SX:
+        """Current position."""
+        body: Any = self
+        return body.mass_center
+
+    def displaced(self, turns: bool, entity: str) -> ca.SX:
+        """Its displacement, followed by its rotation for elements with rotations.
+
+        Raises
+        ------
+        ModelError
+            It is a particle, which has no rotation.
+        """
+        body: Any = self
+        displacement = self.place - self.natural
+        if not turns:
+            return displacement
+        if not body.rotates:
+            kind = "planar.Node" if self.dimension == 2 else "spatial.Node"
+            raise ModelError(f"rotates its node {self.name}, a point; use {kind}", entity)
+        return ca.vertcat(displacement, self.turned_by)
+
+    @property
+    def turned_by(self) -> ca.SX:
+        """Its rotation: the angle in the plane, the entries of the matrix in space."""
+        raise NotImplementedError
+
+    def look(self) -> list[Look]:
+        body: BodyElement = self  # type: ignore[assignment]
+        return [Ball(body.center)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,9 +87,9 @@ class BetweenBodies:
     Attributes
     ----------
     name : of the element
-    functions : of its kind
+    functions : functions of its kind
     nodes : the bodies at its nodes
-    numbers : SX, its quantities one below the other
+    numbers : SX column of its quantities
     """
 
     name: str
@@ -38,13 +99,13 @@ class BetweenBodies:
 
     @property
     def u(self) -> ca.SX:
-        """Displacements of its nodes, as their coordinates are written now."""
+        """Displacements of its nodes in their current coordinates."""
         turns = self.functions.graphs.cls.turns
         return ca.vertcat(*(node.displaced(turns, self.name) for node in self.nodes))
 
     @cached_property
     def data(self) -> ca.SX:
-        """Coordinates of its nodes free of stress, then its numbers."""
+        """Stress-free positions of its nodes, then its quantities."""
         return ca.vertcat(*(node.natural for node in self.nodes), self.numbers)
 
     @property
@@ -57,7 +118,7 @@ class BetweenBodies:
         return [(self.speeds(rate), -self.functions.stored(self.u, self.data)[1])]
 
     def speeds(self, rate: Rate) -> ca.SX:
-        """Velocities of its nodes; where they turn, with their spins in fixed axes."""
+        """Velocities of its nodes, with angular velocities in fixed axes if they rotate."""
         if not self._with_spins:
             return rate(self.u)
         return ca.vertcat(*(part for n in self.nodes for part in (rate(n.place), n.turning)))
@@ -71,7 +132,7 @@ class BetweenBodies:
 
     @property
     def _with_spins(self) -> bool:
-        """Whether its speeds are no rates of its displacements."""
+        """Whether its speeds are angular velocities instead of rates of displacements."""
         return self.functions.by_spins and self.functions.graphs.dimension == 3
 
     def inertial_powers(self, rate: Rate) -> Powers:
@@ -81,14 +142,14 @@ class BetweenBodies:
         speed = self.speeds(rate)
         motion = [self.u, speed, self.accelerations(rate), self.data]
         if self.functions.by_spins:
-            effort, spin, couple = self.functions.taken.call(motion)
+            effort, spin, couple = self.functions.spin_inertia.call(motion)
             pairs = [(speed, effort), (spin, couple)]
         else:
             pairs = [(speed, self.functions.inertia(*motion))]
         return [pair for pair in pairs if not pair[1].is_zero()]
 
     def masses(self) -> list[tuple[ca.SX, ca.SX]]:
-        """(place, mass) of its nodes."""
+        """(position, mass) of its nodes."""
         if self.functions.massless:
             return []
         shares = self.functions.shares(self.data)
@@ -96,22 +157,22 @@ class BetweenBodies:
 
     def recovered(self) -> dict[str, tuple[ca.SX, str]]:
         """Its strains, stresses and forces."""
-        named = self.functions.graphs.measures
-        if not named:
+        measures = self.functions.graphs.measures
+        if not measures:
             return {}
         values = self.functions.recovered.call([self.u, self.data])
-        return {n: (v, unit) for (n, (_, unit)), v in zip(named.items(), values, strict=True)}
+        return {n: (v, unit) for (n, (_, unit)), v in zip(measures.items(), values, strict=True)}
 
     def conditions(self) -> list[Condition]:
-        """Its shape and material must be possible."""
-        found: list[Condition] = []
+        """Conditions of its shape and material."""
+        conditions: list[Condition] = []
         for check, wrong in self.functions.checks:
             value = check(self.data)
-            found.append((2 * (value > 0) - 1, wrong.replace("{:", "{0:"), value))
-        return found
+            conditions.append((2 * (value > 0) - 1, wrong.replace("{:", "{0:"), value))
+        return conditions
 
     def edges(self) -> list[tuple[Any, Any]]:
-        """Nodes that its outline joins, around each of its faces."""
+        """Pairs of nodes along the outlines of its faces."""
         rings = [[*face, face[0]] for face in self.functions.graphs.cls.outlines()]
         pairs = [pair for ring in rings for pair in pairwise(ring) if pair[0] != pair[1]]
         return [(self.nodes[i], self.nodes[j]) for i, j in pairs]

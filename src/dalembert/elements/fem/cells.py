@@ -1,6 +1,6 @@
-"""Shapes of cells by their name in meshes: dimension, faces, edges, and the order of nodes turned.
+"""Cells of meshes by name: dimension, faces, edges, and node order of the reversed cell.
 
-Nodes are counted as VTK and meshio do: corners first, then the middles of edges.
+Nodes are numbered as in VTK and meshio: corners first, then midpoints of edges.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ Faces = tuple[tuple[int, ...], ...]
 
 @dataclass(frozen=True)
 class Cell:
-    """One shape.
+    """A cell type.
 
     Attributes
     ----------
-    dimension : of the shape itself
+    dimension : dimension of the cell
     corners : number of corner nodes
     nodes : number of all nodes
-    faces : outlines of its faces, node by node around each; one of a flat cell
-    turned : the same cell counted the other way round
+    faces : outlines of its faces, node by node; one for a flat cell
+    turned : node order of the same cell with opposite orientation
     """
 
     dimension: int
@@ -51,10 +51,10 @@ _HEXAHEDRON_MIDDLES = {
 
 
 def _with_middles(faces: Faces, middles: dict[tuple[int, int], int]) -> Faces:
-    """The outlines with the nodes in the middles of their edges."""
-    both_ways = middles | {(j, i): m for (i, j), m in middles.items()}
+    """The outlines with the midpoints of their edges."""
+    midpoints = middles | {(j, i): m for (i, j), m in middles.items()}
     return tuple(
-        tuple(n for i, j in zip(f, (*f[1:], f[0]), strict=True) for n in (i, both_ways[i, j]))
+        tuple(n for i, j in zip(f, (*f[1:], f[0]), strict=True) for n in (i, midpoints[i, j]))
         for f in faces
     )
 
@@ -84,7 +84,7 @@ CELLS: dict[str, Cell] = {
 
 
 def cell_name(nodes: int, dimension: int) -> str | None:
-    """The solid cell of space, the flat one of the plane, or the line with so many nodes."""
+    """The cell of a dimension with a number of nodes, or the line with two."""
     fitting = [
         name
         for name, cell in CELLS.items()
@@ -94,12 +94,12 @@ def cell_name(nodes: int, dimension: int) -> str | None:
 
 
 def oriented(name: str, points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """The same cells, each counted so that its area or volume is positive.
+    """The cells with node orders of positive area or volume.
 
     Parameters
     ----------
-    points : (count, d) [m]; cells of fewer than ``d`` dimensions have no sign and stay,
-        and so do those whose coordinates are formulas
+    points : (count, d) [m]; cells of fewer than ``d`` dimensions have no orientation and are
+        unchanged, as are those whose coordinates are formulas
     cells : (cells, nodes)
     """
     cell = CELLS[name]
@@ -107,32 +107,32 @@ def oriented(name: str, points: np.ndarray, cells: np.ndarray) -> np.ndarray:
         return cells
     corner = points[cells]
     if cell.dimension == 2:
-        ahead, side = corner[:, 1] - corner[:, 0], corner[:, cell.corners - 1] - corner[:, 0]
-        size = ahead[:, 0] * side[:, 1] - ahead[:, 1] * side[:, 0]
+        first, last = corner[:, 1] - corner[:, 0], corner[:, cell.corners - 1] - corner[:, 0]
+        size = first[:, 0] * last[:, 1] - first[:, 1] * last[:, 0]
     else:
         third = 3 if cell.corners == 4 else 4
-        along = [corner[:, k] - corner[:, 0] for k in (1, 2 if third == 3 else 3, third)]
-        size = np.einsum("ij,ij->i", np.cross(along[0], along[1]), along[2])
-    turned = cells.copy()
-    turned[size < 0] = cells[size < 0][:, cell.turned]
-    return turned
+        edges = [corner[:, k] - corner[:, 0] for k in (1, 2 if third == 3 else 3, third)]
+        size = np.einsum("ij,ij->i", np.cross(edges[0], edges[1]), edges[2])
+    result = cells.copy()
+    result[size < 0] = cells[size < 0][:, cell.turned]
+    return result
 
 
 def facets(name: str) -> tuple[str, tuple[tuple[int, ...], ...]]:
-    """Shape of the edges of a flat cell or faces of a solid one, and their nodes.
+    """Cell name of the edges of a flat cell or faces of a solid one, and their nodes.
 
-    Edges have the cell to their left, faces are counted counter-clockwise from outside; nodes in
-    the order of VTK.
+    Edges have the cell on their left, faces are counter-clockwise from outside; nodes are in the
+    order of VTK.
     """
     cell = CELLS[name]
     quadratic = cell.nodes > cell.corners
     if cell.dimension == 2:
-        around = cell.faces[0]
+        outline = cell.faces[0]
         step = 2 if quadratic else 1
         edges = []
-        for k in range(0, len(around), step):
-            end = around[(k + step) % len(around)]
-            edges.append((around[k], end, around[k + 1]) if quadratic else (around[k], end))
+        for k in range(0, len(outline), step):
+            end = outline[(k + step) % len(outline)]
+            edges.append((outline[k], end, outline[k + 1]) if quadratic else (outline[k], end))
         return ("line3" if quadratic else "line"), tuple(edges)
     faces = tuple(f[::2] + f[1::2] if quadratic else f for f in cell.faces)
     corners = len(cell.faces[0]) // (2 if quadratic else 1)

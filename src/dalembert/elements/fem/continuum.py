@@ -1,8 +1,8 @@
-"""Continuum elements: a cell of material whose energy is integrated at points.
+"""Continuum elements with numerical integration.
 
-``W = ∫ (λ/2 (tr 𝗘)² + μ 𝗘:𝗘) dV`` with Green's strain ``𝗘 = (𝗙ᵀ𝗙 − 𝟭)/2`` (St Venant–Kirchhoff), so
-that rotations cost nothing; for small displacements it is Hooke's law. The same text serves the
-plane and space, and every reference cell.
+``W = ∫ (λ/2 (tr 𝗘)² + μ 𝗘:𝗘) dV`` with Green's strain ``𝗘 = (𝗙ᵀ𝗙 − 𝟭)/2`` (St Venant–Kirchhoff),
+which is invariant under rotations; for small displacements it is Hooke's law. The same class serves
+planar and spatial elements and all reference cells.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.cells import CELLS
 from dalembert.elements.fem.energies import Named
-from dalembert.elements.fem.nodal import Nodal
+from dalembert.elements.fem.node import Nodal
 from dalembert.elements.fem.reference_cells import REFERENCE_CELLS, ReferenceCell
 from dalembert.errors import ModelError
 
@@ -29,12 +29,12 @@ class Continuum(StructuralElement):
 
     Parameters
     ----------
-    connectivity : its nodes, in the order of VTK and meshio: corners, then middles of edges
+    connectivity : its nodes, in the order of VTK and meshio: corners, then midpoints of edges
     modulus : Young's modulus [Pa]
     poisson : Poisson's ratio [-]
     density : [kg/m³]
     expansion : coefficient of thermal expansion ``α`` [1/K]
-    temperature : change ``ΔT`` against the state without stress, under every load [K]
+    temperature : change ``ΔT`` from the stress-free state, for every load case [K]
     """
 
     connectivity: tuple[Nodal, ...]
@@ -47,16 +47,16 @@ class Continuum(StructuralElement):
     contractible: ClassVar[bool] = True
     cell: ClassVar[ReferenceCell]
 
-    def __init_subclass__(cls, cell: str = "", **rest) -> None:
+    def __init_subclass__(cls, cell: str = "", **options) -> None:
         """``cell`` : name of the reference cell of a class."""
-        super().__init_subclass__(**rest)
+        super().__init_subclass__(**options)
         if not cell:
             return
         cls.cell = REFERENCE_CELLS[cell]
         cls.node_count, cls.dimensions = len(cls.cell.nodes), (cls.cell.dimension,)
         cls.samples, cls.kinetic_samples = cls.cell.samples, cls.cell.kinetic_samples
-        places = {"": cls.cell.centre} | {f"n{k}": p for k, p in enumerate(cls.cell.nodes)}
-        cls.stations = {name: (*place, 1.0) for name, place in places.items()}
+        points = {"": cls.cell.centre} | {f"n{k}": p for k, p in enumerate(cls.cell.nodes)}
+        cls.stations = {name: (*point, 1.0) for name, point in points.items()}
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -76,21 +76,21 @@ class Continuum(StructuralElement):
     # geometry -----------------------------------------------------------------------------
     @classmethod
     def _jacobian(cls, x: list[ca.SX], q: dict) -> tuple[ca.SX, ca.SX]:
-        """Derivatives of the shape functions (nodes, d) and of the place (d, d)."""
+        """Derivatives of the shape functions (nodes, d) and of the position (d, d)."""
         natural = q["at"][:-1]
         slopes = ca.jacobian(cls.cell.shape_functions(natural), natural)
         return slopes, ca.mtimes(ca.horzcat(*x), slopes)
 
     @classmethod
     def slopes(cls, x: list[ca.SX], q: dict) -> tuple[ca.SX, ca.SX]:
-        """Derivatives ``∇N`` (nodes, d) by place, and the volume of the sample."""
+        """Derivatives ``∇N`` (nodes, d) by position, and the volume of the sample."""
         slopes, jacobian = cls._jacobian(x, q)
         volume = q["at"][-1] * ca.det(jacobian) * cls.depth(q)
         return ca.mtimes(slopes, ca.inv_minor(jacobian)), volume
 
     @classmethod
     def depth(cls, q: dict) -> ca.SX:
-        """Volume per measure of the cell: the thickness in the plane."""
+        """Volume per measure of the cell: the thickness of planar elements."""
         return ca.SX(1)
 
     # material -----------------------------------------------------------------------------
@@ -102,7 +102,7 @@ class Continuum(StructuralElement):
 
     @classmethod
     def compressibility(cls, q: dict) -> ca.SX:
-        """Positive where Hooke's law has an inverse."""
+        """Expression that is positive if Hooke's law is invertible."""
         return 1 - 2 * q["poisson"]
 
     @staticmethod
@@ -126,17 +126,17 @@ class Continuum(StructuralElement):
     def thermal(cls, u: list[ca.SX], x: list[ca.SX], q: dict) -> ca.SX:
         slopes, volume = cls.slopes(x, q)
         strain = cls.strain(ca.mtimes(ca.horzcat(*u), slopes))
-        growth = cls.free_directions(q) * q["expansion"] * q["temperature"]
-        return volume * cls.thermal_stress(q) * (growth / 2 - ca.trace(strain))
+        free_strain = cls.free_directions(q) * q["expansion"] * q["temperature"]
+        return volume * cls.thermal_stress(q) * (free_strain / 2 - ca.trace(strain))
 
     @classmethod
     def free_directions(cls, q: dict) -> int:
-        """Directions in which free material would grow against its stress."""
+        """Number of directions of free thermal expansion."""
         return 3
 
     @classmethod
     def thermal_stress(cls, q: dict) -> ca.SX:
-        """Pressure that keeps the heated material from growing [Pa]."""
+        """Pressure that suppresses the thermal expansion [Pa]."""
         first, second = cls.lame(q)
         return (3 * first + 2 * second) * q["expansion"] * q["temperature"]
 
@@ -156,11 +156,11 @@ class Continuum(StructuralElement):
         d = strain.shape[0]
         mean = first * ca.trace(strain) - cls.thermal_stress(q)
         stress = mean * ca.SX.eye(d) + 2 * second * strain
-        found: Named = {}
+        measures: Named = {}
         for letter, tensor, unit in (("s", stress, "Pa"), ("e", strain, "")):
             for i, j in _components(d):
-                found[f"{letter}{AXES[i]}{AXES[j]}"] = (tensor[i, j], unit)
-        return found
+                measures[f"{letter}{AXES[i]}{AXES[j]}"] = (tensor[i, j], unit)
+        return measures
 
     @classmethod
     def derived(cls, measured: dict[str, ca.SX], q: dict) -> Named:
@@ -171,8 +171,8 @@ class Continuum(StructuralElement):
         shear = [measured.get(name, zero) for name in ("sxy", "syz", "sxz")]
         square = ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2) / 2
         square += 3 * sum(s**2 for s in shear)
-        none = square <= 0  # at the minimum zero is a slope
-        root = ca.if_else(none, 0.0, ca.sqrt(ca.if_else(none, 1.0, square)))
+        is_zero = square <= 0  # the derivative at zero stress is set to zero
+        root = ca.if_else(is_zero, 0.0, ca.sqrt(ca.if_else(is_zero, 1.0, square)))
         return {"von_mises": (root, "Pa")}
 
     @classmethod

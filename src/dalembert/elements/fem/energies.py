@@ -1,4 +1,4 @@
-"""What one finite element states: its energies, and what is recovered from its displacements."""
+"""Contract of a finite element: its energies and the measures of its displacements."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ Named = dict[str, tuple[ca.SX, str]]
 
 
 class Energies(Element):
-    """A kind of finite element, as formulas of displacements ``u`` and places ``x`` of its nodes.
+    """A kind of finite element: formulas of displacements ``u`` and positions ``x`` of its nodes.
 
-    An element that is integrated numerically gives ``samples``; its energy is then the sum over
-    them of ``energy``, which finds the sample in ``q["at"]``.
+    An element with numerical integration states ``samples``; its energy is then the sum of
+    ``energy`` over the samples, which are passed in ``q["at"]``.
     """
 
     turns: ClassVar[bool] = False
-    """Whether its nodes have rotations too."""
+    """Whether its nodes have rotations."""
     counts_turns: ClassVar[bool] = False
-    """Whether it tells a node that turned once round from one that did not."""
+    """Whether full revolutions of a node change its energy."""
     floats: ClassVar[bool] = False
-    """Whether displacements count only as differences between its nodes."""
+    """Whether it depends only on differences of displacements of its nodes."""
     node_count: ClassVar[int]
-    """Nodes of one element."""
+    """Number of nodes of one element."""
     dimensions: ClassVar[tuple[int, ...]] = (1, 2, 3)
-    """Spaces it exists in."""
+    """Dimensions of the structures it exists in."""
     contractible: ClassVar[bool] = False
     """Whether the energy is a ``volume · energy_density`` of the displacement gradient."""
     samples: ClassVar[Rows] = ((),)
     """Values of ``q["at"]`` over which ``energy`` is summed."""
     kinetic_samples: ClassVar[Rows] = ((),)
-    """The same for ``kinetic``."""
+    """Values of ``q["at"]`` over which ``kinetic`` is summed."""
     stations: ClassVar[dict[str, tuple[float, ...]]] = {"": ()}
-    """Values of ``q["at"]`` where measures are taken, by what is added to their names."""
+    """Suffix of the names of measures → value of ``q["at"]`` at which they are evaluated."""
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
@@ -44,8 +44,8 @@ class Energies(Element):
 
         Parameters
         ----------
-        u : displacements of the nodes, behind them rotations: an angle in the plane; in space what
-            ``rotations.turn_of`` and ``rotations.vector_of`` read
+        u : displacements of the nodes followed by rotations: an angle in the plane; in space the
+            argument of ``rotations.turn_of`` and ``rotations.vector_of``
         x : positions of the nodes
         q : quantities of the element by field name, its options, and the sample ``at``
         """
@@ -55,16 +55,16 @@ class Energies(Element):
     def virtual_work(
         cls, u: list[ca.SX], w: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
     ) -> ca.SX:
-        """Virtual work [J] on the displacements ``w`` that ``energy`` does not tell.
+        """Virtual work [J] of forces not included in ``energy`` on the displacements ``w``.
 
-        That of internal forces, linear in ``w``; what acts from outside counts negative. Their
+        It is that of internal forces, linear in ``w``; external forces are negative. Their
         stiffness need not be symmetric.
         """
         return ca.SX(0)
 
     @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        """Kinetic energy [J] of the element in its initial place.
+        """Kinetic energy [J] of the element in its initial position.
 
         A quadratic form in the velocities ``v`` of the nodes; its matrix is the mass matrix.
         """
@@ -72,45 +72,45 @@ class Energies(Element):
 
     @classmethod
     def thermal(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        """What a change of temperature adds to the strain energy [J]: its stress on the strain.
+        """Strain energy [J] added by a change of temperature: the thermal stress on the strain.
 
-        Linear in the displacements' strains, so that a part of the change has that part of the
+        It is linear in the strains, so that a fraction of the change causes that fraction of the
         forces.
         """
         return ca.SX(0)
 
     @classmethod
     def own_axes(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX | None:
-        """(d, d) by columns, axes of the displaced element that its inertia turns with.
+        """(d, d) axes of the displaced element with which its inertia rotates, as columns.
 
-        None where inertia is the same in all directions.
+        None for isotropic inertia.
         """
         return None
 
     @classmethod
-    def kinetic_seen(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        """Kinetic energy of velocities that are given in ``own_axes``."""
+    def kinetic_in_axes(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        """Kinetic energy of velocities in ``own_axes``."""
         return cls.kinetic(v, x, q)
 
     @classmethod
     def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
-        """Named quantities of the displaced element: name → (expression, unit).
+        """Measures of the displaced element: name → (expression, unit).
 
-        For small displacements they are taken to the first order.
+        For small displacements they are linearised.
         """
         return {}
 
     @classmethod
     def derived(cls, measured: dict[str, ca.SX], q: dict[str, ca.SX]) -> Named:
-        """Quantities that follow from ``recovered`` by formulas of any kind."""
+        """Nonlinear measures computed from ``recovered``."""
         return {}
 
     @classmethod
     def checks(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> list[tuple[ca.SX, str]]:
-        """(expression that must be positive at every sample, what is wrong if it is not)."""
+        """(expression that must be positive at every sample, message if it is not)."""
         return []
 
     @classmethod
     def outlines(cls) -> tuple[tuple[int, ...], ...]:
-        """Its faces, node by node around each; of a line itself."""
+        """Its faces as rings of nodes; a line is its own."""
         return (tuple(range(cls.node_count)),)

@@ -1,10 +1,10 @@
-"""Plane frame elements: beams that carry axial force, shear and bending.
+"""Planar frame elements with axial force, shear and bending.
 
-The energy is that of a beam in its own chord, which turns with it (co-rotational): exact for large
-displacements and rotations of elements whose own deformation is small, and in the limit of small
-displacements the textbook element. Stretched is the bent axis, not the chord (shallow-arch strain,
-averaged along the element; Crisfield, Non-linear Finite Element Analysis 2, 1997), so that bending
-softens under pressure within an element too.
+The energy is that of a beam relative to its chord (co-rotational): exact for large displacements
+and rotations with small deformation of the element, and the textbook element for small
+displacements. The axial strain is that of the bent axis, not of the chord (shallow-arch strain,
+averaged along the element; Crisfield, Non-linear Finite Element Analysis 2, 1997), so that
+compression reduces the bending stiffness within an element too.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from dalembert.errors import ModelError
 
 @dataclass(eq=False)
 class Frame(Line):
-    """Euler–Bernoulli beam between two nodes of the plane.
+    """Euler–Bernoulli beam between two planar nodes.
 
-    ``W = E A e²/(2L) + 2 E I (θ₁² + θ₁θ₂ + θ₂²)/L`` with the turns ``θ`` of the ends against the
-    chord and the elongation ``e`` of the axis: that of the chord, and ``½ ∫ w'² dx`` of the bow.
+    ``W = E A e²/(2L) + 2 E I (θ₁² + θ₁θ₂ + θ₂²)/L`` with the rotations ``θ`` of the ends relative
+    to the chord and the elongation ``e`` of the axis: that of the chord plus ``½ ∫ w'² dx``.
 
     Parameters
     ----------
@@ -36,8 +36,8 @@ class Frame(Line):
     modulus : Young's modulus [Pa]
     density : [kg/m³]
     expansion : coefficient of thermal expansion ``α`` [1/K]
-    temperature : change ``ΔT`` against the state without stress, under every load [K]
-    temperature_gradient : its rise along the own y axis, to the left of the beam [K/m]
+    temperature : change ``ΔT`` from the stress-free state, for every load case [K]
+    temperature_gradient : its derivative along the y axis of the element, to the left [K/m]
 
     Examples
     --------
@@ -69,62 +69,63 @@ class Frame(Line):
         super().__post_init__()
         if self.node_i.dimension != 2:
             raise ModelError(
-                "is an element of the plane, whose nodes have two coordinates; take SpaceFrame "
-                "in space",
+                "is a planar element, whose nodes have two coordinates; use SpaceFrame in space",
                 self.name,
             )
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        beam, turns = cls.bending(x, q), cls.end_turns(u, x)
-        longer = cls.elongation(u, x) + beam.bow(*turns)
-        return q["modulus"] * q["area"] * longer**2 / (2 * beam.length) + beam.energy(*turns)
+        beam, rotations = cls.bending(x, q), cls.end_turns(u, x)
+        elongation = cls.elongation(u, x) + beam.bow(*rotations)
+        return q["modulus"] * q["area"] * elongation**2 / (2 * beam.length) + beam.energy(
+            *rotations
+        )
 
     @classmethod
     def bending(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> Bending:
-        """The beam as it bends."""
+        """The beam in bending."""
         rigidity = q["modulus"] * q["second_moment"]
         return Bending(cls.length(x), rigidity, cls.shear_softness(x, q))
 
     @classmethod
     def shear_softness(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        """``φ = 12 E I / (G A_s L²)``; zero where shear does not deform."""
+        """``φ = 12 E I / (G A_s L²)``; zero for rigid shear."""
         return ca.SX(0)
 
     @classmethod
     def rotary_inertia(cls, q: dict[str, ca.SX]) -> ca.SX:
-        """``ρ I`` where the turning of the cross-section counts [kg m]."""
+        """``ρ I`` of elements with rotary inertia [kg m]."""
         return ca.SX(0)
 
     @classmethod
     def end_turns(cls, u: list[ca.SX], x: list[ca.SX]) -> tuple[ca.SX, ca.SX]:
-        """Rotations of the ends less that of the chord."""
-        along, across = cls.chord_turn(u, x)
-        chord = ca.atan2(across, along)
+        """Rotations of the ends relative to the chord."""
+        cosine, sine = cls.chord_turn(u, x)
+        chord = ca.atan2(sine, cosine)
 
-        def against_chord(turn: ca.SX) -> ca.SX:  # small, whatever number of times both went round
-            more = turn - chord
-            return more - 2 * np.pi * ca.floor(more / (2 * np.pi) + 0.5)
+        def against_chord(turn: ca.SX) -> ca.SX:  # small for any number of common revolutions
+            relative = turn - chord
+            return relative - 2 * np.pi * ca.floor(relative / (2 * np.pi) + 0.5)
 
         return against_chord(u[0][2]), against_chord(u[1][2])
 
     @classmethod
     def thermal(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         first, second = cls.end_turns(u, x)
-        longer = cls.elongation(u, x) + cls.bending(x, q).bow(first, second)
+        elongation = cls.elongation(u, x) + cls.bending(x, q).bow(first, second)
         strain, curvature = q["expansion"] * q["temperature"], cls.thermal_curvature(q)
-        axial = q["modulus"] * q["area"] * strain * (strain * cls.length(x) / 2 - longer)
-        turned = curvature * cls.length(x) / 2 - (second - first)
-        return axial + q["modulus"] * q["second_moment"] * curvature * turned
+        axial = q["modulus"] * q["area"] * strain * (strain * cls.length(x) / 2 - elongation)
+        rotation = curvature * cls.length(x) / 2 - (second - first)
+        return axial + q["modulus"] * q["second_moment"] * curvature * rotation
 
     @classmethod
     def thermal_curvature(cls, q: dict[str, ca.SX]) -> ca.SX:
-        """Curvature that the temperature gives a free beam [1/m]."""
+        """Thermal curvature of a free beam [1/m]."""
         return -q["expansion"] * q["temperature_gradient"]
 
     @staticmethod
     def chord_turn(u: list[ca.SX], x: list[ca.SX]) -> tuple[ca.SX, ca.SX]:
-        """Cosine and sine of the angle by which the chord turned, times both its lengths."""
+        """Cosine and sine of the rotation of the chord, times both its lengths."""
         before = x[1] - x[0]
         after = before + u[1][:2] - u[0][:2]
         return ca.dot(before, after), before[0] * after[1] - before[1] * after[0]
@@ -137,38 +138,38 @@ class Frame(Line):
 
     @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        back = cls.own_axes([ca.SX.zeros(2)] * 2, x, q).T
-        own = [ca.vertcat(ca.mtimes(back, end[:2]), end[2]) for end in v]
-        return cls.kinetic_seen(own, x, q)
+        to_axes = cls.own_axes([ca.SX.zeros(2)] * 2, x, q).T
+        velocities = [ca.vertcat(ca.mtimes(to_axes, end[:2]), end[2]) for end in v]
+        return cls.kinetic_in_axes(velocities, x, q)
 
     @classmethod
-    def kinetic_seen(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+    def kinetic_in_axes(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         length, mass = cls.length(x), q["density"] * q["area"]
         first, second = (end[0] for end in v)
         ends = [motion for end in v for motion in (end[1], end[2])]
-        bent = cls.bending(x, q).kinetic(ends, mass, cls.rotary_inertia(q))
-        return linear_kinetic(first, second, mass * length) + bent
+        bending = cls.bending(x, q).kinetic(ends, mass, cls.rotary_inertia(q))
+        return linear_kinetic(first, second, mass * length) + bending
 
     @classmethod
     def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
-        beam, turns, length = cls.bending(x, q), cls.end_turns(u, x), cls.length(x)
-        moment_i, moment_j = beam.moments(*turns)
+        beam, rotations, length = cls.bending(x, q), cls.end_turns(u, x), cls.length(x)
+        moment_i, moment_j = beam.moments(*rotations)
         shear = (moment_i + moment_j) / length
-        eased = beam.rigidity * cls.thermal_curvature(q)
-        strain = (cls.elongation(u, x) + beam.bow(*turns)) / length
+        thermal_moment = beam.rigidity * cls.thermal_curvature(q)
+        strain = (cls.elongation(u, x) + beam.bow(*rotations)) / length
         axial = q["modulus"] * q["area"] * (strain - q["expansion"] * q["temperature"])
         return {
             "force": (axial, "N"),
             "stress": (axial / q["area"], "Pa"),
             "shear": (shear, "N"),
-            "moment_i": (moment_i + eased, "N m"),
-            "moment_j": (moment_j - eased, "N m"),
+            "moment_i": (moment_i + thermal_moment, "N m"),
+            "moment_j": (moment_j - thermal_moment, "N m"),
         }
 
 
 @dataclass(eq=False)
 class TimoshenkoFrame(Frame):
-    """Frame element that shear deforms too, ``φ = 12 E I / (G A_s L²)``, with rotary inertia.
+    """Frame element with shear deformation, ``φ = 12 E I / (G A_s L²)``, and rotary inertia.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""One class of elements as CasADi functions: everything that follows from its energies."""
+"""Expression graphs and CasADi functions of one kind of finite element."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ import numpy as np
 
 from dalembert.elements.fem.energies import Energies, Named
 from dalembert.elements.fem.inertia_graphs import InertiaGraphs
-from dalembert.elements.fem.nodal import ROTATIONS
+from dalembert.elements.fem.node import ROTATIONS
 
 STRESSLESS = 1e-9
-"""Energy of first order in random displacements, by that of second order, that is rounding."""
+"""Threshold of the first-order over the second-order energy below which it is round-off [-]."""
 
 
 class ElementGraphs(InertiaGraphs):
@@ -22,14 +22,14 @@ class ElementGraphs(InertiaGraphs):
     Parameters
     ----------
     cls : class of elements
-    dimension : of space
+    dimension : number of coordinates of a node
     node_count : nodes of one element
-    options : switches that the elements have in common
-    linear : for small displacements: energies up to the second, measures to the first order
+    options : switches of the kind
+    linear : for small displacements: energies to second order, measures to first order
     """
 
     rotation_numbers: ClassVar[dict[int, int]] = {}
-    """By dimension, how many numbers say how a node is turned, if not as many as rotate it."""
+    """Dimension → entries of the rotation of a node, if they differ from the rotation axes."""
 
     def __init__(
         self,
@@ -54,7 +54,7 @@ class ElementGraphs(InertiaGraphs):
 
     @property
     def contractible(self) -> bool:
-        """Whether the energy is one of the displacement gradient."""
+        """Whether the energy depends on the displacement gradient only."""
         return self.cls.contractible
 
     # energies -----------------------------------------------------------------------------
@@ -70,44 +70,48 @@ class ElementGraphs(InertiaGraphs):
 
     @property
     def whole_energy(self) -> ca.SX:
-        """Strain energy with what a change of temperature does to it."""
+        """Strain energy including thermal effects."""
         thermal = ca.SX(self.cls.thermal(self._u, self._x, self._q))
         return self.energy + (self._expanded(thermal, 1) if self.linear else thermal)
 
     @cached_property
     def measures(self) -> Named:
-        """Named quantities of the class: name → (expression, unit)."""
-        named = self.cls.recovered(self._u, self._x, self._q)
+        """Measures of the class: name → (expression, unit)."""
+        measures = self.cls.recovered(self._u, self._x, self._q)
         if self.linear:
-            named = {name: (self._expanded(sx, 1), unit) for name, (sx, unit) in named.items()}
-        return named | self.cls.derived({name: sx for name, (sx, _) in named.items()}, self._q)
+            measures = {
+                name: (self._expanded(sx, 1), unit) for name, (sx, unit) in measures.items()
+            }
+        return measures | self.cls.derived(
+            {name: sx for name, (sx, _) in measures.items()}, self._q
+        )
 
     def _expanded(self, value: ca.SX, order: int) -> ca.SX:
-        """Taylor's polynomial by displacements, about none."""
+        """Taylor polynomial in the displacements about zero."""
         return sum(self._terms(value, order), ca.SX(0))
 
     def _terms(self, value: ca.SX, order: int) -> list[ca.SX]:
-        """Parts of Taylor's polynomial, by their order in the displacements from zero."""
-        share = ca.SX.sym("share")
-        along = ca.substitute(value, self.u, share * self.u)
-        found, factorial = [ca.substitute(along, share, ca.SX(0))], 1
+        """Terms of the Taylor polynomial in the displacements, from order zero."""
+        scale = ca.SX.sym("scale")
+        scaled = ca.substitute(value, self.u, scale * self.u)
+        terms, factorial = [ca.substitute(scaled, scale, ca.SX(0))], 1
         for k in range(1, order + 1):
-            along, factorial = ca.jacobian(along, share), factorial * k
-            found.append(ca.substitute(along, share, ca.SX(0)) / factorial)
-        return found
+            scaled, factorial = ca.jacobian(scaled, scale), factorial * k
+            terms.append(ca.substitute(scaled, scale, ca.SX(0)) / factorial)
+        return terms
 
     def _quadratic(self, energy: ca.SX) -> ca.SX:
-        """A strain energy up to the second order.
+        """A strain energy to second order.
 
-        Elements that are free of stress at rest have no energy of lower orders. Its rounding would
-        be a force at rest, beside which small loads are lost.
+        Elements without initial stress have no energy of lower orders. Its round-off would be a
+        force at rest that exceeds small loads.
         """
         terms = self._terms(energy, 2)
         inputs = [self.u, self.data, self.at]
         sizes = ca.Function("sizes", inputs, [ca.vertcat(*terms)])
         free = all(
             abs(first) <= STRESSLESS * abs(second)
-            for _, first, second in (_drawn(sizes, seed) for seed in range(3))
+            for _, first, second in (_random_values(sizes, seed) for seed in range(3))
         )
         return terms[2] if free else sum(terms, ca.SX(0))
 
@@ -119,9 +123,9 @@ class ElementGraphs(InertiaGraphs):
         return ca.substitute(value, self.u, ca.SX.zeros(self.u.numel()))
 
     # functions ----------------------------------------------------------------------------
-    def function(self, what: str) -> ca.Function:
-        """A function of the sample and further columns; see the methods named like it."""
-        action, _, name = what.partition(" ")
+    def function(self, key: str) -> ca.Function:
+        """The function of the sample and further columns that a method ``_key`` states."""
+        action, _, name = key.partition(" ")
         inputs, outputs = getattr(self, f"_{action}")(*([name] if name else []))
         outputs = [ca.densify(ca.SX(o)) for o in outputs]
         return ca.Function(action, [self.at, *inputs], outputs, {"cse": True})
@@ -129,16 +133,17 @@ class ElementGraphs(InertiaGraphs):
     @property
     def _forces(self) -> ca.SX:
         (w,) = self._symbols("w")
-        return ca.gradient(self.energy, self.u) + ca.gradient(self._beside_energy(w), w)
+        return ca.gradient(self.energy, self.u) + ca.gradient(self._additional_work(w), w)
 
     def _work(self, w: ca.SX) -> ca.SX:
         """Virtual work of the internal forces on displacements ``w``."""
-        return ca.jtimes(self.energy, self.u, w) + self._beside_energy(w)
+        return ca.jtimes(self.energy, self.u, w) + self._additional_work(w)
 
-    def _beside_energy(self, w: ca.SX) -> ca.SX:
+    def _additional_work(self, w: ca.SX) -> ca.SX:
+        """Virtual work of forces not included in the energy."""
         parts = ca.vertsplit(w, self._u[0].numel())
-        own = ca.SX(self.cls.virtual_work(self._u, parts, self._x, self._q))
-        return self._expanded(own, 1) if self.linear else own
+        work = ca.SX(self.cls.virtual_work(self._u, parts, self._x, self._q))
+        return self._expanded(work, 1) if self.linear else work
 
     def _force(self):
         return [self.u, self.data], [self._forces]
@@ -155,16 +160,16 @@ class ElementGraphs(InertiaGraphs):
         return [self.u, self.data, w], [ca.gradient(self._work(w), self.data)]
 
     def _turn(self):
-        """Changes of ``Kᵀ w`` and of ``pull`` with displacements and data."""
+        """Derivatives of ``Kᵀ w`` and of ``pull`` along displacements and data."""
         (w,) = self._symbols("w")
-        return self._turned(self._work(w), w)
+        return self._second_derivatives(self._work(w), w)
 
-    def _turned(self, value: ca.SX, weights: ca.SX):
-        """Change of the slopes of a weighted value."""
+    def _second_derivatives(self, value: ca.SX, weights: ca.SX):
+        """Derivative of the gradient of a weighted value along a direction."""
         du, change = self._symbols("du", "change")
-        seen = ca.vertcat(self.u, self.data)
-        turned = ca.jtimes(ca.gradient(value, seen), seen, ca.vertcat(du, change))
-        outputs = ca.vertsplit(turned, [0, self.u.numel(), seen.numel()])
+        arguments = ca.vertcat(self.u, self.data)
+        directional = ca.jtimes(ca.gradient(value, arguments), arguments, ca.vertcat(du, change))
+        outputs = ca.vertsplit(directional, [0, self.u.numel(), arguments.numel()])
         return [self.u, self.data, weights, du, change], outputs
 
     def _push_tangent(self):
@@ -199,7 +204,7 @@ class ElementGraphs(InertiaGraphs):
         value = self._at_rest(value)
         return [u0, self.data, a, b], [ca.gradient(value, s) for s in (u0, self.data)]
 
-    # of elements whose energy depends on the displacement gradient only
+    # elements whose energy depends on the displacement gradient only
     def _moduli(self):
         return [self.u, self.data], self._contractible(self.linear, None)
 
@@ -207,10 +212,10 @@ class ElementGraphs(InertiaGraphs):
         (u0,) = self._symbols("u0")
         return [u0, self.data], self._contractible(True, u0)
 
-    def _contractible(self, rest: bool, along: ca.SX | None) -> list[ca.SX]:
-        """Slopes of the shape functions, and second derivative of the energy by the gradient.
+    def _contractible(self, at_rest: bool, along: ca.SX | None) -> list[ca.SX]:
+        """Derivatives of the shape functions, and second derivative of the energy by the gradient.
 
-        ``along`` : its change with these displacements instead.
+        With ``along`` the derivative of the latter along these displacements.
         """
         cls: Any = self.cls
         slopes, volume = cls.slopes(self._x, self._q)
@@ -218,9 +223,9 @@ class ElementGraphs(InertiaGraphs):
         h = ca.SX.sym("h", *gradient.shape)
         moduli, _ = ca.hessian(volume * cls.energy_density(h, self._q), ca.vec(h))
         if along is not None:
-            by = ca.vec(ca.substitute(gradient, self.u, along))
-            moduli = ca.reshape(ca.jtimes(ca.vec(moduli), ca.vec(h), by), moduli.shape)
-        at = ca.SX.zeros(*h.shape) if rest else gradient
+            direction = ca.vec(ca.substitute(gradient, self.u, along))
+            moduli = ca.reshape(ca.jtimes(ca.vec(moduli), ca.vec(h), direction), moduli.shape)
+        at = ca.SX.zeros(*h.shape) if at_rest else gradient
         return [slopes, ca.substitute(moduli, h, at)]
 
     # measures and checks
@@ -234,36 +239,36 @@ class ElementGraphs(InertiaGraphs):
     def _weigh(self, name: str):
         value = self._value(name)
         w = ca.SX.sym("w", value.numel())
-        back = [ca.jtimes(value, s, w, True) for s in (self.u, self.data)]
-        return [self.u, self.data, w], back
+        adjoints = [ca.jtimes(value, s, w, True) for s in (self.u, self.data)]
+        return [self.u, self.data, w], adjoints
 
     def _turn_measure(self, name: str):
         value = self._value(name)
         w = ca.SX.sym("w", value.numel())
-        return self._turned(ca.dot(w, value), w)
+        return self._second_derivatives(ca.dot(w, value), w)
 
     @cached_property
     def checks(self) -> list[tuple[ca.SX, str]]:
-        """(what must be positive, what is wrong if it is not)."""
+        """(expression that must be positive, message if it is not)."""
         return self.cls.checks(self._x, self._q)
 
     def _checks(self):
         return [self.data], [ca.vertcat(*(value for value, _ in self.checks))]
 
 
-def _drawn(function: ca.Function, seed: int) -> np.ndarray:
+def _random_values(function: ca.Function, seed: int) -> np.ndarray:
     """Values of a function at random arguments."""
-    draws = np.random.default_rng(seed)
-    inputs = [draws.uniform(0.1, 0.4, function.size_in(k)) for k in range(function.n_in())]
+    generator = np.random.default_rng(seed)
+    inputs = [generator.uniform(0.1, 0.4, function.size_in(k)) for k in range(function.n_in())]
     return function(*inputs).full().ravel()
 
 
 class ThermalGraphs(ElementGraphs):
-    """What a change of temperature adds to the energy of one element, with the same numbers."""
+    """Graphs of the thermal part of the energy of an element."""
 
     contractible = False
 
-    def _beside_energy(self, w: ca.SX) -> ca.SX:
+    def _additional_work(self, w: ca.SX) -> ca.SX:
         return ca.SX(0)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""The kinetic energy of one class of elements, and what follows from it."""
+"""Kinetic energy of one kind of elements: mass matrices and inertia forces."""
 
 from __future__ import annotations
 
@@ -8,16 +8,15 @@ from typing import Any
 import casadi as ca
 
 from dalembert.elements.fem.energies import Energies
-from dalembert.elements.fem.rotations import carried_by_node, spin_map
+from dalembert.elements.fem.rotations import in_node_axes, spin_map
 
 
 class InertiaGraphs:
-    """Mass matrices of elements in their initial places, and inertia forces of displaced ones.
+    """Mass matrices of elements in their initial positions, and inertia forces of displaced ones.
 
-    ``v`` are the velocities of nodes, whose number may be less than that of their displacements.
-
-    With ``T(u, v)`` the inertia forces are ``d/dt ∂T/∂v − ∂T/∂u``. A lumped inertia is the diagonal
-    of a mass matrix, which turns with the nodes.
+    The velocities ``v`` of nodes may have fewer entries than their displacements. With ``T(u, v)``
+    the inertia forces are ``d/dt ∂T/∂v − ∂T/∂u``. A lumped inertia is the diagonal of a mass
+    matrix, which rotates with the nodes.
     """
 
     cls: type[Energies]
@@ -32,12 +31,12 @@ class InertiaGraphs:
 
     @cached_property
     def kinetic(self) -> ca.SX:
-        """Kinetic energy of velocities ``v`` in the initial place."""
+        """Kinetic energy of velocities ``v`` in the initial position."""
         return ca.SX(self.cls.kinetic(self._v, self._x, self._q))
 
     @cached_property
     def mass(self) -> ca.SX:
-        """Twice the kinetic energy of a unit velocity of the whole."""
+        """Total mass: twice the kinetic energy at a unit velocity of all nodes."""
         unit = [ca.vertcat(1, ca.DM.zeros(v.numel() - 1)) for v in self._v]
         return 2 * ca.substitute(self.kinetic, self.v, ca.vertcat(*unit))
 
@@ -64,36 +63,36 @@ class InertiaGraphs:
     # displaced elements -------------------------------------------------------------------
     @cached_property
     def moving(self) -> dict[str, tuple[ca.SX, ca.SX]]:
-        """``"consistent"`` and ``"lumped"`` → kinetic energy, and the numbers it is made of."""
+        """``"consistent"`` and ``"lumped"`` → kinetic energy and the data that it depends on."""
         v, diagonal = self._v, ca.SX.sym("diagonal", self.v.numel())
-        by_node, whole = v, self.kinetic
+        local, consistent = v, self.kinetic
         if not self.linear:
-            whole = self.displaced_kinetic
-            by_node = [carried_by_node(*node) for node in zip(self._u, v, strict=True)]
+            consistent = self.displaced_kinetic
+            local = [in_node_axes(*node) for node in zip(self._u, v, strict=True)]
         return {
-            "consistent": (whole, self.data),
-            "lumped": (ca.dot(diagonal, ca.vertcat(*by_node) ** 2) / 2, diagonal),
+            "consistent": (consistent, self.data),
+            "lumped": (ca.dot(diagonal, ca.vertcat(*local) ** 2) / 2, diagonal),
         }
 
     @cached_property
     def own_axes(self) -> ca.SX | None:
-        """By columns, axes that its inertia turns with."""
+        """Axes with which its inertia rotates, as columns."""
         return self.cls.own_axes(self._u, self._x, self._q)
 
     @cached_property
     def displaced_kinetic(self) -> ca.SX:
-        """Kinetic energy of velocities ``v`` where it is displaced."""
+        """Kinetic energy of velocities ``v`` of the displaced element."""
         if self.own_axes is None:
             return self.kinetic
-        d, back = self._x[0].numel(), self.own_axes.T
-        seen = []
+        d, to_axes = self._x[0].numel(), self.own_axes.T
+        velocities = []
         for u, v in zip(self._u, self._v, strict=True):
-            spin = v[d:] if d == 2 else ca.mtimes(back, self._spin(u, v))
-            seen.append(ca.vertcat(ca.mtimes(back, v[:d]), spin))
-        return ca.SX(self.cls.kinetic_seen(seen, self._x, self._q))
+            spin = v[d:] if d == 2 else ca.mtimes(to_axes, self._spin(u, v))
+            velocities.append(ca.vertcat(ca.mtimes(to_axes, v[:d]), spin))
+        return ca.SX(self.cls.kinetic_in_axes(velocities, self._x, self._q))
 
     def _spin(self, u: ca.SX, v: ca.SX) -> ca.SX:
-        """Angular velocity of a node of space in fixed axes."""
+        """Angular velocity of a spatial node in fixed axes."""
         return ca.mtimes(spin_map(u[3:]), v[3:])
 
     def turning(self, kind: str) -> bool:
@@ -101,52 +100,52 @@ class InertiaGraphs:
         return not self.kinetic.is_zero() and ca.depends_on(self.moving[kind][0], self.u)
 
     def inertia_force(self, kind: str) -> tuple[list[ca.SX], ca.SX]:
-        """Displacements, velocities, accelerations and numbers; the force."""
-        energy, numbers = self.moving[kind]
+        """Inputs (displacements, velocities, accelerations, data) and the inertia force."""
+        energy, data = self.moving[kind]
         a, momentum = ca.SX.sym("a", self.u.numel()), ca.gradient(energy, self.v)
         force = ca.jtimes(momentum, ca.vertcat(self.u, self.v), ca.vertcat(self.v, a))
-        return [self.u, self.v, a, numbers], force - ca.gradient(energy, self.u)
+        return [self.u, self.v, a, data], force - ca.gradient(energy, self.u)
 
     def _inertia_forces(self, kind: str):
-        given, force = self.inertia_force(kind)
-        return given, [force]
+        inputs, force = self.inertia_force(kind)
+        return inputs, [force]
 
     def _inertia_slopes(self, kind: str):
         """Derivatives by displacements, velocities and accelerations."""
-        given, force = self.inertia_force(kind)
-        by_v, by_a = (ca.jacobian(force, by) for by in given[1:3])
-        return given, [ca.vec(slope) for slope in (self._slopes(force), by_v, by_a)]
+        inputs, force = self.inertia_force(kind)
+        by_v, by_a = (ca.jacobian(force, by) for by in inputs[1:3])
+        return inputs, [ca.vec(slope) for slope in (self._slopes(force), by_v, by_a)]
 
     def _push_inertia(self, kind: str):
-        given, force = self.inertia_force(kind)
-        change = ca.SX.sym("change", given[3].numel())
-        return [*given, change], [ca.jtimes(force, given[3], change)]
+        inputs, force = self.inertia_force(kind)
+        change = ca.SX.sym("change", inputs[3].numel())
+        return [*inputs, change], [ca.jtimes(force, inputs[3], change)]
 
     def _pull_inertia(self, kind: str):
-        given, force = self.inertia_force(kind)
+        inputs, force = self.inertia_force(kind)
         w = ca.SX.sym("w", self.u.numel())
-        return [*given, w], [ca.jtimes(force, given[3], w, True)]
+        return [*inputs, w], [ca.jtimes(force, inputs[3], w, True)]
 
     def _turn_inertia(self, kind: str):
-        """Change of ``pull_inertia`` with the numbers."""
-        given, (pulled,) = self._pull_inertia(kind)
-        change = ca.SX.sym("change", given[3].numel())
-        return [*given, change], [ca.jtimes(pulled, given[3], change)]
+        """Derivative of ``pull_inertia`` along the data."""
+        inputs, (pulled,) = self._pull_inertia(kind)
+        change = ca.SX.sym("change", inputs[3].numel())
+        return [*inputs, change], [ca.jtimes(pulled, inputs[3], change)]
 
     def _kinetic_energy(self, kind: str):
-        """The energy, and its slopes by displacements, velocities and numbers."""
-        energy, numbers = self.moving[kind]
-        slopes = [ca.gradient(energy, by) for by in (self.u, self.v, numbers)]
-        return [self.u, self.v, numbers], [energy, *slopes]
+        """The energy and its gradients by displacements, velocities and data."""
+        energy, data = self.moving[kind]
+        slopes = [ca.gradient(energy, by) for by in (self.u, self.v, data)]
+        return [self.u, self.v, data], [energy, *slopes]
 
     def _slopes(self, value: ca.SX) -> ca.SX:
         """Jacobian by the displacements."""
         if not self.cls.floats:
             return ca.jacobian(value, self.u)
         n, d = self._u[0].numel(), self._x[0].numel()
-        rest = ca.jacobian(value, self.u[d:])
-        first = sum((rest[:, k - d : k] for k in range(n, self.u.numel(), n)), 0)
-        return ca.horzcat(-first, rest)
+        columns = ca.jacobian(value, self.u[d:])
+        first = sum((columns[:, k - d : k] for k in range(n, self.u.numel(), n)), 0)
+        return ca.horzcat(-first, columns)
 
     def _symbols(self, *names: str) -> list[ca.SX]:
         return [ca.SX.sym(n, (self.data if n == "change" else self.u).numel()) for n in names]

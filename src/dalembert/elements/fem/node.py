@@ -1,4 +1,4 @@
-"""Nodes of structures: places that elements tie together."""
+"""Nodes of structures."""
 
 from __future__ import annotations
 
@@ -7,9 +7,26 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Element, Vector
-from dalembert.elements.fem.nodal import DIMENSIONS, Nodal
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
+
+TRANSLATIONS = ("ux", "uy", "uz")
+ROTATIONS = {1: (), 2: ("rz",), 3: ("rx", "ry", "rz")}
+DIMENSIONS = (1, 2, 3)
+
+
+class Nodal:
+    """A node of finite elements: a point of a structure or a body of a mechanism.
+
+    Attributes
+    ----------
+    dimension : number of its coordinates
+    natural : SX (d,), stress-free position
+    """
+
+    name: str
+    dimension: int
+    natural: ca.SX
 
 
 @dataclass(eq=False)
@@ -35,11 +52,13 @@ class Node(Nodal, Element):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given = self.position if isinstance(self.position, (tuple, list)) else (self.position,)
-        size = len(given)
+        coordinates = (
+            self.position if isinstance(self.position, (tuple, list)) else (self.position,)
+        )
+        size = len(coordinates)
         if size not in DIMENSIONS:
             raise ModelError(f"needs 1, 2 or 3 coordinates, got {size}", self.name)
-        value = given if size > 1 else given[0]
+        value = coordinates if size > 1 else coordinates[0]
         self.position = as_expression(value, f"{self.name}.position", "m", size)
 
     @property

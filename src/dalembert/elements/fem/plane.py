@@ -1,4 +1,4 @@
-"""Plane continuum: triangles and quadrilaterals in plane stress or plane strain."""
+"""Planar continuum elements: triangles and quadrilaterals in plane stress or plane strain."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from dalembert.elements.fem.continuum import Continuum
 
 @dataclass(eq=False)
 class PlaneElement(Continuum):
-    """A flat piece of material between its nodes, counted counter-clockwise.
+    """A planar continuum element with nodes in counter-clockwise order.
 
     Parameters
     ----------
-    connectivity : its nodes, in the order of VTK and meshio: corners, then middles of edges
+    connectivity : its nodes, in the order of VTK and meshio: corners, then midpoints of edges
     thickness : [m]
     modulus : Young's modulus [Pa]
     poisson : Poisson's ratio [-]
     density : [kg/m³]
     expansion : coefficient of thermal expansion ``α`` [1/K]
-    temperature : change ``ΔT`` against the state without stress, under every load [K]
-    plane_strain : no strain across the plane, instead of no stress
+    temperature : change ``ΔT`` from the stress-free state, for every load case [K]
+    plane_strain : plane strain instead of plane stress
     """
 
     thickness: Scalar = quantity("m", "thickness", above=0.0, keyword=True)
-    plane_strain: bool = option("no strain across the plane, instead of no stress", default=False)
+    plane_strain: bool = option("plane strain instead of plane stress", default=False)
     counting: ClassVar[str] = "move its nodes, or count them counter-clockwise"
 
     @classmethod
@@ -37,7 +37,7 @@ class PlaneElement(Continuum):
 
     @classmethod
     def lame(cls, q: dict) -> tuple[ca.SX, ca.SX]:
-        """``λ, μ`` of Hooke's law in the plane."""
+        """``λ, μ`` of Hooke's law for plane stress or plane strain."""
         if q["plane_strain"]:
             return super().lame(q)
         e, nu = q["modulus"], q["poisson"]
@@ -59,9 +59,9 @@ class PlaneElement(Continuum):
 
     @classmethod
     def across_stress(cls, measured: dict[str, ca.SX], q: dict) -> ca.SX:
-        in_plane = q["poisson"] * (measured["sxx"] + measured["syy"])
-        eased = q["modulus"] * q["expansion"] * q["temperature"]
-        return in_plane - eased if q["plane_strain"] else ca.SX(0)
+        elastic = q["poisson"] * (measured["sxx"] + measured["syy"])
+        thermal = q["modulus"] * q["expansion"] * q["temperature"]
+        return elastic - thermal if q["plane_strain"] else ca.SX(0)
 
 
 @dataclass(eq=False)

@@ -1,7 +1,7 @@
 """Reference cells: nodes, shape functions and integration points.
 
-Shape functions are polynomials of given monomials that are one at their own node and zero at all
-others. Nodes are counted as VTK and meshio do: corners first, then the middles of edges.
+Shape functions are polynomials of specified monomials that are one at their node and zero at all
+others. Nodes are numbered as in VTK and meshio: corners first, then midpoints of edges.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 from dalembert.elements.fem.energies import Rows
 
 DYADIC = 64
-"""Coefficients of shape functions are whole numbers divided by this."""
+"""Common denominator of the coefficients of shape functions."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class ReferenceCell:
     nodes : natural coordinates of the nodes, row by row
     powers : exponents of the monomials, row by row
     samples : ``(ξ, …, weight)`` of the integration points of the strain energy
-    kinetic_samples : the same for products of two shape functions
+    kinetic_samples : integration points for products of two shape functions
     """
 
     nodes: Rows
@@ -47,23 +47,23 @@ class ReferenceCell:
 
     @property
     def corner_count(self) -> int:
-        """Corners: those nodes whose coordinates are ends of the natural interval."""
+        """Number of nodes whose coordinates are ends of the natural interval."""
         low, high = np.min(self.nodes), np.max(self.nodes)
         return sum(all(c in (low, high) for c in node) for node in self.nodes)
 
     @cached_property
     def _coefficients(self) -> np.ndarray:
-        """(monomials, nodes), cleared of round-off."""
-        places, powers = np.array(self.nodes), np.array(self.powers)
-        values = np.prod(places[:, None, :] ** powers, axis=2)
+        """(monomials, nodes) coefficients, rounded to the common denominator."""
+        nodes, powers = np.array(self.nodes), np.array(self.powers)
+        values = np.prod(nodes[:, None, :] ** powers, axis=2)
         return np.round(np.linalg.inv(values) * DYADIC) / DYADIC
 
-    def shape_functions(self, place: ca.SX) -> ca.SX:
+    def shape_functions(self, point: ca.SX) -> ca.SX:
         """(nodes,) values at natural coordinates."""
         monomials = []
         for row in self.powers:
             term = ca.SX(1)
-            for coordinate, power in zip(ca.vertsplit(place), row, strict=True):
+            for coordinate, power in zip(ca.vertsplit(point), row, strict=True):
                 term *= coordinate**power
             monomials.append(term)
         return ca.mtimes(ca.sparsify(ca.DM(self._coefficients.T)), ca.vertcat(*monomials))
@@ -71,22 +71,23 @@ class ReferenceCell:
 
 def gauss_box(dimension: int, count: int) -> Rows:
     """Gauss points of ``[−1, 1]^d``, ``count`` in each direction: exact to degree 2 count − 1."""
-    places, weights = np.polynomial.legendre.leggauss(count)
-    grid = np.stack(np.meshgrid(*[places] * dimension, indexing="ij"), axis=-1)
+    points, weights = np.polynomial.legendre.leggauss(count)
+    grid = np.stack(np.meshgrid(*[points] * dimension, indexing="ij"), axis=-1)
     weight = np.prod(np.meshgrid(*[weights] * dimension, indexing="ij"), axis=0)
     return _rows(grid.reshape(-1, dimension), weight.ravel())
 
 
 def gauss_simplex(dimension: int, count: int) -> Rows:
-    """Gauss points of the unit simplex, a box with one end drawn together (Stroud)."""
-    places, weights = np.zeros((1, 0)), np.ones(1)
-    left = np.ones(1)  # what the coordinates so far leave of the unit
+    """Gauss points of the unit simplex as a collapsed box (Stroud)."""
+    points, weights = np.zeros((1, 0)), np.ones(1)
+    remaining = np.ones(1)  # one minus the sum of the coordinates
     for k in range(dimension):
         s, w = gauss_jacobi(count, dimension - 1 - k)
         s, w = (1 + s) / 2, w / 2 ** (dimension - k)
-        places = np.column_stack([np.repeat(places, count, axis=0), np.outer(left, s).ravel()])
-        weights, left = np.outer(weights, w).ravel(), np.outer(left, 1 - s).ravel()
-    return _rows(places, weights)
+        points = np.column_stack([np.repeat(points, count, axis=0), np.outer(remaining, s).ravel()])
+        weights = np.outer(weights, w).ravel()
+        remaining = np.outer(remaining, 1 - s).ravel()
+    return _rows(points, weights)
 
 
 def gauss_jacobi(count: int, power: int) -> tuple[np.ndarray, np.ndarray]:
@@ -94,14 +95,16 @@ def gauss_jacobi(count: int, power: int) -> tuple[np.ndarray, np.ndarray]:
     recurrence of Jacobi's polynomials (Golub & Welsch, Math. Comp. 23, 1969)."""
     n, a = np.arange(1.0, count), float(power)
     first = -a / (a + 2)
-    middle = np.array([first, *(-(a**2) / ((2 * n + a) * (2 * n + a + 2)))])
-    beside = 2 * n * (n + a) / (2 * n + a) / np.sqrt((2 * n + a) ** 2 - 1)
-    places, vectors = np.linalg.eigh(np.diag(middle) + np.diag(beside, 1) + np.diag(beside, -1))
-    return places, 2 ** (a + 1) / (a + 1) * vectors[0] ** 2
+    diagonal = np.array([first, *(-(a**2) / ((2 * n + a) * (2 * n + a + 2)))])
+    off_diagonal = 2 * n * (n + a) / (2 * n + a) / np.sqrt((2 * n + a) ** 2 - 1)
+    points, vectors = np.linalg.eigh(
+        np.diag(diagonal) + np.diag(off_diagonal, 1) + np.diag(off_diagonal, -1)
+    )
+    return points, 2 ** (a + 1) / (a + 1) * vectors[0] ** 2
 
 
-def _rows(places: np.ndarray, weights: np.ndarray) -> Rows:
-    return tuple((*map(float, place), float(w)) for place, w in zip(places, weights, strict=True))
+def _rows(points: np.ndarray, weights: np.ndarray) -> Rows:
+    return tuple((*map(float, point), float(w)) for point, w in zip(points, weights, strict=True))
 
 
 def _simplex_corners(dimension: int, inside: float, outside: float) -> Rows:
@@ -121,12 +124,12 @@ def _with_middles(corners: Rows, edges: tuple[tuple[int, int], ...]) -> Rows:
 
 
 def _powers(dimension: int, allowed) -> tuple[tuple[int, ...], ...]:
-    every = np.ndindex(*[3] * dimension)
-    return tuple(tuple(int(k) for k in row) for row in every if allowed(row))
+    candidates = np.ndindex(*[3] * dimension)
+    return tuple(tuple(int(k) for k in row) for row in candidates if allowed(row))
 
 
 def _serendipity(row) -> bool:
-    """Products of first powers, one of them squared at most."""
+    """Whether at most one coordinate of a monomial is squared."""
     return sum(k == 2 for k in row) < 2
 
 
@@ -185,4 +188,4 @@ REFERENCE_CELLS: dict[str, ReferenceCell] = {
         gauss_box(3, 3),
     ),
 }
-"""By their names in meshes."""
+"""Name of a cell in meshes → reference cell."""

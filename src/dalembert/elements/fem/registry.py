@@ -1,8 +1,8 @@
-"""The one list of everything a structure can be made of: name → class.
+"""Registry of finite elements: name → class.
 
-Model files, their schema, meshes, pictures and the laws tested over all elements are made from
-these tables. A new element is one file, one row in ``ELEMENTS`` and, where it is no straight line
-between two nodes, one in ``SHAPES``.
+Model files, their schema, meshes, pictures and the tests over all elements are generated from these
+tables. A new element is one file, one row in ``ELEMENTS`` and, unless it is a straight line between
+two nodes, one in ``SHAPES``.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from dalembert.elements.fem.attached import (
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.energies import Energies
 from dalembert.elements.fem.frame import Frame, TimoshenkoFrame
+from dalembert.elements.fem.lines import AxialSpring
 from dalembert.elements.fem.plane import Quadrilateral, Quadrilateral8, Triangle, Triangle6
 from dalembert.elements.fem.solid import Hexahedron, Hexahedron20, Tetrahedron, Tetrahedron10
 from dalembert.elements.fem.space_frame import SpaceFrame, TimoshenkoSpaceFrame
-from dalembert.elements.fem.springs import AxialSpring
 from dalembert.elements.fem.truss import Truss
 
 ELEMENTS: dict[str, type[StructuralElement]] = {
@@ -53,16 +53,16 @@ SHAPES: dict[type[StructuralElement], str] = {
     Hexahedron: "hexahedron",
     Hexahedron20: "hexahedron20",
 }
-"""Class → its shape as a cell of a mesh; the nodes of both are in the same order (that of VTK)."""
+"""Class → name of its cell in meshes; both have the node order of VTK."""
 
 
 def cell_of(cls: type[Energies]) -> str:
-    """Shape of a class of elements: its own row, that of a class above it, else by its nodes."""
-    known = next((SHAPES[base] for base in cls.__mro__ if base in SHAPES), None)
-    return known or {1: "vertex", 2: "line"}.get(cls.node_count, "polygon")
+    """Cell name of a class: its row, that of a base class, or one by its number of nodes."""
+    cell = next((SHAPES[base] for base in cls.__mro__ if base in SHAPES), None)
+    return cell or {1: "vertex", 2: "line"}.get(cls.node_count, "polygon")
 
 
 def element_for(cell: str, dimension: int) -> type[StructuralElement] | None:
-    """The class that a cell of a mesh becomes where none is asked for."""
+    """The default class of a cell of a mesh."""
     fitting = [c for c, kind in SHAPES.items() if kind == cell and dimension in c.dimensions]
     return fitting[0] if fitting else None

@@ -1,4 +1,4 @@
-"""Solid continuum: tetrahedra and hexahedra."""
+"""Solid continuum elements: tetrahedra and hexahedra."""
 
 from __future__ import annotations
 

@@ -1,10 +1,10 @@
-"""Frame elements in space: beams that carry axial force, shear, bending and torsion.
+"""Spatial frame elements with axial force, shear, bending and torsion.
 
-Co-rotational as in the plane: the element's own axes turn with its chord and, about the chord, with
-the mean of its ends (Crisfield; Battini and Pacoste, Computer Methods in Applied Mechanics and
+Co-rotational as in the plane: the element axes rotate with the chord and, about the chord, with the
+mean of its ends (Crisfield; Battini and Pacoste, Computer Methods in Applied Mechanics and
 Engineering 191, 2002), and its inertia with them. Rotations of nodes are of any size: matrices in a
-mechanism, rotation vectors shorter than 2π in a structure. Against the axes of the element its ends
-turn by less than π.
+mechanism, rotation vectors shorter than 2π in a structure. Rotations of the ends relative to the
+element axes are below π.
 """
 
 from __future__ import annotations
@@ -27,25 +27,25 @@ UPRIGHT = 1e-3
 
 @dataclass(eq=False)
 class SpaceFrame(Line):
-    """Euler–Bernoulli beam between two nodes of space.
+    """Euler–Bernoulli beam between two spatial nodes.
 
-    ``W = E A e²/(2L) + G J (φ_xj − φ_xi)²/(2L)`` and the bending energy of the plane frame in both
-    of its own planes, with the elongation ``e`` of the bent axis and the rotations ``φ`` of its
-    ends against its own axes: x along it, y towards ``orientation``, z across both.
+    ``W = E A e²/(2L) + G J (φ_xj − φ_xi)²/(2L)`` plus the bending energy of the planar frame in
+    both principal planes, with the elongation ``e`` of the bent axis and the rotations ``φ`` of its
+    ends relative to the element axes: x along it, y towards ``orientation``, z normal to both.
 
     Parameters
     ----------
     area : cross-section [m²]
-    second_moment_y, second_moment_z : second moments of area about its own y and z axes [m⁴]
+    second_moment_y, second_moment_z : second moments of area about the element y and z axes [m⁴]
     torsion_constant : ``J`` [m⁴]
     modulus : Young's modulus [Pa]
     shear_modulus : ``G`` [Pa]
     density : [kg/m³]
     expansion : coefficient of thermal expansion ``α`` [1/K]
-    temperature : change ``ΔT`` against the state without stress, under every load [K]
-    temperature_gradient_y, temperature_gradient_z : its rise along its own y and z axes [K/m]
-    orientation : (3,) direction in the plane of its own x and y axes; zero stands for the z axis,
-        and for the y axis where the beam is vertical
+    temperature : change ``ΔT`` from the stress-free state, for every load case [K]
+    temperature_gradient_y, temperature_gradient_z : its derivatives along y and z [K/m]
+    orientation : (3,) direction in the plane of the element x and y axes; zero for the global z
+        axis, or the y axis if the beam is vertical
 
     Examples
     --------
@@ -85,54 +85,53 @@ class SpaceFrame(Line):
         super().__post_init__()
         if self.node_i.dimension != 3:
             raise ModelError(
-                "is an element of space, whose nodes have three coordinates; take Frame in the "
-                "plane",
+                "is a spatial element, whose nodes have three coordinates; use Frame in the plane",
                 self.name,
             )
 
     # geometry -----------------------------------------------------------------------------
     @classmethod
     def axes(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        """Its own axes before displacement, by columns."""
-        along = (x[1] - x[0]) / cls.length(x)
-        third = ca.cross(along, cls._towards(along, q))
+        """Undeformed element axes as columns."""
+        first = (x[1] - x[0]) / cls.length(x)
+        third = ca.cross(first, cls._reference_direction(first, q))
         third /= ca.norm_2(third)
-        return ca.horzcat(along, ca.cross(third, along), third)
+        return ca.horzcat(first, ca.cross(third, first), third)
 
     @staticmethod
-    def _towards(along: ca.SX, q: dict[str, ca.SX]) -> ca.SX:
-        """The orientation, or what stands for it."""
-        given = q["orientation"]
-        upright = ca.sumsqr(along[:2]) < UPRIGHT**2
+    def _reference_direction(axis: ca.SX, q: dict[str, ca.SX]) -> ca.SX:
+        """The orientation or its default."""
+        orientation = q["orientation"]
+        upright = ca.sumsqr(axis[:2]) < UPRIGHT**2
         default = ca.if_else(upright, ca.DM([0, 1, 0]), ca.DM([0, 0, 1]))
-        return ca.if_else(ca.sumsqr(given) > 0, given, default)
+        return ca.if_else(ca.sumsqr(orientation) > 0, orientation, default)
 
     @classmethod
     def end_rotations(
         cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
     ) -> tuple[ca.SX, ca.SX]:
-        """Rotation vectors of the ends against its turned axes, in these axes."""
-        turned, ends = cls.turned_axes(u, x, q)
-        first, second = (rotation_vector(ca.mtimes(turned.T, end)) for end in ends)
+        """Rotation vectors of the ends relative to the rotated element axes, in these axes."""
+        axes, ends = cls.turned_axes(u, x, q)
+        first, second = (rotation_vector(ca.mtimes(axes.T, end)) for end in ends)
         return first, second
 
     @classmethod
     def turned_axes(
         cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]
     ) -> tuple[ca.SX, list[ca.SX]]:
-        """Its own axes after displacement, and those of its ends, by columns."""
+        """Rotated element axes, and those of its ends, as columns."""
         before = cls.axes(x, q)
         ends = [ca.mtimes(turn_of(end), before) for end in u]
         chord = x[1] - x[0] + u[1][:3] - u[0][:3]
-        along = chord / ca.norm_2(chord)
-        third = ca.cross(along, ends[0][:, 1] + ends[1][:, 1])
+        first = chord / ca.norm_2(chord)
+        third = ca.cross(first, ends[0][:, 1] + ends[1][:, 1])
         third /= ca.norm_2(third)
-        return ca.horzcat(along, ca.cross(third, along), third), ends
+        return ca.horzcat(first, ca.cross(third, first), third), ends
 
     # energies -----------------------------------------------------------------------------
     @classmethod
     def bending(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> tuple[Bending, Bending]:
-        """The beam as it turns about its y and its z axis."""
+        """Bending about the y and the z axis."""
         length, (soft_y, soft_z) = cls.length(x), cls.shear_softness(x, q)
         return (
             Bending(length, q["modulus"] * q["second_moment_y"], soft_y),
@@ -141,26 +140,26 @@ class SpaceFrame(Line):
 
     @classmethod
     def shear_softness(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
-        """``φ = 12 E I/(G A_s L²)`` of turns about y and z; zero where shear does not deform."""
+        """``φ = 12 E I/(G A_s L²)`` of bending about y and z; zero for rigid shear."""
         return ca.SX(0), ca.SX(0)
 
     @classmethod
     def rotary_inertia(cls, q: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
-        """``ρ I`` about y and z where the turning of the cross-section counts [kg m]."""
+        """``ρ I`` about y and z of elements with rotary inertia [kg m]."""
         return ca.SX(0), ca.SX(0)
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         length, (first, second) = cls.length(x), cls.end_rotations(u, x, q)
         about_y, about_z = cls.bending(x, q)
-        stretch = q["modulus"] * q["area"] * cls.lengthening(u, x, q, first, second) ** 2
+        axial = q["modulus"] * q["area"] * cls.lengthening(u, x, q, first, second) ** 2
         twist = q["shear_modulus"] * q["torsion_constant"] * (second[0] - first[0]) ** 2
-        bend = about_y.energy(first[1], second[1]) + about_z.energy(first[2], second[2])
-        return (stretch + twist) / (2 * length) + bend
+        bending = about_y.energy(first[1], second[1]) + about_z.energy(first[2], second[2])
+        return (axial + twist) / (2 * length) + bending
 
     @classmethod
     def lengthening(cls, u, x, q: dict[str, ca.SX], first: ca.SX, second: ca.SX) -> ca.SX:
-        """Elongation of the axis, bent as the rotations of its ends say."""
+        """Elongation of the axis bent by the rotations of its ends."""
         about_y, about_z = cls.bending(x, q)
         bow = about_y.bow(first[1], second[1]) + about_z.bow(first[2], second[2])
         return cls.elongation(u, x) + bow
@@ -169,17 +168,17 @@ class SpaceFrame(Line):
     def thermal(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
         length, (first, second) = cls.length(x), cls.end_rotations(u, x, q)
         strain = q["expansion"] * q["temperature"]
-        longer = cls.lengthening(u, x, q, first, second)
-        total = q["modulus"] * q["area"] * strain * (strain * length / 2 - longer)
+        elongation = cls.lengthening(u, x, q, first, second)
+        total = q["modulus"] * q["area"] * strain * (strain * length / 2 - elongation)
         beams, curvatures = cls.bending(x, q), cls.thermal_curvatures(q)
         for k, (beam, curvature) in enumerate(zip(beams, curvatures, strict=True)):
-            turn = second[k + 1] - first[k + 1]
-            total += beam.rigidity * curvature * (curvature * length / 2 - turn)
+            rotation = second[k + 1] - first[k + 1]
+            total += beam.rigidity * curvature * (curvature * length / 2 - rotation)
         return total
 
     @classmethod
     def thermal_curvatures(cls, q: dict[str, ca.SX]) -> tuple[ca.SX, ca.SX]:
-        """Curvatures about y and z that the temperature gives a free beam [1/m]."""
+        """Thermal curvatures of a free beam about y and z [1/m]."""
         return (
             q["expansion"] * q["temperature_gradient_z"],
             -q["expansion"] * q["temperature_gradient_y"],
@@ -191,29 +190,29 @@ class SpaceFrame(Line):
 
     @classmethod
     def kinetic(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        back = cls.axes(x, q).T
-        own = [ca.vec(ca.mtimes(back, ca.reshape(end, 3, 2))) for end in v]
-        return cls.kinetic_seen(own, x, q)
+        to_axes = cls.axes(x, q).T
+        velocities = [ca.vec(ca.mtimes(to_axes, ca.reshape(end, 3, 2))) for end in v]
+        return cls.kinetic_in_axes(velocities, x, q)
 
     @classmethod
-    def kinetic_seen(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
-        length, own = cls.length(x), [(end[:3], end[3:]) for end in v]
+    def kinetic_in_axes(cls, v: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        length, velocities = cls.length(x), [(end[:3], end[3:]) for end in v]
         mass = q["density"] * q["area"]
         polar = q["density"] * (q["second_moment_y"] + q["second_moment_z"])
-        (speed_i, spin_i), (speed_j, spin_j) = own
+        (speed_i, spin_i), (speed_j, spin_j) = velocities
         total = linear_kinetic(speed_i[0], speed_j[0], mass * length)
         total += linear_kinetic(spin_i[0], spin_j[0], polar * length)
         (about_y, about_z), (inertia_y, inertia_z) = cls.bending(x, q), cls.rotary_inertia(q)
-        # a deflection along z that grows with x turns about y the other way round
-        down = [motion for speed, spin in own for motion in (-speed[2], spin[1])]
-        side = [motion for speed, spin in own for motion in (speed[1], spin[2])]
+        # a positive slope of the deflection along z is a negative rotation about y
+        down = [motion for speed, spin in velocities for motion in (-speed[2], spin[1])]
+        side = [motion for speed, spin in velocities for motion in (speed[1], spin[2])]
         total += about_y.kinetic(down, mass, inertia_y)
         return total + about_z.kinetic(side, mass, inertia_z)
 
     # measures -----------------------------------------------------------------------------
     @classmethod
     def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
-        """Section forces in its own axes; moments ``_i``, ``_j`` are those on its ends."""
+        """Section forces in element axes; moments ``_i``, ``_j`` act on its ends."""
         length, (first, second) = cls.length(x), cls.end_rotations(u, x, q)
         strain = cls.lengthening(u, x, q, first, second) / length
         axial = q["modulus"] * q["area"] * (strain - q["expansion"] * q["temperature"])
@@ -221,37 +220,37 @@ class SpaceFrame(Line):
         about_y, about_z = cls.bending(x, q)
         y_i, y_j = about_y.moments(first[1], second[1])
         z_i, z_j = about_z.moments(first[2], second[2])
-        curved_y, curved_z = cls.thermal_curvatures(q)
-        eased_y, eased_z = about_y.rigidity * curved_y, about_z.rigidity * curved_z
+        curvature_y, curvature_z = cls.thermal_curvatures(q)
+        thermal_y, thermal_z = about_y.rigidity * curvature_y, about_z.rigidity * curvature_z
         return {
             "force": (axial, "N"),
             "stress": (axial / q["area"], "Pa"),
             "torque": (torque, "N m"),
             "shear_y": ((z_i + z_j) / length, "N"),
             "shear_z": (-(y_i + y_j) / length, "N"),
-            "moment_y_i": (y_i + eased_y, "N m"),
-            "moment_y_j": (y_j - eased_y, "N m"),
-            "moment_z_i": (z_i + eased_z, "N m"),
-            "moment_z_j": (z_j - eased_z, "N m"),
+            "moment_y_i": (y_i + thermal_y, "N m"),
+            "moment_y_j": (y_j - thermal_y, "N m"),
+            "moment_z_i": (z_i + thermal_z, "N m"),
+            "moment_z_j": (z_j - thermal_z, "N m"),
         }
 
     @classmethod
     def checks(cls, x: list[ca.SX], q: dict[str, ca.SX]) -> list[tuple[ca.SX, str]]:
-        along = (x[1] - x[0]) / cls.length(x)
-        towards = cls._towards(along, q)
-        sine = ca.norm_2(ca.cross(along, towards)) / ca.norm_2(towards)
+        axis = (x[1] - x[0]) / cls.length(x)
+        direction = cls._reference_direction(axis, q)
+        sine = ca.norm_2(ca.cross(axis, direction)) / ca.norm_2(direction)
         parallel = "has an orientation along its own axis; give a direction across it"
         return [*super().checks(x, q), (sine - UPRIGHT / 2, parallel)]
 
 
 @dataclass(eq=False)
 class TimoshenkoSpaceFrame(SpaceFrame):
-    """Frame element in space that shear deforms too, with rotary inertia.
+    """Spatial frame element with shear deformation and rotary inertia.
 
     Parameters
     ----------
     shear_area_y, shear_area_z : cross-section times the shear correction factor for shear forces
-        along its own y and z axes [m²]
+        along the element y and z axes [m²]
 
     Examples
     --------
@@ -264,9 +263,9 @@ class TimoshenkoSpaceFrame(SpaceFrame):
     >>> numbers = dict(area=1e-2, modulus=3e9) | bending | shear
     >>> element = stub.add(structures.TimoshenkoSpaceFrame("stub", root, tip, **numbers))
     >>> stub.support(root)
-    >>> stub.load(tip, fy=900.0, fz=900.0)  # own y axis along the global z axis
+    >>> stub.load(tip, fy=900.0, fz=900.0)  # element y axis along global z
     >>> result = da.solve_statics(stub.build())
-    >>> round(result["tip.uz"] * 1e3, 6), round(result["tip.uy"] * 1e3, 6)  # shear softer along y
+    >>> round(result["tip.uz"] * 1e3, 6), round(result["tip.uy"] * 1e3, 6)  # by shear areas
     (1.9, 1.45)
     """
 

@@ -16,7 +16,7 @@ from dalembert.elements.fem.lines import Line
 class Truss(Line):
     """Bar that carries axial force only, ``W = E A e² / (2 L)`` with the elongation ``e``.
 
-    Its mass follows the linear course of the velocity between its ends.
+    Its mass matrix is that of a linear velocity between its ends.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class Truss(Line):
     modulus : Young's modulus [Pa]
     density : [kg/m³]
     expansion : coefficient of thermal expansion ``α`` [1/K]
-    temperature : change ``ΔT`` against the state without stress, under every load [K]
+    temperature : change ``ΔT`` from the stress-free state, for every load case [K]
 
     Examples
     --------

@@ -1,1 +1,1 @@
-"""What bends: beams that bend far, and structures that deform by few shapes in a floating frame."""
+"""Flexible bodies: geometrically exact beams, and reduced structures in a floating frame."""

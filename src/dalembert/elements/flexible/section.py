@@ -1,4 +1,4 @@
-"""Sections: the interfaces of a flexible body, on which joints, forces and drivers hold."""
+"""Sections: interfaces of a flexible body for joints, forces and drivers."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from dalembert.symbolic.formulas.expression import t
 
 
 class Section(BodyElement):
-    """An interface as a body of its own, whose pose follows from that of the flexible body.
+    """An interface as a body, whose pose depends on that of the flexible body.
 
-    It is at ``r + R (x + Φ_S a)`` and turns against the frame by ``Ψ_S a``.
+    It is at ``r + R (x + Φ_S a)`` and rotated relative to the frame by ``Ψ_S a``.
 
     Parameters
     ----------
-    owner : the flexible body, whose coordinates it has
+    owner : the flexible body, which has the coordinates
     label : name of the interface
-    shapes : how it moves in the frame
+    shapes : its motion in the frame
     """
 
     def __init__(self, owner: Any, label: str, shapes: SectionShapes):
@@ -39,11 +39,11 @@ class Section(BodyElement):
 
     @property
     def graph(self) -> SectionSymbols:
-        """Its shapes in equations."""
+        """Its shapes as they appear in equations."""
         return self.owner.graph.sections[self.label]
 
     @property
-    def shown(self) -> str:
+    def display_name(self) -> str:
         return f"{self.name}.{self.label}"
 
     @property
@@ -53,12 +53,12 @@ class Section(BodyElement):
 
     @property
     def turn(self) -> ca.SX:
-        """Its small turn against the frame; none where it only shifts."""
+        """Its small rotation relative to the frame; empty if it only translates."""
         return ca.mtimes(self.graph.turn, self.owner.amplitudes)
 
     @property
     def place(self) -> ca.SX:
-        """(d,) where it is, inertial axes."""
+        """(d,) its position, inertial axes."""
         return self.owner.locate(self.graph.place + self.shift)
 
     def undeformed(self, local: ca.SX) -> ca.SX:
@@ -66,9 +66,9 @@ class Section(BodyElement):
 
     def velocity_at(self, place: ca.SX) -> ca.SX:
         velocity = rate_of(self.place, [self], t.sx)
-        moved = ca.vertcat(self.place, ca.SX.zeros(3 - self.dimension))
+        origin = ca.vertcat(self.place, ca.SX.zeros(3 - self.dimension))
         velocity = ca.vertcat(velocity, ca.SX.zeros(3 - self.dimension))
-        return velocity + ca.cross(self.turning, place - moved)
+        return velocity + ca.cross(self.turning, place - origin)
 
     def wrench(self, effort: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
         return self.owner.wrench(effort)
@@ -76,8 +76,8 @@ class Section(BodyElement):
     def guesses(self) -> tuple[list, list]:
         return self.owner.guesses()
 
-    def guessed(self) -> list[bool]:
-        return self.owner.guessed()
+    def specified(self) -> list[bool]:
+        return self.owner.specified()
 
 
 def _of_owner(name: str) -> property:
@@ -92,23 +92,23 @@ for _name in (
 
 
 class SectionFrame(Frame):
-    """Place and axes of a section, with its deflection among the measures."""
+    """Frame of a section, with its deflection among the measures."""
 
     def measures(self) -> dict[str, tuple[ca.SX, str]]:
         return super().measures() | deflections(self)
 
 
 class SectionPoint(Point):
-    """Place of a section, with its deflection among the measures."""
+    """Point of a section, with its deflection among the measures."""
 
     def measures(self) -> dict[str, tuple[ca.SX, str]]:
         return super().measures() | deflections(self)
 
 
 def deflections(point: Point) -> dict[str, tuple[ca.SX, str]]:
-    """Displacement and turn of its section against the frame, in the axes of the frame."""
+    """Displacement and rotation of its section relative to the frame, in the axes of the frame."""
     section = point.body
-    found = {"deflection": (section.shift, "m")}
+    measures = {"deflection": (section.shift, "m")}
     if section.rotates:
-        found["turn"] = (section.turn, "rad")
-    return found
+        measures["turn"] = (section.turn, "rad")
+    return measures

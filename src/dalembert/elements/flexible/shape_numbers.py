@@ -1,7 +1,7 @@
-"""The numbers that shapes of a structure put into the graph of a mechanism.
+"""Shapes of a structure in the expression graph of a mechanism.
 
-They are constants; where the structure follows parameters of the mechanism they are symbols, which
-a run fills with the numbers that belong to its parameter values.
+Their entries are constants, or symbols if the structure depends on parameters of the mechanism; a
+run supplies the values of the symbols at its parameters.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from dalembert.errors import AnalysisError, ModelError
 from dalembert.symbolic.once import once
 
 SYMMETRIC = 4
-"""Tables of shapes that are symmetric; those of sections stand behind them."""
+"""Number of symmetric tables of shapes, which precede those of sections."""
 
 
 @dataclass(frozen=True, eq=False)
 class SectionSymbols:
-    """How an interface moves, see ``SectionShapes``."""
+    """``SectionShapes`` as expressions."""
 
     place: ca.SX
     shift: ca.SX
@@ -32,7 +32,7 @@ class SectionSymbols:
 
 @dataclass(frozen=True, eq=False)
 class ShapeSymbols:
-    """What the graph holds of ``FloatingShapes``."""
+    """``FloatingShapes`` as expressions."""
 
     inertia: ca.SX
     stiffness: ca.SX
@@ -42,56 +42,56 @@ class ShapeSymbols:
 
 
 def constant_shapes(shapes: FloatingShapes) -> ShapeSymbols:
-    """Shapes as numbers."""
+    """Shapes as constants."""
     return _filled(shapes, [ca.sparsify(ca.SX(ca.DM(table))) for table in _tables(shapes)])
 
 
 class ShapeNumbers(ComputedNumbers):
-    """Shapes as symbols, and what they are at parameter values.
+    """Shapes as symbols, and their values at parameters.
 
     Parameters
     ----------
-    name : of the body
-    following : shapes that follow parameters of their structure
-    given : parameter of the structure → number
-    followed : parameter of the structure → formula of parameters of the mechanism
+    name : name of the body
+    following : shapes as functions of parameters of their structure
+    values : parameter of the structure → number
+    formulas : parameter of the structure → formula of parameters of the mechanism
     """
 
     def __init__(
         self,
         name: str,
         following: FollowingStructure,
-        given: Mapping[str, float],
-        followed: Mapping[str, ca.SX],
+        values: Mapping[str, float],
+        formulas: Mapping[str, ca.SX],
     ):
-        self.name, self.following, self.given = name, following, dict(given)
-        self.followed = list(followed)
-        self.arguments = ca.vertcat(*followed.values())
-        self._places = _places(following.chosen)
-        made = [
-            ca.SX.sym(f"{name}.shapes{k}", int(places.max(initial=-1)) + 1)
-            for k, places in enumerate(self._places)
+        self.name, self.following, self.constants = name, following, dict(values)
+        self.names = list(formulas)
+        self.arguments = ca.vertcat(*formulas.values())
+        self._indices = _indices(following.chosen)
+        columns = [
+            ca.SX.sym(f"{name}.shapes{k}", int(indices.max(initial=-1)) + 1)
+            for k, indices in enumerate(self._indices)
         ]
-        self.symbols = ca.vertcat(*made)
-        tables = [_table(column, p) for column, p in zip(made, self._places, strict=True)]
+        self.symbols = ca.vertcat(*columns)
+        tables = [_table(column, i) for column, i in zip(columns, self._indices, strict=True)]
         self.graph = _filled(following.chosen, tables)
 
     def shapes(self, arguments: np.ndarray) -> FloatingShapes:
-        """The shapes themselves."""
+        """The shapes at values of the formulas."""
         return self._at(tuple(map(float, arguments)))
 
     def values(self, arguments: np.ndarray) -> np.ndarray:
         return self._packed(self.shapes(arguments))
 
     def push(self, arguments: np.ndarray, directions: np.ndarray) -> np.ndarray:
-        at = tuple(map(float, arguments))
-        columns = [self._pushed(at, tuple(map(float, d))) for d in directions.T]
+        values = tuple(map(float, arguments))
+        columns = [self._pushed(values, tuple(map(float, d))) for d in directions.T]
         return np.array(columns).T.reshape(self.symbols.numel(), len(columns))
 
     def pull(self, arguments: np.ndarray, weights: np.ndarray) -> np.ndarray:
         values = self._parameters(tuple(map(float, arguments)))
-        found = [self.following.pull(values, self._unpacked(w), self.followed) for w in weights.T]
-        return np.array(found).T.reshape(len(self.followed), len(found))
+        pulled = [self.following.pull(values, self._unpacked(w), self.names) for w in weights.T]
+        return np.array(pulled).T.reshape(len(self.names), len(pulled))
 
     @once
     def _at(self, arguments: tuple[float, ...]) -> FloatingShapes:
@@ -106,28 +106,28 @@ class ShapeNumbers(ComputedNumbers):
     def _pushed(self, arguments: tuple[float, ...], direction: tuple[float, ...]) -> np.ndarray:
         if not any(direction):
             return np.zeros(self.symbols.numel())
-        changes = dict(zip(self.followed, direction, strict=True))
+        changes = dict(zip(self.names, direction, strict=True))
         return self._packed(self.following.push(self._parameters(arguments), changes))
 
     def _parameters(self, arguments: tuple[float, ...]) -> dict[str, float]:
-        return self.given | dict(zip(self.followed, arguments, strict=True))
+        return self.constants | dict(zip(self.names, arguments, strict=True))
 
     def _packed(self, shapes: FloatingShapes) -> np.ndarray:
         columns = []
-        for table, places in zip(_tables(shapes), self._places, strict=True):
-            column = np.zeros(int(places.max(initial=-1)) + 1)
-            column[places[places >= 0]] = table[places >= 0]
+        for table, indices in zip(_tables(shapes), self._indices, strict=True):
+            column = np.zeros(int(indices.max(initial=-1)) + 1)
+            column[indices[indices >= 0]] = table[indices >= 0]
             columns.append(column)
         return np.concatenate(columns)
 
     def _unpacked(self, weights: np.ndarray) -> FloatingShapes:
-        """Weights at the entries that stand for the numbers, one where two are equal."""
+        """Weights as tables; equal entries of symmetric tables have one weight."""
         tables, begin = [], 0
-        for k, places in enumerate(self._places):
-            size = int(places.max(initial=-1)) + 1
-            own = (np.tril(places + 1) if k < SYMMETRIC else places + 1) > 0
-            table = np.zeros(places.shape)
-            table[own] = weights[begin : begin + size][places[own]]
+        for k, indices in enumerate(self._indices):
+            size = int(indices.max(initial=-1)) + 1
+            filled = (np.tril(indices + 1) if k < SYMMETRIC else indices + 1) > 0
+            table = np.zeros(indices.shape)
+            table[filled] = weights[begin : begin + size][indices[filled]]
             tables.append(table)
             begin += size
         inertia, stiffness, mass, critical = tables[:SYMMETRIC]
@@ -150,34 +150,34 @@ class ShapeNumbers(ComputedNumbers):
 
 
 def _tables(shapes: FloatingShapes) -> list[np.ndarray]:
-    found = [shapes.inertia, shapes.stiffness, shapes.mass, shapes.critical]
+    tables = [shapes.inertia, shapes.stiffness, shapes.mass, shapes.critical]
     for section in shapes.sections.values():
-        found += [section.place[:, None], section.shift, section.turn]
-    return found
+        tables += [section.place[:, None], section.shift, section.turn]
+    return tables
 
 
-def _places(shapes: FloatingShapes) -> list[np.ndarray]:
-    """Number of each entry of each table in its column; −1 where it is always zero."""
-    found = []
+def _indices(shapes: FloatingShapes) -> list[np.ndarray]:
+    """Index of each entry of each table in its column of symbols; −1 for structural zeros."""
+    result = []
     for k, table in enumerate(_tables(shapes)):
         if k >= SYMMETRIC:
-            found.append(np.arange(table.size).reshape(table.shape))
+            result.append(np.arange(table.size).reshape(table.shape))
             continue
         i, j = np.indices(table.shape)
-        kept = shapes.counted > 0 if k == 0 else np.ones_like(i, dtype=bool)
-        places = np.full(table.shape, -1)
-        lower = kept & (i >= j)
-        places[lower] = np.arange(lower.sum())
-        found.append(np.maximum(places, places.T))
-    return found
+        nonzero = shapes.counted > 0 if k == 0 else np.ones_like(i, dtype=bool)
+        indices = np.full(table.shape, -1)
+        lower = nonzero & (i >= j)
+        indices[lower] = np.arange(lower.sum())
+        result.append(np.maximum(indices, indices.T))
+    return result
 
 
-def _table(column: ca.SX, places: np.ndarray) -> ca.SX:
-    """The column's entries at their places."""
-    if not places.size:
-        return ca.SX(*places.shape)
-    flat = ca.vertcat(column, 0)[np.where(places < 0, column.numel(), places).ravel("F").tolist()]
-    return ca.sparsify(ca.reshape(flat, *places.shape))
+def _table(column: ca.SX, indices: np.ndarray) -> ca.SX:
+    """Table of the entries of a column at their indices."""
+    if not indices.size:
+        return ca.SX(*indices.shape)
+    flat = ca.vertcat(column, 0)[np.where(indices < 0, column.numel(), indices).ravel("F").tolist()]
+    return ca.sparsify(ca.reshape(flat, *indices.shape))
 
 
 def _filled(shapes: FloatingShapes, tables: list[ca.SX]) -> ShapeSymbols:

@@ -1,15 +1,15 @@
-"""What a flexible body is made of: numbers that a structure gives, once, by its few shapes.
+"""Shapes of a reduced structure in a floating frame, and its inertia integrals.
 
 Nodal displacements in the floating frame are ``u = Φ q + ½ Σ Θ_kl q_k q_l``, so ``u = Φ_a a(q)``
 with the amplitudes ``a = (q, q_k q_l)``. A velocity of the body is
 
     w = T v' + R ω' + Φ_a ȧ + Σ (e_j × Φ_a) a ω'_j = W s,      s = (v', ω', ȧ, a ⊗ ω')
 
-by the nodal velocities ``w`` in the axes of the frame, so that the kinetic energy is
+in nodal velocities ``w`` in the axes of the frame, so that the kinetic energy is
 ``½ sᵀ (Wᵀ M W) s`` with the mass matrix ``M`` of the finite elements: all inertia integrals are
-entries of one matrix of numbers, and none is typed; with products of amplitudes, those up to the
-second order and all by ``ȧ`` twice (nodal-based floating frame: Zwölfer and Gerstmayr, The
-nodal-based floating frame of reference formulation, Acta Mechanica 232, 2021).
+entries of one numerical matrix. With products of amplitudes it includes terms up to second order
+and all terms quadratic in ``ȧ`` (nodal-based floating frame: Zwölfer and Gerstmayr, The nodal-based
+floating frame of reference formulation, Acta Mechanica 232, 2021).
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class SectionShapes:
-    """How an interface moves in the floating frame.
+    """Motion of an interface in the floating frame.
 
     Attributes
     ----------
-    place : (d,) where it is undeformed
+    place : (d,) undeformed position
     shift : (d, amplitudes)
-    turn : (rotations, amplitudes), small turns; without rows where it only shifts
+    turn : (rotations, amplitudes) small rotations; no rows if it only translates
     """
 
     place: np.ndarray
@@ -45,15 +45,15 @@ class FloatingShapes:
     ----------
     dimension : 2 or 3
     frequencies : (m,) of the modes with the frame at rest [rad/s]
-    stiffness, mass : (m, m) of the shapes; diagonal where these modes are the shapes
-    critical : (m, m) damping with which all these modes just do not swing
-    pairs : (k, 2) shapes whose products have second-order displacements of their own
+    stiffness, mass : (m, m) of the shapes; diagonal if the shapes are these modes
+    critical : (m, m) damping matrix that damps all these modes critically
+    pairs : (k, 2) pairs of shapes with second-order displacements
     inertia : (N, N) ``Wᵀ M W``
-    counted : (N, N) one for entries of the inertia that count, else zero
+    counted : (N, N) one for entries of the inertia that are included, else zero
     sections : interface → SectionShapes
     origin : (d,) of the frame, in the axes of the structure
     displacements : (n, amplitudes) of all nodes, ``Φ_a``
-    structure, p : where they come from
+    structure, p : structural model and its parameter values
     """
 
     dimension: int
@@ -77,34 +77,34 @@ class FloatingShapes:
 
     @property
     def total_mass(self) -> float:
-        """Of the body [kg]."""
+        """Mass of the body [kg]."""
         return float(self.inertia[0, 0])
 
     @property
     def rotations(self) -> int:
-        """Axes to turn about."""
+        """Number of rotation axes."""
         return 1 if self.dimension == 2 else 3
 
 
 class FollowingStructure(Protocol):
-    """Shapes that were chosen once, and what becomes of them at other parameter values."""
+    """Shapes chosen at nominal parameters, as functions of the parameters."""
 
     chosen: FloatingShapes
 
     def at(self, parameters: Mapping[str, float]) -> FloatingShapes:
-        """The shapes at other values."""
+        """The shapes at parameter values."""
 
     def push(self, parameters: Mapping[str, float], changes: Mapping[str, float]) -> FloatingShapes:
-        """Changes of what they consist of with changes of some parameters."""
+        """Derivatives of the shapes along changes of parameters."""
 
     def pull(
         self, parameters: Mapping[str, float], weights: FloatingShapes, names: Sequence[str]
     ) -> np.ndarray:
-        """Weights of some parameters from weights of what they consist of."""
+        """Adjoints of parameters from adjoints of the shapes."""
 
 
 class FlexibleStructure(Protocol):
-    """What can become a flexible body; ``StructuralModel`` can."""
+    """Interface of structures that can be flexible bodies, such as ``StructuralModel``."""
 
     name: str
     parameters: Mapping[str, Any]

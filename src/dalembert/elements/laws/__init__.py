@@ -1,8 +1,6 @@
 """Motion laws ``f(t)`` for drivers."""
 
-from dalembert.elements.laws.base import Formula, Law, Product, Sum
-from dalembert.elements.laws.harmonic import Harmonic
-from dalembert.elements.laws.polynomial import Polynomial
+from dalembert.elements.laws.base import Formula, Harmonic, Law, Polynomial, Product, Sum
 from dalembert.elements.laws.rise import (
     CycloidalRise,
     HarmonicRise,

@@ -1,4 +1,4 @@
-"""What a motion law is: a function of time with quantities like any element."""
+"""Motion laws: functions of time, their sums and products, polynomials and harmonics."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from typing import Annotated, Any, ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Condition, Scalar, option, quantity
-from dalembert.elements.ingredient import Ingredient
+from dalembert.elements.component import Component
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, t
 
 
 @dataclass(eq=False)
-class Law(Ingredient):
+class Law(Component):
     """Prescribed value ``f(t)``; differentiable twice for velocities and accelerations.
 
     Examples
@@ -37,7 +37,7 @@ class Law(Ingredient):
         raise NotImplementedError
 
     def splines(self) -> tuple:
-        """Splines through tables that it evaluates."""
+        """Splines of the tables that it evaluates."""
         return ()
 
     def __add__(self, other: Any) -> Law:
@@ -61,16 +61,16 @@ class Law(Ingredient):
     def __neg__(self) -> Law:
         return -1.0 * self
 
-    __array_ufunc__ = None  # NumPy numbers defer to these
+    __array_ufunc__ = None  # NumPy numbers defer to these operators
 
 
 GivenLaw = Annotated[Any, Law]
-"""A law, or a number or formula in ``t`` that stands for one."""
+"""A law, or a number or formula in ``t`` that is converted to one."""
 
 
 @dataclass(eq=False)
 class Formula(Law):
-    """``f(t)`` as written by the user, in ``t`` and parameters.
+    """``f(t)`` as a formula in ``t`` and parameters.
 
     Examples
     --------
@@ -79,7 +79,7 @@ class Formula(Law):
     >>> system = da.System("shaker")
     >>> table = system.add(planar.Body("table", mass=1.0, inertia=0.1))
     >>> rail = system.add(planar.Translational("rail", system.ground.center, table.center))
-    >>> beat = da.Formula(0.1 * da.sin(da.t) * da.exp(-da.t))  # a formula alone is as good
+    >>> beat = da.Formula(0.1 * da.sin(da.t) * da.exp(-da.t))  # or the formula alone
     >>> drive = system.add(planar.CoordinateDriver("drive", table.center, beat))
     >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
     >>> round(motion["table.vx"][0].item(), 6)
@@ -97,7 +97,7 @@ class Formula(Law):
 
 @dataclass(eq=False)
 class Combination(Law):
-    """Several laws made into one; how, by the subclass."""
+    """Several laws combined by an operator of the subclass."""
 
     laws: tuple[Law, ...]
     operate: ClassVar
@@ -136,7 +136,7 @@ class Sum(Combination):
     >>> stroke = da.CycloidalRise(height=0.05, duration=1.0) + da.Harmonic(0.001, 100.0)
     >>> type(stroke) is da.laws.Sum
     True
-    >>> round(float(stroke.value(ca.SX(0.5)) - 0.001 * ca.sin(50.0)), 9)  # half of the height
+    >>> round(float(stroke.value(ca.SX(0.5)) - 0.001 * ca.sin(50.0)), 9)  # half the height
     0.025
     """
 
@@ -164,7 +164,60 @@ class Product(Combination):
 
 
 def as_law(value, entity: str, unit: str | None = None) -> Law:
-    """A law as it is, or a number or formula in ``t`` made into one; ``unit`` of its values."""
+    """A law, or the law of a number or formula in ``t`` with a ``unit``."""
     if isinstance(value, Law):
         return value
     return Formula(as_expression(value, entity, unit))
+
+
+@dataclass(eq=False)
+class Polynomial(Law):
+    """``f = ½ α t² + ω t + φ0`` (1.28).
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("run-up")
+    >>> crank = system.add(planar.Bar("crank", length=0.2))
+    >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
+    >>> law = da.Polynomial(velocity="30 rpm", acceleration=2.0)
+    >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, law))
+    >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
+    >>> motion["crank.angular_velocity"].values.round(6)  # π and 2 more
+    array([3.141593, 5.141593])
+    """
+
+    start: Scalar = quantity("m | rad", "value at t = 0", default=0.0)
+    velocity: Scalar = quantity("m/s | rad/s", "velocity at t = 0", default=0.0)
+    acceleration: Scalar = quantity("m/s^2 | rad/s^2", "constant acceleration", default=0.0)
+
+    def value(self, time: ca.SX) -> ca.SX:
+        return self.start.sx + self.velocity.sx * time + self.acceleration.sx * time**2 / 2
+
+
+@dataclass(eq=False)
+class Harmonic(Law):
+    """``f = mean + amplitude · sin(frequency · t + phase)``, frequency in rad/s.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("shaker")
+    >>> table = system.add(planar.Body("table", mass=2.0, inertia=0.1))
+    >>> rail = system.add(planar.Translational("rail", system.ground.center, table.center))
+    >>> swing = da.Harmonic(amplitude=0.01, frequency=20.0, phase="90 deg")
+    >>> drive = system.add(planar.CoordinateDriver("drive", table.center, swing))
+    >>> motion = da.solve_inverse_dynamics(system.build(), 1.0, step=0.5)
+    >>> round(motion["drive.effort"][0].item(), 6)  # -m ω² a
+    -8.0
+    """
+
+    amplitude: Scalar = quantity("m | rad", "amplitude")
+    frequency: Scalar = quantity("rad/s", "angular frequency")
+    mean: Scalar = quantity("m | rad", "mean value", default=0.0)
+    phase: Scalar = quantity("rad", "phase at t = 0", default=0.0)
+
+    def value(self, time: ca.SX) -> ca.SX:
+        return self.mean.sx + self.amplitude.sx * ca.sin(self.frequency.sx * time + self.phase.sx)

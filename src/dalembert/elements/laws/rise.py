@@ -1,7 +1,7 @@
 """Rises with dwell: the standard cam laws, single or repeated rise–dwell–return–dwell.
 
-The profile ``s(x)`` goes from 0 at ``x = 0`` to 1 at ``x = 1``; outside it dwells. With ``fall``
-the motion returns after ``dwell``; with ``period`` the whole repeats.
+The profile ``s(x)`` rises from 0 at ``x = 0`` to 1 at ``x = 1`` and is constant outside. With
+``fall`` the motion returns after ``dwell``; with ``period`` it repeats.
 Source: R. L. Norton, *Cam Design and Manufacturing Handbook*, ch. 2-3.
 """
 
@@ -18,7 +18,7 @@ from dalembert.elements.laws.base import Law
 
 @dataclass(eq=False)
 class Rise(Law):
-    """``f = start + height · s((t − begin)/duration)``; profile ``s`` by the subclass."""
+    """``f = start + height · s((t − begin)/duration)`` with the profile ``s`` of the subclass."""
 
     height: Scalar = quantity("m | rad", "rise from start to dwell")
     duration: Scalar = quantity("s", "time of the rise", above=0.0)
@@ -46,9 +46,9 @@ class Rise(Law):
             return []
         if self.fall is None:
             return [(ca.SX(-1), "a law with a period must return; give fall=")]
-        used = self.duration.sx + self.dwell.sx + self.fall.sx
+        total = self.duration.sx + self.dwell.sx + self.fall.sx
         text = "duration + dwell + fall exceed the period; lengthen it"
-        return [(self.period.sx - used + 1e-12 * self.period.sx, text)]
+        return [(self.period.sx - total + 1e-12 * self.period.sx, text)]
 
     def _clipped(self, x: ca.SX) -> ca.SX:
         inside = self.profile(x)
@@ -69,7 +69,7 @@ class HarmonicRise(Rise):
     >>> lift = da.HarmonicRise(height=0.1, duration=1.0)
     >>> cam = system.add(planar.CoordinateDriver("cam", jaw.center, lift))
     >>> motion = da.solve_kinematics(system.build(), 1.0, step=0.5)
-    >>> round(motion["jaw.vx"][1].item(), 6)  # π h/(2 T) half way
+    >>> round(motion["jaw.vx"][1].item(), 6)  # π h/(2 T) at half time
     0.15708
     """
 

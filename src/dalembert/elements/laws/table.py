@@ -1,4 +1,4 @@
-"""Law given by a table, made twice continuously differentiable by a cubic spline."""
+"""Law of a table, interpolated by a C² cubic spline."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.spline import CubicSpline
 
 FREE = {"unit": "", "minimum": -np.inf, "above": -np.inf}
-"""What a row must be: any number."""
+"""Limits of table entries: none."""
 
 
 @dataclass(eq=False)
@@ -27,17 +27,16 @@ class Table(Law):
     times : sequence of numbers or formulas, increasing [s]
     values : sequence of numbers or formulas
     periodic : bool
-        The table repeats (first and last value must agree). Otherwise the spline continues along
+        The table repeats (first and last value must be equal). Otherwise the spline continues along
         its end slopes.
     ends : str
-        ``"not-a-knot"``, the cubics of the first two pieces are one, which suits sampled motions;
-        ``"clamped"``, speeds of zero, which suits motions from rest to rest; ``"natural"``,
-        accelerations of zero.
+        ``"not-a-knot"``, one cubic over the first two pieces, for sampled motions; ``"clamped"``,
+        zero speeds, for motions from rest to rest; ``"natural"``, zero accelerations.
 
     Raises
     ------
     ModelError
-        Fewer than three rows, times not increasing, numbers that are none, unknown ends.
+        Fewer than three rows, times not increasing, entries that are not finite, unknown ends.
 
     Examples
     --------
@@ -64,8 +63,8 @@ class Table(Law):
             raise ModelError(f"periodic is {self.periodic!r}; it must be true or false", "Table")
         for name in ("times", "values"):
             if not isinstance(getattr(self, name), (Sequence, np.ndarray)):
-                given = getattr(self, name)
-                raise ModelError(f"{name} must be a list, got {given!r:.60}", "Table")
+                value = getattr(self, name)
+                raise ModelError(f"{name} must be a list, got {value!r:.60}", "Table")
         times, values = list(self.times), list(self.values)
         if len(times) != len(values):
             raise ModelError(f"{len(times)} times but {len(values)} values", "Table")
@@ -84,7 +83,7 @@ class Table(Law):
         rows = {"times": self.spline.knots, "values": self.spline.values}
         return [
             (f"{owner}.{name}[{k}]", Expression(x), FREE)
-            for name, listed in rows.items()
-            for k, x in enumerate(listed)
+            for name, entries in rows.items()
+            for k, x in enumerate(entries)
             if not isinstance(x, float)
         ]

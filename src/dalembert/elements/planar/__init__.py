@@ -1,16 +1,15 @@
-"""Planar elements: one file per concept, listed once in ``registry``."""
+"""Planar elements."""
 
 from dalembert.elements.contact.cable import Cable
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact import Contact
-from dalembert.elements.contact.unilateral_constraint import UnilateralConstraint
+from dalembert.elements.contact.unilateral import UnilateralConstraint
 from dalembert.elements.driver import DistanceDriver
-from dalembert.elements.joint_actuator import JointActuator
-from dalembert.elements.joint_friction import JointFriction
+from dalembert.elements.joint_forces import JointActuator, JointFriction
 from dalembert.elements.planar import contact as contact
 from dalembert.elements.planar.beam import Beam
 from dalembert.elements.planar.body import Bar, Body, Ground, Particle
-from dalembert.elements.planar.contact.clearance import ClearanceRevolute
+from dalembert.elements.planar.contact.shapes import ClearanceRevolute
 from dalembert.elements.planar.drivers import (
     CoordinateDriver,
     RotationalDriver,

@@ -11,11 +11,10 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.bar import SlenderBar
 from dalembert.elements.base import Scalar, Vector, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.point import components
-from dalembert.elements.point_mass import PointMass, nothing
+from dalembert.elements.simple_bodies import PointMass, SlenderBar, unused
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
@@ -29,7 +28,7 @@ def rotation(angle: ca.SX) -> ca.SX:
 
 
 def perpendicular(vector: ca.SX) -> ca.SX:
-    """The vector turned by +90°."""
+    """The vector rotated by +90°."""
     return ca.vertcat(-vector[1], vector[0])
 
 
@@ -39,7 +38,7 @@ def cross(a: ca.SX, b: ca.SX) -> ca.SX:
 
 
 def unit_vector(vector: ca.SX, entity: str) -> ca.SX:
-    """The vector at length one.
+    """The vector normalised.
 
     Raises
     ------
@@ -52,14 +51,14 @@ def unit_vector(vector: ca.SX, entity: str) -> ca.SX:
 
 
 class PlanarFrame(BodyElement):
-    """What stands somewhere in the plane at an angle."""
+    """A planar frame with a position and an angle."""
 
     pose_position: ca.SX
     pose_angle: ca.SX
 
     def locate(self, local: ca.SX) -> ca.SX:
-        place = self.pose_position
-        return self.turned(local) + (place if local.numel() == 2 else ca.vertcat(place, 0))
+        position = self.pose_position
+        return self.turned(local) + (position if local.numel() == 2 else ca.vertcat(position, 0))
 
     def turned(self, local: ca.SX) -> ca.SX:
         in_plane = ca.mtimes(self._axes, local[:2])
@@ -67,13 +66,13 @@ class PlanarFrame(BodyElement):
 
     @property
     def _axes(self) -> ca.SX:
-        """``A(φ)``, the same expression for every point, so that its derivatives are, too."""
+        """``A(φ)``, cached so that all points and their derivatives share one expression."""
         angle = self.pose_angle
-        known: tuple[ca.SX, ca.SX] | None = vars(self).get("_turned")
-        if known is None or known[0].element_hash() != angle.element_hash():
-            known = angle, rotation(angle)
-            vars(self)["_turned"] = known
-        return known[1]
+        cached: tuple[ca.SX, ca.SX] | None = vars(self).get("_cached_axes")
+        if cached is None or cached[0].element_hash() != angle.element_hash():
+            cached = angle, rotation(angle)
+            vars(self)["_cached_axes"] = cached
+        return cached[1]
 
     @property
     def orientation(self) -> ca.SX:
@@ -83,24 +82,24 @@ class PlanarFrame(BodyElement):
 def motion_measures(body: PlanarFrame) -> dict[str, tuple[ca.SX, str]]:
     """Measures of the pose ``(x, y, φ, …)`` of a body and of its rates."""
     columns = body.pose, body.twist, body.acceleration_symbols
-    place, velocity, accelerated = (column[:2] for column in columns)
+    position, velocity, acceleration = (column[:2] for column in columns)
     angles = ((column[2] if body.rotates else ca.SX(0)) for column in columns)
-    angle, speed, acceleration = angles
+    angle, angular_velocity, angular_acceleration = angles
     return {
-        "position": (place, "m"),
+        "position": (position, "m"),
         "velocity": (velocity, "m/s"),
-        "acceleration": (accelerated, "m/s^2"),
+        "acceleration": (acceleration, "m/s^2"),
         "angle": (angle, "rad"),
-        "angular_velocity": (speed, "rad/s"),
-        "angular_acceleration": (acceleration, "rad/s^2"),
-        **components("", place, "m"),
+        "angular_velocity": (angular_velocity, "rad/s"),
+        "angular_acceleration": (angular_acceleration, "rad/s^2"),
+        **components("", position, "m"),
         **components("v", velocity, "m/s"),
-        **components("a", accelerated, "m/s^2"),
+        **components("a", acceleration, "m/s^2"),
     }
 
 
 class MovingFrame(PlanarFrame):
-    """A frame whose place and angle are coordinates of its own, the first of its pose.
+    """A frame whose position and angle are the first coordinates of its pose.
 
     Attributes
     ----------
@@ -131,7 +130,7 @@ class MovingFrame(PlanarFrame):
 
 @dataclass(eq=False)
 class Body(MovingFrame):
-    """Rigid body in the plane.
+    """Planar rigid body.
 
     Poses and speeds are guesses that assembly corrects; after construction the attributes
     ``angle``, ``velocity``, ``angular_velocity`` … are the body's measures.
@@ -148,7 +147,7 @@ class Body(MovingFrame):
     Raises
     ------
     ModelError
-        A mass without inertia, a bad name or number.
+        A mass without inertia, an invalid name or number.
 
     Examples
     --------
@@ -160,7 +159,7 @@ class Body(MovingFrame):
     >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
     >>> motion["plate.position"][-1].values.round(6)  # v t + g t²/2
     array([ 3.   , -0.905])
-    >>> round(motion["plate.corner.speed"][0].item(), 6)  # of v + ω × s
+    >>> round(motion["plate.corner.speed"][0].item(), 6)  # |v + ω × s|
     5.59017
     """
 
@@ -173,11 +172,11 @@ class Body(MovingFrame):
     velocity: Vector = quantity("m/s", "initial velocity", default=None, size=2)
     angular_velocity: Scalar = quantity("rad/s", "initial angular velocity", default=None)
     points: dict[str, Vector] = None  # type: ignore[assignment]
-    unseen = "a plate over its points is drawn, or its mass centre"
+    not_drawn = "a plate over its points is drawn, or its mass centre"
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given = self.named("points")
+        points = self.named("points")
         self.initial = (self.position, self.angle, self.velocity, self.angular_velocity)
         if self.rotates and self.mass is not None and self.inertia is None:
             raise ModelError(
@@ -190,7 +189,7 @@ class Body(MovingFrame):
         names, units = ("x", "y", "angle"), ("m", "m", "rad")
         n = 3 if self.rotates else 2
         self.make_symbols(names[:n], units[:n])
-        self._declare(given)
+        self._declare(points)
 
     def _declare(self, points: dict) -> None:
         self.pose_position = self.mass_center = self.pose[:2]
@@ -216,7 +215,7 @@ class Ground(Body):
     >>> system = da.System("frame")
     >>> type(system.ground) is planar.Ground, system.ground.name
     (True, 'ground')
-    >>> bearing = system.ground.point(0.6, 0.1)  # where joints hold
+    >>> bearing = system.ground.point(0.6, 0.1)  # location of a joint
     >>> [float(x) for x in bearing.local.sx.elements()]
     [0.6, 0.1]
     """
@@ -227,7 +226,7 @@ class Ground(Body):
 
 @dataclass(eq=False)
 class Bar(SlenderBar, Body):
-    """Uniform slender bar along its x axis, mass centre at the middle.
+    """Uniform slender bar along its x axis; the origin is its mass centre.
 
     ``inertia`` defaults to ``m l²/12``. Its ends are the points ``start`` and ``end``.
 
@@ -242,7 +241,7 @@ class Bar(SlenderBar, Body):
     >>> system = da.System("pendulum", gravity=(0, -9.81))
     >>> bob = system.add(planar.Bar("bob", length=1.5, mass=2.0))
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, bob.start))
-    >>> motion = da.solve_dynamics(system.build(), 0.01, step=0.01)  # let go level
+    >>> motion = da.solve_dynamics(system.build(), 0.01, step=0.01)  # released horizontally
     >>> round(motion["bob.angular_acceleration"][0].item(), 6)  # -3 g/(2 l)
     -9.81
     """
@@ -273,6 +272,6 @@ class Particle(PointMass, Body):
     array([10.,  0.])
     """
 
-    inertia: Any = nothing()
-    angle: Any = nothing()
-    angular_velocity: Any = nothing()
+    inertia: Any = unused()
+    angle: Any = unused()
+    angular_velocity: Any = unused()

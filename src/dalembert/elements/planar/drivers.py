@@ -1,4 +1,4 @@
-"""Drivers of the plane."""
+"""Planar drivers."""
 
 from __future__ import annotations
 
@@ -11,19 +11,18 @@ from dalembert.elements.driver import AlongDirection, Driver
 from dalembert.elements.laws.base import GivenLaw
 from dalembert.elements.look import Motor, Travel
 from dalembert.elements.planar.body import Ground
-from dalembert.elements.planar.in_plane import InPlane
-from dalembert.elements.planar.joint import BodyJoint
+from dalembert.elements.planar.joint import BodyJoint, InPlane
 from dalembert.elements.planar.translational import SlidingJoint
 from dalembert.elements.point import Point
 
 
 @dataclass(eq=False)
 class RotationalDriver(Driver, BodyJoint):
-    """Prescribes the angle of body j relative to body i, ``Φ = φ_j − φ_i − f(t)`` (1.28).
+    """Prescribed angle of body j relative to body i, ``Φ = φ_j − φ_i − f(t)`` (1.28).
 
     Parameters
     ----------
-    body_i, body_j : with the ground as body i the angle is absolute
+    body_i, body_j : bodies; with the ground as body i the angle is absolute
     law : Law, number or formula in t [rad]
 
     Examples
@@ -44,8 +43,8 @@ class RotationalDriver(Driver, BodyJoint):
 
     @property
     def measured(self) -> str:
-        fixed = isinstance(self.body_i, Ground)
-        return f"{self.body_j.name}.angle" if fixed else super().measured
+        is_absolute = isinstance(self.body_i, Ground)
+        return f"{self.body_j.name}.angle" if is_absolute else super().measured
 
     def coordinate(self) -> ca.SX:
         return self.body_j.pose_angle - self.body_i.pose_angle
@@ -56,7 +55,7 @@ class RotationalDriver(Driver, BodyJoint):
 
 @dataclass(eq=False)
 class TranslationalDriver(Driver, SlidingJoint):
-    """Prescribes the travel of point_j along an axis of body i, ``Φ = u_iᵀ(r_jP − r_iP) − f(t)``.
+    """Prescribed displacement of point_j along an axis of body i, ``Φ = u_iᵀ(r_jP − r_iP) − f(t)``.
 
     Parameters
     ----------
@@ -88,7 +87,7 @@ class TranslationalDriver(Driver, SlidingJoint):
 
 @dataclass(eq=False)
 class CoordinateDriver(InPlane, AlongDirection):
-    """Prescribes a coordinate of a point, ``Φ = uᵀ r_P − f(t)``.
+    """Prescribed coordinate of a point, ``Φ = uᵀ r_P − f(t)``.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Flexible body in the plane."""
+"""Planar flexible bodies."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dalembert.symbolic.formulas.expression import t
 
 
 class PlanarSection(PlanarFrame, Section):
-    """Its angle is that of the frame and its small turn."""
+    """Interface of a planar flexible body; its angle is that of the frame plus a small rotation."""
 
     @property
     def pose_position(self) -> ca.SX:  # type: ignore[override]
@@ -34,7 +34,7 @@ class PlanarSection(PlanarFrame, Section):
 
 @dataclass(eq=False)
 class FlexibleBody(Flexible, MovingFrame):
-    """A structure of the plane as a body, ``y = (x, y, φ, q)``.
+    """A planar structure as a body, ``y = (x, y, φ, q)``.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class FlexibleBody(Flexible, MovingFrame):
     >>> arm = planar.FlexibleBody("arm", beam.build(), {"pin": "a", "tip": "b"}, reference="pin")
     >>> hinge = planar.Revolute("O", system.ground.center, system.add(arm).point("pin"))
     >>> joint = system.add(hinge)
-    >>> system.build().diagnosis.degrees_of_freedom  # its turn, and the tip by three shapes
+    >>> system.build().diagnosis.degrees_of_freedom  # one rotation and three shapes
     4
     """
 

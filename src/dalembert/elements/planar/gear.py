@@ -1,4 +1,4 @@
-"""Gears, racks, rolling discs and belts: motion without slip."""
+"""Planar gears, racks, rolling discs and belts: rolling without slip."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from dalembert.errors import ModelError
 
 @dataclass(eq=False)
 class GearPair(PinJoint):
-    """Two gears in mesh: their pitch circles roll without slip.
+    """Two gears in mesh: the pitch circles roll without slip.
 
     ``Φ = r_i (φ_i − θ) ± r_j (φ_j − θ) − const = 0``, + external, − internal (gear j is the
     ring); θ is the direction of the line of centres, so that the tooth force loads the
@@ -43,7 +43,7 @@ class GearPair(PinJoint):
     >>> mesh = system.add(planar.GearPair("mesh", *centers, radius_i=0.1, radius_j=0.3))
     >>> turn = system.add(planar.RotationalDriver("turn", system.ground, pinion, 6 * da.t))
     >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
-    >>> motion["wheel.angular_velocity"].values.round(6)  # against it, by the ratio of the radii
+    >>> motion["wheel.angular_velocity"].values.round(6)  # opposite, by the ratio of the radii
     array([-2., -2.])
     """
 
@@ -57,11 +57,11 @@ class GearPair(PinJoint):
         degenerate = start.is_constant() and float(ca.norm_2(start)) == 0
         reference = ca.SX([1, 0]) if degenerate else start
         line = ca.atan2(cross(reference, self.between), ca.dot(reference, self.between))
-        sense = -1 if self.internal else 1
+        sign = -1 if self.internal else 1
         rolled = self.radius_i.sx * self.point_i.body.pose_angle
-        rolled += sense * self.radius_j.sx * self.point_j.body.pose_angle
+        rolled += sign * self.radius_j.sx * self.point_j.body.pose_angle
         rolled -= initial_value(rolled - self.centres * line, bodies).sx
-        # the gears' own turns tell how often the line of centres has gone round
+        # the angles of the gears determine the number of revolutions of the line of centres
         turn = rolled / self.centres - line
         return self.centres * (turn - 2 * math.pi * ca.floor(turn / (2 * math.pi) + 0.5))
 
@@ -71,7 +71,7 @@ class GearPair(PinJoint):
 
     @property
     def centres(self) -> ca.SX:
-        """``r_i ± r_j``: distance of the centres, with its sign."""
+        """``r_i ± r_j``: signed centre distance."""
         return self.radius_i.sx + (-1 if self.internal else 1) * self.radius_j.sx
 
 
@@ -79,9 +79,9 @@ class GearPair(PinJoint):
 class RackAndPinion(SlidingJoint):
     """Pinion (body j, centre point_j) rolls on a pitch line of body i without slip.
 
-    ``Φ = s + side · r (φ_j − φ_i) − const = 0``, s the travel of the centre along the axis. On
-    the left of the axis (``side = 1``) rolling forward turns the pinion clockwise. The constant is
-    taken from the initial poses. The multiplier is the force along the pitch line.
+    ``Φ = s + side · r (φ_j − φ_i) − const = 0`` with the displacement s of the centre along the
+    axis. On the left of the axis (``side = 1``) rolling forward rotates the pinion clockwise. The
+    constant is taken from the initial poses. The multiplier is the force along the pitch line.
 
     Parameters
     ----------
@@ -161,8 +161,8 @@ class Coupling(BodyJoint):
 
     Parameters
     ----------
-    ratio : turns of body j per turn of body i
-    carrier : body that carries both axes; the ground if none is given
+    ratio : rotation of body j per rotation of body i
+    carrier : body that carries both axes; the ground by default
 
     Examples
     --------
@@ -179,7 +179,7 @@ class Coupling(BodyJoint):
     array([2., 2.])
     """
 
-    ratio: Scalar = quantity("", "turns of the second body per turn of the first", default=1.0)
+    ratio: Scalar = quantity("", "rotation of body j per rotation of body i", default=1.0)
     carrier: Body = option("body that carries both axes", default=None)
 
     def __post_init__(self) -> None:
@@ -195,6 +195,6 @@ class Coupling(BodyJoint):
 
     def residual(self) -> ca.SX:
         base = self.carrier.pose_angle if self.carrier is not None else ca.SX(0)
-        turned = (self.body_j.pose_angle - base) - self.ratio.sx * (self.body_i.pose_angle - base)
+        relative = (self.body_j.pose_angle - base) - self.ratio.sx * (self.body_i.pose_angle - base)
         bodies = [b for b in (*self.ends(), self.carrier) if b is not None]
-        return turned - initial_value(turned, bodies).sx
+        return relative - initial_value(relative, bodies).sx

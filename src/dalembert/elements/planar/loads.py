@@ -1,4 +1,4 @@
-"""Applied loads of the plane."""
+"""Planar applied loads."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.elements.base import Scalar, Vector, option, quantity
 from dalembert.elements.loads import Couple, PointForce
 from dalembert.elements.planar.body import Body
-from dalembert.elements.planar.in_plane import InPlane
+from dalembert.elements.planar.joint import InPlane
 
 
 @dataclass(eq=False)
@@ -18,9 +18,9 @@ class Force(InPlane, PointForce):
 
     Parameters
     ----------
-    point : where it acts
+    point : point of application
     vector : (2,) components [N]; formulas of t, parameters and measures are allowed
-    following : the components are in the body frame and turn with it; otherwise inertial
+    following : the components are in the body frame; otherwise in inertial axes
 
     Examples
     --------
@@ -31,7 +31,7 @@ class Force(InPlane, PointForce):
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
     >>> push = system.add(planar.Force("push", bar.end, (0, 2 * da.cos(da.t))))
     >>> motion = da.solve_dynamics(system.build(), 0.01, step=0.01)
-    >>> round(motion["bar.angular_acceleration"][0].item(), 6)  # F l by m l²/3
+    >>> round(motion["bar.angular_acceleration"][0].item(), 6)  # F l over m l²/3
     2.0
     """
 
@@ -44,13 +44,13 @@ class Force(InPlane, PointForce):
 
 @dataclass(eq=False)
 class Moment(InPlane, Couple):
-    """Moment on a body (1.55), with its reaction on a second one if given: a rotary actuator.
+    """Moment on a body (1.55), with its reaction on an optional second one: a rotary actuator.
 
     Parameters
     ----------
     body : body it acts on
     value : [N m]; formulas of t, parameters and measures are allowed
-    reaction_on : body that carries the reaction; the ground if none is given
+    reaction_on : body that carries the reaction; the ground by default
 
     Examples
     --------
@@ -61,7 +61,7 @@ class Moment(InPlane, Couple):
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, wheel.center))
     >>> torque = system.add(planar.Moment("torque", wheel, 4 * da.t))
     >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
-    >>> round(motion["wheel.angular_velocity"][-1].item(), 6)  # its integral by the inertia
+    >>> round(motion["wheel.angular_velocity"][-1].item(), 6)  # its integral over the inertia
     10.0
     """
 

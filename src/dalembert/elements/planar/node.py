@@ -1,19 +1,18 @@
-"""Nodes of finite elements in the plane."""
+"""Planar nodes of finite elements."""
 
 from __future__ import annotations
 
 import casadi as ca
 
-from dalembert.elements.fem.node_bodies import NodeBody
+from dalembert.elements.fem.between_bodies import NodeBody
 from dalembert.elements.flexible.nodes import OwnNode
 from dalembert.elements.planar.body import Body, Particle
 
 
 class Node(NodeBody, Body):
-    """A node that turns: a body whose mass may be that of the elements at it.
+    """A node with rotation: a body whose mass may be that of the connected elements.
 
-    It takes what a ``Body`` takes. Elements are free of stress where ``position`` says, and turned
-    by ``angle``.
+    It has the parameters of a ``Body``. Elements are free of stress at ``position`` and ``angle``.
 
     Examples
     --------
@@ -25,7 +24,7 @@ class Node(NodeBody, Body):
     >>> beam = system.add(structures.Frame("beam", a, b, **numbers))
     >>> clamp, tip = system.support(a), system.load(b, fy=-30)
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["b.y"].item() * 1e3, 2)  # -F L³/(3 E I) [mm], a little less as it shortens
+    >>> round(rest["b.y"].item() * 1e3, 2)  # -F L³/(3 E I) [mm], slightly less at large rotation
     -4.0
     """
 
@@ -36,9 +35,9 @@ class Node(NodeBody, Body):
 
 
 class PointNode(NodeBody, Particle):
-    """A node that does not turn: a particle whose mass may be that of the elements at it.
+    """A node without rotation: a particle whose mass may be that of the connected elements.
 
-    It takes what a ``Particle`` takes. Elements are free of stress where ``position`` says.
+    It has the parameters of a ``Particle``. Elements are free of stress at ``position``.
 
     Examples
     --------
@@ -56,8 +55,8 @@ class PointNode(NodeBody, Particle):
 
 
 class ElementNode(OwnNode, Node):
-    """A node that an element brings along."""
+    """A node that belongs to an element."""
 
 
 class ElementPointNode(OwnNode, PointNode):
-    """A node that an element brings along, and that does not turn."""
+    """A node without rotation that belongs to an element."""

@@ -1,4 +1,4 @@
-"""Point on a curve: cam and follower, guided point."""
+"""Planar point on a curve: cam and follower, guided point."""
 
 from __future__ import annotations
 
@@ -7,20 +7,19 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Look, Scalar, option, quantity
-from dalembert.elements.curves import Curve
+from dalembert.elements.curves import Curve, OnCurve
 from dalembert.elements.look import Disc
 from dalembert.elements.planar.body import Body
-from dalembert.elements.planar.in_plane import InPlane
+from dalembert.elements.planar.joint import InPlane
 from dalembert.elements.point import Point
-from dalembert.elements.point_on_curve import OnCurve
 
 
 @dataclass(eq=False)
 class PointOnCurve(InPlane, OnCurve):
-    """A point of body j stays on a curve of body i.
+    """Point of body j on a curve of body i.
 
     ``Φ = A_iᵀ (r_jP − r_i) − c(u) − radius · n(u) = 0`` with the curve parameter ``u`` as an
-    additional coordinate without mass, so that the contact transmits no force along the curve.
+    additional massless coordinate, so that the contact transmits no force along the curve.
 
     Parameters
     ----------
@@ -28,7 +27,7 @@ class PointOnCurve(InPlane, OnCurve):
     point_j : the following point (centre of the roller)
     curve : Curve in the frame of body i
     radius : of a roller on the right of the curve (outside, if it runs anticlockwise) [m]
-    parameter : initial guess of ``u``; the nearest point if not given
+    parameter : initial guess of ``u``; the nearest point by default
 
     Examples
     --------
@@ -51,7 +50,7 @@ class PointOnCurve(InPlane, OnCurve):
         "1 | m | rad", "initial guess of the curve parameter", default=None
     )
 
-    def followed(self) -> ca.SX:
+    def target(self) -> ca.SX:
         return self.curve.offset_position(self.contact, self.radius.sx)
 
     def look(self) -> list[Look]:

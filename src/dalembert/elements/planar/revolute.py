@@ -1,4 +1,4 @@
-"""Revolute joint."""
+"""Planar revolute joint."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dalembert.elements.planar.joint import TreeJoint
 
 @dataclass(eq=False)
 class Revolute(TreeJoint):
-    """Pin: two points coincide, ``Φ = r_j + A_j s_j' − r_i − A_i s_i' = 0`` (1.18).
+    """Revolute joint: two points coincide, ``Φ = r_j + A_j s_j' − r_i − A_i s_i' = 0`` (1.18).
 
     Examples
     --------
@@ -26,7 +26,7 @@ class Revolute(TreeJoint):
     >>> model.diagnosis.degrees_of_freedom
     1
     >>> rest = da.solve_equilibrium(model)
-    >>> round(rest["O.force.y"].item(), 6)  # on the second body: it carries the weight
+    >>> round(rest["O.force.y"].item(), 6)  # on the second body: its weight
     19.62
     """
 

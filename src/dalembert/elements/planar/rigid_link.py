@@ -1,4 +1,4 @@
-"""Massless rigid link with a pin at each end."""
+"""Planar massless rigid link with a pin at each end."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 
+from dalembert.elements.pair import ConstantDistance
 from dalembert.elements.planar.joint import TreeJoint
-from dalembert.elements.rigid_link import ConstantDistance
 
 
 @dataclass(eq=False)

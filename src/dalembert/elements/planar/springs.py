@@ -1,4 +1,4 @@
-"""Rotational springs and bushings of the plane."""
+"""Planar rotational springs and bushings."""
 
 from __future__ import annotations
 
@@ -8,12 +8,11 @@ import casadi as ca
 
 from dalembert.elements.base import ForceElement, Look, Scalar, Vector, quantity
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.elastic_bearing import ElasticBearing
 from dalembert.elements.look import Brake, Sleeve, Spiral
 from dalembert.elements.pair import BetweenPoints
 from dalembert.elements.planar.body import rotation
-from dalembert.elements.planar.in_plane import BetweenAngles, InPlane
-from dalembert.elements.springs import AngularSpring
+from dalembert.elements.planar.joint import BetweenAngles, InPlane
+from dalembert.elements.springs import AngularSpring, ElasticBearing
 
 
 @dataclass(eq=False)
@@ -52,7 +51,7 @@ class RotationalSpring(AngularSpring, BodyPair):
     """
 
     def look(self) -> list[Look]:
-        return self.drawn(Spiral, Brake, self.body_i, self.body_j)
+        return self.primitives(Spiral, Brake, self.body_i, self.body_j)
 
 
 @dataclass(eq=False)
@@ -84,9 +83,9 @@ class Bushing(InPlane, ElasticBearing, BetweenPoints):
     rotational_damping: Scalar = quantity("N m s/rad", "rotational damping", default=0.0)
 
     def deformation(self) -> ca.SX:
-        turned = rotation(self.point_i.body.pose_angle)
-        turn = self.point_j.body.pose_angle - self.point_i.body.pose_angle
-        return ca.vertcat(ca.mtimes(turned.T, self.between), turn)
+        axes = rotation(self.point_i.body.pose_angle)
+        rotated = self.point_j.body.pose_angle - self.point_i.body.pose_angle
+        return ca.vertcat(ca.mtimes(axes.T, self.between), rotated)
 
     def look(self) -> list[Look]:
         return [Sleeve(self.point_i, self.point_j)]

@@ -1,4 +1,4 @@
-"""Translational (prismatic) joint."""
+"""Planar translational (prismatic) joint and pin in a slot."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dalembert.elements.planar.joint import PinJoint, TreeJoint
 
 @dataclass(eq=False)
 class SlidingJoint(PinJoint):
-    """A point of the second body moves on a line of the first.
+    """A joint of a point of the second body and a line of the first.
 
     Parameters
     ----------
@@ -36,12 +36,12 @@ class SlidingJoint(PinJoint):
 
     @property
     def displacement(self) -> ca.SX:
-        """Distance travelled along the line from point_i to point_j."""
+        """Displacement of point_j from point_i along the line."""
         return ca.dot(self.direction, self.between)
 
     @property
     def rail(self) -> Rail:
-        """The line, as pictures show it."""
+        """The line in pictures."""
         return Rail(self.point_i, self.axis.sx, self.displacement)
 
     @property
@@ -52,14 +52,14 @@ class SlidingJoint(PinJoint):
 
 @dataclass(eq=False)
 class GuidingJoint(SlidingJoint, TreeJoint):
-    """A joint that keeps the point on the line; its first coordinate is the displacement."""
+    """A joint with the point on the line; its first coordinate is the displacement."""
 
     def joint_coordinates(self) -> dict[str, tuple[ca.SX, str]]:
         return {"displacement": (self.displacement, "m")}
 
     def opening(self, q: ca.SX, z: ca.SX, angle_i: ca.SX) -> ca.SX:
-        along = self.direction_at(angle_i)
-        return q * along + z[0] * perpendicular(along)
+        direction = self.direction_at(angle_i)
+        return q * direction + z[0] * perpendicular(direction)
 
 
 @dataclass(eq=False)
@@ -94,8 +94,8 @@ class Translational(GuidingJoint):
         return ["m", "rad"]
 
     def look(self) -> list[Look]:
-        along = ca.mtimes(rotation(-self.angle.sx), self.axis.sx)
-        return [self.rail, Block(self.point_j, along), Slider(self.point_j, self.point_i)]
+        direction = ca.mtimes(rotation(-self.angle.sx), self.axis.sx)
+        return [self.rail, Block(self.point_j, direction), Slider(self.point_j, self.point_i)]
 
     def freedoms(self) -> dict[str, tuple[ca.SX, str]]:
         return {"displacement": (self.displacement, "m")}
@@ -108,7 +108,7 @@ class Translational(GuidingJoint):
 class PinInSlot(GuidingJoint):
     """Pin of body j in a straight slot of body i (revolute–translational).
 
-    ``Φ = n_iᵀ (r_jP − r_iP) = 0``; the bodies may turn against each other.
+    ``Φ = n_iᵀ (r_jP − r_iP) = 0``; the bodies may rotate relative to each other.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Rigid connection of two bodies."""
+"""Planar rigid connection of two bodies."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from dalembert.elements.planar.joint import TreeJoint
 
 @dataclass(eq=False)
 class Weld(TreeJoint):
-    """Two points coincide and the bodies do not turn against each other.
+    """Rigid connection: two points coincide and the relative rotation is fixed.
 
     ``Φ = [r_jP − r_iP; φ_j − φ_i − angle] = 0``; with the ground this is (1.27).
 

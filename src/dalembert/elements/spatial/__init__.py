@@ -1,17 +1,16 @@
-"""Elements in space: one file per concept, listed once in ``registry``."""
+"""Spatial elements."""
 
 from dalembert.elements.contact.cable import Cable
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact import Contact
 from dalembert.elements.driver import DistanceDriver
 from dalembert.elements.frame import Frame
-from dalembert.elements.joint_actuator import JointActuator
-from dalembert.elements.joint_friction import JointFriction
+from dalembert.elements.joint_forces import JointActuator, JointFriction
 from dalembert.elements.spatial import contact as contact
 from dalembert.elements.spatial.beam import Beam
 from dalembert.elements.spatial.body import Body, Particle
 from dalembert.elements.spatial.constant_velocity import ConstantVelocity
-from dalembert.elements.spatial.contact.clearance import ClearanceSpherical
+from dalembert.elements.spatial.contact.shapes import ClearanceSpherical
 from dalembert.elements.spatial.couplings import Coupling, GearPair, RackAndPinion
 from dalembert.elements.spatial.cylindrical import Cylindrical
 from dalembert.elements.spatial.drivers import (
@@ -20,7 +19,6 @@ from dalembert.elements.spatial.drivers import (
     TranslationalDriver,
 )
 from dalembert.elements.spatial.flexible_body import FlexibleBody
-from dalembert.elements.spatial.knife_edge import KnifeEdge
 from dalembert.elements.spatial.links import (
     RevoluteRevoluteLink,
     RevoluteSphericalLink,
@@ -29,12 +27,11 @@ from dalembert.elements.spatial.links import (
 from dalembert.elements.spatial.loads import Force, Torque
 from dalembert.elements.spatial.mesh import Mesh
 from dalembert.elements.spatial.node import Node, PointNode
+from dalembert.elements.spatial.nonholonomic import KnifeEdge, RollingDisc
 from dalembert.elements.spatial.planar_joint import Planar
-from dalembert.elements.spatial.point_joints import PointOnLine, PointOnPlane
-from dalembert.elements.spatial.point_on_curve import PointOnCurve
+from dalembert.elements.spatial.point_joints import PointOnCurve, PointOnLine, PointOnPlane
 from dalembert.elements.spatial.prismatic import Prismatic
 from dalembert.elements.spatial.revolute import Revolute
-from dalembert.elements.spatial.rolling_disc import RollingDisc
 from dalembert.elements.spatial.screw import Screw
 from dalembert.elements.spatial.shapes import Bar, Box, Capsule, Cylinder, Sphere
 from dalembert.elements.spatial.spherical import Spherical

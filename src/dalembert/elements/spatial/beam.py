@@ -1,7 +1,7 @@
-"""Geometrically exact beams in space (Simo and Vu-Quoc 1986).
+"""Spatial geometrically exact beams (Simo and Vu-Quoc 1986).
 
-Turns between the nodes of an element are those of one of them, times the exponential of polynomials
-of relative rotation vectors: the strains do not change when the whole is moved (Crisfield and
+Rotations between the nodes of an element are that of one node times the exponential of polynomials
+of relative rotation vectors, so that the strains are invariant under rigid motions (Crisfield and
 Jelenić 1999).
 """
 
@@ -29,12 +29,12 @@ from dalembert.symbolic.once import once
 
 @dataclass(eq=False)
 class Beam(beam.Beam):
-    """Beam in space that stretches, shears, twists and bends, by any displacement and rotation.
+    """Spatial beam with axial, shear, torsional and bending deformation, for large rotations.
 
-    Its own axes are x along it, and y and z the main axes of the cross-section. It reaches from
-    ``frame_i`` to ``frame_j``, frames of bodies to which it is clamped with its axes along theirs;
-    where one is left out it has an end of its own, ``start`` or ``end``, on which joints and forces
-    hold. Internal forces are ``E A ε``, ``G A_y γ_y``, ``G A_z γ_z`` and moments ``G J κ_x``,
+    Its x axis is along the beam, y and z are the principal axes of the cross-section. It extends
+    from ``frame_i`` to ``frame_j``, frames of bodies to which it is clamped with its axes along
+    theirs. If one is omitted the beam has a free end, ``start`` or ``end``, for joints and forces.
+    Internal forces are ``E A ε``, ``G A_y γ_y``, ``G A_z γ_z`` and moments ``G J κ_x``,
     ``E I_y κ_y``, ``E I_z κ_z``.
 
     Parameters
@@ -43,9 +43,9 @@ class Beam(beam.Beam):
     shear_rigidity_z : ``G A_z`` [N]; that along y by default
     torsional_rigidity : ``G J`` [N m²]
     bending_rigidity_y, bending_rigidity_z : ``E I_y``, ``E I_z`` [N m²], about its y and z axes
-    rotary_inertia : (3,) ``ρ I_p``, ``ρ I_y``, ``ρ I_z`` [kg m]; those of one material by default
-    position, rotation : of its own start [m]; guesses that assembly corrects
-    velocity, angular_velocity : likewise, inertial axes [m/s], [rad/s]
+    rotary_inertia : (3,) ``ρ I_p``, ``ρ I_y``, ``ρ I_z`` [kg m]; homogeneous material by default
+    position, rotation : guesses of a free start [m]; assembly corrects them
+    velocity, angular_velocity : guesses of its speeds, inertial axes [m/s], [rad/s]
 
     Examples
     --------
@@ -61,8 +61,8 @@ class Beam(beam.Beam):
     0.1
     """
 
-    frame_i: Frame | None = option("frame where it starts, clamped", default=None)
-    frame_j: Frame | None = option("frame where it ends, clamped", default=None)
+    frame_i: Frame | None = option("frame at the start, clamped", default=None)
+    frame_j: Frame | None = option("frame at the end, clamped", default=None)
     shear_rigidity_z: Scalar = quantity("N", "G A_z", default=None, above=0.0, keyword=True)
     torsional_rigidity: Scalar = quantity("N m^2", "G J", above=0.0, keyword=True)
     bending_rigidity_y: Scalar = quantity("N m^2", "E I_y", above=0.0, keyword=True)
@@ -89,36 +89,36 @@ class Beam(beam.Beam):
         if self.rotation is not None:
             self.rotation = as_orientation(self.rotation, f"{self.name}.rotation")
         for field in ("frame_i", "frame_j"):
-            held = getattr(self, field)
-            if held is not None and not isinstance(held, Frame):
+            frame = getattr(self, field)
+            if frame is not None and not isinstance(frame, Frame):
                 raise ModelError(
                     f"{field} must be a frame of a body, its x axis along the beam, e.g. "
-                    f"hub.frame((0.1, 0, 0)); got {held!r}",
+                    f"hub.frame((0.1, 0, 0)); got {frame!r}",
                     self.name,
                 )
         super().__post_init__()
         if self.shear_rigidity_z is None:
             self.shear_rigidity_z = self.shear_rigidity
         if self.rotary_inertia is None:
-            about = [self.bending_rigidity_y.sx, self.bending_rigidity_z.sx]
-            own = [self.material_inertia(rigidity) for rigidity in (sum(about), *about)]
-            self.rotary_inertia = Expression(ca.vertcat(*own))
+            bending = [self.bending_rigidity_y.sx, self.bending_rigidity_z.sx]
+            inertia = [self.material_inertia(rigidity) for rigidity in (sum(bending), *bending)]
+            self.rotary_inertia = Expression(ca.vertcat(*inertia))
 
     def first_node(self, name: str) -> Any:
-        where = {"position": self.position, "rotation": self.rotation}
+        pose = {"position": self.position, "rotation": self.rotation}
         speeds = {"velocity": self.velocity, "angular_velocity": self.angular_velocity}
-        return ElementNode(name, **where, **speeds)
+        return ElementNode(name, **pose, **speeds)
 
     @cached_property
     def start_axes(self) -> ca.SX:
         return rotation.matrix(self.sections[0].turn)
 
     @once
-    def carried(self, k: int) -> tuple[ca.SX, ca.SX]:
+    def natural_pose(self, k: int) -> tuple[ca.SX, ca.SX]:
         base = self.sections[0]
-        own = self.natural_section(self.length.sx * self.places[k])
-        place = base.place + ca.mtimes(self.start_axes, own.place)
-        return place, rotation.product(base.turn, own.turn)
+        undeformed = self.natural_section(self.length.sx * self.places[k])
+        place = base.place + ca.mtimes(self.start_axes, undeformed.place)
+        return place, rotation.product(base.turn, undeformed.turn)
 
     def node_section(self, node: Any) -> CrossSection:
         return CrossSection(node.pose[:3], node.e, node.spin, node)
@@ -135,13 +135,13 @@ class Beam(beam.Beam):
         self, sections: Sequence[CrossSection], values: np.ndarray, slopes: np.ndarray
     ) -> ca.SX:
         middle = sections[len(sections) // 2].turn
-        turn, bend, along = ca.SX.zeros(3), ca.SX.zeros(3), ca.SX.zeros(3)
+        turn, bend, tangent = ca.SX.zeros(3), ca.SX.zeros(3), ca.SX.zeros(3)
         for n, slope, section in zip(values, slopes, sections, strict=True):
             between = rotation.vector(rotation.product(rotation.conjugate(middle), section.turn))
             turn, bend = turn + n * between, bend + slope * between
-            along = along + slope * section.place
-        seen = ca.mtimes(rotation.matrix(middle).T, along)
-        shear = ca.mtimes(rotation.exponential(turn).T, seen)
+            tangent = tangent + slope * section.place
+        local_tangent = ca.mtimes(rotation.matrix(middle).T, tangent)
+        shear = ca.mtimes(rotation.exponential(turn).T, local_tangent)
         curved = ca.mtimes(rotation.turning_map(turn), bend)
         return ca.vertcat(shear, curved) / self.length.sx
 
@@ -157,20 +157,20 @@ class Beam(beam.Beam):
         return ca.vertcat(*(part.sx for part in parts))
 
     def rotary_powers(self, rate: Rate, shared: np.ndarray, shares: np.ndarray) -> Powers:
-        """Of sections at the nodes, each a body that turns: ``J' ω̇' + ω' × J' ω'``."""
-        found = []
+        """Rotary inertia of the sections at the nodes, ``J' ω̇' + ω' × J' ω'``."""
+        powers = []
         for section, share in zip(self.sections, shares, strict=True):
             inertia = self.length.sx * share * self.rotary_inertia.sx
             spin = section.spin
             effort = inertia * rate(spin) + ca.cross(spin, inertia * spin)
-            found.append((spin, effort))
-        return found
+            powers.append((spin, effort))
+        return powers
 
     def shape_error(self, k: int) -> ca.SX:
         last, share = self.sections[-1], self.places[k]
-        place, turn = self.carried(k)
+        place, turn = self.natural_pose(k)
         if 0 < k < self.count - 1:
-            end, end_turn = self.carried(self.count - 1)
+            end, end_turn = self.natural_pose(self.count - 1)
             between = rotation.product(rotation.conjugate(end_turn), last.turn)
             place = place + share * (last.place - end)
             small = rotation.vector(between) * share / 2
@@ -179,6 +179,6 @@ class Beam(beam.Beam):
         return ca.vertcat(self.sections[k].place - place, rotation.vector(off))
 
     def conditions(self) -> list[Condition]:
-        turned = [] if self.rotation is None else self.rotation.conditions()
+        rotation = [] if self.rotation is None else self.rotation.conditions()
         ends = [e.conditions() for e in (self.frame_i, self.frame_j) if e is not None]
-        return [*super().conditions(), *turned, *(c for end in ends for c in end)]
+        return [*super().conditions(), *rotation, *(c for end in ends for c in end)]

@@ -1,4 +1,4 @@
-"""Rigid bodies in space.
+"""Spatial rigid bodies.
 
 A body's coordinates are the position of its mass centre and its Euler parameters,
 ``y = (r_C, e)``; its speeds are ``v = (ṙ_C, ω')`` with the angular velocity in body axes (Ch. 2).
@@ -16,8 +16,8 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, Scalar, Vector, option, quantity
 from dalembert.elements.frame import Frames
-from dalembert.elements.point_mass import PointMass, nothing
 from dalembert.elements.rotation import Orientation, as_orientation
+from dalembert.elements.simple_bodies import PointMass, unused
 from dalembert.elements.spatial.frame import SpatialFrame
 from dalembert.elements.spatial.inertia_tensor import as_moments, physical, tensor
 from dalembert.errors import ModelError
@@ -26,7 +26,7 @@ from dalembert.symbolic.formulas.expression import Expression
 
 @dataclass(eq=False)
 class Body(SpatialFrame):
-    """Rigid body in space.
+    """Spatial rigid body.
 
     Poses and speeds are guesses that assembly corrects; after construction the attributes
     ``position``, ``rotation``, ``angular_velocity`` … are the body's measures.
@@ -34,11 +34,11 @@ class Body(SpatialFrame):
     Parameters
     ----------
     mass : [kg]
-    inertia : about the mass centre in body axes [kg m²]: ``(Ixx, Iyy, Izz)``, or these with
-        ``Ixy, Iyz, Ixz`` behind, entries of the matrix (Ixy = −∫xy dm), or the matrix itself
+    inertia : about the mass centre in body axes [kg m²]: ``(Ixx, Iyy, Izz)``, these followed by
+        ``Ixy, Iyz, Ixz``, entries of the matrix (Ixy = −∫xy dm), or the matrix itself
     center_of_mass : (3,) in the body frame [m]
     position : (3,) initial position of the origin of the body frame [m]
-    rotation : initial orientation: made by ``da.rotation``, a matrix, or SciPy's ``Rotation``
+    rotation : initial orientation: from ``da.rotation``, a matrix, or SciPy's ``Rotation``
     velocity : (3,) initial velocity of the origin, inertial axes [m/s]
     angular_velocity : (3,) initial, inertial axes [rad/s]
     points : name → (3,) coordinates in the body frame [m]
@@ -47,7 +47,7 @@ class Body(SpatialFrame):
     Raises
     ------
     ModelError
-        A mass without inertia, an inertia that no body has, a bad name or number.
+        A mass without inertia, an impossible inertia, an invalid name or number.
 
     Examples
     --------
@@ -59,7 +59,7 @@ class Body(SpatialFrame):
     >>> plate = system.add(spatial.Body("plate", mass=2.0, inertia=(0.01, 0.02, 0.03),
     ...     rotation=quarter, velocity=(1, 0, 0), points={"corner": (0.3, 0, 0)}))
     >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
-    >>> motion["plate.corner.position"][-1].values.round(6)  # v t, 0.3 turned, -g t²/2
+    >>> motion["plate.corner.position"][-1].values.round(6)  # v t, rotated 0.3, -g t²/2
     array([ 1.   ,  0.3  , -4.905])
     """
 
@@ -81,7 +81,7 @@ class Body(SpatialFrame):
     points: dict[str, Vector] = None  # type: ignore[assignment]
     frames: Frames = None  # type: ignore[assignment]
 
-    unseen = "a plate over its points is drawn, or the ellipsoid of its inertia"
+    not_drawn = "a plate over its points is drawn, or the ellipsoid of its inertia"
 
     def __post_init__(self) -> None:
         if self.inertia is not None:
@@ -126,7 +126,7 @@ class Body(SpatialFrame):
 
 @dataclass(eq=False)
 class Particle(PointMass, Body):
-    """Point mass in space: three coordinates, no rotation.
+    """Spatial point mass: three coordinates, no rotation.
 
     Examples
     --------
@@ -139,8 +139,8 @@ class Particle(PointMass, Body):
     array([3.   , 4.   , 4.905])
     """
 
-    inertia: Any = nothing()
-    center_of_mass: Any = nothing()
-    rotation: Any = nothing()
-    angular_velocity: Any = nothing()
-    frames: Any = nothing()
+    inertia: Any = unused()
+    center_of_mass: Any = unused()
+    rotation: Any = unused()
+    angular_velocity: Any = unused()
+    frames: Any = unused()

@@ -1,8 +1,8 @@
-"""Gears, racks and belts in space: motions of two joints in a fixed ratio.
+"""Spatial gears, racks and belts: motions of two joints in a fixed ratio.
 
-The motion that both share is a coordinate ``u`` of its own without mass, counted from the initial
-poses: ``Φ = [s_i − a_i u; s_j − a_j u] = 0``. So the ratio holds over any number of turns, though
-poses tell an angle but for full ones.
+The shared motion is an additional massless coordinate ``u``, measured from the initial poses:
+``Φ = [s_i − a_i u; s_j − a_j u] = 0``. The ratio therefore holds over any number of revolutions,
+although poses determine an angle only up to full revolutions.
 """
 
 from __future__ import annotations
@@ -11,19 +11,19 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.along_joint import free_motion
 from dalembert.elements.base import Constraint, Look, Rate, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.joint_forces import free_motion
 from dalembert.elements.look import Belt, Disc, Mesh, Rail, Tie
 from dalembert.elements.pair import Pair, initial_value
+from dalembert.elements.spatial.frame_pair import Turn
 from dalembert.elements.spatial.joint import SpatialJoint, slide_of, turn_of
-from dalembert.elements.spatial.turn import Turn
 from dalembert.errors import ModelError
 
 
 class SharedMotion(Coordinates):
-    """How far two coupled joints have moved: one coordinate without mass."""
+    """Shared motion of two coupled joints: one massless coordinate."""
 
     def __init__(self, name: str, unit: str):
         self.name = f"{name}.shared"
@@ -33,17 +33,17 @@ class SharedMotion(Coordinates):
         return [ca.SX(0)], [None]
 
 
-def turn_missed(joint: SpatialJoint, motion: str | None, angle: ca.SX, owner: str) -> ca.SX:
-    """By how much a turn, counted from the initial poses, is off an angle; below half a turn."""
+def turn_deviation(joint: SpatialJoint, motion: str | None, angle: ca.SX, owner: str) -> ca.SX:
+    """Difference of a rotation from the initial poses and an angle, below half a turn."""
     turn = turn_of(joint, motion, owner)
     start = initial_value(turn.pair, joint.ends()).sx
-    return turn.after(Turn(*ca.vertsplit(start))).after(Turn.of(angle)).angle
+    return turn.relative_to(Turn(*ca.vertsplit(start))).relative_to(Turn.of(angle)).angle
 
 
-def travel_missed(joint: SpatialJoint, motion: str | None, travel: ca.SX, owner: str) -> ca.SX:
-    """By how much a displacement, counted from the initial poses, is off a travel."""
-    along = joint.travel[slide_of(joint, motion, owner)]
-    return along - initial_value(along, joint.ends()).sx - travel
+def travel_deviation(joint: SpatialJoint, motion: str | None, travel: ca.SX, owner: str) -> ca.SX:
+    """Difference of a displacement from the initial poses and a prescribed one."""
+    displacement = joint.travel[slide_of(joint, motion, owner)]
+    return displacement - initial_value(displacement, joint.ends()).sx - travel
 
 
 @dataclass(eq=False)
@@ -54,14 +54,14 @@ class CoupledJoints(Pair, Constraint):
 
     Parameters
     ----------
-    joint_i, joint_j : joints that leave the motions free
+    joint_i, joint_j : joints with the coupled free motions
     """
 
     joint_i: SpatialJoint
     joint_j: SpatialJoint
 
     unit = "m"
-    """Of the shared motion."""
+    """Unit of the shared motion."""
 
     def __post_init__(self) -> None:
         for joint in (self.joint_i, self.joint_j):
@@ -73,7 +73,7 @@ class CoupledJoints(Pair, Constraint):
         super().__post_init__()
 
     def motions(self) -> tuple[str | None, str | None]:
-        """Names of the motions, where the joints have several."""
+        """Names of the motions if the joints have several."""
         return None, None
 
     @property
@@ -97,15 +97,15 @@ class CoupledJoints(Pair, Constraint):
 
 @dataclass(eq=False)
 class Coupling(CoupledJoints):
-    """Fixed ratio between motions of two joints, each a turn or a displacement.
+    """Fixed ratio between motions of two joints, each a rotation or a displacement.
 
-    A gearbox, belt or cable: ``Φ = [s_i − u; s_j − ratio u] = 0``, counted from the initial poses.
+    A gearbox, belt or cable: ``Φ = [s_i − u; s_j − ratio u] = 0``, measured from the initial poses.
     The last multiplier is minus the torque or force on the second motion.
 
     Parameters
     ----------
     ratio : motion of the second joint per motion of the first
-    motion_i, motion_j : which motions, where a joint has several
+    motion_i, motion_j : names of the motions if a joint has several
 
     Examples
     --------
@@ -119,7 +119,7 @@ class Coupling(CoupledJoints):
     >>> lead = system.add(spatial.Coupling("lead", turn, slide, ratio=0.01 / (2 * math.pi)))
     >>> drive = system.add(spatial.RotationalDriver("drive", turn, 4 * math.pi * da.t))
     >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
-    >>> motion["nut.z"].values.round(6)  # two turns of 10 mm
+    >>> motion["nut.z"].values.round(6)  # two revolutions of 10 mm
     array([0.  , 0.02])
     """
 
@@ -137,12 +137,15 @@ class Coupling(CoupledJoints):
         return self.motion_i, self.motion_j
 
     def residual(self) -> ca.SX:
-        asked = (self.shared, self.ratio.sx * self.shared)
-        pairs = zip((self.joint_i, self.joint_j), self.motions(), self._units(), asked, strict=True)
+        values = (self.shared, self.ratio.sx * self.shared)
+        joints = (self.joint_i, self.joint_j)
+        deviations = {"rad": turn_deviation, "m": travel_deviation}
         return ca.vertcat(
             *(
-                (turn_missed if unit == "rad" else travel_missed)(joint, motion, value, self.name)
-                for joint, motion, unit, value in pairs
+                deviations[unit](joint, motion, value, self.name)
+                for joint, motion, unit, value in zip(
+                    joints, self.motions(), self._units(), values, strict=True
+                )
             )
         )
 
@@ -153,7 +156,7 @@ class Coupling(CoupledJoints):
 
     @property
     def carrier(self) -> BodyElement | None:
-        """The body that carries both joints, if one does."""
+        """The body that carries both joints, or None."""
         first, second = (joint.ends()[0] for joint in (self.joint_i, self.joint_j))
         return first if first is second else None
 
@@ -161,29 +164,29 @@ class Coupling(CoupledJoints):
         return self._units()
 
     def _units(self) -> list[str]:
-        found = []
+        units = []
         for joint, motion in zip((self.joint_i, self.joint_j), self.motions(), strict=True):
             free = joint.freedoms() if isinstance(joint, SpatialJoint) else {}
             name = free_motion(joint, free, motion, self.name)
-            found.append(free[name][1])
-        return found
+            units.append(free[name][1])
+        return units
 
 
 @dataclass(eq=False)
 class GearPair(CoupledJoints):
-    """Two gears in mesh, on hinges of a common carrier with axes at any angle.
+    """Two gears in mesh, in joints on a common carrier with axes at any angle.
 
-    ``Φ = [r_i turn_i − u; r_j turn_j ± u] = 0``, + if a turn of one about its axis turns the other
-    against its own, − with ``internal``; u is the travel of the pitch circles. The axes of the
-    hinges say which way is positive. Spur and bevel gears have their pitch radii; a worm has its
-    lead divided by 2π. The measure ``tooth_force`` is that along the pitch circles; what the teeth
-    do to the bearings beside the moments of the gears is left out.
+    ``Φ = [r_i turn_i − u; r_j turn_j ± u] = 0``, + if the gears rotate in opposite directions about
+    their axes, − with ``internal``; u is the travel of the pitch circles. The axes of the joints
+    define the positive directions. Spur and bevel gears have their pitch radii; a worm has its
+    lead divided by 2π. The measure ``tooth_force`` is that along the pitch circles. Bearing loads
+    from the teeth other than the moments of the gears are neglected.
 
     Parameters
     ----------
-    joint_i, joint_j : joints of the gears on the carrier; a turn is free in both
+    joint_i, joint_j : joints of the gears on the carrier, each with a free rotation
     radius_i, radius_j : pitch radii [m]
-    internal : the second gear turns with the first
+    internal : both gears rotate in the same direction
 
     Examples
     --------
@@ -197,18 +200,18 @@ class GearPair(CoupledJoints):
     >>> mesh = system.add(spatial.GearPair("mesh", i, j, radius_i=0.02, radius_j=0.06))
     >>> drive = system.add(spatial.RotationalDriver("drive", i, 6 * da.t))
     >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
-    >>> round(motion["B.angle_rate"][0].item(), 6)  # against it, by the ratio of the radii
+    >>> round(motion["B.angle_rate"][0].item(), 6)  # opposite, by the ratio of the radii
     -2.0
     """
 
     radius_i: Scalar = quantity("m", "pitch radius of the first gear", above=0.0, keyword=True)
     radius_j: Scalar = quantity("m", "pitch radius of the second gear", above=0.0, keyword=True)
-    internal: bool = option("the second gear turns with the first", default=False)
+    internal: bool = option("both gears rotate in the same direction", default=False)
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        carried = [set(joint.ends()) for joint in (self.joint_i, self.joint_j)]
-        if not carried[0] & carried[1]:
+        bodies = [set(joint.ends()) for joint in (self.joint_i, self.joint_j)]
+        if not bodies[0] & bodies[1]:
             raise ModelError(
                 f"{self.joint_i.name} and {self.joint_j.name} have no body in common that carries "
                 "both gears; put both hinges on one carrier",
@@ -216,10 +219,10 @@ class GearPair(CoupledJoints):
             )
 
     def residual(self) -> ca.SX:
-        i, j, sense = self.radius_i.sx, self.radius_j.sx, 1 if self.internal else -1
+        i, j, sign = self.radius_i.sx, self.radius_j.sx, 1 if self.internal else -1
         return ca.vertcat(
-            i * turn_missed(self.joint_i, None, self.shared / i, self.name),
-            j * turn_missed(self.joint_j, None, sense * self.shared / j, self.name),
+            i * turn_deviation(self.joint_i, None, self.shared / i, self.name),
+            j * turn_deviation(self.joint_j, None, sign * self.shared / j, self.name),
         )
 
     def look(self) -> list[Look]:
@@ -232,16 +235,18 @@ class GearPair(CoupledJoints):
 
 @dataclass(eq=False)
 class RackAndPinion(CoupledJoints):
-    """A pinion that turns in one joint moves a rack that slides in another, without slip.
+    """A pinion in one joint drives a rack in another, without slip.
 
-    ``Φ = [r turn_i − u; displacement_j − side u] = 0``, counted from the initial poses. The axes of
-    the joints say which way is positive. The measure ``tooth_force`` is that along the rack.
+    ``Φ = [r turn_i − u; displacement_j − side u] = 0``, measured from the initial poses. The axes
+    of the joints define the positive directions. The measure ``tooth_force`` is the force along the
+    rack.
 
     Parameters
     ----------
-    joint_i, joint_j : joint of the pinion, with a free turn, and of the rack, with a displacement
+    joint_i, joint_j : joints of the pinion, with a free rotation, and of the rack, with a free
+        displacement
     radius : pitch radius [m]
-    side : +1 if the rack moves up its axis when the pinion turns up its own, else −1
+    side : +1 if a positive rotation of the pinion moves the rack along its axis, else −1
 
     Examples
     --------
@@ -271,14 +276,14 @@ class RackAndPinion(CoupledJoints):
     def residual(self) -> ca.SX:
         r = self.radius.sx
         return ca.vertcat(
-            r * turn_missed(self.joint_i, None, self.shared / r, self.name),
-            travel_missed(self.joint_j, None, self.side * self.shared, self.name),
+            r * turn_deviation(self.joint_i, None, self.shared / r, self.name),
+            travel_deviation(self.joint_j, None, self.side * self.shared, self.name),
         )
 
     def look(self) -> list[Look]:
         pinion, rack, axis = self.joint_i, self.joint_j, slide_of(self.joint_j, None, self.name)
-        along = Rail(rack.frame_i, rack.frame_i.local_axes[:, axis], rack.travel[axis])
-        return [Disc(pinion.end, self.radius.sx), along, Tie(pinion.end, rack.end)]
+        rail = Rail(rack.frame_i, rack.frame_i.local_axes[:, axis], rack.travel[axis])
+        return [Disc(pinion.end, self.radius.sx), rail, Tie(pinion.end, rack.end)]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
         return {"tooth_force": (self.multiplier[0], "N")}

@@ -9,12 +9,12 @@ import casadi as ca
 from dalembert.elements.base import Look
 from dalembert.elements.look import Collar
 from dalembert.elements.spatial.axial_joint import AxialJoint
-from dalembert.elements.spatial.turn import Turn
+from dalembert.elements.spatial.frame_pair import Turn
 
 
 @dataclass(eq=False)
 class Cylindrical(AxialJoint):
-    """Sleeve on a shaft: the z axes are one line; it slides and turns.
+    """Sleeve on a shaft: the z axes coincide; it slides and rotates.
 
     ``Φ = [x_iᵀ d; y_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
 

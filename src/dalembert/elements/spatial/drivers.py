@@ -1,4 +1,4 @@
-"""Drivers in space: they move what a joint leaves free."""
+"""Spatial drivers of free motions of joints and of points."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from dalembert.elements.laws.base import GivenLaw
 from dalembert.elements.look import Motor, Travel
 from dalembert.elements.pair import Pair
 from dalembert.elements.point import Point
+from dalembert.elements.spatial.frame_pair import Turn
 from dalembert.elements.spatial.joint import SpatialJoint, slide_of, turn_of
-from dalembert.elements.spatial.turn import Turn
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import t
 
 
 class JointDriver(Driver, Pair):
-    """Prescribes a motion that a joint between frames leaves free."""
+    """Prescribed free motion of a joint between frames."""
 
     joint: SpatialJoint
     motion: str | None
@@ -47,16 +47,16 @@ class JointDriver(Driver, Pair):
 
 @dataclass(eq=False)
 class RotationalDriver(JointDriver):
-    """Prescribes a turn of a joint, ``Φ = angle − f(t)``, for any number of turns.
+    """Prescribed rotation of a joint, ``Φ = angle − f(t)``, for any number of revolutions.
 
-    The angle is counted near the law, ``Φ = atan2(s cos f − c sin f, c cos f + s sin f)`` with its
-    cosine c and sine s, so that the measure ``coordinate`` goes on after a full turn.
+    The angle is measured relative to the law, ``Φ = atan2(s cos f − c sin f, c cos f + s sin f)``
+    with its cosine c and sine s, so that the measure ``coordinate`` is continuous over revolutions.
 
     Parameters
     ----------
-    joint : joint between frames that leaves a turn free
+    joint : joint between frames with a free rotation
     law : Law, number or formula in t [rad]
-    motion : which turn, where the joint has several (``angle_i`` or ``angle_j``)
+    motion : name of the rotation if the joint has several (``angle_i`` or ``angle_j``)
 
     Examples
     --------
@@ -73,20 +73,16 @@ class RotationalDriver(JointDriver):
 
     joint: SpatialJoint
     law: GivenLaw = option("motion law")
-    motion: str = option("which free motion, where there are several", default=None)
+    motion: str = option("name of the free motion, if the joint has several", default=None)
     prescribes = "rad"
 
-    @property
-    def ahead(self) -> ca.SX:
-        """How far the turn is ahead of the law, less than half a turn."""
-        wanted = Turn.of(self.law.value(t.sx))
-        return turn_of(self.joint, self.motion, self.name).after(wanted).angle
-
     def coordinate(self) -> ca.SX:
-        return self.law.value(t.sx) + self.ahead
+        return self.law.value(t.sx) + self.deviation()
 
-    def missed(self) -> ca.SX:
-        return self.ahead
+    def deviation(self) -> ca.SX:
+        """Rotation relative to the law, less than half a turn."""
+        prescribed = Turn.of(self.law.value(t.sx))
+        return turn_of(self.joint, self.motion, self.name).relative_to(prescribed).angle
 
     def units(self) -> list[str]:
         return ["rad"]
@@ -97,13 +93,13 @@ class RotationalDriver(JointDriver):
 
 @dataclass(eq=False)
 class TranslationalDriver(JointDriver):
-    """Prescribes a displacement of a joint, ``Φ = displacement − f(t)``.
+    """Prescribed displacement of a joint, ``Φ = displacement − f(t)``.
 
     Parameters
     ----------
-    joint : joint between frames that leaves a displacement free
+    joint : joint between frames with a free displacement
     law : Law, number or formula in t [m]
-    motion : which displacement, where the joint has several (``displacement_x`` …)
+    motion : name of the displacement if the joint has several (``displacement_x`` …)
 
     Examples
     --------
@@ -114,31 +110,31 @@ class TranslationalDriver(JointDriver):
     >>> guide = system.add(spatial.Prismatic("guide", system.ground.frame(), ram.frame()))
     >>> crank = system.add(spatial.TranslationalDriver("crank", guide, da.Harmonic(0.05, 10.0)))
     >>> motion = da.solve_inverse_dynamics(system.build(), "pi/20", step="pi/20")
-    >>> motion["crank.effort"].values.round(6)  # m g, and m (g - 0.05 ω²) at the top
+    >>> motion["crank.effort"].values.round(6)  # m g; at the top m (g - 0.05 ω²)
     array([2000., 1000.])
     """
 
     joint: SpatialJoint
     law: GivenLaw = option("motion law")
-    motion: str = option("which free motion, where there are several", default=None)
+    motion: str = option("name of the free motion, if the joint has several", default=None)
 
     @property
-    def along(self) -> int:
-        """Axis of the first frame."""
+    def axis(self) -> int:
+        """Index of the axis of the first frame."""
         return slide_of(self.joint, self.motion, self.name)
 
     def coordinate(self) -> ca.SX:
-        along = self.along  # which first asks whether there is such a motion
-        return self.joint.travel[along]
+        axis = self.axis  # raises first if the joint has no such motion
+        return self.joint.travel[axis]
 
     def look(self) -> list[Look]:
         frame = self.joint.frame_i
-        return [Travel(self.joint.end, frame.body, frame.local_axes[:, self.along])]
+        return [Travel(self.joint.end, frame.body, frame.local_axes[:, self.axis])]
 
 
 @dataclass(eq=False)
 class CoordinateDriver(AlongDirection):
-    """Prescribes a coordinate of a point, ``Φ = uᵀ r_P − f(t)``.
+    """Prescribed coordinate of a point, ``Φ = uᵀ r_P − f(t)``.
 
     Parameters
     ----------

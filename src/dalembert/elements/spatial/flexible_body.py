@@ -1,4 +1,4 @@
-"""Flexible body in space."""
+"""Spatial flexible bodies."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dalembert.symbolic import rotation
 
 
 class SpatialSection(Section):
-    """It is turned by ``(1, ψ/2)`` at length one, which agrees with the small turn ``ψ``."""
+    """Interface rotated by the normalised ``(1, ψ/2)``, which equals a small rotation ``ψ``."""
 
     @property
     def mass_center(self) -> ca.SX:  # type: ignore[override]
@@ -32,9 +32,9 @@ class SpatialSection(Section):
         if not self.rotates:
             return self.owner.turned(local)
         half = self._half
-        across = ca.cross(half, local)
-        swung = local + 2 * (across + ca.cross(half, across)) / (1 + ca.sumsqr(half))
-        return self.owner.turned(swung)
+        cross = ca.cross(half, local)
+        rotated = local + 2 * (cross + ca.cross(half, cross)) / (1 + ca.sumsqr(half))
+        return self.owner.turned(rotated)
 
     @property
     def orientation(self) -> ca.SX:
@@ -49,13 +49,13 @@ class SpatialSection(Section):
             return self.owner.turning
         half = self._half
         rate = ca.jtimes(half, self.owner.q, self.owner.twist[6:])
-        own = 2 * (rate + ca.cross(half, rate)) / (1 + ca.sumsqr(half))
-        return self.owner.turning + self.owner.turned(own)
+        relative = 2 * (rate + ca.cross(half, rate)) / (1 + ca.sumsqr(half))
+        return self.owner.turning + self.owner.turned(relative)
 
 
 @dataclass(eq=False)
 class FlexibleBody(Flexible, SpatialFrame):
-    """A structure in space as a body, ``y = (r, e, q)``, ``v = (ṙ, ω', q̇)``.
+    """A spatial structure as a body, ``y = (r, e, q)``, ``v = (ṙ, ω', q̇)``.
 
     Parameters
     ----------
@@ -109,8 +109,8 @@ class FlexibleBody(Flexible, SpatialFrame):
         return self.spin
 
     def _turning_momentum(self, momentum: ca.SX) -> ca.SX:
-        turned = ca.cross(self.spin, momentum[3:6])
-        return ca.vertcat(ca.SX(3, 1), turned, ca.SX(self.shapes.count, 1))
+        angular = ca.cross(self.spin, momentum[3:6])
+        return ca.vertcat(ca.SX(3, 1), angular, ca.SX(self.shapes.count, 1))
 
-    def guessed(self) -> list[bool]:
-        return [*super().guessed(), *(True for _ in range(self.shapes.count))]
+    def specified(self) -> list[bool]:
+        return [*super().specified(), *(True for _ in range(self.shapes.count))]

@@ -1,6 +1,6 @@
-"""Frames in space: a place and Euler parameters, ``y = (r, e)``, with ``v = (ṙ, ω')``.
+"""Spatial frames: position and Euler parameters, ``y = (r, e)``, with ``v = (ṙ, ω')``.
 
-The angular velocity is that in axes of the frame (Ch. 2).
+The angular velocity is in the axes of the frame (Ch. 2).
 """
 
 from __future__ import annotations
@@ -16,31 +16,59 @@ from dalembert.elements.base import Condition
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates, rate_of, second_rate_of
 from dalembert.elements.point import components
-from dalembert.elements.spatial.attitude import Attitude
 from dalembert.symbolic import rotation
-from dalembert.symbolic.formulas.expression import Expression, t
-from dalembert.symbolic.formulas.template import template
+from dalembert.symbolic.formulas.expression import Expression, stack, t
+from dalembert.symbolic.once import template
+
+
+class Attitude(Coordinates):
+    """A rotation by Euler parameters, ``ė = e ⊗ (0, ω') / 2``.
+
+    Parameters
+    ----------
+    name : str
+    """
+
+    flat = False
+    rest = rotation.IDENTITY
+    coordinate_names, coordinate_units = rotation.EULER_PARAMETERS, ("1",) * 4
+    speed_names, speed_units = rotation.SPIN, ("rad",) * 3
+
+    def __init__(self, name: str):
+        self.name = name
+        self.pose = stack(ca.SX.sym(f"{name}.{n}") for n in self.coordinate_names)
+        self._make_speeds()
+        self.pose_rate = rotation.rate(self.pose, self.twist)
+
+    def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
+        return rotation.turned(pose, displacement)
+
+    def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
+        return rotation.turn(pose, other)
+
+    def bounds(self, pose: ca.SX) -> ca.SX:
+        return (ca.sumsqr(pose) - 1) / 2
 
 
 @template(7, 6)
-def _moved(pose: ca.SX, displacement: ca.SX) -> ca.SX:
-    """``y ⊕ δ`` of a place and an attitude."""
-    turned = rotation.turned(pose[3:], displacement[3:])
-    return ca.vertcat(pose[:3] + displacement[:3], turned)
+def _retract(pose: ca.SX, displacement: ca.SX) -> ca.SX:
+    """``y ⊕ δ`` of a position and Euler parameters."""
+    rotated = rotation.turned(pose[3:], displacement[3:])
+    return ca.vertcat(pose[:3] + displacement[:3], rotated)
 
 
 @template(7, 7)
-def _apart(pose: ca.SX, other: ca.SX) -> ca.SX:
-    """``y' ⊖ y`` of a place and an attitude."""
+def _displacement(pose: ca.SX, other: ca.SX) -> ca.SX:
+    """``y' ⊖ y`` of positions and Euler parameters."""
     return ca.vertcat(other[:3] - pose[:3], rotation.turn(pose[3:], other[3:]))
 
 
 class SpatialFrame(BodyElement):
-    """What moves with a frame in space.
+    """A body with the coordinates of a spatial frame.
 
     Attributes
     ----------
-    origin : SX symbols ``r``, of the mass centre of a rigid body
+    origin : SX symbols ``r``, the mass centre of a rigid body
     e, axes : SX, Euler parameters and the axes as columns
     spin : SX symbols ``ω'``
     initial : position, orientation, velocity and angular velocity of the body's origin
@@ -50,95 +78,97 @@ class SpatialFrame(BodyElement):
     initial_fields = ("position", "rotation", "velocity", "angular_velocity")
     initial: tuple[Any, Any, Any, Any]
 
-    def _make_coordinates(self, others: tuple[str, ...] = ()) -> None:
-        """Pose and twist; behind them other coordinates [m], whose rates are speeds."""
-        place, turn, beside = Coordinates(), Coordinates(), Coordinates()
+    def _make_coordinates(self, additional: tuple[str, ...] = ()) -> None:
+        """Create pose and twist, followed by additional coordinates [m] with their rates."""
+        position, attitude, flexible = Coordinates(), Coordinates(), Coordinates()
         if self.rotates:
-            turn = Attitude(self.name)
+            attitude = Attitude(self.name)
         else:
-            turn.make_symbols((), ())
-        place.name = beside.name = self.name
-        place.make_symbols(("x", "y", "z"), ("m",) * 3)
-        beside.make_symbols(others, ("m",) * len(others))
-        groups = self._groups = (place, turn, beside)
+            attitude.make_symbols((), ())
+        position.name = flexible.name = self.name
+        position.make_symbols(("x", "y", "z"), ("m",) * 3)
+        flexible.make_symbols(additional, ("m",) * len(additional))
+        groups = self._groups = (position, attitude, flexible)
         for name in ("coordinate_names", "coordinate_units", "speed_names", "speed_units", "rest"):
             setattr(self, name, sum((getattr(group, name) for group in groups), ()))
         for name in ("pose", "twist", "acceleration_symbols", "pose_rate"):
             setattr(self, name, ca.vertcat(*(getattr(group, name) for group in groups)))
-        self.origin, self.e, self.spin = place.pose, turn.pose, turn.twist
+        self.origin, self.e, self.spin = position.pose, attitude.pose, attitude.twist
         self.axes = rotation.matrix(self.e) if self.rotates else ca.SX.eye(3)
 
     def motion_measures(self) -> dict[str, tuple[ca.SX, str]]:
         """Measures of the pose and its rates."""
-        place = self.locate(ca.SX.zeros(3))
-        velocity = rate_of(place, [self], t.sx)
-        acceleration = second_rate_of(place, [self], t.sx)
-        named = {
-            "position": (place, "m"),
+        position = self.locate(ca.SX.zeros(3))
+        velocity = rate_of(position, [self], t.sx)
+        acceleration = second_rate_of(position, [self], t.sx)
+        measures = {
+            "position": (position, "m"),
             "velocity": (velocity, "m/s"),
             "acceleration": (acceleration, "m/s^2"),
-            **components("", place, "m"),
+            **components("", position, "m"),
             **components("v", velocity, "m/s"),
             **components("a", acceleration, "m/s^2"),
         }
         if self.rotates:
-            accelerated = self.acceleration_symbols[3:6]
-            named |= {
+            angular = self.acceleration_symbols[3:6]
+            measures |= {
                 "euler_parameters": (self.e, "1"),
                 "rotation": (ca.vec(self.axes.T), "1"),
                 "bryant": (rotation.angles(self.axes, "xyz"), "rad"),
                 "angular_velocity": (self.turning, "rad/s"),
                 "angular_velocity_local": (self.spin, "rad/s"),
-                "angular_acceleration": (ca.mtimes(self.axes, accelerated), "rad/s^2"),
+                "angular_acceleration": (ca.mtimes(self.axes, angular), "rad/s^2"),
             }
-        return named
+        return measures
 
     def euler(self, sequence: str) -> Expression:
-        """(3,) angles of turns about body axes that lead to its orientation, such as ``"zxz"``.
+        """(3,) angles of successive rotations about body axes, for a sequence such as ``"zxz"``.
 
-        The second is in [−π/2, π/2], of ``zxz`` and its like in [0, π]. At the ends of that range,
-        the singular attitude, the first and the third are not determined and change fast nearby.
+        The second is in [−π/2, π/2], for ``zxz`` and similar in [0, π]. At the ends of that range,
+        the singular attitude, the first and the third are undetermined, and change fast nearby.
 
         Raises
         ------
         ModelError
-            Other than three axes, or one twice in a row.
+            Not three axes, or two equal ones in a row.
         """
         return Expression(rotation.angles(self.axes, sequence), f"{self.name}.{sequence}", "rad")
 
-    # a manifold -------------------------------------------------------------------------------
+    # manifold ---------------------------------------------------------------------------------
     @property
     def flat(self) -> bool:
         return not self.rotates
 
     def retract(self, pose: ca.SX, displacement: ca.SX) -> ca.SX:
         if self._rigid:
-            return _moved(pose, displacement)
-        parts = zip(self._groups, self._of_pose(pose), self._of_twist(displacement), strict=True)
+            return _retract(pose, displacement)
+        parts = zip(
+            self._groups, self._split_pose(pose), self._split_twist(displacement), strict=True
+        )
         return ca.vertcat(*(group.retract(y, delta) for group, y, delta in parts))
 
     def displacement(self, pose: ca.SX, other: ca.SX) -> ca.SX:
         if self._rigid:
-            return _apart(pose, other)
-        parts = zip(self._groups, self._of_pose(pose), self._of_pose(other), strict=True)
+            return _displacement(pose, other)
+        parts = zip(self._groups, self._split_pose(pose), self._split_pose(other), strict=True)
         return ca.vertcat(*(group.displacement(y, z) for group, y, z in parts))
 
     def bounds(self, pose: ca.SX) -> ca.SX:
         if self._rigid:
             return self._groups[1].bounds(pose[3:])
-        parts = zip(self._groups, self._of_pose(pose), strict=True)
+        parts = zip(self._groups, self._split_pose(pose), strict=True)
         return ca.vertcat(*(group.bounds(y) for group, y in parts))
 
     @property
     def _rigid(self) -> bool:
-        """It has nothing but a place and an attitude, for which there are templates."""
+        """Whether the pose is a position and Euler parameters only, for which templates exist."""
         return self.rotates and self.pose.numel() == 7
 
-    def _of_pose(self, pose: ca.SX) -> list[ca.SX]:
+    def _split_pose(self, pose: ca.SX) -> list[ca.SX]:
         """The part of each group."""
         return ca.vertsplit(pose, np.cumsum([0, *(g.pose.numel() for g in self._groups)]).tolist())
 
-    def _of_twist(self, twist: ca.SX) -> list[ca.SX]:
+    def _split_twist(self, twist: ca.SX) -> list[ca.SX]:
         """The part of each group."""
         return ca.vertsplit(
             twist, np.cumsum([0, *(g.twist.numel() for g in self._groups)]).tolist()
@@ -146,10 +176,10 @@ class SpatialFrame(BodyElement):
 
     @contextmanager
     def enriched(self) -> Iterator[tuple[ca.SX, ca.SX]]:
-        """By the axes, whose rates ``Ṙ = R ω̃'`` need no Euler parameters."""
+        """Enrich by the axes, whose rates ``Ṙ = R ω̃'`` do not involve Euler parameters."""
         if not self.rotates:
-            with super().enriched() as nothing:
-                yield nothing
+            with super().enriched() as empty:
+                yield empty
             return
         pose, rate, axes = self.pose, self.pose_rate, self.axes
         symbols = ca.SX.sym(f"{self.name}.R", 3, 3)
@@ -168,7 +198,7 @@ class SpatialFrame(BodyElement):
     # mechanics --------------------------------------------------------------------------------
     @property
     def offset(self) -> ca.SX:
-        """(3,) where ``r`` is in the body frame."""
+        """(3,) position of ``r`` in the body frame."""
         return ca.SX.zeros(3)
 
     def locate(self, local: ca.SX) -> ca.SX:
@@ -192,31 +222,31 @@ class SpatialFrame(BodyElement):
         moment = self.turned(effort[3:6]) if self.rotates else ca.SX.zeros(3)
         return effort[:3], moment, self.origin
 
-    # the start --------------------------------------------------------------------------------
+    # initial values ---------------------------------------------------------------------------
     def guesses(self) -> tuple[list, list]:
         position, orientation, velocity, spin = self.initial
-        first = ca.SX(list(rotation.IDENTITY)) if orientation is None else orientation.sx
+        euler_parameters = ca.SX(list(rotation.IDENTITY)) if orientation is None else orientation.sx
         pose: list = [None] * 3
         twist: list = [None] * 3
         if position is not None:
-            arm = ca.mtimes(rotation.matrix(first), self.offset)
+            arm = ca.mtimes(rotation.matrix(euler_parameters), self.offset)
             pose = ca.vertsplit(position.sx + arm)
         if velocity is not None:
             turning = ca.SX.zeros(3) if spin is None else spin.sx
             twist = ca.vertsplit(velocity.sx + ca.cross(turning, self.turned(self.offset)))
         if self.rotates:
-            pose += [None] * 4 if orientation is None else ca.vertsplit(first)
+            pose += [None] * 4 if orientation is None else ca.vertsplit(euler_parameters)
             twist += [None] * 3 if spin is None else ca.vertsplit(ca.mtimes(self.axes.T, spin.sx))
         return pose, twist
 
-    def guessed(self) -> list[bool]:
+    def specified(self) -> list[bool]:
         position, orientation, *_ = self.initial
-        turns = [orientation is not None] * 3 if self.rotates else []
-        return [position is not None] * 3 + turns
+        rotation = [orientation is not None] * 3 if self.rotates else []
+        return [position is not None] * 3 + rotation
 
-    def doubts(self) -> list[Condition]:
-        return [] if self.initial[1] is None else self.initial[1].doubts
+    def warnings(self) -> list[Condition]:
+        return [] if self.initial[1] is None else self.initial[1].warnings
 
     def conditions(self) -> list[Condition]:
-        turned = [] if self.initial[1] is None else self.initial[1].conditions()
-        return [*super().conditions(), *turned]
+        rotation = [] if self.initial[1] is None else self.initial[1].conditions()
+        return [*super().conditions(), *rotation]

@@ -1,4 +1,4 @@
-"""What holds on a frame of one body and a frame of another, and how they lie to each other."""
+"""Elements between a frame of one body and a frame or point of another."""
 
 from __future__ import annotations
 
@@ -15,18 +15,52 @@ from dalembert.elements.frame import Frame
 from dalembert.elements.pair import (
     initial_value,
     need_point,
-    refuse_intangible,
+    refuse_floating_frame,
     refuse_same_body,
 )
 from dalembert.elements.point import Point
-from dalembert.elements.spatial.turn import Turn
 from dalembert.errors import ModelError
 
 
+@dataclass(frozen=True)
+class Turn:
+    """A rotation over any number of revolutions; only ``angle`` is discontinuous.
+
+    Attributes
+    ----------
+    cosine, sine : of the angle, times a common positive factor
+    """
+
+    cosine: ca.SX
+    sine: ca.SX
+
+    @classmethod
+    def of(cls, angle: ca.SX) -> Turn:
+        """The rotation by an angle."""
+        return cls(ca.cos(angle), ca.sin(angle))
+
+    @property
+    def pair(self) -> ca.SX:
+        """(2,) cosine and sine."""
+        return ca.vertcat(self.cosine, self.sine)
+
+    @property
+    def angle(self) -> ca.SX:
+        """The angle in (−π, π]."""
+        return ca.atan2(self.sine, self.cosine)
+
+    def relative_to(self, other: Turn) -> Turn:
+        """This rotation relative to another one."""
+        return Turn(
+            self.cosine * other.cosine + self.sine * other.sine,
+            self.sine * other.cosine - self.cosine * other.sine,
+        )
+
+
 def need_frame(value: Any, owner: str, field: str) -> Frame:
-    """Check that a joint was given a frame of a body."""
+    """Check that an argument is a frame of a body; a body stands for its body frame."""
     if isinstance(value, BodyElement):
-        refuse_intangible(value, owner, field)
+        refuse_floating_frame(value, owner, field)
         value = Frame(value)
     if not isinstance(value, Frame):
         raise ModelError(
@@ -43,14 +77,14 @@ def need_frame(value: Any, owner: str, field: str) -> Frame:
 
 
 OPPOSITE = 1e-3
-"""Share of the twist between opposite axes in the initial twist."""
+"""Weight of the angle between opposite axes in the initial angle."""
 ALONG = 1e-6
-"""Square of the part of an x axis across the other z axis, below which it shows no turn."""
+"""Threshold of the squared component of an x axis normal to the other z axis: no angle below."""
 
 
 @dataclass(eq=False)
 class OnFrame(Element):
-    """Anything that holds on a frame of one body and a point, or a frame, of another.
+    """An element between a frame of one body and a point or frame of another.
 
     Parameters
     ----------
@@ -61,17 +95,17 @@ class OnFrame(Element):
 
     def __post_init__(self) -> None:
         self.frame_i = need_frame(self.frame_i, self.name, "frame_i")
-        self._need_end()
+        self._check_end()
         refuse_same_body(*self.ends(), self.name)
         super().__post_init__()
 
-    def _need_end(self) -> None:
-        """Check what was given of the second body."""
+    def _check_end(self) -> None:
+        """Check the point or frame of the second body."""
         raise NotImplementedError
 
     @property
     def end(self) -> Point:
-        """The point, or the frame, of the second body."""
+        """The point or frame of the second body."""
         raise NotImplementedError
 
     def ends(self) -> tuple[BodyElement, BodyElement]:
@@ -87,18 +121,18 @@ class OnFrame(Element):
 
     @property
     def distance(self) -> ca.SX:
-        """Its length."""
+        """Distance of the origins."""
         return ca.sqrt(ca.sumsqr(self.between))
 
     @property
     def travel(self) -> ca.SX:
-        """(3,) the same vector in the axes of the first frame."""
+        """(3,) the vector between the origins in the axes of the first frame."""
         return ca.mtimes(self.frame_i.axes.T, self.between)
 
 
 @dataclass(eq=False)
 class FrameAndPoint(OnFrame):
-    """Anything that holds on a frame and a point.
+    """An element between a frame and a point.
 
     Parameters
     ----------
@@ -108,7 +142,7 @@ class FrameAndPoint(OnFrame):
 
     point_j: Point
 
-    def _need_end(self) -> None:
+    def _check_end(self) -> None:
         self.point_j = need_point(self.point_j, self.name, "point_j")
         if self.point_j.dimension < 3:
             name = self.point_j.body.name
@@ -125,7 +159,7 @@ class FrameAndPoint(OnFrame):
 
 @dataclass(eq=False)
 class BetweenFrames(OnFrame):
-    """Anything that holds on two frames.
+    """An element between two frames.
 
     Parameters
     ----------
@@ -134,7 +168,7 @@ class BetweenFrames(OnFrame):
 
     frame_j: Frame
 
-    def _need_end(self) -> None:
+    def _check_end(self) -> None:
         self.frame_j = need_frame(self.frame_j, self.name, "frame_j")
 
     def conditions(self) -> list[Condition]:
@@ -151,54 +185,54 @@ class BetweenFrames(OnFrame):
 
     @property
     def parallel(self) -> ca.SX:
-        """Cosine between the z axes."""
+        """Cosine of the angle between the z axes."""
         return ca.dot(self.frame_i.axis, self.frame_j.axis)
 
     @cached_property
     def turn(self) -> Turn:
-        """How far the second x axis has turned about the first z axis.
+        """Rotation of the second x axis about the first z axis.
 
-        It is counted from where the x axes coincide or, unless both were given, from the initial
-        poses.
+        It is measured from the first x axis if both x axes were specified, otherwise from the
+        initial poses.
         """
-        return self._turn if self.complete else self._turn.after(self._turn_at_start)
+        return self._turn if self.has_x_axes else self._turn.relative_to(self._initial_turn)
 
     @property
-    def first_turn(self) -> ca.SX:
-        """The turn of the x axes where it counts as none."""
-        return ca.SX(0) if self.complete else self._turn_at_start.angle
+    def reference_angle(self) -> ca.SX:
+        """Angle of the x axes at zero rotation."""
+        return ca.SX(0) if self.has_x_axes else self._initial_turn.angle
 
     @property
     def _turn(self) -> Turn:
-        """That of the x axes."""
+        """Rotation between the x axes."""
         return Turn(*ca.vertsplit(ca.mtimes(self.frame_i.axes[:, :2].T, self.frame_j.axes[:, 0])))
 
     @property
-    def _turn_at_start(self) -> Turn:
-        """The turn at the initial poses, whose z axes need not be parallel.
+    def _initial_turn(self) -> Turn:
+        """Rotation at the initial poses, whose z axes need not be parallel.
 
-        Where the second x axis lies along the first z axis, the twist after the shortest rotation
-        that makes the z axes parallel stands for it. With ``R = A_iᵀ A_j`` its cosine and sine are
-        proportional to ``R₁₁ + R₂₂`` and ``R₂₁ − R₁₂``, for opposite z axes to ``R₁₁ − R₂₂`` and
-        ``R₂₁ + R₁₂``. A small share of the latter serves both.
+        If the second x axis is along the first z axis, the rotation after the shortest one that
+        aligns the z axes is used. With ``R = A_iᵀ A_j`` its cosine and sine are proportional to
+        ``R₁₁ + R₂₂`` and ``R₂₁ − R₁₂``, for opposite z axes to ``R₁₁ − R₂₂`` and ``R₂₁ + R₁₂``. A
+        small weight of the latter covers both cases.
         """
         r = ca.mtimes(self.frame_i.axes.T, self.frame_j.axes)
         near, far = 1 + OPPOSITE, 1 - OPPOSITE
-        shown = r[0, 0] ** 2 + r[1, 0] ** 2 > ALONG
-        cosine = ca.if_else(shown, r[0, 0], near * r[0, 0] + far * r[1, 1])
-        sine = ca.if_else(shown, r[1, 0], near * r[1, 0] - far * r[0, 1])
-        return self.at_start(Turn(cosine, sine))
+        determined = r[0, 0] ** 2 + r[1, 0] ** 2 > ALONG
+        cosine = ca.if_else(determined, r[0, 0], near * r[0, 0] + far * r[1, 1])
+        sine = ca.if_else(determined, r[1, 0], near * r[1, 0] - far * r[0, 1])
+        return self.at_initial(Turn(cosine, sine))
 
     @property
-    def complete(self) -> bool:
-        """The x axes of both frames were given."""
-        return self.frame_i.complete and self.frame_j.complete
+    def has_x_axes(self) -> bool:
+        """Whether the x axes of both frames were specified."""
+        return self.frame_i.has_x_axis and self.frame_j.has_x_axis
 
-    def since_start(self, turn: Turn) -> Turn:
-        """A turn counted from the initial poses."""
-        return turn.after(self.at_start(turn))
+    def from_initial(self, turn: Turn) -> Turn:
+        """A rotation measured from the initial poses."""
+        return turn.relative_to(self.at_initial(turn))
 
-    def at_start(self, turn: Turn) -> Turn:
-        """The turn at the initial poses."""
+    def at_initial(self, turn: Turn) -> Turn:
+        """A rotation at the initial poses."""
         start = initial_value(turn.pair, self.ends()).sx
         return Turn(*ca.vertsplit(start / ca.sqrt(ca.sumsqr(start))))

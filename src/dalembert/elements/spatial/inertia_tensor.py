@@ -1,4 +1,4 @@
-"""The inertia tensor of a body: how it may be given, and whether any body has it."""
+"""Inertia tensors: conversion and physical consistency."""
 
 from __future__ import annotations
 
@@ -11,14 +11,15 @@ from dalembert.elements.base import Condition
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, as_sx
-from dalembert.symbolic.formulas.template import template
+from dalembert.symbolic.once import template
 
 ROUNDING = 1e-9
-"""Of moments of inertia as people write them, relative to their sum."""
+"""Tolerance for rounded moments of inertia, relative to their norm."""
 SYMMETRIC = 1e-9
+"""Tolerance of the symmetry of an inertia matrix, relative to its largest moment."""
 
 
-def as_moments(given: Any, entity: str) -> Expression:
+def as_moments(value: Any, entity: str) -> Expression:
     """``(Ixx, Iyy, Izz, Ixy, Iyz, Ixz)`` from three moments, six entries or the matrix.
 
     Raises
@@ -26,16 +27,16 @@ def as_moments(given: Any, entity: str) -> Expression:
     ModelError
         Another number of entries, or a matrix that is not symmetric.
     """
-    if isinstance(given, Expression):
-        sx = given.sx
+    if isinstance(value, Expression):
+        sx = value.sx
     else:
-        rows = list(given) if np.iterable(given) and not isinstance(given, (str, bytes)) else []
+        rows = list(value) if np.iterable(value) and not isinstance(value, (str, bytes)) else []
         if len(rows) == 3 and all(isinstance(row, (list, tuple, np.ndarray)) for row in rows):
             return _of_matrix([list(row) for row in rows], entity)
         if len(rows) not in (3, 6):
             raise ModelError(
-                "give (Ixx, Iyy, Izz), these with Ixy, Iyz, Ixz behind, or a 3×3 matrix; "
-                f"got {given!r}",
+                "give (Ixx, Iyy, Izz), these followed by Ixy, Iyz, Ixz, or a 3×3 matrix; "
+                f"got {value!r}",
                 entity,
             )
         sx = as_sx(rows)
@@ -50,8 +51,8 @@ def _of_matrix(rows: list[list], entity: str) -> Expression:
     sizes = [abs(float(rows[k][k])) for k in range(3) if isinstance(rows[k][k], (int, float))]
     for i, j in ((0, 1), (1, 2), (0, 2)):
         a, b = rows[i][j], rows[j][i]
-        known = isinstance(a, (int, float)) and isinstance(b, (int, float))
-        if known and abs(a - b) > SYMMETRIC * max(sizes, default=1.0):
+        numeric = isinstance(a, (int, float)) and isinstance(b, (int, float))
+        if numeric and abs(a - b) > SYMMETRIC * max(sizes, default=1.0):
             raise ModelError(
                 f"the matrix is not symmetric: entries {i + 1},{j + 1} and {j + 1},{i + 1} are "
                 f"{a:g} and {b:g}",
@@ -62,7 +63,7 @@ def _of_matrix(rows: list[list], entity: str) -> Expression:
 
 
 def tensor(moments: ca.SX) -> ca.SX:
-    """``J'`` (3, 3) of ``(Ixx, Iyy, Izz, Ixy, Iyz, Ixz)``; entries that are zero stay out of it."""
+    """``J'`` (3, 3) of ``(Ixx, Iyy, Izz, Ixy, Iyz, Ixz)``; zero entries are structural zeros."""
     xx, yy, zz, xy, yz, xz = ca.vertsplit(moments)
     return ca.sparsify(
         ca.vertcat(ca.horzcat(xx, xy, xz), ca.horzcat(xy, yy, yz), ca.horzcat(xz, yz, zz))
@@ -70,10 +71,10 @@ def tensor(moments: ca.SX) -> ca.SX:
 
 
 def physical(moments: ca.SX) -> list[Condition]:
-    """What must not be negative, so that some body has these moments.
+    """Conditions for moments of inertia of a physical body.
 
-    ``∫ s sᵀ dm = tr(J)/2 − J`` is positive semidefinite: all its principal minors are not negative.
-    On the axes this is the triangle inequality of the moments.
+    ``∫ s sᵀ dm = tr(J)/2 − J`` is positive semidefinite: no principal minor is negative. For the
+    diagonal entries this is the triangle inequality of the moments.
     """
     minors = ca.densify(_minors(moments))
     return [
@@ -94,7 +95,7 @@ def physical(moments: ca.SX) -> list[Condition]:
 
 @template(6)
 def _minors(moments: ca.SX) -> ca.SX:
-    """(7,) principal minors of ``tr(J)/2 − J``, and what rounding may take from them."""
+    """(7,) principal minors of ``tr(J)/2 − J`` plus the tolerance for rounding."""
     second = ca.trace(tensor(moments)) / 2 * ca.SX.eye(3) - tensor(moments)
     size = ca.sumsqr(moments) ** 0.5
     singles = ca.diag(second) + ROUNDING * size

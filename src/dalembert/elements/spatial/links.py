@@ -1,4 +1,4 @@
-"""Links without mass between two bodies: composite joints."""
+"""Massless links between two bodies: composite joints."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, Look, Rate, Scalar, quantity
 from dalembert.elements.look import Rod
-from dalembert.elements.rigid_link import ConstantDistance
+from dalembert.elements.pair import ConstantDistance
 from dalembert.elements.spatial.joint import FrameJoint, FramePointJoint
 
 PARALLEL = 1e-6
-"""Sine of the angle between axes that are taken for parallel."""
+"""Threshold of the sine of the angle between axes below which they are parallel."""
 
 
 @dataclass(eq=False)
@@ -32,15 +32,15 @@ class RigidLink(ConstantDistance):
     >>> a = system.add(spatial.RigidLink("a", left, lamp.center, length=1.0))
     >>> b = system.add(spatial.RigidLink("b", right, lamp.center, length=1.0))
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["a.force_norm"].item(), 6)  # m g/2 by the cosine 0.8
+    >>> round(rest["a.force_norm"].item(), 6)  # m g/2 over the cosine 0.8
     11.25
     """
 
 
-class Jointed:
-    """A link without mass, whose ends have moments of their own.
+class LinkMoments:
+    """Mixin of massless links with moments at both ends.
 
-    ``moment`` is that on body j at the end there, ``moment_i`` that on body i at its hinge:
+    ``moment`` acts on body j at its end of the link, ``moment_i`` on body i at its hinge:
     ``M_i = −(M_j + d × F)`` with the force ``F`` on body j and ``d`` from the hinge to the end.
     """
 
@@ -48,21 +48,21 @@ class Jointed:
         link: Any = self
         force, moment = link.reaction()
         arm = link.place() - link.frame_i.position.sx
-        found: dict[str, tuple[ca.SX, str]] = super().measures(rate)  # type: ignore[misc]
-        return found | {"moment_i": (-(moment + ca.cross(arm, force)), "N m")}
+        measures: dict[str, tuple[ca.SX, str]] = super().measures(rate)  # type: ignore[misc]
+        return measures | {"moment_i": (-(moment + ca.cross(arm, force)), "N m")}
 
 
 @dataclass(eq=False)
-class RevoluteSphericalLink(Jointed, FramePointJoint):
+class RevoluteSphericalLink(LinkMoments, FramePointJoint):
     """Link on a hinge of body i, with a ball at body j: ``Φ = [|d| − length; z_iᵀ d] = 0``.
 
-    The link lies across the axis of the hinge; its force [N] is the first multiplier. Measures are
+    The link is normal to the axis of the hinge; its force [N] is the first multiplier. Measures are
     ``force``, the ``moment`` on body j at the ball, which is zero, and the ``moment_i`` on body i
     at the hinge.
 
     Parameters
     ----------
-    frame_i : the hinge about its z axis
+    frame_i : frame of the hinge, whose axis is z
     point_j : the ball
     length : from the hinge to the ball [m]
 
@@ -89,8 +89,8 @@ class RevoluteSphericalLink(Jointed, FramePointJoint):
 
 
 @dataclass(eq=False)
-class RevoluteRevoluteLink(Jointed, FrameJoint):
-    """Link with a hinge at each end; it is the common normal of both axes.
+class RevoluteRevoluteLink(LinkMoments, FrameJoint):
+    """Link with a hinge at each end, along the common normal of both axes.
 
     Measures are ``force``, and the moments on the bodies at their ends, ``moment`` on body j and
     ``moment_i`` on body i.
@@ -101,7 +101,7 @@ class RevoluteRevoluteLink(Jointed, FrameJoint):
     Parameters
     ----------
     length : from one axis to the other [m]
-    twist : angle between the axes, above 0 and below π; they are parallel if it is not given [rad]
+    twist : angle between the axes, above 0 and below π; parallel axes by default [rad]
 
     Examples
     --------
@@ -112,7 +112,7 @@ class RevoluteRevoluteLink(Jointed, FrameJoint):
     >>> across = dict(axis=(0, 1, 0))
     >>> hinges = system.ground.frame(**across), load.frame(**across)
     >>> link = system.add(spatial.RevoluteRevoluteLink("link", *hinges, length=1.0))
-    >>> system.build().diagnosis.degrees_of_freedom  # a turn at either end
+    >>> system.build().diagnosis.degrees_of_freedom  # a rotation at each end
     2
     """
 
@@ -120,16 +120,16 @@ class RevoluteRevoluteLink(Jointed, FrameJoint):
     twist: Scalar = quantity("rad", "angle between the axes; parallel without", default=None)
 
     def residual(self) -> ca.SX:
-        across = ca.vertcat(self.distance - self.length.sx, self.travel[2])
+        position = ca.vertcat(self.distance - self.length.sx, self.travel[2])
         if self.twist is None:
-            return ca.vertcat(across, self.tilt)
+            return ca.vertcat(position, self.tilt)
         i, j = self.frame_i.axis, self.frame_j.axis
         sine = ca.sqrt(ca.sumsqr(ca.cross(i, j)))
         angle = ca.atan2(sine, ca.dot(i, j)) - self.twist.sx
-        return ca.vertcat(across, ca.dot(j, self.between), angle)
+        return ca.vertcat(position, ca.dot(j, self.between), angle)
 
-    def facing(self) -> ca.SX:
-        return self.parallel if self.twist is None else super().facing()
+    def assembly_conditions(self) -> ca.SX:
+        return self.parallel if self.twist is None else super().assembly_conditions()
 
     def units(self) -> list[str]:
         return ["m", "m", *(["rad", "rad"] if self.twist is None else ["m", "rad"])]
@@ -141,8 +141,8 @@ class RevoluteRevoluteLink(Jointed, FrameJoint):
         if self.twist is None:
             return super().conditions()
         twist = self.twist.sx
-        told = (
+        message = (
             "its twist is {:g} rad, but it must be above 0 and below π; leave it out if the axes "
             "are parallel"
         )
-        return [*super().conditions(), (ca.sin(twist) - PARALLEL, told, twist)]
+        return [*super().conditions(), (ca.sin(twist) - PARALLEL, message, twist)]

@@ -1,4 +1,4 @@
-"""Applied loads in space."""
+"""Spatial applied loads."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ import casadi as ca
 from dalembert.elements.base import Vector, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.loads import Couple, PointForce, in_inertial_axes, known_once
+from dalembert.elements.loads import Couple, PointForce, distinct, in_inertial_axes
 from dalembert.elements.pair import need_body
 from dalembert.errors import ModelError
 
 
 def refuse_without_axes(follows: BodyElement | None, owner: str) -> None:
-    """Components can be in the axes of what rotates only."""
+    """Refuse components in the axes of a particle."""
     if follows is not None and not need_body(follows, owner, "follows").rotates:
         raise ModelError(f"follows {follows.name}, a particle, which has no axes", owner)
 
@@ -26,9 +26,9 @@ class Force(PointForce):
 
     Parameters
     ----------
-    point : where it acts
+    point : point of application
     vector : (3,) components [N]; formulas of t, parameters and measures are allowed
-    follows : body whose axes the components are in; inertial ones if none is given
+    follows : body in whose axes the components are; inertial axes by default
 
     Raises
     ------
@@ -68,14 +68,14 @@ class Force(PointForce):
 
 @dataclass(eq=False)
 class Torque(Couple):
-    """Moment on a body, with its reaction on a second one if given: a rotary actuator.
+    """Moment on a body, with its reaction on an optional second one: a rotary actuator.
 
     Parameters
     ----------
     body : body it acts on
     vector : (3,) components [N m]; formulas of t, parameters and measures are allowed
-    reaction_on : body that carries the reaction; the ground if none is given
-    follows : body whose axes the components are in; inertial ones if none is given
+    reaction_on : body that carries the reaction; the ground by default
+    follows : body in whose axes the components are; inertial axes by default
 
     Raises
     ------
@@ -108,4 +108,4 @@ class Torque(Couple):
         return in_inertial_axes(self.vector.sx, self.follows)
 
     def parts(self) -> list[Coordinates]:
-        return known_once([self.body, self.reaction_on, self.follows])
+        return distinct([self.body, self.reaction_on, self.follows])

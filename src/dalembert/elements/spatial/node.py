@@ -1,19 +1,19 @@
-"""Nodes of finite elements in space."""
+"""Spatial nodes of finite elements."""
 
 from __future__ import annotations
 
 import casadi as ca
 
-from dalembert.elements.fem.node_bodies import NodeBody
+from dalembert.elements.fem.between_bodies import NodeBody
 from dalembert.elements.flexible.nodes import OwnNode
 from dalembert.elements.spatial.body import Body, Particle
 
 
 class Node(NodeBody, Body):
-    """A node that turns: a body whose mass may be that of the elements at it.
+    """A node with rotation: a body whose mass may be that of the connected elements.
 
-    It takes what a ``Body`` takes. Elements are free of stress where ``position`` says, and turned
-    by ``rotation``.
+    It has the parameters of a ``Body``. Elements are free of stress at ``position`` and
+    ``rotation``.
 
     Examples
     --------
@@ -38,9 +38,9 @@ class Node(NodeBody, Body):
 
 
 class PointNode(NodeBody, Particle):
-    """A node that does not turn: a particle whose mass may be that of the elements at it.
+    """A node without rotation: a particle whose mass may be that of the connected elements.
 
-    It takes what a ``Particle`` takes. Elements are free of stress where ``position`` says.
+    It has the parameters of a ``Particle``. Elements are free of stress at ``position``.
 
     Examples
     --------
@@ -59,8 +59,8 @@ class PointNode(NodeBody, Particle):
 
 
 class ElementNode(OwnNode, Node):
-    """A node that an element brings along."""
+    """A node that belongs to an element."""
 
 
 class ElementPointNode(OwnNode, PointNode):
-    """A node that an element brings along, and that does not turn."""
+    """A node without rotation that belongs to an element."""

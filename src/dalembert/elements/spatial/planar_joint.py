@@ -9,12 +9,12 @@ import casadi as ca
 from dalembert.elements.base import Look
 from dalembert.elements.look import Table
 from dalembert.elements.spatial.axial_joint import AxialJoint
-from dalembert.elements.spatial.turn import Turn
+from dalembert.elements.spatial.frame_pair import Turn
 
 
 @dataclass(eq=False)
 class Planar(AxialJoint):
-    """The x-y planes of both frames are one; they slide and turn on each other.
+    """The x-y planes of both frames coincide; they slide and rotate relative to each other.
 
     ``Φ = [z_iᵀ d; x_iᵀ z_j; y_iᵀ z_j] = 0`` with ``d = r_j − r_i``.
 

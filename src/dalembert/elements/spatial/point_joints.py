@@ -1,4 +1,4 @@
-"""Points that move on a line or a plane of another body."""
+"""Points on a line, a plane or a curve of another body."""
 
 from __future__ import annotations
 
@@ -6,14 +6,17 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.base import Look
+from dalembert.elements.base import Look, Scalar, option, quantity
+from dalembert.elements.body import BodyElement
+from dalembert.elements.curves import Curve, OnCurve
 from dalembert.elements.look import Rail, SlotPin
+from dalembert.elements.point import Point
 from dalembert.elements.spatial.joint import FramePointJoint
 
 
 @dataclass(eq=False)
 class PointOnLine(FramePointJoint):
-    """A point of body j on the z axis of a frame, ``Φ = [x_iᵀ d; y_iᵀ d] = 0``, ``d = r_jP − r_i``.
+    """Point of body j on the z axis of a frame, ``Φ = [x_iᵀ d; y_iᵀ d] = 0``, ``d = r_jP − r_i``.
 
     Parameters
     ----------
@@ -45,7 +48,7 @@ class PointOnLine(FramePointJoint):
 
 @dataclass(eq=False)
 class PointOnPlane(FramePointJoint):
-    """A point of body j in the x-y plane of a frame, ``Φ = z_iᵀ d = 0``, ``d = r_jP − r_i``.
+    """Point of body j in the x-y plane of a frame, ``Φ = z_iᵀ d = 0``, ``d = r_jP − r_i``.
 
     Parameters
     ----------
@@ -69,3 +72,38 @@ class PointOnPlane(FramePointJoint):
 
     def residual(self) -> ca.SX:
         return self.travel[2]
+
+
+@dataclass(eq=False)
+class PointOnCurve(OnCurve):
+    """Point of body j on a curve of body i, ``Φ = A_iᵀ (r_jP − r_i) − c(u) = 0``.
+
+    The curve parameter ``u`` is an additional massless coordinate, so that the contact transmits
+    no force along the curve.
+
+    Parameters
+    ----------
+    body_i : body that carries the curve
+    point_j : the following point
+    curve : Curve of three components in the frame of body i
+    parameter : initial guess of ``u``; the nearest point by default
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("slide", gravity=(0, 0, -9.81))
+    >>> helix = da.FormulaCurve(da.cos(da.u), da.sin(da.u), z=0.2 * da.u)
+    >>> bead = system.add(spatial.Particle("bead", mass=0.1, position=(1, 0, 0)))
+    >>> wire = system.add(spatial.PointOnCurve("wire", system.ground, bead.center, helix))
+    >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.01)
+    >>> round(motion["bead.z"][-1].item() * 2 / 9.81, 6)  # 0.2²/(1 + 0.2²)
+    -0.038462
+    """
+
+    body_i: BodyElement
+    point_j: Point
+    curve: Curve = option("the curve", default=None)
+    parameter: Scalar = quantity(
+        "1 | m | rad", "initial guess of the curve parameter", default=None
+    )

@@ -8,7 +8,7 @@ import casadi as ca
 
 from dalembert.elements.base import Look
 from dalembert.elements.look import Slider
-from dalembert.elements.spatial.fixed_turn import FixedTurn
+from dalembert.elements.spatial.axial_joint import FixedTurn
 
 
 @dataclass(eq=False)
@@ -16,8 +16,8 @@ class Prismatic(FixedTurn):
     """Slider: the second origin on the first z axis, no relative rotation.
 
     ``Φ = [x_iᵀ d; y_iᵀ d; x_iᵀ z_j; y_iᵀ z_j; sin(turn − angle)] = 0`` with ``d = r_j − r_i``. The
-    turn is that of the x axes about z if both frames have one of their own, else that from the
-    initial poses.
+    turn is the angle of the x axes about z if both frames specify one, otherwise the rotation from
+    the initial poses.
 
     Examples
     --------

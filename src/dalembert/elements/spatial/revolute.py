@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.elements.base import Look
 from dalembert.elements.look import Pin
 from dalembert.elements.spatial.axial_joint import AxialJoint
-from dalembert.elements.spatial.turn import Turn
+from dalembert.elements.spatial.frame_pair import Turn
 
 
 @dataclass(eq=False)

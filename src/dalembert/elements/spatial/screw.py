@@ -8,27 +8,27 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Condition, Look, Scalar, quantity
-from dalembert.elements.joint_space import JointSpace
+from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.look import Nut
 from dalembert.elements.pair import initial_value
 from dalembert.elements.spatial.cylindrical import Cylindrical
-from dalembert.elements.spatial.turn import Turn
+from dalembert.elements.spatial.frame_pair import Turn
 
 SMALLEST_PITCH = 1e-12
-"""Below, it is none [m]."""
+"""Lower limit of the pitch [m]."""
 
 
 @dataclass(eq=False)
 class Screw(Cylindrical):
-    """Nut on a spindle: a cylindrical joint whose displacement follows its turn.
+    """Nut on a spindle: a cylindrical joint whose displacement is proportional to its rotation.
 
-    ``Φ = […; displacement − pitch · turn / 2π] = 0``, at any number of turns. The last multiplier
-    is the axial force [N]. The frames coincide at no displacement if both have an x axis of their
-    own; otherwise turn and displacement are counted from the initial poses.
+    ``Φ = […; displacement − pitch · turn / 2π] = 0``, for any number of revolutions. The last
+    multiplier is the axial force [N]. If both frames specify an x axis they coincide at zero
+    displacement; otherwise rotation and displacement are measured from the initial poses.
 
     Parameters
     ----------
-    pitch : displacement per full turn, negative of a left-hand thread [m]
+    pitch : displacement per revolution, negative for a left-hand thread [m]
 
     Examples
     --------
@@ -41,7 +41,7 @@ class Screw(Cylindrical):
     >>> joint = system.add(spindle)
     >>> drive = system.add(spatial.RotationalDriver("drive", joint, 8 * math.pi * da.t))
     >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
-    >>> motion["nut.z"].values.round(6)  # four turns
+    >>> motion["nut.z"].values.round(6)  # four revolutions
     array([0.  , 0.04])
     """
 
@@ -51,17 +51,17 @@ class Screw(Cylindrical):
         return [self.rail, Nut(self.frame_j, self.frame_i)]
 
     def residual(self) -> ca.SX:
-        late = Turn.of(self._threaded(self.travel[2])).after(self.turn)
-        return ca.vertcat(super().residual(), self._lead * late.angle)
+        deviation = Turn.of(self._turn_at(self.travel[2])).relative_to(self.turn)
+        return ca.vertcat(super().residual(), self._lead * deviation.angle)
 
     @property
     def _lead(self) -> ca.SX:
         """Displacement per radian."""
         return self.pitch.sx / (2 * math.pi)
 
-    def _threaded(self, displacement: ca.SX) -> ca.SX:
-        """The turn that belongs to a displacement."""
-        start = ca.SX(0) if self.complete else initial_value(self.travel[2], self.ends()).sx
+    def _turn_at(self, displacement: ca.SX) -> ca.SX:
+        """The rotation at a displacement."""
+        start = ca.SX(0) if self.has_x_axes else initial_value(self.travel[2], self.ends()).sx
         return (displacement - start) / self._lead
 
     def units(self) -> list[str]:
@@ -69,17 +69,17 @@ class Screw(Cylindrical):
 
     def conditions(self) -> list[Condition]:
         pitch = self.pitch.sx
-        told = "a screw needs a pitch, got {:g} m; without one use Revolute"
-        return [*super().conditions(), (ca.fabs(pitch) - SMALLEST_PITCH, told, pitch)]
+        message = "a screw needs a pitch, got {:g} m; without one use Revolute"
+        return [*super().conditions(), (ca.fabs(pitch) - SMALLEST_PITCH, message, pitch)]
 
-    # as a carrier -----------------------------------------------------------------------------
+    # joint coordinates ------------------------------------------------------------------------
     def joint_space(self) -> JointSpace:
-        """The displacement, which tells full turns apart."""
+        """The displacement, which distinguishes full revolutions."""
         return JointSpace([f"{self.name}.displacement"], ["m"], self.travel[2])
 
     def placed(self, q: ca.SX) -> tuple[ca.SX, ca.SX]:
-        return ca.vertcat(ca.SX(2, 1), q), self._threaded(q)
+        return ca.vertcat(ca.SX(2, 1), q), self._turn_at(q)
 
     def opened(self, q: ca.SX, axes_i: ca.SX, axes_j: ca.SX) -> ca.SX:
-        along = ca.vertcat(axes_i[:, 2], ca.SX(3, 1))
-        return ca.horzcat(super().opened(q, axes_i, axes_j), along)
+        axial = ca.vertcat(axes_i[:, 2], ca.SX(3, 1))
+        return ca.horzcat(super().opened(q, axes_i, axes_j), axial)

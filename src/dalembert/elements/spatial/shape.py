@@ -1,4 +1,4 @@
-"""What homogeneous bodies of a shape share: mass and inertia that follow from their sizes."""
+"""Homogeneous bodies: mass and inertia from density and dimensions, graphical primitives."""
 
 from __future__ import annotations
 
@@ -7,20 +7,71 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
-from dalembert.elements.base import Scalar, quantity
+from dalembert.elements.base import Look, Scalar, quantity
+from dalembert.elements.body import BodyElement
+from dalembert.elements.look import Segment
+from dalembert.elements.point import Point
 from dalembert.elements.spatial.body import Body
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
 
 
+@dataclass(frozen=True, eq=False)
+class Cuboid(Look):
+    """A box about a point, along the axes of its body."""
+
+    center: Point
+    size: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class Orb(Look):
+    """A ball of true size about a point."""
+
+    center: Point
+    radius: ca.SX
+
+
+@dataclass(frozen=True, eq=False)
+class Round(Segment):
+    """A solid of revolution about the line between two points of one body."""
+
+    radius: ca.SX
+
+
+class Drum(Round):
+    """A cylinder."""
+
+
+class Pill(Round):
+    """A cylinder with hemispherical ends beyond the points."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface(Look):
+    """A closed surface in the axes of a body.
+
+    Parameters
+    ----------
+    corners : (n, 3) in units of the scale
+    triangles : (m, 3) indices of corners, anticlockwise from outside
+    """
+
+    body: BodyElement
+    corners: np.ndarray
+    triangles: np.ndarray
+    scale: ca.SX
+
+
 @dataclass(eq=False)
 class Shape(Body):
-    """Homogeneous body; its mass is given or follows from its density.
+    """Homogeneous body with a specified mass or density.
 
-    To write a new one, give ``volume`` and ``gyration``, and ``middle`` if the mass centre is not
-    the origin of the body frame.
+    A new shape implements ``volume`` and ``gyration``, and ``middle`` if the mass centre is not the
+    origin of the body frame.
 
     Parameters
     ----------
@@ -29,7 +80,7 @@ class Shape(Body):
     Raises
     ------
     ModelError
-        Mass and density are both given, or an impossible size.
+        Both mass and density, or an impossible size.
     """
 
     density: Scalar = quantity("kg/m^3", "density, instead of the mass", default=None, minimum=0.0)
@@ -48,35 +99,38 @@ class Shape(Body):
         super().__post_init__()
 
     def _read_sizes(self) -> None:
-        """Numbers that no other body has, as formulas."""
-        of_any = {field.name for field in Body.quantity_fields()}
+        """Convert the additional quantities of the shape to formulas."""
+        inherited = {field.name for field in Body.quantity_fields()}
         for field, meta in self.quantities():
-            given = getattr(self, field)
-            if field not in of_any and given is not None:
-                read = as_expression(given, f"{self.name}.{field}", meta["unit"], meta["size"])
-                setattr(self, field, read)
+            value = getattr(self, field)
+            if field not in inherited and value is not None:
+                expression = as_expression(
+                    value, f"{self.name}.{field}", meta["unit"], meta["size"]
+                )
+                setattr(self, field, expression)
 
     def differences(self) -> dict[str, Expression]:
         """Differences of sizes [m] that must not be negative."""
         return {}
 
     def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
-        """Sizes come before the mass that follows from them."""
-        of_any = {f"{self.name}.{field.name}" for field in Body.quantity_fields()}
-        found = super().checked_quantities()
+        """Quantities with the sizes before the mass that depends on them."""
+        inherited = {f"{self.name}.{field.name}" for field in Body.quantity_fields()}
+        quantities = super().checked_quantities()
         unlimited = {"unit": "m", "minimum": 0.0, "above": -math.inf}
         walls = [(f"{self.name}.{n}", wall, unlimited) for n, wall in self.differences().items()]
-        sizes, others = (
-            [entry for entry in found if (entry[0] in of_any) is which] for which in (False, True)
+        sizes, rest_of_body = (
+            [entry for entry in quantities if (entry[0] in inherited) is is_inherited]
+            for is_inherited in (False, True)
         )
-        return [*sizes, *walls, *others]
+        return [*sizes, *walls, *rest_of_body]
 
     def volume(self) -> ca.SX:
         """[m³]"""
         raise NotImplementedError
 
     def gyration(self) -> ca.SX:
-        """(6,) moments and products about the mass centre for a mass of one [m²]."""
+        """(6,) moments and products of inertia about the mass centre per unit mass [m²]."""
         raise NotImplementedError
 
     def middle(self) -> ca.SX:
@@ -85,5 +139,5 @@ class Shape(Body):
 
 
 def moments(x: ca.SX, y: ca.SX, z: ca.SX) -> ca.SX:
-    """(6,) moments about principal axes, without products."""
+    """(6,) principal moments with zero products."""
     return ca.vertcat(x, y, z, 0, 0, 0)

@@ -1,4 +1,4 @@
-"""Bodies of simple shapes: box, cylinder, sphere, capsule, bar."""
+"""Homogeneous bodies: box, cylinder, sphere, capsule, bar."""
 
 from __future__ import annotations
 
@@ -7,18 +7,17 @@ from dataclasses import dataclass
 
 import casadi as ca
 
-from dalembert.elements.bar import SlenderBar
 from dalembert.elements.base import Look, Scalar, Vector, quantity
 from dalembert.elements.point import Point
-from dalembert.elements.spatial.shape import Shape, moments
-from dalembert.elements.spatial.solids import Cuboid, Drum, Orb, Pill
+from dalembert.elements.simple_bodies import SlenderBar
+from dalembert.elements.spatial.shape import Cuboid, Drum, Orb, Pill, Shape, moments
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression
 
 
 @dataclass(eq=False)
 class Box(Shape):
-    """Box about the origin of its body frame.
+    """Box centred at the origin of its body frame.
 
     Parameters
     ----------
@@ -28,7 +27,7 @@ class Box(Shape):
     --------
     >>> from dalembert import spatial
     >>> brick = spatial.Box("brick", size=(0.2, 0.1, 0.05), density=2000.0)
-    >>> corner = brick.point(0.1, 0.05, 0.025)  # its frame is in the middle
+    >>> corner = brick.point(0.1, 0.05, 0.025)  # relative to the centre
     >>> round(float(brick.mass), 9)
     2.0
     """
@@ -49,7 +48,7 @@ class Box(Shape):
 
 @dataclass(eq=False)
 class Cylinder(Shape):
-    """Cylinder about the z axis of its body frame, solid or a tube; the origin is its middle.
+    """Solid cylinder or tube about the z axis of its body frame; the origin is its centre.
 
     Parameters
     ----------
@@ -74,8 +73,8 @@ class Cylinder(Shape):
 
     def gyration(self) -> ca.SX:
         axial = (self.radius.sx**2 + self.inner_radius.sx**2) / 2
-        across = axial / 2 + self.length.sx**2 / 12
-        return moments(across, across, axial)
+        transverse = axial / 2 + self.length.sx**2 / 12
+        return moments(transverse, transverse, axial)
 
     def differences(self) -> dict[str, Expression]:
         return {"radius − inner_radius": self.radius - self.inner_radius}
@@ -86,7 +85,7 @@ class Cylinder(Shape):
 
 @dataclass(eq=False)
 class Sphere(Shape):
-    """Ball about the origin of its body frame.
+    """Ball centred at the origin of its body frame.
 
     Parameters
     ----------
@@ -99,7 +98,7 @@ class Sphere(Shape):
     >>> system = da.System("ball")
     >>> ball = system.add(spatial.Sphere("ball", radius=0.1, mass=5.0, angular_velocity=(0, 0, 10)))
     >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.1)
-    >>> round(motion["ball.kinetic_energy"][0].item(), 6)  # ω²/2 by J = 2 m r²/5
+    >>> round(motion["ball.kinetic_energy"][0].item(), 6)  # J ω²/2 with J = 2 m r²/5
     1.0
     """
 
@@ -109,8 +108,8 @@ class Sphere(Shape):
         return 4 / 3 * math.pi * self.radius.sx**3
 
     def gyration(self) -> ca.SX:
-        about = 2 / 5 * self.radius.sx**2
-        return moments(about, about, about)
+        moment = 2 / 5 * self.radius.sx**2
+        return moments(moment, moment, moment)
 
     def look(self) -> list[Look]:
         return [Orb(self.center, self.radius.sx)]
@@ -118,12 +117,12 @@ class Sphere(Shape):
 
 @dataclass(eq=False)
 class Capsule(Shape):
-    """Cylinder about the z axis with half a ball on either end; the origin is its middle.
+    """Cylinder about the z axis with hemispherical ends; the origin is its centre.
 
     Parameters
     ----------
-    radius : of the cylinder and the balls [m]
-    length : of the cylinder, from centre to centre of the balls [m]
+    radius : of the cylinder and the hemispheres [m]
+    length : of the cylinder, between the centres of the hemispheres [m]
 
     Examples
     --------
@@ -138,38 +137,38 @@ class Capsule(Shape):
     radius: Scalar = quantity("m", "radius", above=0.0, keyword=True)
     length: Scalar = quantity("m", "length between its ends' centres", above=0.0, keyword=True)
 
-    def _shares(self) -> tuple[ca.SX, ca.SX]:
-        """Volumes of the cylinder and of both ends."""
+    def _volumes(self) -> tuple[ca.SX, ca.SX]:
+        """Volumes of the cylinder and of the two ends together."""
         disc = math.pi * self.radius.sx**2
         return disc * self.length.sx, 4 / 3 * disc * self.radius.sx
 
     def volume(self) -> ca.SX:
-        cylinder, ends = self._shares()
+        cylinder, ends = self._volumes()
         return cylinder + ends
 
     def gyration(self) -> ca.SX:
-        r, l, (cylinder, ends) = self.radius.sx, self.length.sx, self._shares()
+        r, l, (cylinder, ends) = self.radius.sx, self.length.sx, self._volumes()
         axial = cylinder * r**2 / 2 + ends * 2 / 5 * r**2
-        across = cylinder * (r**2 / 4 + l**2 / 12)
-        across += ends * (2 / 5 * r**2 + l**2 / 4 + 3 / 8 * l * r)
-        return moments(across, across, axial) / (cylinder + ends)
+        transverse = cylinder * (r**2 / 4 + l**2 / 12)
+        transverse += ends * (2 / 5 * r**2 + l**2 / 4 + 3 / 8 * l * r)
+        return moments(transverse, transverse, axial) / (cylinder + ends)
 
     def look(self) -> list[Look]:
         return [Pill(*ends_of(self), self.radius.sx)]
 
 
 def ends_of(body: Cylinder | Capsule) -> tuple[Point, Point]:
-    """Where its length begins and ends on the z axis."""
+    """End points of its length on the z axis."""
     half = body.length / 2
     return Point(body, (0.0, 0.0, -half)), Point(body, (0.0, 0.0, half))
 
 
 @dataclass(eq=False)
 class Bar(SlenderBar, Shape):
-    """Uniform round bar along its x axis, mass centre at the middle; ends ``start`` and ``end``.
+    """Uniform round bar along its x axis from ``start`` to ``end``; the origin is its mass centre.
 
-    Without a radius it is slender, ``m l²/12`` across and nothing about its own axis: then joints
-    must hold that turn, or it has to be given one.
+    Without a radius it is slender, with the transverse moments ``m l²/12`` and none about its axis:
+    then joints must prevent the rotation about the axis.
 
     Parameters
     ----------
@@ -184,8 +183,8 @@ class Bar(SlenderBar, Shape):
     >>> rod = system.add(spatial.Bar("rod", length=1.5, mass=2.0))
     >>> pin = system.ground.frame(axis=(0, 1, 0)), rod.frame((-0.75, 0, 0), axis=(0, 1, 0))
     >>> hinge = system.add(spatial.Revolute("O", *pin))
-    >>> motion = da.solve_dynamics(system.build(), 0.01, step=0.01)  # let go level
-    >>> round(motion["rod.az"][0].item(), 6)  # of its middle, -3/4 g
+    >>> motion = da.solve_dynamics(system.build(), 0.01, step=0.01)  # released horizontally
+    >>> round(motion["rod.az"][0].item(), 6)  # its centre: -3/4 g
     -7.3575
     """
 
@@ -203,8 +202,8 @@ class Bar(SlenderBar, Shape):
 
     def gyration(self) -> ca.SX:
         axial = self.radius.sx**2 / 2
-        across = axial / 2 + self.slender_inertia(ca.SX(1))
-        return moments(axial, across, across)
+        transverse = axial / 2 + self.slender_inertia(ca.SX(1))
+        return moments(axial, transverse, transverse)
 
     def look(self) -> list[Look]:
         if self.radius.sx.is_zero():

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Look
-from dalembert.elements.joint_space import JointSpace
+from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.look import Socket
 from dalembert.elements.pair import PointJoint
 from dalembert.elements.point import Point
-from dalembert.elements.spatial.attitude import Attitude
-from dalembert.elements.spatial.tree_joint import TreeJoint
+from dalembert.elements.spatial.frame import Attitude
+from dalembert.elements.spatial.joint import TreeJoint
 from dalembert.symbolic import rotation
 
 
@@ -32,7 +32,7 @@ class Spherical(PointJoint, TreeJoint):
     >>> model.diagnosis.degrees_of_freedom
     3
     >>> rest = da.solve_equilibrium(model)
-    >>> round(rest["ball.force.z"].item(), 6)  # carries the weight
+    >>> round(rest["ball.force.z"].item(), 6)  # the weight
     19.62
     """
 
@@ -42,12 +42,12 @@ class Spherical(PointJoint, TreeJoint):
     def residual(self) -> ca.SX:
         return self.between
 
-    # as a carrier -----------------------------------------------------------------------------
-    def sides(self) -> tuple[Point, Point]:
+    # joint coordinates ------------------------------------------------------------------------
+    def end_frames(self) -> tuple[Point, Point]:
         return self.point_i, self.point_j
 
     def joint_space(self) -> JointSpace:
-        """Euler parameters of the second body in the first, ``ω'`` of one relative to the other."""
+        """Euler parameters of the second body relative to the first, with the relative ``ω'``."""
         first, second = (body.orientation for body in self.ends())
         reading = rotation.product(rotation.conjugate(first), second)
         return JointSpace.of(Attitude(self.name), reading)

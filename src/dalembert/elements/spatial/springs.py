@@ -1,4 +1,4 @@
-"""Torsion springs and bushings between frames."""
+"""Spatial torsion springs and bushings."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import ForceElement, Look, Rate, Vector, quantity
-from dalembert.elements.elastic_bearing import ElasticBearing
 from dalembert.elements.look import Brake, Sleeve, Spiral
 from dalembert.elements.spatial.frame_pair import BetweenFrames
-from dalembert.elements.springs import AngularSpring
+from dalembert.elements.springs import AngularSpring, ElasticBearing
 from dalembert.symbolic import rotation
 
 
@@ -23,9 +22,9 @@ class FramePair(BetweenFrames, ForceElement):
 class TorsionSpring(AngularSpring, FramePair):
     """Torsion spring and damper about the z axis of the first frame.
 
-    Its coordinate is the angle of the second x axis about the first z axis, within half a turn
-    either way of where the x axes coincide; unless both were given, of the initial poses. In a
-    joint, give the frames of the joint.
+    Its coordinate is the angle of the second x axis about the first z axis, in (−π, π] from the
+    first x axis, or from the initial poses unless both x axes were specified. For a spring in a
+    joint use the frames of the joint.
 
     Parameters
     ----------
@@ -53,17 +52,17 @@ class TorsionSpring(AngularSpring, FramePair):
         return self.turn.angle
 
     def look(self) -> list[Look]:
-        return self.drawn(Spiral, Brake, *self.ends())
+        return self.primitives(Spiral, Brake, *self.ends())
 
 
 @dataclass(eq=False)
 class Bushing(ElasticBearing, FramePair):
     """Elastic bearing: stiffness and damping along and about the axes of the first frame.
 
-    The second origin is displaced by ``d = R_iᵀ (r_j − r_i)``, the second frame turned by
+    The second origin is displaced by ``d = R_iᵀ (r_j − r_i)``, the second frame rotated by
     ``θ = 2 sin(φ/2) n``, φ about n, in the axes of the first: the rotation vector ``φ n`` to 1 %
-    up to φ = 0.5 rad. ``½ Σ k s²`` is stored and ``Σ c ṡ²`` dissipated, exactly for any
-    turn, so that the moment of one about an axis is ``k sin φ``. The measures ``force`` and
+    up to φ = 0.5 rad. ``½ Σ k s²`` is stored and ``Σ c ṡ²`` dissipated, exactly for any rotation,
+    so that the moment of a rotation about one axis is ``k sin φ``. The measures ``force`` and
     ``moment`` are ``k s + c ṡ``.
 
     Parameters
@@ -105,9 +104,9 @@ class Bushing(ElasticBearing, FramePair):
         return ca.vertcat(self.travel, 2 * self._relative[1:])
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        found, sign = super().measures(rate), ca.if_else(self._relative[0] < 0, -1, 1)
-        return found | {
-            name: (sign * found[name][0], found[name][1]) for name in ("turn", "moment")
+        measures, sign = super().measures(rate), ca.if_else(self._relative[0] < 0, -1, 1)
+        return measures | {
+            name: (sign * measures[name][0], measures[name][1]) for name in ("turn", "moment")
         }
 
     def look(self) -> list[Look]:

@@ -1,4 +1,4 @@
-"""One-sided constraint in space written by the user, with friction along a surface."""
+"""Spatial user-defined unilateral constraint, with friction along a surface."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from dalembert.elements.base import Vector, quantity
-from dalembert.elements.contact import unilateral_constraint
+from dalembert.elements.contact import unilateral
 from dalembert.symbolic.formulas.expression import as_sx
 
 
 @dataclass(eq=False)
-class UnilateralConstraint(unilateral_constraint.UnilateralConstraint):
-    """Any formula of poses, ``t`` and parameters that must not become negative.
+class UnilateralConstraint(unilateral.UnilateralConstraint):
+    """A formula of poses, ``t`` and parameters that must not become negative.
 
-    The slip is one formula of speeds or two, along two directions of the surface at right angles;
-    then friction is in the plane of both, ``T = −μ N slip/|slip|``, and the contact sticks as long
-    as ``|T| ≤ μ N``.
+    The slip is one formula of speeds, or two along perpendicular tangents of the surface; then
+    friction is in the plane of both, ``T = −μ N slip/|slip|``, and the contact sticks as long as
+    ``|T| ≤ μ N``.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class UnilateralConstraint(unilateral_constraint.UnilateralConstraint):
     >>> floor = system.add(spatial.UnilateralConstraint("floor", puck.z,
     ...     slip=(puck.vx, puck.vy), restitution=0.0, friction=0.5))
     >>> motion = da.solve_dynamics(system.build(), 0.5, step=0.05)
-    >>> motion["puck.velocity"][-1].values.round(6)  # slower by μ g t along its way
+    >>> motion["puck.velocity"][-1].values.round(6)  # reduced by μ g t along the path
     array([1.5, 2. , 0. ])
     """
 
@@ -41,7 +41,7 @@ class UnilateralConstraint(unilateral_constraint.UnilateralConstraint):
     )
 
     def quantities(self) -> Iterator[tuple[str, Mapping]]:
-        """One formula of slip is enough."""
+        """Quantities; the slip may be a single formula."""
         for field, meta in super().quantities():
             alone = field == "slip" and self.slip is not None and as_sx(self.slip).numel() == 1
             yield field, {**meta, "size": 1} if alone else meta

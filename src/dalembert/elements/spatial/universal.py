@@ -9,24 +9,23 @@ import casadi as ca
 from dalembert.elements.base import Condition, Look
 from dalembert.elements.look import Cross
 from dalembert.elements.pair import initial_value
-from dalembert.elements.spatial.joint import FrameJoint
-from dalembert.elements.spatial.tree_joint import TreeJoint
-from dalembert.elements.spatial.turn import Turn
+from dalembert.elements.spatial.frame_pair import Turn
+from dalembert.elements.spatial.joint import FrameJoint, TreeJoint
 from dalembert.symbolic import rotation
 
 CROSS = (0.0, 0.5**0.5, 0.0, 0.5**0.5)
-"""Euler parameters of half a turn that exchanges x and z."""
+"""Euler parameters of the rotation by π that exchanges x and z."""
 PARALLEL = 1e-6
-"""Sine of the angle between axes that are taken for parallel."""
+"""Threshold of the sine of the angle between axes below which they are parallel."""
 
 
 @dataclass(eq=False)
 class Universal(FrameJoint, TreeJoint):
     """Two shafts on a massless cross, whose arms are the z axes of the frames.
 
-    ``Φ = [r_j − r_i; z_iᵀ z_j] = 0``. ``angle_i`` is the turn of the cross on the first shaft about
-    z_i, ``angle_j`` that of the second shaft on the cross about z_j, counted from the x axes or,
-    where one was not given, from the initial poses.
+    ``Φ = [r_j − r_i; z_iᵀ z_j] = 0``. ``angle_i`` is the rotation of the cross on the first shaft
+    about z_i, ``angle_j`` that of the second shaft on the cross about z_j, measured from the x axes
+    if specified, otherwise from the initial poses.
 
     Raises
     ------
@@ -60,33 +59,33 @@ class Universal(FrameJoint, TreeJoint):
         return ["m", "m", "m", "rad"]
 
     def turns(self) -> dict[str, Turn]:
-        named = zip(("angle_i", "angle_j"), self._turns, self._complete, strict=True)
-        return {name: turn if known else self.since_start(turn) for name, turn, known in named}
+        rows = zip(("angle_i", "angle_j"), self._turns, self._have_x_axes, strict=True)
+        return {name: turn if has_x else self.from_initial(turn) for name, turn, has_x in rows}
 
     @property
     def _turns(self) -> tuple[Turn, Turn]:
-        """Of the cross on the first shaft, of the second shaft on the cross, from the x axes."""
-        across = ca.mtimes(self.frame_i.axes.T, self.frame_j.axis)
-        along = ca.mtimes(self.frame_j.axes.T, self.frame_i.axis)
-        return Turn(across[0], across[1]), Turn(along[0], -along[1])
+        """Rotations of cross on first shaft and of second shaft on cross, from the x axes."""
+        axis_j = ca.mtimes(self.frame_i.axes.T, self.frame_j.axis)
+        axis_i = ca.mtimes(self.frame_j.axes.T, self.frame_i.axis)
+        return Turn(axis_j[0], axis_j[1]), Turn(axis_i[0], -axis_i[1])
 
     @property
-    def _complete(self) -> tuple[bool, bool]:
-        return self.frame_i.complete, self.frame_j.complete
+    def _have_x_axes(self) -> tuple[bool, bool]:
+        return self.frame_i.has_x_axis, self.frame_j.has_x_axis
 
     def conditions(self) -> list[Condition]:
-        across = ca.sumsqr(ca.cross(self.frame_i.axis, self.frame_j.axis))
-        start = initial_value(across, self.ends()).sx - PARALLEL**2
-        told = "the arms of its cross are parallel; give frames whose z axes are perpendicular"
-        given = all(all(body.guessed()) for body in self.ends() if body.name != "ground")
-        return [*super().conditions(), *([(start, told)] if given else [])]
+        squared_sine = ca.sumsqr(ca.cross(self.frame_i.axis, self.frame_j.axis))
+        start = initial_value(squared_sine, self.ends()).sx - PARALLEL**2
+        message = "the arms of its cross are parallel; give frames whose z axes are perpendicular"
+        all_specified = all(all(body.specified()) for body in self.ends() if body.name != "ground")
+        return [*super().conditions(), *([(start, message)] if all_specified else [])]
 
-    # as a carrier -----------------------------------------------------------------------------
+    # joint coordinates ------------------------------------------------------------------------
     def turned(self, q: ca.SX) -> ca.SX:
-        starts = zip(self._turns, self._complete, strict=True)
+        starts = zip(self._turns, self._have_x_axes, strict=True)
         first, second = (
-            rotation.about_z(q[k] + (0 if known else self.at_start(turn).angle))
-            for k, (turn, known) in enumerate(starts)
+            rotation.about_z(q[k] + (0 if has_x else self.at_initial(turn).angle))
+            for k, (turn, has_x) in enumerate(starts)
         )
         return rotation.product(rotation.product(first, ca.SX(list(CROSS))), second)
 

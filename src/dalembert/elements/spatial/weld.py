@@ -8,15 +8,15 @@ import casadi as ca
 
 from dalembert.elements.base import Look
 from dalembert.elements.look import Clamp
-from dalembert.elements.spatial.fixed_turn import FixedTurn
+from dalembert.elements.spatial.axial_joint import FixedTurn
 
 
 @dataclass(eq=False)
 class Weld(FixedTurn):
-    """Two frames are one, ``Φ = [r_j − r_i; x_iᵀ z_j; y_iᵀ z_j; sin(turn − angle)] = 0``.
+    """Two frames coincide, ``Φ = [r_j − r_i; x_iᵀ z_j; y_iᵀ z_j; sin(turn − angle)] = 0``.
 
-    The turn is that of the x axes about z if both frames have one of their own, else that from the
-    initial poses.
+    The turn is the angle of the x axes about z if both frames specify one, otherwise the rotation
+    from the initial poses.
 
     Examples
     --------

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from dalembert.symbolic.evaluation.patterned import Matrix
+from dalembert.symbolic.evaluation.kernel import Matrix
 
 
 @dataclass(frozen=True, eq=False)

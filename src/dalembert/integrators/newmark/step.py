@@ -15,7 +15,7 @@ from dalembert.integrators.newmark.rule import NewmarkCoefficients, StepRule
 from dalembert.integrators.stage_equations import StageEquations
 from dalembert.integrators.step import GraphStep
 from dalembert.symbolic.equations.newton_node import NewtonNode, constant
-from dalembert.symbolic.evaluation.condensed import SELDOM, condensed
+from dalembert.symbolic.evaluation.kernel import SELDOM, condensed
 
 SUDDEN = 1.0
 """Threshold of the relative change of accelerations in the first step for ignoring rates [-]."""

@@ -1,1 +1,1 @@
-"""What files ask of designs: responses, cases and tasks."""
+"""Responses, load cases and design tasks of model files."""

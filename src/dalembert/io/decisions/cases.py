@@ -1,4 +1,4 @@
-"""Responses of several runs, and formulas of them, as a file asks of a design."""
+"""Responses of several load cases and their combinations, for the design tasks of a file."""
 
 from __future__ import annotations
 
@@ -7,26 +7,25 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.design.case import Case
-from dalembert.design.quantity import Combined, bound
+from dalembert.design.quantity import Combined, with_case
 from dalembert.design.robust import Robust
 from dalembert.errors import ModelError
 from dalembert.io.analyses import make_analysis, make_table
-from dalembert.io.decisions.random import correlations, random_parameters
-from dalembert.io.decisions.responses import make_response
-from dalembert.io.measures import measure_reader
+from dalembert.io.decisions.reliability import correlations, random_parameters
+from dalembert.io.decisions.responses import make_response, measure_reader
 from dalembert.io.model_file import ModelFile, load_model_file
 from dalembert.text.wording import unknown
 
-OWN = ""
-"""Name of the run that the file itself asks for."""
+OWN_RUN = ""
+"""Name of the run of the file itself."""
 
 
 class Quantities:
-    """What a design is judged by: responses of all cases, and combinations of them.
+    """Quantities of a design: responses of all cases and their combinations.
 
     Parameters
     ----------
-    file, model : of the run that responses without a case belong to
+    file, model : of the run of responses without a case
     """
 
     def __init__(self, file: ModelFile, model: Any):
@@ -34,17 +33,17 @@ class Quantities:
         self.document: Any = file.document
         self._cases: dict[str, Case] = {}
         self._files: dict[Path, tuple[ModelFile, Any]] = {}
-        self._made: dict[str, Any] = {}
-        self._making: list[str] = []
+        self._quantities: dict[str, Any] = {}
+        self._in_progress: list[str] = []
 
     @property
     def names(self) -> list[str]:
-        """Of all responses, combinations, and responses with their scatter."""
+        """Names of all responses, combinations and robust responses."""
         return [*self.document.responses, *self.document.combined, *self.document.robust]
 
     @property
     def models(self) -> list[Any]:
-        """Those of all cases that were asked for, the file's own first."""
+        """Models of all cases in use; the model of the file comes first."""
         return [self.model, *(case.model for case in self._cases.values())]
 
     def __getitem__(self, name: str) -> Any:
@@ -53,16 +52,16 @@ class Quantities:
         Raises
         ------
         ModelError
-            What it is made of cannot be, with the place.
+            Invalid constituents; states the location.
         """
-        if name not in self._made:
-            if name in self._making:
-                chain = " → ".join([*self._making[self._making.index(name) :], name])
-                raise self.file.located.error(f"needs itself: {chain}", *self._place(name))
-            self._making.append(name)
-            self._made[name] = self._make(name)
-            self._making.pop()
-        return self._made[name]
+        if name not in self._quantities:
+            if name in self._in_progress:
+                chain = " → ".join([*self._in_progress[self._in_progress.index(name) :], name])
+                raise self.file.located.error(f"depends on itself: {chain}", *self._place(name))
+            self._in_progress.append(name)
+            self._quantities[name] = self._make(name)
+            self._in_progress.pop()
+        return self._quantities[name]
 
     def _place(self, name: str) -> tuple[str, str]:
         sections = ("combined", "robust")
@@ -76,12 +75,12 @@ class Quantities:
         table = self.document.responses[name]
         owner = getattr(table, "case", None)
         if owner is None:
-            read, run = measure_reader(self.document), self.document.analysis
-            return make_response(self.file, self.model, name, table, read, run)
+            read, analysis = measure_reader(self.document), self.document.analysis
+            return make_response(self.file, self.model, name, table, read, analysis)
         case, document = self._case(owner, "responses", name, "case"), self._file_of(owner).document
-        run = self.document.cases[owner].analysis or document.analysis
+        analysis = self.document.cases[owner].analysis or document.analysis
         return case[
-            make_response(self.file, case.model, name, table, measure_reader(document), run)
+            make_response(self.file, case.model, name, table, measure_reader(document), analysis)
         ]
 
     def _combined(self, name: str) -> Combined:
@@ -100,7 +99,7 @@ class Quantities:
             raise self.file.located.error(
                 "a response has this name; choose another", "robust", name
             )
-        response = self.checked(table.response, "robust", name, "response")
+        response = self.require(table.response, "robust", name, "response")
         with self.file.located("robust", name):
             correlation = correlations(self.file, random)
             return Robust(response, random, table.deviations, correlation, name)
@@ -109,34 +108,36 @@ class Quantities:
     def _case(self, name: str, *where: str) -> Case:
         if name in self._cases:
             return self._cases[name]
-        known: Any = getattr(self.document, "cases", {})
-        if name == OWN:
-            self._cases[OWN] = Case(self.model, make_analysis(self.file, self.model))
-            return self._cases[OWN]
-        if name not in known:
-            raise self.file.located.error(unknown("case", name, known), *where)
-        table, here = known[name], ("cases", name)
+        tables: Any = getattr(self.document, "cases", {})
+        if name == OWN_RUN:
+            self._cases[OWN_RUN] = Case(self.model, make_analysis(self.file, self.model))
+            return self._cases[OWN_RUN]
+        if name not in tables:
+            raise self.file.located.error(unknown("case", name, tables), *where)
+        table, location = tables[name], ("cases", name)
         if (table.model is None) == (table.analysis is None):
-            raise self.file.located.error("give model, another file, or analysis, of this", *here)
-        given = {}
+            raise self.file.located.error(
+                "give model, another file, or analysis, of this", *location
+            )
+        bindings = {}
         for parameter, response in table.given.items():
             if response not in self.names:
                 text = unknown("response", response, self.names)
-                raise self.file.located.error(text, *here, "given", parameter)
-            given[parameter] = bound(self[response], self._case(OWN))
+                raise self.file.located.error(text, *location, "given", parameter)
+            bindings[parameter] = with_case(self[response], self._case(OWN_RUN))
         if table.analysis is not None:
             model = self.model
-            analysis = make_table(self.file, model, table.analysis, *here, "analysis")
+            analysis = make_table(self.file, model, table.analysis, *location, "analysis")
         else:
             file = self._file_of(name)
             model = self._files[file.path][1]
             analysis = make_analysis(file, model)
-        with self.file.located(*here, "given"):
-            self._cases[name] = Case(model, analysis, given)
+        with self.file.located(*location, "given"):
+            self._cases[name] = Case(model, analysis, bindings)
         return self._cases[name]
 
     def _file_of(self, name: str) -> ModelFile:
-        """The file whose model a case runs."""
+        """File of the model of a case."""
         table = getattr(self.document, "cases", {}).get(name) if name else None
         if table is None or table.model is None:
             return self.file
@@ -147,17 +148,17 @@ class Quantities:
                 self._files[path] = file, file.model()
         return self._files[path][0]
 
-    def finished(self, quantity: Any) -> Any:
-        """The same, bound to the file's own run where other cases lean on that."""
-        return bound(quantity, self._cases[OWN]) if OWN in self._cases else quantity
+    def bind(self, quantity: Any) -> Any:
+        """The quantity, bound to the run of the file if other cases depend on that."""
+        return with_case(quantity, self._cases[OWN_RUN]) if OWN_RUN in self._cases else quantity
 
-    def checked(self, name: str, *where: str | int) -> Any:
-        """The one of this name.
+    def require(self, name: str, *where: str | int) -> Any:
+        """The quantity of this name.
 
         Raises
         ------
         ModelError
-            There is none, or it cannot be made.
+            Unknown name, or invalid constituents.
         """
         if not self.names:
             text = 'has none; add e.g. [responses.peak] with type = "Maximum" and a measure'
@@ -168,5 +169,5 @@ class Quantities:
 
 
 def _names(formula: str, name: str) -> bool:
-    """Whether a formula has this name in it."""
+    """Whether a formula contains this name."""
     return re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", formula) is not None

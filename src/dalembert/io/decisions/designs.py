@@ -1,4 +1,4 @@
-"""What a file asks of a design: the arguments of ``optimize`` and ``pareto``."""
+"""Optimisation tasks of a file: ``[optimize]`` and ``[pareto]``."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from dalembert.design.limit import Limit
 from dalembert.design.variables import Catalogue, Integer
 from dalembert.io.decisions.cases import Quantities
-from dalembert.io.decisions.random import correlations, random_parameters
-from dalembert.io.decisions.responses import chosen_parameters
+from dalembert.io.decisions.reliability import correlations, random_parameters
+from dalembert.io.decisions.responses import make_limits, select_parameters
 from dalembert.io.model_file import ModelFile
 from dalembert.responses.base import Response
 from dalembert.units.measured import check_measured
@@ -20,123 +20,115 @@ SEARCH = ("method", "gradient", "max_iterations", "tolerance")
 
 
 def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
-    """The arguments of ``optimize`` that the file gives; with ``beta`` of ``optimize_reliable``.
+    """Arguments of ``optimize`` from ``[optimize]``; with ``beta``, of ``optimize_reliable``.
 
     Raises
     ------
     ModelError
-        No ``[optimize]``, or names and limits that cannot work.
+        No ``[optimize]``, or invalid names or limits.
     """
-    asked = file.document.optimize
-    if asked is None:
+    table = file.document.optimize
+    if table is None:
         raise file.located.error(
             "is missing; add [optimize] with minimize = a response", "optimize"
         )
-    if (asked.minimize is None) == (asked.maximize is None):
+    if (table.minimize is None) == (table.maximize is None):
         raise file.located.error("give one objective: minimize or maximize", "optimize")
-    sense = "minimize" if asked.minimize else "maximize"
-    made = Quantities(file, model)
-    design = {sense: made.checked(getattr(asked, sense), "optimize", sense)}
-    design |= _limits_and_variables(file, model, made, "optimize")
-    design[sense] = made.finished(design[sense])
-    if asked.beta is not None:
-        design |= _reliable(file, model, asked, design["subject_to"])
-    return design | {key: getattr(asked, key) for key in SEARCH}
+    sense = "minimize" if table.minimize else "maximize"
+    quantities = Quantities(file, model)
+    design = {sense: quantities.require(getattr(table, sense), "optimize", sense)}
+    design |= _limits_and_variables(file, model, quantities, "optimize")
+    design[sense] = quantities.bind(design[sense])
+    if table.beta is not None:
+        design |= _reliability_arguments(file, model, table, design["subject_to"])
+    return design | {key: getattr(table, key) for key in SEARCH}
 
 
-def _reliable(file: ModelFile, model: Any, asked: Any, limits: list[Limit]) -> dict[str, Any]:
-    """What ``optimize_reliable`` is given beside."""
-    if not asked.beta > 0:
-        raise file.located.error(f"is {asked.beta:g}; it must be above zero", "optimize", "beta")
+def _reliability_arguments(
+    file: ModelFile, model: Any, table: Any, limits: list[Limit]
+) -> dict[str, Any]:
+    """Additional arguments of ``optimize_reliable``."""
+    if not table.beta > 0:
+        raise file.located.error(f"is {table.beta:g}; it must be above zero", "optimize", "beta")
     if not limits:
-        cure = "is empty; give the limits that shall hold with beta"
+        cure = "is empty; give the limits that must hold with beta"
         raise file.located.error(cure, "optimize", "subject_to")
     for k, limit in enumerate(limits):
         if not isinstance(limit.response, Response):
-            text = "a limit with a reliability is that of one response of this run"
+            text = "a limit with a reliability must refer to a response of this run"
             raise file.located.error(text, "optimize", "subject_to", k, "response")
     random = random_parameters(file, model)
     correlation = correlations(file, random) or None
-    made = {"beta": float(asked.beta), "rounds": asked.rounds}
-    return made | {"random": random, "correlation": correlation}
+    arguments = {"beta": float(table.beta), "rounds": table.rounds}
+    return arguments | {"random": random, "correlation": correlation}
 
 
 def make_front(file: ModelFile, model: Any) -> dict[str, Any]:
-    """The arguments of ``pareto`` that the file gives.
+    """Arguments of ``pareto`` from ``[pareto]``.
 
     Raises
     ------
     ModelError
-        No ``[pareto]``, fewer than two aims, or names and limits that cannot work.
+        No ``[pareto]``, fewer than two objectives, or invalid names or limits.
     """
-    asked = file.document.pareto
-    if asked is None:
+    table = file.document.pareto
+    if table is None:
         cure = "is missing; add [pareto] with minimize = [two responses]"
         raise file.located.error(cure, "pareto")
-    if len(asked.minimize) + len(asked.maximize) < 2:
-        raise file.located.error("give two aims or more in minimize and maximize", "pareto")
-    made = Quantities(file, model)
+    if len(table.minimize) + len(table.maximize) < 2:
+        raise file.located.error("give two or more objectives in minimize and maximize", "pareto")
+    quantities = Quantities(file, model)
     design: dict[str, Any] = {
         sense: [
-            made.checked(name, "pareto", sense, k) for k, name in enumerate(getattr(asked, sense))
+            quantities.require(name, "pareto", sense, k)
+            for k, name in enumerate(getattr(table, sense))
         ]
         for sense in ("minimize", "maximize")
     }
-    if asked.points < 2:
-        raise file.located.error(f"is {asked.points}; give two or more", "pareto", "points")
-    if asked.starts < 1:
-        raise file.located.error(f"is {asked.starts}; give one or more", "pareto", "starts")
-    design |= _limits_and_variables(file, model, made, "pareto")
+    if table.points < 2:
+        raise file.located.error(f"is {table.points}; give two or more", "pareto", "points")
+    if table.starts < 1:
+        raise file.located.error(f"is {table.starts}; give one or more", "pareto", "starts")
+    design |= _limits_and_variables(file, model, quantities, "pareto")
     for sense in ("minimize", "maximize"):
-        design[sense] = [made.finished(one) for one in design[sense]]
+        design[sense] = [quantities.bind(quantity) for quantity in design[sense]]
     keys = (*SEARCH, "points", "local", "starts", "generations", "rng")
-    return design | {key: getattr(asked, key) for key in keys}
-
-
-def make_limits(file: ModelFile, made: Any, tables: list[Any], *where: str) -> list[Limit]:
-    """Limits on responses; ``made.checked(name, …)`` gives each response."""
-    limits = []
-    for k, table in enumerate(tables):
-        here: tuple[str | int, ...] = (*where, k)
-        response = made.checked(table.response, *here, "response")
-        with file.located(*here):
-            limits.append(Limit(response, table.lower, table.upper))
-    return limits
+    return design | {key: getattr(table, key) for key in keys}
 
 
 def _limits_and_variables(
-    file: ModelFile, model: Any, made: Quantities, section: str
+    file: ModelFile, model: Any, quantities: Quantities, section: str
 ) -> dict[str, Any]:
-    asked: Any = getattr(file.document, section)
-    limits = make_limits(file, made, asked.subject_to, section, "subject_to")
-    vary = asked.vary or [n for n, p in model.parameters.items() if np.all(np.isfinite(p.bounds))]
+    table: Any = getattr(file.document, section)
+    limits = make_limits(file, quantities, table.subject_to, section, "subject_to")
+    vary = table.vary or [n for n, p in model.parameters.items() if np.all(np.isfinite(p.bounds))]
     if not vary:
         raise file.located.error(
             "name the parameters to vary, or give some bounds", section, "vary"
         )
-    own = [n for n in vary if n in file.document.parameters]
-    others = {n for case in made.models for n in case.parameters}
+    own_names = [n for n in vary if n in file.document.parameters]
+    available = {n for case in quantities.models for n in case.parameters}
     for k, name in enumerate(vary):
-        if name not in others or name in vary[:k]:  # tells which, and what there is
-            chosen_parameters(file, vary, section, "vary")
-    chosen_parameters(file, own, section, "vary")
-    limits = [replace(limit, response=made.finished(limit.response)) for limit in limits]
-    return {"subject_to": limits, "vary": _with_sizes(file, model, vary, section)}
+        if name not in available or name in vary[:k]:  # raises with the name and the choices
+            select_parameters(file, vary, section, "vary")
+    select_parameters(file, own_names, section, "vary")
+    limits = [replace(limit, response=quantities.bind(limit.response)) for limit in limits]
+    return {"subject_to": limits, "vary": _variables(file, model, vary, section)}
 
 
-def _with_sizes(file: ModelFile, model: Any, vary: list[str], section: str) -> list[Any]:
-    """What varies, with whole numbers and catalogues in place of their names."""
-    asked: Any = getattr(file.document, section)
-    integers = chosen_parameters(file, asked.integers, section, "integers")
-    whole = integers if asked.integers else []
-    made: dict[str, Any] = {name: Integer(name) if name in whole else name for name in vary}
-    made |= {name: Integer(name) for name in whole}
-    for k, columns in enumerate(asked.catalogues):
-        names = chosen_parameters(file, list(columns), section, "catalogues", k)
+def _variables(file: ModelFile, model: Any, vary: list[str], section: str) -> list[Any]:
+    """Design variables: names, integers and catalogues."""
+    table: Any = getattr(file.document, section)
+    integers = select_parameters(file, table.integers, section, "integers")
+    whole = integers if table.integers else []
+    variables: dict[str, Any] = {name: Integer(name) if name in whole else name for name in vary}
+    variables |= {name: Integer(name) for name in whole}
+    for k, columns in enumerate(table.catalogues):
+        names = select_parameters(file, list(columns), section, "catalogues", k)
         for name, values in columns.items():
             with file.located(section, "catalogues", k, name):
                 check_measured(values, model.parameters[name].unit, "")
         for name in names[1:]:
-            made.pop(name, None)
-        made[names[0]] = Catalogue(columns)
-    return list(made.values())
+            variables.pop(name, None)
+        variables[names[0]] = Catalogue(columns)
+    return list(variables.values())

@@ -1,13 +1,18 @@
-"""What ``[reliability]`` with ``[[random]]``, and ``[tolerance]``, of a file ask."""
+"""Reliability and tolerance tasks of a file: ``[reliability]``, ``[[random]]``, ``[tolerance]``."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from dalembert.io.analyses import given_options
-from dalembert.io.decisions.designs import make_limits
-from dalembert.io.decisions.random import correlations, random_parameters
-from dalembert.io.decisions.responses import chosen_response, make_responses
+from dalembert.design.reliability.nataf import Nataf
+from dalembert.io.analyses import table_options
+from dalembert.io.decisions.design_tables import distribution
+from dalembert.io.decisions.responses import (
+    find_response,
+    make_limits,
+    make_responses,
+    require_parameter,
+)
 from dalembert.io.model_file import ModelFile
 from dalembert.responses.base import Response
 from dalembert.text.wording import unknown
@@ -15,85 +20,140 @@ from dalembert.units.measured import check_measured
 
 
 class Responses:
-    """The responses of the file's own run, told with their place."""
+    """Responses of the run of the file; errors state the location."""
 
     def __init__(self, file: ModelFile, model: Any):
-        self.file, self.made = file, make_responses(file, model)
+        self.file, self.responses = file, make_responses(file, model)
 
-    def checked(self, name: str, *where: str | int) -> Response:
-        """The one of this name."""
-        return chosen_response(self.file, self.made, name, *where)
+    def require(self, name: str, *where: str | int) -> Response:
+        """The response of this name."""
+        return find_response(self.file, self.responses, name, *where)
 
 
 def make_reliability(file: ModelFile, model: Any) -> dict[str, Any]:
-    """The arguments of ``reliability`` that the file gives.
+    """Arguments of ``reliability`` from ``[reliability]``.
 
     Raises
     ------
     ModelError
-        No ``[reliability]``, nothing random, or numbers that cannot work, with their place.
+        No ``[reliability]``, nothing random, or invalid numbers; states the location.
     """
-    asked = file.document.reliability
-    if asked is None:
+    table = file.document.reliability
+    if table is None:
         cure = "is missing; add [reliability] with limits, and [[random]] for each random parameter"
         raise file.located.error(cure, "reliability")
-    if not asked.limits:
+    if not table.limits:
         cure = "is empty; give e.g. [{ response = 'stress', upper = 2e8 }]"
         raise file.located.error(cure, "reliability", "limits")
-    limits = make_limits(file, Responses(file, model), asked.limits, "reliability", "limits")
+    limits = make_limits(file, Responses(file, model), table.limits, "reliability", "limits")
     random = random_parameters(file, model)
     correlation = correlations(file, random)
     keys = ("system", "method", "starts", "tolerance", "max_iterations")
     return {
         **{"limit_state": limits, "random": random, "correlation": correlation or None},
-        **{key: getattr(asked, key) for key in (*keys, "samples", "sampling", "rng")},
+        **{key: getattr(table, key) for key in (*keys, "samples", "sampling", "rng")},
     }
 
 
 def make_tolerance(file: ModelFile, model: Any) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """The arguments of ``tolerance``, and of ``allot`` where the file asks for it.
+    """Arguments of ``tolerance``, and of ``allot`` if the file requests it.
 
     Raises
     ------
     ModelError
-        No ``[tolerance]``, or names and numbers that cannot work, with their place.
+        No ``[tolerance]``, or invalid names or numbers; states the location.
     """
-    asked = file.document.tolerance
-    if asked is None:
+    table = file.document.tolerance
+    if table is None:
         cure = "is missing; add [tolerance] with a response and tolerances = { parameter = 1e-4 }"
         raise file.located.error(cure, "tolerance")
-    response = Responses(file, model).checked(asked.response, "tolerance", "response")
-    if not asked.tolerances:
+    response = Responses(file, model).require(table.response, "tolerance", "response")
+    if not table.tolerances:
         cure = "is empty; give e.g. { l1 = 1e-4 }"
         raise file.located.error(cure, "tolerance", "tolerances")
-    for name, width in asked.tolerances.items():
-        if name not in model.parameters:
-            text = unknown("parameter", name, model.parameters)
-            raise file.located.error(text, "tolerance", "tolerances", name)
+    for name, width in table.tolerances.items():
+        require_parameter(file, model, name, "tolerance", "tolerances", name)
         with file.located("tolerance", "tolerances", name):
             check_measured([width], model.parameters[name].unit, "")
         if not width > 0:
             text = f"is {width:g}; a half width is above zero"
             raise file.located.error(text, "tolerance", "tolerances", name)
-    if not asked.sigmas > 0:
-        text = f"is {asked.sigmas:g}; it must be above zero"
+    if not table.sigmas > 0:
+        text = f"is {table.sigmas:g}; it must be above zero"
         raise file.located.error(text, "tolerance", "sigmas")
     keys = ("tolerances", "sigmas", "second_order", "worst_case", "samples", "rng")
-    made = {"response": response, **{key: getattr(asked, key) for key in keys}}
-    return made, None if asked.allot is None else _allot(file, asked, response.known_unit)
+    arguments = {"response": response, **{key: getattr(table, key) for key in keys}}
+    return arguments, None if table.allot is None else _allotment_options(
+        file, table, response.known_unit
+    )
 
 
-def _allot(file: ModelFile, asked: Any, unit: str) -> dict[str, Any]:
-    for name in asked.tolerances:
-        if name not in asked.allot.costs:
+def _allotment_options(file: ModelFile, table: Any, unit: str) -> dict[str, Any]:
+    for name in table.tolerances:
+        if name not in table.allot.costs:
             text = f"has no cost of {name}; give every tolerance one"
             raise file.located.error(text, "tolerance", "allot", "costs")
     with file.located("tolerance", "allot", "limit"):
-        check_measured([asked.allot.limit], unit, "")
+        check_measured([table.allot.limit], unit, "")
     for key in ("limit", "exponent"):
-        if not getattr(asked.allot, key) > 0:
-            text = f"is {getattr(asked.allot, key):g}; it must be above zero"
+        if not getattr(table.allot, key) > 0:
+            text = f"is {getattr(table.allot, key):g}; it must be above zero"
             raise file.located.error(text, "tolerance", "allot", key)
-    options = given_options(asked.allot)
-    options["costs"] = dict(asked.allot.costs)
+    options = table_options(table.allot)
+    options["costs"] = dict(table.allot.costs)
     return options
+
+
+def random_parameters(file: ModelFile, model: Any) -> dict[str, Any]:
+    """Random parameter → distribution.
+
+    Raises
+    ------
+    ModelError
+        Nothing is random, or an unknown parameter; states the location.
+    """
+    tables: list[Any] = file.document.random
+    if not tables:
+        cure = "is missing; add [[random]] with parameter, type and its numbers"
+        raise file.located.error(cure, "random")
+    distributions: dict[str, Any] = {}
+    for k, table in enumerate(tables):
+        name = table.parameter
+        require_parameter(file, model, name, "random", k, "parameter")
+        if name in distributions:
+            text = f"{name!r} is random twice; give it one table"
+            raise file.located.error(text, "random", k, "parameter")
+        with file.located("random", k):
+            distributions[name] = _distribution(table)
+            distributions[name].check_units(model.parameters[name].unit)
+    return distributions
+
+
+def _distribution(table: Any) -> Any:
+    options = table_options(table)
+    options.pop("parameter", None)
+    if "of" in options:
+        options["of"] = _distribution(table.of)
+    return distribution(table.type)(**options)
+
+
+def correlations(file: ModelFile, random: dict[str, Any]) -> dict[tuple[str, str], float]:
+    """Pair of random parameters → correlation coefficient, from ``[reliability]``.
+
+    Raises
+    ------
+    ModelError
+        An unknown name, or invalid correlations; states the location.
+    """
+    coefficients: dict[tuple[str, str], float] = {}
+    reliability = file.document.reliability
+    for k, table in enumerate([] if reliability is None else reliability.correlation):
+        for j, name in enumerate(table.between):
+            if name not in random:
+                text = unknown("random parameter", name, random)
+                raise file.located.error(text, "reliability", "correlation", k, "between", j)
+        first, second = table.between
+        coefficients[first, second] = float(table.value)
+    with file.located("reliability", "correlation"):
+        Nataf(random, coefficients)
+    return coefficients

@@ -1,63 +1,95 @@
-"""The responses of a file."""
+"""Measures, responses and limits of a file."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import casadi as ca
 
+from dalembert.design.limit import Limit
 from dalembert.errors import ExpressionError, ModelError
-from dalembert.io.analyses import given_options
-from dalembert.io.measures import measure_reader
+from dalembert.io.analyses import table_options
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import RESPONSES
 from dalembert.responses.base import Response, combined_terms
 from dalembert.responses.events import AtEvent
+from dalembert.results.mechanism_modes import Modes
+from dalembert.results.structural.modes import BucklingModes, VibrationModes
 from dalembert.symbolic.formulas.expression import Expression, stack
 from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.text.wording import nearest, unknown
 
+MODES: dict[str, Any] = {
+    "Linearization": Modes,
+    "Modal": VibrationModes,
+    "Buckling": BucklingModes,
+}
+"""Analysis → class of its modes, which define their own measures."""
+
+
+def measure_reader(document: Any) -> Callable[[Any, str], Expression]:
+    """The function ``(model, text) → measure`` for the analysis of a document."""
+    kind = document.analysis.type if document.analysis is not None else None
+    if kind in MODES:
+        return MODES[kind].formula
+    return lambda model, text: model.expression(text)
+
+
+def read_measures(
+    file: ModelFile, model: Any, texts: Mapping[str, str], *where: str
+) -> dict[str, Expression]:
+    """Name → measure of a table of texts; errors state the location."""
+    read, measures = measure_reader(file.document), {}
+    for name, text in texts.items():
+        with file.located(*where, name):
+            measures[name] = read(model, text)
+    return measures
+
 
 def make_responses(file: ModelFile, model: Any) -> dict[str, Response]:
-    """The responses of the run that the file asks for, by name; not those of its cases.
+    """Responses of the run of the file, by name, without those of its cases.
 
-    Combinations that are sums of these, with factors, are among them.
+    Linear combinations of these responses are included.
 
     Raises
     ------
     ModelError
-        A measure or an option that cannot work, with its place.
+        An invalid measure or option; states the location.
     """
     tables: dict[str, Any] = file.document.responses
     read = measure_reader(file.document)
     analysis = file.document.analysis
-    made = {
+    responses = {
         name: make_response(file, model, name, table, read, analysis)
         for name, table in tables.items()
         if getattr(table, "case", None) is None
     }
-    return made | _linear_combinations(file, made)
+    return responses | _linear_combinations(file, responses)
 
 
-def _linear_combinations(file: ModelFile, made: dict[str, Response]) -> dict[str, Response]:
-    """Those of the file's combinations that are sums of responses of its own run."""
-    symbols = {name: Expression(ca.SX.sym(name), name) for name in made}
+def _linear_combinations(file: ModelFile, responses: dict[str, Response]) -> dict[str, Response]:
+    """Combinations that are linear in the responses of the run of the file."""
+    symbols = {name: Expression(ca.SX.sym(name), name) for name in responses}
     x = stack(symbol.sx for symbol in symbols.values())
-    found: dict[str, Response] = {}
+    combinations: dict[str, Response] = {}
     for name, table in getattr(file.document, "combined", {}).items():
         try:
             formula = parse_formula(table.formula, symbols.get, lambda: list(symbols)).sx
-        except ExpressionError:  # of other cases or of other combinations; designs know them
+        except ExpressionError:  # refers to other cases or combinations, which designs evaluate
             continue
         slopes, rest = ca.Function("f", [x], [ca.gradient(formula, x), formula])(0.0)
-        if name in made or not ca.is_linear(formula, x):
+        if name in responses or not ca.is_linear(formula, x):
             continue
-        terms = [(float(slopes[k]), made[own]) for k, own in enumerate(made) if float(slopes[k])]
+        terms = [
+            (float(slopes[k]), responses[response_name])
+            for k, response_name in enumerate(responses)
+            if float(slopes[k])
+        ]
         if terms:
             total = combined_terms([*terms, (1.0, float(rest))])
-            found[name] = total.named(name)
-    return found
+            combinations[name] = total.named(name)
+    return combinations
 
 
 def make_response(
@@ -68,7 +100,7 @@ def make_response(
     read: Callable[[Any, str], Expression],
     analysis: Any,
 ) -> Response:
-    """One of them.
+    """One response.
 
     Parameters
     ----------
@@ -80,54 +112,77 @@ def make_response(
         if len(measure) != 1:
             raise ModelError(f"{table.measure!r} has {len(measure)} components; take .x or .y")
     with file.located("responses", name):
-        options = given_options(table) | {"measure": measure, "name": name}
+        options = table_options(table) | {"measure": measure, "name": name}
         options.pop("case", None)
-        made: Response = RESPONSES[table.type](**options)
-    if isinstance(made, AtEvent):
+        response: Response = RESPONSES[table.type](**options)
+    if isinstance(response, AtEvent):
         _check_event(file, table.event, analysis, "responses", name, "event")
-    return made
+    return response
 
 
 def _check_event(file: ModelFile, name: str, analysis: Any, *where: str) -> None:
-    known = getattr(analysis, "events", None) or {}
-    if name not in known:
+    events = getattr(analysis, "events", None) or {}
+    if name not in events:
         raise file.located.error(
-            f"unknown event {name!r}{nearest(name, known)}; known in the events of its analysis: "
-            f"{', '.join(known) or 'none'}",
+            f"unknown event {name!r}{nearest(name, events)}; known in the events of its analysis: "
+            f"{', '.join(events) or 'none'}",
             *where,
         )
 
 
-def chosen_response(
-    file: ModelFile, made: dict[str, Response], name: str, *where: str | int
+def find_response(
+    file: ModelFile, responses: dict[str, Response], name: str, *where: str | int
 ) -> Response:
-    """One of the file's responses.
+    """The response of this name.
 
     Raises
     ------
     ModelError
-        There is none of this name.
+        Unknown name, or a response of a case.
     """
-    if not made:
+    if not responses:
         raise file.located.error(
             'has none; add e.g. [responses.peak] with type = "Maximum" and a measure', "responses"
         )
-    if name not in made:
+    if name not in responses:
         if name in file.document.responses:
             raise file.located.error(f"{name!r} belongs to a case; take one without", *where)
-        raise file.located.error(unknown("response", name, made), *where)
-    return made[name]
+        raise file.located.error(unknown("response", name, responses), *where)
+    return responses[name]
 
 
-def chosen_parameters(file: ModelFile, names: list[str] | None, *where: str | int) -> list[str]:
-    """Some of the parameters; all where no names are given."""
-    known = list(file.document.parameters)
-    if not known:
+def select_parameters(file: ModelFile, names: list[str] | None, *where: str | int) -> list[str]:
+    """Checked names of parameters; all parameters if no names are given."""
+    available = list(file.document.parameters)
+    if not available:
         raise file.located.error("has no parameters; add at least one", "parameters")
     names = names or []
     for k, name in enumerate(names):
-        if name not in known:
-            raise file.located.error(unknown("parameter", name, known), *where, k)
+        if name not in available:
+            raise file.located.error(unknown("parameter", name, available), *where, k)
         if name in names[:k]:
             raise file.located.error(f"{name!r} is named twice; name it once", *where, k)
-    return list(names or known)
+    return list(names or available)
+
+
+def require_parameter(file: ModelFile, model: Any, name: str, *where: str | int) -> None:
+    """Check that a model has a parameter.
+
+    Raises
+    ------
+    ModelError
+        Unknown parameter; states the location.
+    """
+    if name not in model.parameters:
+        raise file.located.error(unknown("parameter", name, model.parameters), *where)
+
+
+def make_limits(file: ModelFile, source: Any, tables: list[Any], *where: str) -> list[Limit]:
+    """Limits on responses; ``source.require(name, …)`` returns each response."""
+    limits = []
+    for k, table in enumerate(tables):
+        location: tuple[str | int, ...] = (*where, k)
+        response = source.require(table.response, *location, "response")
+        with file.located(*location):
+            limits.append(Limit(response, table.lower, table.upper))
+    return limits

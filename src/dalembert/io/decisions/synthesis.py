@@ -1,4 +1,4 @@
-"""What ``[synthesis]`` of a file asks: a target, and mechanisms to meet it."""
+"""Synthesis tasks of a file: ``[synthesis]``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.identification.table import read_table
+from dalembert.design.identification.data_table import read_table
 from dalembert.design.synthesis.chains import INVERSIONS, geared_five_bar, six_bar
 from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage import Linkage
@@ -24,101 +24,105 @@ from dalembert.text.wording import unknown
 LINKAGES: dict[str, type[Linkage]] = {"FourBar": FourBar, "SliderCrank": SliderCrank}
 GEARED, OWN = "geared five-bar", "own"
 KINDS = (*LINKAGES, *INVERSIONS, GEARED, OWN)
-"""What a file may look for."""
+"""Kinds of linkages available in files."""
 NEEDS = {
     "path": ("points",),
     "motion": ("points", "coupler_angles"),
     "function": ("crank_angles", "outputs"),
 }
-"""Type of a target → the columns that it must have."""
+"""Type of a target → its required columns."""
 COLUMNS = ("coupler_angles", "outputs", "crank_angles")
 
 
 def make_synthesis(file: ModelFile, model: Any = None) -> partial[Any]:
-    """The synthesis that the file asks for: call it with ``progress``.
+    """The synthesis of ``[synthesis]`` as a function of ``progress``.
 
     Parameters
     ----------
-    model : of the file, where it has one
+    model : model of the file, if it has one
 
     Raises
     ------
     ModelError
-        No ``[synthesis]``, or a target that cannot be, with its place.
+        No ``[synthesis]``, or an invalid target; states the location.
     """
-    asked: Any = getattr(file.document, "synthesis", None)
-    if asked is None:
+    table: Any = getattr(file.document, "synthesis", None)
+    if table is None:
         cure = 'is missing; add [synthesis] with type = "path" and points'
         raise file.located.error(cure, "synthesis")
-    target = _target(file, asked)
-    bounds = {name: (float(low), float(high)) for name, (low, high) in asked.bounds.items()}
-    shared = {key: getattr(asked, key) for key in ("order", "starts", "rng")} | {"bounds": bounds}
-    if asked.linkage not in LINKAGES:
-        return _of_mechanism(file, model, asked, target, shared)
-    linkage = LINKAGES[asked.linkage]
-    for name in asked.bounds:
+    target = _target(file, table)
+    bounds = {name: (float(low), float(high)) for name, (low, high) in table.bounds.items()}
+    shared = {key: getattr(table, key) for key in ("order", "starts", "rng")} | {"bounds": bounds}
+    if table.linkage not in LINKAGES:
+        return _mechanism_synthesis(file, model, table, target, shared)
+    linkage = LINKAGES[table.linkage]
+    for name in table.bounds:
         if name not in linkage.names():
             text = unknown("dimension", name, linkage.names())
             raise file.located.error(text, "synthesis", "bounds", name)
-    own = {key: getattr(asked, key) for key in ("crank_turns", "transmission")}
-    return partial(synthesize, target, linkage, **shared, **own)
+    own_options = {key: getattr(table, key) for key in ("crank_turns", "transmission")}
+    return partial(synthesize, target, linkage, **shared, **own_options)
 
 
-def _target(file: ModelFile, asked: Any) -> Target:
-    given = _columns(file, asked)
-    for key in NEEDS[asked.type]:
-        if key not in given:
-            text = f"is missing; a {asked.type} needs {' and '.join(NEEDS[asked.type])}"
+def _target(file: ModelFile, table: Any) -> Target:
+    columns = _columns(file, table)
+    for key in NEEDS[table.type]:
+        if key not in columns:
+            text = f"is missing; a {table.type} needs {' and '.join(NEEDS[table.type])}"
             raise file.located.error(text, "synthesis", key)
-    wanted = {k: v for k, v in given.items() if k in (*NEEDS[asked.type], "crank_angles")}
+    arguments = {k: v for k, v in columns.items() if k in (*NEEDS[table.type], "crank_angles")}
     try:
-        return Target(closed=asked.closed, **wanted)
+        return Target(closed=table.closed, **arguments)
     except AnalysisError as error:
         raise file.located.error(str(error), "synthesis") from None
 
 
-def _of_mechanism(
-    file: ModelFile, model: Any, asked: Any, target: Target, shared: dict[str, Any]
+def _mechanism_synthesis(
+    file: ModelFile, model: Any, table: Any, target: Target, shared: dict[str, Any]
 ) -> partial[Any]:
-    """Of a mechanism by name, or of the file's own."""
+    """Synthesis of a named linkage or of the mechanism of the file."""
     for key in ("crank_turns", "transmission"):
-        if key in asked.model_fields_set:
-            text = f"is for FourBar and SliderCrank; {asked.linkage} turns, and has no {key}"
+        if key in table.model_fields_set:
+            text = f"is for FourBar and SliderCrank; {table.linkage} turns, and has no {key}"
             raise file.located.error(text, "synthesis", key)
-    if asked.linkage == OWN:
+    if table.linkage == OWN:
         if not file.document.bodies:  # type: ignore[union-attr]
             text = 'is "own", but the file has no bodies; add them, or name a linkage'
             raise file.located.error(text, "synthesis", "linkage")
         model = file.model() if model is None else model
     else:
         with file.located("synthesis"):
-            model = _named(asked).build()
-    about = {"point": asked.point, "body": asked.body, "output": asked.output}
-    how = {"vary": asked.vary or None, "speed": asked.speed}
+            model = _linkage(table).build()
+    quantities = {"point": table.point, "body": table.body, "output": table.output}
+    options = {"vary": table.vary or None, "speed": table.speed}
     with file.located("synthesis"):
-        mechanism_task(target, model, **about, **how, bounds=shared["bounds"], order=asked.order)
-    return partial(synthesize_mechanism, target, model, **about, **how, **shared)
+        mechanism_task(
+            target, model, **quantities, **options, bounds=shared["bounds"], order=table.order
+        )
+    return partial(synthesize_mechanism, target, model, **quantities, **options, **shared)
 
 
-def _named(asked: Any) -> System:
-    """A six-bar or a geared five-bar."""
-    joints = {name: tuple(place) for name, place in asked.joints.items()}
-    marks = {link: {p: tuple(xy) for p, xy in own.items()} for link, own in asked.marks.items()}
-    how = {"reach": asked.reach, "speed": asked.speed}
-    if asked.linkage != GEARED:
-        return six_bar(asked.linkage, joints, marks, **how)
-    if asked.ratio is None:
+def _linkage(table: Any) -> System:
+    """System of a six-bar or a geared five-bar."""
+    joints = {name: tuple(coordinates) for name, coordinates in table.joints.items()}
+    marks = {
+        link: {p: tuple(xy) for p, xy in points.items()} for link, points in table.marks.items()
+    }
+    options = {"reach": table.reach, "speed": table.speed}
+    if table.linkage != GEARED:
+        return six_bar(table.linkage, joints, marks, **options)
+    if table.ratio is None:
         raise AnalysisError("the gears have no ratio; give ratio, negative for two gears in mesh")
-    return geared_five_bar(joints, asked.ratio, marks, **how)
+    return geared_five_bar(joints, table.ratio, marks, **options)
 
 
-def _columns(file: ModelFile, asked: Any) -> dict[str, Any]:
-    """The target's columns, of the table itself or of the file it names."""
-    given = {key: getattr(asked, key) for key in ("points", *COLUMNS) if getattr(asked, key)}
-    if asked.file is None:
-        return given
+def _columns(file: ModelFile, table: Any) -> dict[str, Any]:
+    """Columns of the target, from the table itself or from a CSV file."""
+    columns = {key: getattr(table, key) for key in ("points", *COLUMNS) if getattr(table, key)}
+    if table.file is None:
+        return columns
     with file.located("synthesis", "file"):
-        table = read_table(str(file.path.parent / asked.file))
-    if {"x", "y"} <= set(table):
-        given.setdefault("points", np.column_stack([table["x"], table["y"]]))
-    return {key: table[key] for key in COLUMNS if key in table} | given
+        data = read_table(str(file.path.parent / table.file))
+    if {"x", "y"} <= set(data):
+        columns.setdefault("points", np.column_stack([data["x"], data["y"]]))
+    return {key: data[key] for key in COLUMNS if key in data} | columns

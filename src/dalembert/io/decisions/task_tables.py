@@ -1,24 +1,38 @@
-"""Tables of model files for tasks: gradients, measurements, studies, comparisons, reports."""
+"""Tables of tasks: gradients, measurements, studies, trajectories, comparisons, reports."""
 
 from __future__ import annotations
 
+import numpy as np
 from pydantic import Field
 
+from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
+from dalembert.formulations.base import Formulation
+from dalembert.formulations.stabilization import Stabilization
+from dalembert.integrators.base import Integrator
 from dalembert.io.choices import Record, table_or
-from dalembert.io.strategies import STRATEGIES_OF
-from dalembert.io.tables import strategy_type
-from dalembert.io.values import Bound, Entry, Integer, Number, OwnNumber, Text, list_of, one_name
+from dalembert.io.decisions.design_tables import LIMITS, LimitTable, Method, Names
+from dalembert.io.tables import name_or_table, strategy_type
+from dalembert.io.values import (
+    Bound,
+    Entry,
+    Integer,
+    Number,
+    NumberOrBounds,
+    OwnNumber,
+    Text,
+    list_of,
+    one_name,
+)
+from dalembert.model.coordinates import Coordinates
 
-Method = one_name("dalembert.sensitivity.methods:METHODS")
 SAMPLINGS = ("Grid", "LatinHypercube", "MonteCarlo", "Sobol", "Table")
-"""How designs are chosen."""
+"""Sampling methods of designs."""
 Sampling = one_name(SAMPLINGS)
-Names = list[Text]
 Bounds = list_of(Bound, 2, "lower, upper")
 
 
 class SensitivityTable(Record):
-    """Which gradients ``dalembert sensitivity`` computes."""
+    """Gradients computed by ``dalembert sensitivity``."""
 
     responses: Names = Field(default_factory=list, description="names of responses; all by default")
     wrt: Names = Field(default_factory=list, description="names of parameters; all by default")
@@ -26,20 +40,18 @@ class SensitivityTable(Record):
 
 
 class ExperimentTable(Record):
-    """Measurements of one run, with the conditions it was made under."""
+    """Measurements of one run and its conditions."""
 
     data: Text
     name: Text = ""
     parameters: dict[str, Number] = Field(
-        default_factory=dict, description="name of a parameter → value that this run had"
+        default_factory=dict, description="name of a parameter → its value in this run"
     )
-    own: Names = Field(
-        default_factory=list, description="parameters that are unknown and this run's own"
-    )
+    own: Names = Field(default_factory=list, description="unknown parameters of this run only")
 
 
 class IdentifyTable(Record):
-    """Which parameters ``dalembert identify`` finds from which measurements."""
+    """Parameters and measurements of ``dalembert identify``."""
 
     data: Text = None
     experiments: list[ExperimentTable] = Field(
@@ -57,7 +69,7 @@ class IdentifyTable(Record):
         default_factory=dict, description="column → standard deviation; estimated by default"
     )
     delays: dict[str, Bounds] = Field(  # type: ignore[valid-type]
-        default_factory=dict, description="column → `[least, most]` of an unknown lag [s]"
+        default_factory=dict, description="column → `[lower, upper]` of an unknown lag [s]"
     )
     loss: Text = "linear"
     starts: Integer = Field(default=1, description="searches, from further values between bounds")
@@ -66,7 +78,7 @@ class IdentifyTable(Record):
 
 
 class KnotsTable(Record):
-    """Knots at even distances."""
+    """Equidistant knots."""
 
     start: Number = Field(default=0.0, description="first [s]")
     end: Number = Field(description="last [s]")
@@ -85,11 +97,17 @@ class HistoryTable(Record):
     )
     ends: Text = Field(default="not-a-knot", description="of the spline, as of `Table`")
 
+    def times(self) -> np.ndarray:
+        """Times of the knots [s]."""
+        if isinstance(self.knots, KnotsTable):
+            return np.linspace(self.knots.start, self.knots.end, max(self.knots.count, 0))
+        return np.asarray(self.knots, dtype=float)
+
 
 class InvertTable(Record):
-    """From which measurements ``dalembert invert`` finds the histories of the file."""
+    """Measurements for the histories that ``dalembert invert`` estimates."""
 
-    data: Text = Field(default=None, description="file of measurements beside this one")
+    data: Text = Field(default=None, description="file of measurements in the same folder")
     measures: dict[str, Text] = Field(
         default_factory=dict,
         description="column → measure or formula; columns named as measures by default",
@@ -102,7 +120,7 @@ class InvertTable(Record):
         description='`"likelihood"`, `"cross-validation"`, `"l-curve"`, `"discrepancy"` (needs '
         "noise), or a number",
     )
-    order: Integer = Field(default=2, description="of the derivative that is to be small")
+    order: Integer = Field(default=2, description="order of the derivative that is penalised")
     time: Text = Field(default=None, description="column of the times; `time` or `t` by default")
     noise: dict[str, Number] = Field(
         default_factory=dict, description="column → standard deviation; estimated by default"
@@ -111,7 +129,7 @@ class InvertTable(Record):
 
 
 class SweepTable(Record):
-    """Which designs ``dalembert sweep`` runs."""
+    """Designs run by ``dalembert sweep``."""
 
     type: Sampling = "Sobol"  # type: ignore[valid-type]
     vary: dict[str, list[Number]] = Field(
@@ -119,16 +137,56 @@ class SweepTable(Record):
         description="parameter → lower and upper end, of `Grid` and `Table` its values; "
         "all with bounds by default",
     )
-    samples: Integer = Field(default=64, description="how many designs, where they are drawn")
-    rng: Integer = Field(default=0, description="seed of what is drawn")
+    samples: Integer = Field(default=64, description="number of designs, of random sampling")
+    rng: Integer = Field(default=0, description="seed of the random numbers")
     responses: Names = Field(default_factory=list, description="names of responses; all by default")
 
 
-_COORDINATES, _FORMULATION, _STABILIZATION, _INTEGRATOR = map(strategy_type, STRATEGIES_OF)
+GUESSES = ("line", "simulate")
+"""Initial guesses of a trajectory."""
+
+
+class TrajectoryTable(Record):
+    """Motion and controls optimised by ``dalembert trajectory``."""
+
+    minimize: Text = Field(
+        default="time", description='name of a response; `"time"` is the duration'
+    )
+    controls: Names = Field(description="parameters of forces that become functions of time")
+    duration: NumberOrBounds = Field(description="or its bounds `[lower, upper]` [s]")
+    begin: dict[Text, NumberOrBounds] = Field(
+        default_factory=dict,
+        description="measure → value or `[lower, upper]`; the start of the model by default",
+    )
+    end: dict[Text, NumberOrBounds] = Field(
+        default_factory=dict, description="measure → value or `[lower, upper]`, `inf` for none"
+    )
+    cyclic: Names = Field(
+        default_factory=list, description="measures with equal initial and final values"
+    )
+    subject_to: list[LimitTable] = Field(default_factory=list, description=LIMITS)
+    vary: Names = Field(
+        default_factory=list, description="parameters that are designed with the motion"
+    )
+    guess: Text = Field(
+        default=None,
+        description='`"line"` to the prescribed final positions, the default if there are some, '
+        'or `"simulate"`',
+    )
+    accuracy: Number = Field(
+        default=1e-3,
+        description="maximum distance of the plan and the run under its controls, natural scales",
+    )
+    method: name_or_table(TRAJECTORY_METHODS) = "DirectCollocation"  # type: ignore[valid-type]
+
+
+_COORDINATES, _FORMULATION, _STABILIZATION, _INTEGRATOR = map(
+    strategy_type, (Coordinates, Formulation, Stabilization, Integrator)
+)
 
 
 class CompareTable(Record):
-    """What ``dalembert compare`` combines."""
+    """Strategies combined by ``dalembert compare``."""
 
     formulations: list[_FORMULATION] = Field(default_factory=list)  # type: ignore[valid-type]
     integrators: list[_INTEGRATOR] = Field(default_factory=list)  # type: ignore[valid-type]
@@ -141,26 +199,26 @@ class CompareTable(Record):
         default_factory=list, description="of integrators that control their steps"
     )
     measure: Text = Field(
-        default=None, description="whose error is told; all coordinates by default"
+        default=None, description="measure whose error is reported; all coordinates by default"
     )
-    repeat: Integer = Field(default=1, description="how often each run is timed")
+    repeat: Integer = Field(default=1, description="number of timed repetitions of each run")
 
 
 class StructureReportTable(Record):
-    """In which units the report of a structure shows its numbers."""
+    """Units of the report of a structure."""
 
     units: Names = Field(
         default_factory=list,
-        description='of the page and of CSV files, as `["mm", "MPa"]`; each serves its dimension',
+        description='of the page and CSV files, as `["mm", "MPa"]`; each applies to its dimension',
     )
 
 
 class ReportTable(Record):
-    """What the report shows first."""
+    """Initial view of the report."""
 
     plots: list[list[Text]] = Field(default_factory=list, description="measures, one list per plot")
     trace: Names = Field(default_factory=list, description="points whose paths are drawn")
     units: Names = Field(
         default_factory=list,
-        description='of plots and of CSV files, as `["mm", "deg"]`; each serves its dimension',
+        description='of plots and CSV files, as `["mm", "deg"]`; each applies to its dimension',
     )

@@ -1,4 +1,4 @@
-"""What a file asks of a run: responses, gradients, a design, the first view of the report."""
+"""Tasks of a file: gradients, sweeps, comparisons and the initial view of the report."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.comparison.compare import Comparing
-from dalembert.analysis.comparison.observation import observe
+from dalembert.analysis.comparison.reference import observe
 from dalembert.analysis.times import in_seconds
 from dalembert.design.studies.design import Design
 from dalembert.io.analyses import make_analysis, make_strategy
 from dalembert.io.decisions.designs import make_design, make_front
-from dalembert.io.decisions.identification import make_identification
-from dalembert.io.decisions.inversion import make_inversion
+from dalembert.io.decisions.estimation import make_identification, make_inversion
 from dalembert.io.decisions.reliability import make_reliability, make_tolerance
-from dalembert.io.decisions.responses import chosen_parameters, chosen_response, make_responses
+from dalembert.io.decisions.responses import find_response, make_responses, select_parameters
 from dalembert.io.decisions.synthesis import make_synthesis
 from dalembert.io.decisions.task_tables import ReportTable
 from dalembert.io.decisions.trajectories import make_trajectory
@@ -24,33 +23,33 @@ from dalembert.io.model_file import ModelFile
 from dalembert.io.schema import Document
 from dalembert.io.strategies import STRATEGIES
 from dalembert.responses.base import Response
-from dalembert.results.files.headings import checked_units
+from dalembert.results.files.tables import checked_units
 from dalembert.results.labelled import DATA_ONLY
 from dalembert.text.wording import unknown
 from dalembert.units.measured import check_measured
 
-COMPARED = {
+STRATEGY_KINDS = {
     "formulations": "formulation",
     "integrators": "integrator",
     "stabilizations": "stabilization",
     "coordinates": "coordinates",
 }
-"""Key of ``[compare]`` → kind of strategy."""
+"""Key of ``[compare]`` → key of ``STRATEGIES``."""
 
 
 def make_gradient(file: ModelFile, model: Any) -> tuple[dict[str, Response], list[str]]:
-    """Responses and parameters of ``[sensitivity]``; all where none are named."""
-    asked, made = file.document.sensitivity, make_responses(file, model)
-    names = asked.responses or list(made) or [""]
+    """Responses and parameters of ``[sensitivity]``; all if none are named."""
+    table, available = file.document.sensitivity, make_responses(file, model)
+    names = table.responses or list(available) or [""]
     for k, name in enumerate(names):
         if name in names[:k]:
             text = f"{name!r} is named twice; name it once"
             raise file.located.error(text, "sensitivity", "responses", k)
     responses = {
-        name: chosen_response(file, made, name, "sensitivity", "responses", k)
+        name: find_response(file, available, name, "sensitivity", "responses", k)
         for k, name in enumerate(names)
     }
-    return responses, chosen_parameters(file, asked.wrt, "sensitivity", "wrt")
+    return responses, select_parameters(file, table.wrt, "sensitivity", "wrt")
 
 
 def make_sweep(file: ModelFile, model: Any) -> tuple[Design, list[Response]]:
@@ -59,68 +58,68 @@ def make_sweep(file: ModelFile, model: Any) -> tuple[Design, list[Response]]:
     Raises
     ------
     ModelError, AnalysisError
-        No ``[sweep]``, or names, ranges and counts that cannot work.
+        No ``[sweep]``, or invalid names, ranges or counts.
     """
-    asked = file.document.sweep
-    if asked is None:
+    table = file.document.sweep
+    if table is None:
         raise file.located.error(
             "is missing; add [sweep] with vary = { parameter = [lower, upper] }", "sweep"
         )
-    made = make_responses(file, model)
-    names = asked.responses or list(made) or [""]
+    available = make_responses(file, model)
+    names = table.responses or list(available) or [""]
     where = ("sweep", "responses")
-    responses = [chosen_response(file, made, n, *where, k) for k, n in enumerate(names)]
-    chosen_parameters(file, list(asked.vary), "sweep", "vary")
-    for name, values in asked.vary.items():
+    responses = [find_response(file, available, n, *where, k) for k, n in enumerate(names)]
+    select_parameters(file, list(table.vary), "sweep", "vary")
+    for name, values in table.vary.items():
         with file.located("sweep", "vary", name):
             check_measured(values, model.parameters[name].unit, "")
-    given = asked.vary or {
+    ranges = table.vary or {
         name: list(q.bounds)
         for name, q in model.parameters.items()
         if np.all(np.isfinite(q.bounds))
     }
-    listed = {"Grid": Design.grid, "Table": Design.table}
-    drawn = {
+    explicit = {"Grid": Design.grid, "Table": Design.table}
+    random = {
         "LatinHypercube": Design.latin_hypercube,
         "MonteCarlo": Design.monte_carlo,
         "Sobol": Design.sobol,
     }
     with file.located("sweep", "vary"):
-        if asked.type in listed:
-            return listed[asked.type](asked.vary), responses
-        return drawn[asked.type](given, asked.samples, asked.rng), responses
+        if table.type in explicit:
+            return explicit[table.type](table.vary), responses
+        return random[table.type](ranges, table.samples, table.rng), responses
 
 
-def make_comparison(file: ModelFile, model: Any, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The arguments of ``compare`` that ``[compare]`` and the times of ``[analysis]`` give.
+def make_comparison(file: ModelFile, model: Any, preset: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of ``compare`` from ``[compare]`` and the times of ``[analysis]``.
 
     Parameters
     ----------
-    given : what is known without the file, and not read from it
+    preset : arguments that override those of the file
 
     Raises
     ------
     ModelError
-        No duration, or options that cannot work, with their place.
+        No duration, or invalid options; states the location.
     """
     if not isinstance(file.document, Document):
         raise file.located.error("of formulations is for mechanisms", "compare")
-    asked = file.document.compare
-    made: dict[str, Any] = {}
-    for key in sorted(asked.model_fields_set - set(given)):
-        values = getattr(asked, key)
-        registry = STRATEGIES.get(COMPARED.get(key, ""))
+    table = file.document.compare
+    arguments: dict[str, Any] = {}
+    for key in sorted(table.model_fields_set - set(preset)):
+        values = getattr(table, key)
+        registry = STRATEGIES.get(STRATEGY_KINDS.get(key, ""))
         with file.located("compare", key):
-            made[key] = [make_strategy(registry, v) for v in values] if registry else values
+            arguments[key] = [make_strategy(registry, v) for v in values] if registry else values
     with file.located("compare", "coordinates"):
-        for coordinates in made.get("coordinates", []):
+        for coordinates in arguments.get("coordinates", []):
             coordinates.view(model, False)
     with file.located("compare", "measure"):
-        observe(model, made.get("measure"))
-    times = {"duration": given["duration"]} if "duration" in given else _times(file, model)
+        observe(model, arguments.get("measure"))
+    times = {"duration": preset["duration"]} if "duration" in preset else _times(file, model)
     with file.located("compare"):
-        Comparing(**made, **times)
-    return made | times
+        Comparing(**arguments, **times)
+    return arguments | times
 
 
 def _times(file: ModelFile, model: Any) -> dict[str, Any]:
@@ -134,13 +133,13 @@ def _times(file: ModelFile, model: Any) -> dict[str, Any]:
         )
     keys = table.model_fields_set & {"duration", "t_span", "outputs"}
     with file.located("analysis"):
-        given = {key: getattr(table, key) for key in sorted(keys)}
-        made = in_seconds(given, model, None, "compare")
-    return made | ({"t_span": tuple(made["t_span"])} if "t_span" in made else {})
+        values = {key: getattr(table, key) for key in sorted(keys)}
+        times = in_seconds(values, model, None, "compare")
+    return times | ({"t_span": tuple(times["t_span"])} if "t_span" in times else {})
 
 
 def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
-    """What the report shows first: ``plots``, ``trace`` and ``units``, each name checked."""
+    """Initial view of the report: ``plots``, ``trace`` and ``units``, with checked names."""
     report = file.document.report
     with file.located("report", "units"):
         units = checked_units(report.units)
@@ -159,7 +158,7 @@ def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
     return {"plots": report.plots or None, "trace": report.trace or None, "units": units}
 
 
-CHECKED: dict[str, Callable[[ModelFile, Any], Any]] = {
+READERS: dict[str, Callable[[ModelFile, Any], Any]] = {
     "compare": lambda file, model: make_comparison(file, model, {}),
     "sensitivity": make_gradient,
     "optimize": make_design,
@@ -172,15 +171,15 @@ CHECKED: dict[str, Callable[[ModelFile, Any], Any]] = {
     "trajectory": make_trajectory,
     "synthesis": make_synthesis,
 }
-"""Table of a file → what reads it."""
+"""Section of a file → its reader."""
 
 
 def check_tasks(file: ModelFile, model: Any) -> None:
-    """Everything the file asks for can be made; nothing is computed."""
+    """Check that all tasks of a file can be constructed; nothing is computed."""
     make_responses(file, model)
     report_choices(file, model)
     if file.document.analysis is not None or file.document.usual_analysis is not None:
         make_analysis(file, model)
-    for section, read in CHECKED.items():
+    for section, read in READERS.items():
         if section in file.document.model_fields_set and getattr(file.document, section):
             read(file, model)

@@ -1,4 +1,4 @@
-"""What ``[trajectory]`` of a file asks."""
+"""Trajectory optimisation of a file: ``[trajectory]``."""
 
 from __future__ import annotations
 
@@ -8,86 +8,85 @@ import numpy as np
 
 from dalembert.design.trajectory.optimize_trajectory import duration_of
 from dalembert.design.trajectory.physics import Physics
-from dalembert.design.trajectory.quantities import known_response
+from dalembert.design.trajectory.quantities import check_response
 from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
 from dalembert.io.analyses import make_method
 from dalembert.io.decisions.cases import Quantities
-from dalembert.io.decisions.designs import make_limits
-from dalembert.io.decisions.responses import chosen_parameters
-from dalembert.io.decisions.trajectory_tables import GUESSES
+from dalembert.io.decisions.responses import make_limits, select_parameters
+from dalembert.io.decisions.task_tables import GUESSES
 from dalembert.io.model_file import ModelFile
 from dalembert.responses.values import Final
 from dalembert.text.wording import unknown
 
 
 def make_trajectory(file: ModelFile, model: Any) -> dict[str, Any]:
-    """The arguments of ``optimize_trajectory`` that the file gives.
+    """Arguments of ``optimize_trajectory`` from ``[trajectory]``.
 
     Raises
     ------
     ModelError
-        No ``[trajectory]``, or names and numbers that cannot work, with their place.
+        No ``[trajectory]``, or invalid names or numbers; states the location.
     """
-    asked: Any = getattr(file.document, "trajectory", None)
-    if asked is None:
+    table: Any = getattr(file.document, "trajectory", None)
+    if table is None:
         cure = "is missing; add [trajectory] with controls, duration and end"
         raise file.located.error(cure, "trajectory")
-    if not asked.controls:
+    if not table.controls:
         raise file.located.error("is empty; name parameters of forces", "trajectory", "controls")
-    controls = chosen_parameters(file, asked.controls, "trajectory", "controls")
-    vary = chosen_parameters(file, asked.vary, "trajectory", "vary") if asked.vary else []
+    controls = select_parameters(file, table.controls, "trajectory", "controls")
+    vary = select_parameters(file, table.vary, "trajectory", "vary") if table.vary else []
     for k, name in enumerate(vary):
         if name in controls:
             text = f"{name!r} is a control; it cannot vary as well"
             raise file.located.error(text, "trajectory", "vary", k)
     with file.located("trajectory", "controls"):
         physics = Physics(model, controls, vary, model.nominal)
-    if asked.guess not in (None, *GUESSES):
-        text = unknown("guess", asked.guess, GUESSES)
+    if table.guess not in (None, *GUESSES):
+        text = unknown("guess", table.guess, GUESSES)
         raise file.located.error(text, "trajectory", "guess")
     with file.located("trajectory", "duration"):
-        duration = duration_of(asked.duration)
-    method = make_method(file, model, TRAJECTORY_METHODS, asked.method, "trajectory", "method")
+        duration = duration_of(table.duration)
+    method = make_method(file, model, TRAJECTORY_METHODS, table.method, "trajectory", "method")
     with file.located("trajectory", "method"):
         method.transcription(physics, duration)
     return {
-        **_judged(file, model, asked),
-        **{"controls": controls, "vary": vary, "duration": duration, "accuracy": asked.accuracy},
-        **{"guess": asked.guess, "method": method},
-        "begin": _conditions(file, model, "begin", asked.begin) or None,
-        "end": _conditions(file, model, "end", asked.end),
-        "cyclic": _measures(file, model, asked.cyclic),
+        **_objective_and_limits(file, model, table),
+        **{"controls": controls, "vary": vary, "duration": duration, "accuracy": table.accuracy},
+        **{"guess": table.guess, "method": method},
+        "begin": _conditions(file, model, "begin", table.begin) or None,
+        "end": _conditions(file, model, "end", table.end),
+        "cyclic": _measures(file, model, table.cyclic),
     }
 
 
-def _judged(file: ModelFile, model: Any, asked: Any) -> dict[str, Any]:
+def _objective_and_limits(file: ModelFile, model: Any, table: Any) -> dict[str, Any]:
     """Objective and limits."""
-    made = Quantities(file, model)
-    if asked.minimize == "time" and "time" not in made.names:
+    quantities = Quantities(file, model)
+    if table.minimize == "time" and "time" not in quantities.names:
         objective: Any = Final("time", name="time")
     else:
-        objective = made.checked(asked.minimize, "trajectory", "minimize")
-    limits = make_limits(file, made, asked.subject_to, "trajectory", "subject_to")
+        objective = quantities.require(table.minimize, "trajectory", "minimize")
+    limits = make_limits(file, quantities, table.subject_to, "trajectory", "subject_to")
     with file.located("trajectory", "minimize"):
-        known_response(objective)
+        check_response(objective)
     for k, limit in enumerate(limits):
         with file.located("trajectory", "subject_to", k):
-            known_response(limit)
+            check_response(limit)
     return {"minimize": objective, "subject_to": limits}
 
 
-def _conditions(file: ModelFile, model: Any, key: str, given: dict[str, Any]) -> dict[str, Any]:
-    """Measure → value, or bounds of which None is open."""
-    made: dict[str, Any] = {}
-    for measure, value in given.items():
+def _conditions(file: ModelFile, model: Any, key: str, table: dict[str, Any]) -> dict[str, Any]:
+    """Measure → value, or bounds; None is no bound."""
+    conditions: dict[str, Any] = {}
+    for measure, value in table.items():
         with file.located("trajectory", key, measure):
             model.expression(measure)
         bounded = isinstance(value, list)
-        made[measure] = tuple(_side(side) for side in value) if bounded else value
-    return made
+        conditions[measure] = tuple(_finite_or_none(side) for side in value) if bounded else value
+    return conditions
 
 
-def _side(side: float | None) -> float | None:
+def _finite_or_none(side: float | None) -> float | None:
     return None if side is None or not np.isfinite(side) else side
 
 

@@ -1,1 +1,1 @@
-"""From guesses to a start that satisfies every joint and driver."""
+"""Assembly: from guesses to an initial state that satisfies all joints and drivers."""

@@ -1,8 +1,7 @@
-"""Assembly: from guesses to a configuration that satisfies every joint and driver.
+"""Assembly by Levenberg–Marquardt steps from the guesses to ``Φ = 0``.
 
-The guesses, missing positions placed through joints first, are moved onto ``Φ = 0`` by the steps
-of Levenberg and Marquardt, short in given coordinates rather than in missing ones. All is done in
-the natural units of the mechanism, with sparse factors.
+Missing positions are first placed through joints. Steps are weighted to change guessed coordinates
+less than missing ones. All numbers are in natural units of the mechanism, factors are sparse.
 """
 
 from __future__ import annotations
@@ -22,20 +21,20 @@ from dalembert.symbolic.equations import newton
 from dalembert.symbolic.formulas.expression import stack
 
 CLOSED = newton.NewtonSettings(tolerance=1e-14, max_iterations=200, slack=1e3, halvings=30)
-"""Violations, relative to their scales, that are aimed at; slack times as much is accepted."""
+"""Target of violations, relative to their scales, and accepted multiple of it."""
 MISSING_WEIGHT = 1e-2
-LEAST_DAMPING = 1e-15
+MIN_DAMPING = 1e-15
 PATIENCE, PROGRESS = 12, 0.95
-"""The search is given up where so many steps leave more than this share of the violation."""
+"""Stopping criterion: steps that leave more than this share of the violation."""
 SEARCH_SAMPLES = 361
 LARGEST_TURN = 1.0
-"""Longest step of an angle [rad]; positions, in which most equations are linear, have none."""
+"""Upper limit of a step of an angle [rad]; steps of positions are not limited."""
 ROUNDING = 4 * float(np.finfo(float).eps)
-"""Of a difference of positions, relative to their distance from the origin."""
+"""Round-off of a difference of positions, relative to their distance from the origin."""
 
 
 @dataclass(frozen=True)
-class Closeness(newton.Residual):
+class ConstraintResidual(newton.Residual):
     """Violations of the position-level equations with their Jacobian.
 
     Attributes
@@ -47,15 +46,15 @@ class Closeness(newton.Residual):
     rounding: np.ndarray
     jacobian: scipy.sparse.csr_array = field(kw_only=True)
 
-    def some(self, rows: list[int]) -> Closeness:
-        """Of some equations only."""
-        return Closeness(
+    def some(self, rows: list[int]) -> ConstraintResidual:
+        """The violations of some equations."""
+        return ConstraintResidual(
             self.value[rows], self.scale[rows], self.rounding[rows], jacobian=self.jacobian[rows]
         )
 
 
 class Assembler:
-    """Position-level equations of one system, and the nearest position that satisfies them.
+    """Position-level equations of a mechanism, and projection of positions onto them.
 
     Parameters
     ----------
@@ -65,7 +64,7 @@ class Assembler:
     scales : Scales
     initial : prescribed measures of position, (expression − value)
     searches : (coordinate, rows, range) of curve parameters without a guess
-    facing : of joints whose bodies have no guessed orientation, positive the right way round
+    facing : orientation of joints whose bodies have no guessed one; positive if correct
     """
 
     def __init__(
@@ -105,25 +104,27 @@ class Assembler:
         self, t: float, y: np.ndarray, p: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Violations with their scale and rounding, and the entries of their Jacobian by rows."""
-        value, entries, far = (found.full().ravel() for found in self.position(t, y, p))
+        value, entries, far = (output.full().ravel() for output in self.position(t, y, p))
         row, column, size = self.entry_rows, self.entry_columns, np.abs(entries)
         scale, m = self.scales.rows, self.row_count
         if m > scale.size:
-            asked = np.bincount(row, size * self.scales.displacements[column], m)[scale.size :]
-            scale = np.concatenate([scale, np.where(asked > 0, asked, 1.0)])
+            condition_sizes = np.bincount(row, size * self.scales.displacements[column], m)[
+                scale.size :
+            ]
+            scale = np.concatenate([scale, np.where(condition_sizes > 0, condition_sizes, 1.0)])
         rounding = ROUNDING * np.bincount(row, size * far[column], m)
         return value, scale, rounding, entries
 
-    def moved(self, y: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """The position that a displacement leads to."""
+    def displaced(self, y: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """The position after a displacement."""
         return self.manifold.go(y, step)
 
-    def closeness(self, t: float, y: np.ndarray, p: np.ndarray) -> Closeness:
-        """Violations at a position, of the constraints first, then of initial conditions."""
+    def residual(self, t: float, y: np.ndarray, p: np.ndarray) -> ConstraintResidual:
+        """Violations at a position, of the constraints and then of initial conditions."""
         value, scale, rounding, entries = self.violations(t, y, p)
         shape = self.row_count, self.longest.size
         jacobian = scipy.sparse.csr_array((entries, self.entry_columns, self._ends), shape)
-        return Closeness(value, scale, rounding, jacobian=jacobian)
+        return ConstraintResidual(value, scale, rounding, jacobian=jacobian)
 
     def scaled_jacobian(self, t: float, y: np.ndarray, p: np.ndarray) -> scipy.sparse.csr_array:
         """``C`` and the Jacobian of initial conditions, by displacements in natural units."""
@@ -131,26 +132,27 @@ class Assembler:
         return scaled(jacobian, np.ones(jacobian.shape[0]), self.scales.displacements)
 
     def project(self, t: float, p: np.ndarray, attempts: int = 12) -> newton.Solution[np.ndarray]:
-        """Nearest assembled configuration to the guesses, from several starts if need be."""
+        """Nearest assembled position to the guesses, from several starts if necessary."""
         guess, missing = self.start(t, p).full().ravel(), self.guesses.missing
         rng = np.random.default_rng(0)
-        found: list[newton.Solution[np.ndarray]] = []
+        solutions: list[newton.Solution[np.ndarray]] = []
         for attempt in range(attempts):
             start = guess.copy()
             if attempt:
                 far = np.where(self.guesses.metres, 0.5, np.pi / 2)
                 spread = np.where(missing, far, 0.02 * attempt) * rng.uniform(-1, 1, missing.size)
-                start = self.moved(start, self.scales.displacements * spread)
-            found.append(self.close(t, self._search(t, start, p), p))
-            if found[-1].accepted and np.all(self.facing(t, found[-1].x, p).full() > 0):
-                return found[-1]
-        closed = [one for one in found if one.accepted]  # if none is right, the nearest
+                start = self.displaced(start, self.scales.displacements * spread)
+            solution = self.close(t, self._search(t, start, p), p)
+            if solution.accepted and np.all(self.facing(t, solution.x, p).full() > 0):
+                return solution
+            solutions.append(solution)
+        closed = [s for s in solutions if s.accepted]  # the nearest one of wrong orientation
         if closed:
             return closed[0]
-        return min(found, key=lambda one: one.residual if np.isfinite(one.residual) else np.inf)
+        return min(solutions, key=lambda s: s.residual if np.isfinite(s.residual) else np.inf)
 
     def _search(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """Put a missing curve parameter where its curve is nearest."""
+        """Initialise missing curve parameters at the nearest point of their curve."""
         for index, rows, (low, high) in self.searches:
             samples = np.linspace(low, high, SEARCH_SAMPLES)
             table = np.tile(y[:, None], samples.size)
@@ -167,51 +169,50 @@ class Assembler:
         p: np.ndarray,
         rows: list[int] | None = None,
     ) -> newton.Solution[np.ndarray]:
-        """Nearby root of all equations, or of some rows."""
+        """Root near a position, of all equations or of some rows."""
         return newton.solve(_Nearest(self, t, p, rows), y, CLOSED)
 
 
 class _Nearest(newton.Equations[np.ndarray]):
-    """Some of the equations at an instant, with the shortest steps to their root.
+    """Some of the equations at an instant, with Levenberg–Marquardt steps of minimum norm.
 
-    The least weighted step, damped the more the farther it is from helping (K. Levenberg 1944,
-    D. W. Marquardt 1963); the damping falls with the violation, so that the last steps are
-    Newton's.
+    Steps minimise a weighted norm. The damping (K. Levenberg 1944, D. W. Marquardt 1963) falls
+    with the violation, so that the last steps are Newton steps.
     """
 
     def __init__(self, assembler: Assembler, t: float, p: np.ndarray, rows: list[int] | None):
         self.assembler, self.t, self.p, self.rows = assembler, t, p, rows
-        given = np.where(assembler.guesses.missing, MISSING_WEIGHT, 1.0)
-        self.weight = given / assembler.scales.displacements
+        weight = np.where(assembler.guesses.missing, MISSING_WEIGHT, 1.0)
+        self.weight = weight / assembler.scales.displacements
         self.damping = 5e-3
         self.violations: list[float] = []
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
-        return self.assembler.moved(x, step)
+        return self.assembler.displaced(x, step)
 
-    def residual(self, x: np.ndarray) -> Closeness:
-        found = self.assembler.closeness(self.t, x, self.p)
-        return found if self.rows is None else found.some(self.rows)
+    def residual(self, x: np.ndarray) -> ConstraintResidual:
+        residual = self.assembler.residual(self.t, x, self.p)
+        return residual if self.rows is None else residual.some(self.rows)
 
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
         return next(self.steps(x, residual))
 
     def steps(self, x: np.ndarray, residual: newton.Residual) -> Iterator[np.ndarray]:
-        assert isinstance(residual, Closeness)
+        assert isinstance(residual, ConstraintResidual)
         value = residual.value / residual.scale
-        made = scaled(residual.jacobian, 1 / residual.scale, 1 / self.weight)
-        normal = made @ made.T
+        jacobian = scaled(residual.jacobian, 1 / residual.scale, 1 / self.weight)
+        normal = jacobian @ jacobian.T
         unit = scipy.sparse.eye_array(value.size, format="csr")
         level = normal.trace() / max(value.size, 1)
         violation = float(np.linalg.norm(value))
         self.violations.append(violation)
         if violation > PROGRESS * ([np.inf] * PATIENCE + self.violations)[-PATIENCE]:
-            raise np.linalg.LinAlgError("no motion makes the violation much smaller")
+            raise np.linalg.LinAlgError("no step reduces the violation sufficiently")
         self.damping /= 5
         while True:
-            damping = level * max(self.damping * violation, LEAST_DAMPING)
+            damping = level * max(self.damping * violation, MIN_DAMPING)
             solve = factorised(normal + damping * unit)
-            step = -(made.T @ solve(value)) / self.weight
+            step = -(jacobian.T @ solve(value)) / self.weight
             size = np.max(np.abs(step) / self.assembler.longest, initial=1.0)
             yield step / size
             self.damping *= 4
@@ -231,7 +232,7 @@ def factorised(matrix: scipy.sparse.sparray) -> Callable[[np.ndarray], np.ndarra
     Raises
     ------
     numpy.linalg.LinAlgError
-        It is singular or not finite.
+        The matrix is singular or not finite.
     """
     if not matrix.shape[0]:
         return lambda right: right

@@ -1,7 +1,7 @@
-"""Why a mechanism cannot be assembled: which joint stays open, what it wants and what it can get.
+"""Diagnosis of a mechanism that cannot be assembled: the open joint and its gap.
 
-At the position of least violation every joint of a loop that does not close is open a little. So
-one of them is let go while the others are closed: what then remains of it is the whole gap.
+At the position of minimum violation every joint of an open loop is slightly open. So one of them
+is released while the others are closed: it then shows the whole gap.
 """
 
 from __future__ import annotations
@@ -18,34 +18,34 @@ from dalembert.elements.pair import PointJoint
 from dalembert.errors import AssemblyError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.assembly import Assembler
-from dalembert.model.assembly.position_search import Searched
+from dalembert.model.assembly.position_search import SearchResult
 from dalembert.model.description import Description
-from dalembert.model.tree.topology import analyse_topology
+from dalembert.model.tree.spanning_tree import analyse_topology
 
 CLOSED = 1e-6
-"""Violation, in natural units, of a joint that counts as closed beside one that is not."""
-CONCERNED = 0.1
-"""Violation, relative to the largest, of joints that may be at fault."""
+"""Threshold for closed joints: violation in natural units."""
+SUSPECT = 0.1
+"""Threshold for suspected joints: violation relative to the largest one."""
 QUIET: dict[str, Any] = {
     "print_time": False,
     "error_on_fail": False,
     "ipopt": {"print_level": 0, "sb": "yes", "max_iter": 300, "tol": 1e-9},
 }
-MOST = 6
-"""Of these, how many are tried."""
+MAX_SUSPECTS = 6
+"""Upper limit of suspects that are tested."""
 
 
 @dataclass(frozen=True, eq=False)
 class OpenPosition:
-    """The best position of a mechanism that cannot be assembled.
+    """Closest position of a mechanism that cannot be assembled.
 
     Attributes
     ----------
     parts, parameters, time : the mechanism, (np,) values of its parameters, the instant [s]
-    guess, y : (n,) coordinates as given and placed, and at best
+    guess, y : (n,) coordinates of the placed guesses, and of the closest position
     joint : name of the joint or driver that stays open
-    ends : (2, 2) the two points that should meet, as rows, where there are two
-    gap, text : by how much, and what was wanted, in short and in a sentence
+    ends : (2, 2) the two points that should coincide, as rows, if there are two
+    gap, text : its gap, as a short text and as a sentence
     loop : joints of the loop that does not close
     """
 
@@ -67,37 +67,38 @@ def failure(
     t: float,
     y: np.ndarray,
     p: np.ndarray,
-    searched: Searched | None = None,
+    searched: SearchResult | None = None,
 ) -> AssemblyError:
-    """The error that states the best position near ``y``, or near the best of a search."""
+    """The error with the closest position near ``y``, or near the best one of a search."""
     if searched is not None and searched.residual < _open(assembler, t, y, p):
         y = searched.best
-    made = _Failure(assembler, d, t, y, p).told()
-    where = f", in the loop {'–'.join(made.loop)}" if made.loop else ""
-    tried = ""
+    position = _Failure(assembler, d, t, y, p).open_position()
+    in_loop = f", in the loop {'–'.join(position.loop)}" if position.loop else ""
+    search_text = ""
     if searched is not None:
-        tried = (
+        search_text = (
             f" (no start of {searched.starts} random ones led to an assembly; smallest relative "
             f"residual {searched.residual:.2g})"
         )
     return AssemblyError(
-        f"the mechanism cannot be assembled at t = {t:g} s: {made.text}{where}{tried}; check the "
-        f"lengths {'of this loop ' if made.loop else ''}and the places of what is fixed, or give "
-        "poses nearer to the closed mechanism",
-        float(np.abs(assembler.closeness(t, made.y, p).value).max(initial=0.0)),
-        made,
+        f"the mechanism cannot be assembled at t = {t:g} s: {position.text}{in_loop}{search_text}; "
+        f"check the lengths {'of this loop ' if position.loop else ''}and the positions of fixed "
+        "points, or give poses nearer to the closed mechanism",
+        float(np.abs(assembler.residual(t, position.y, p).value).max(initial=0.0)),
+        position,
     )
 
 
 def _open(assembler: Assembler, t: float, y: np.ndarray, p: np.ndarray) -> float:
-    """Largest residual by natural sizes."""
-    found = assembler.closeness(t, y, p)
-    return float(np.max(np.nan_to_num(np.abs(found.value / found.scale), nan=np.inf), initial=0.0))
+    """Largest residual in natural sizes."""
+    residual = assembler.residual(t, y, p)
+    relative = np.abs(residual.value / residual.scale)
+    return float(np.max(np.nan_to_num(relative, nan=np.inf), initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
 class _Demand:
-    """A joint, a driver or an initial condition: what it ties, measures and asks for."""
+    """Equations of a joint, a driver or an initial condition."""
 
     name: str
     rows: list[int]
@@ -112,7 +113,7 @@ class _Failure:
         holding = [c for c in d.constraints if c.equations.numel()]
         ends = np.cumsum([0, *(c.equations.numel() for c in holding)]).tolist()
         self.demands = {
-            c.name: _Demand(c.name, list(range(*span)), c.units()[0], c.compared(), c)
+            c.name: _Demand(c.name, list(range(*span)), c.units()[0], c.measured_and_target(), c)
             for c, span in zip(holding, pairwise(ends), strict=True)
         }
         of_position = [(m, v) for m, v in d.conditions if not self.of_speed(m.sx - v.sx)]
@@ -123,12 +124,12 @@ class _Failure:
     def of_speed(self, expression: ca.SX) -> bool:
         return bool(ca.depends_on(expression, self.assembler.equations.v))
 
-    def told(self) -> OpenPosition:
-        """What is at fault: the demand without which all others can be met."""
+    def open_position(self) -> OpenPosition:
+        """The closest position, open at the demand without which all others can be satisfied."""
         violation = self.violations(self.y)
         worst = max(violation, key=lambda name: violation[name])
         loops = analyse_topology(self.d.bodies, self.d.constraints, set()).loops
-        loop = next((found for found in loops if worst in found), ())
+        loop = next((joints for joints in loops if worst in joints), ())
         for name in self.suspects(violation, worst, loop):
             demand = self.demands[name]
             y = self.closest(demand.rows)
@@ -138,9 +139,9 @@ class _Failure:
         return self.position(self.y, self.demands[worst], loop)
 
     def closest(self, loose: list[int]) -> np.ndarray:
-        """The position of least violation of some equations among those that meet all others."""
+        """Position of minimum violation of some equations that satisfies all others."""
         assembler, scale = self.assembler, self.assembler.scales.displacements
-        sizes = assembler.closeness(self.t, self.y, self.p).scale
+        sizes = assembler.residual(self.t, self.y, self.p).scale
         x = ca.SX.sym("x", scale.size)
         there = assembler.manifold.retract(ca.SX(self.y), ca.SX(scale) * x)
         residual = assembler.position(self.t, there, self.p)[0] / sizes
@@ -148,27 +149,27 @@ class _Failure:
         problem = {"x": x, "f": ca.sumsqr(residual[loose]), "g": residual[others]}
         solver = ca.nlpsol("closest", "ipopt", problem, QUIET)
         step = scale * solver(x0=0, lbg=0, ubg=0)["x"].full().ravel()
-        return assembler.moved(self.y, step)
+        return assembler.displaced(self.y, step)
 
     def suspects(self, violation: dict[str, float], worst: str, loop: tuple[str, ...]) -> list[str]:
-        """Open demands: what asks for a length or an angle first, then a joint."""
-        open_ones = [n for n, v in violation.items() if v > CONCERNED * violation[worst]]
-        asking = [n for n in open_ones if self.demands[n].compared is not None]
-        asking.sort(key=lambda name: (self.demands[name].joint is not None, -violation[name]))
-        return list(dict.fromkeys([*asking, *loop[len(loop) // 2 :][:1], worst]))[:MOST]
+        """Open demands: prescribed lengths and angles first, then joints."""
+        open_names = [n for n, v in violation.items() if v > SUSPECT * violation[worst]]
+        prescribed = [n for n in open_names if self.demands[n].compared is not None]
+        prescribed.sort(key=lambda name: (self.demands[name].joint is not None, -violation[name]))
+        return list(dict.fromkeys([*prescribed, *loop[len(loop) // 2 :][:1], worst]))[:MAX_SUSPECTS]
 
     def violations(self, y: np.ndarray) -> dict[str, float]:
-        """Largest violation of each demand, in natural units."""
-        found = self.assembler.closeness(self.t, y, self.p)
-        relative = np.nan_to_num(np.abs(found.value) / found.scale, nan=np.inf)
-        return {name: float(relative[one.rows].max()) for name, one in self.demands.items()}
+        """Demand → largest violation, in natural units."""
+        residual = self.assembler.residual(self.t, y, self.p)
+        relative = np.nan_to_num(np.abs(residual.value) / residual.scale, nan=np.inf)
+        return {name: float(relative[d.rows].max()) for name, d in self.demands.items()}
 
     def position(self, y: np.ndarray, demand: _Demand, loop: tuple[str, ...]) -> OpenPosition:
         guess, ends = (
             self.assembler.start(self.t, self.p).full().ravel(),
             self.ends(y, demand.joint),
         )
-        gap, text = self.told_of(y, demand, ends)
+        gap, text = self.gap_texts(y, demand, ends)
         return OpenPosition(self.d, self.p, self.t, guess, y, demand.name, ends, gap, text, loop)
 
     def ends(self, y: np.ndarray, joint: Constraint | None) -> np.ndarray | None:
@@ -178,8 +179,8 @@ class _Failure:
         ends = (joint.point_i.position.sx, joint.point_j.position.sx)
         return np.array([self.number(end, y) for end in ends])
 
-    def told_of(self, y: np.ndarray, demand: _Demand, ends: np.ndarray | None) -> tuple[str, str]:
-        """By how much it stays open and what was wanted, in short and in a sentence."""
+    def gap_texts(self, y: np.ndarray, demand: _Demand, ends: np.ndarray | None) -> tuple[str, str]:
+        """The gap of a demand, as a short text and as a sentence."""
         bodies = [part.name for part in demand.joint.parts()] if demand.joint else []
         name = f"{demand.name} ({', '.join(bodies)})" if bodies else demand.name
         if demand.compared is not None:

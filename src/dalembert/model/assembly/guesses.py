@@ -1,4 +1,4 @@
-"""What was given of the initial state, coordinate by coordinate."""
+"""Initial state: guesses of the user, and the assembled result."""
 
 from __future__ import annotations
 
@@ -14,17 +14,16 @@ from dalembert.symbolic.formulas.expression import stack
 
 @dataclass
 class Guesses:
-    """Initial values, formulas where given and None where missing, with names and units.
+    """Initial values as formulas, None if missing, with names and units.
 
     Attributes
     ----------
-    pose, names, units : by coordinate
-    rest : pose in the origin
-    twist : by speed, formulas of the pose, too
-    speed_names, speed_units, owners : by speed, so by displacement; units of displacements
-    given : by displacement, whether the place along it was given
-    angles : by displacement, whether it is an angle, the same after a whole turn
-    pose_owners : by coordinate
+    pose, names, units, pose_owners : by coordinate
+    rest : pose at the origin
+    twist : by speed; may be formulas of the pose
+    speed_names, speed_units, owners : by speed and displacement; units of displacements
+    given : by displacement, whether there is a guess
+    angles : by displacement, whether it is an angle with a period of 2π
     """
 
     pose: list = field(default_factory=list)
@@ -43,45 +42,44 @@ class Guesses:
 
     @classmethod
     def collect(cls, d: Description) -> Guesses:
-        made = cls()
+        guesses = cls()
         for group in d.coordinates:
             pose, twist = group.guesses()
-            made.pose += pose
-            made.twist += twist
-            made.given += group.guessed()
-            made.angles += [group.flat and unit == "rad" for unit in group.speed_units]
-            made.names += [f"{group.name}.{n}" for n in group.coordinate_names]
-            made.units += list(group.coordinate_units)
-            made.pose_owners += [group.name] * len(pose)
-            made.speed_names += [f"{group.name}.{n}" for n in group.speed_names]
-            made.speed_units += list(group.speed_units)
-            made.owners += [group.name] * len(twist)
-            made.rest += list(group.rest)
+            guesses.pose += pose
+            guesses.twist += twist
+            guesses.given += group.specified()
+            guesses.angles += [group.flat and unit == "rad" for unit in group.speed_units]
+            guesses.names += [f"{group.name}.{n}" for n in group.coordinate_names]
+            guesses.units += list(group.coordinate_units)
+            guesses.pose_owners += [group.name] * len(pose)
+            guesses.speed_names += [f"{group.name}.{n}" for n in group.speed_names]
+            guesses.speed_units += list(group.speed_units)
+            guesses.owners += [group.name] * len(twist)
+            guesses.rest += list(group.rest)
         parameters = d.space.symbols
-        twists = stack(ca.SX(0) if v is None else v for v in made.twist)
+        twists = stack(ca.SX(0) if v is None else v for v in guesses.twist)
         y = stack(group.pose for group in d.coordinates)
-        made._places = ca.Function("places", [parameters], [made.place])
-        made._speeds = ca.Function("speeds", [y, parameters], [twists])
-        return made
+        guesses._places = ca.Function("places", [parameters], [guesses.place])
+        guesses._speeds = ca.Function("speeds", [y, parameters], [twists])
+        return guesses
 
     @cached_property
     def place(self) -> ca.SX:
-        """(n_y,) poses as formulas of parameters, in the origin where missing."""
+        """(n_y,) poses as formulas of parameters; at the origin if missing."""
         pairs = zip(self.pose, self.rest, strict=True)
         return stack(ca.SX(rest) if value is None else value for value, rest in pairs)
 
     def values(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Pose and twist as given for parameter values; at rest in the origin where missing."""
+        """Guesses of pose and twist for parameter values; at rest at the origin if missing."""
         pose = self._places(p).full().ravel()
         return pose, self.speeds(pose, p)
 
     def speeds(self, y: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """Twist as given, for bodies that stand at ``y``."""
+        """Guess of the twist for bodies at ``y``."""
         return self._speeds(y, p).full().ravel()
 
     def priority(self, given: list[bool]) -> list[int]:
-        """Indices of displacements in the order in which they are held: given ones first, turns
-        first."""
+        """Indices of displacements in the order of fixing: given ones first, rotations first."""
         order = {owner: k for k, owner in enumerate(dict.fromkeys(self.owners))}
 
         def key(k: int):
@@ -91,10 +89,31 @@ class Guesses:
 
     @property
     def missing(self) -> np.ndarray:
-        """(n,) along which displacements no place is given."""
+        """(n,) displacements without a guess."""
         return ~np.array(self.given, dtype=bool)
 
     @cached_property
     def metres(self) -> np.ndarray:
-        """(n,) which displacements are lengths."""
+        """(n,) displacements that are lengths."""
         return np.array([unit == "m" for unit in self.speed_units], dtype=bool)
+
+
+@dataclass
+class AssembledState:
+    """Consistent initial state.
+
+    Attributes
+    ----------
+    y, v : (n,) arrays
+    residual : largest remaining violation
+    corrections : coordinate name → change of its guess by assembly
+    velocity_corrections : speed name → change of its guess, if guesses were inconsistent
+    projected_speeds : whether inconsistent guesses of speeds were projected
+    """
+
+    y: np.ndarray
+    v: np.ndarray
+    residual: float
+    corrections: dict[str, float] = field(default_factory=dict)
+    velocity_corrections: dict[str, float] = field(default_factory=dict)
+    projected_speeds: bool = False

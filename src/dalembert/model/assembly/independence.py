@@ -1,10 +1,10 @@
-"""Which columns of a sparse matrix are independent, taken in a prescribed order.
+"""Independent columns of a sparse matrix, selected in a prescribed order.
 
-Columns are eliminated one after the other by orthogonal transformations of the rows they touch,
-``A = Q R`` with the rows of R found one at a time. What is left of a column when its turn comes is
-its part across the columns taken before it; too short a part leaves the column out. Only rows
-that touch a column take part, so that the work grows with the number of columns where the graph
-of the matrix is a chain, a tree or a net of loops (A. George and M. T. Heath, Linear Algebra
+Columns are eliminated in sequence by orthogonal transformations of the rows with an entry in them,
+``A = Q R`` with one row of R per column. The remainder of a column is its component orthogonal to
+the columns selected before; a column with too small a remainder is left out. Only rows with an
+entry in a column take part, so that the work grows linearly with the number of columns if the
+graph of the matrix is a chain, a tree or a net of loops (A. George and M. T. Heath, Linear Algebra
 Appl. 34, 1980).
 """
 
@@ -21,28 +21,27 @@ import numpy as np
 import scipy
 
 CLEARLY, BARELY = 0.05, 1e-6
-"""Share of a column that is across the others, for it to be taken at first, and then."""
+"""Thresholds for the orthogonal component of a column, in the first and the second round."""
 DEPENDENT = 1e-8
-"""Share up to which a row of constraints follows from others."""
-STANDING = 1e-5
-"""Share of a column across the others below which what it is left of stands at an end of its way:
-where that is a double root, half of the digits are lost."""
-NOTHING = 1e-14
-"""Entries of a matrix of unit rows or columns that are rounding."""
+"""Threshold for a redundant row of constraints."""
+EXTREMAL = 1e-5
+"""Threshold for a coordinate at an extremum, a double root, where half of the digits are lost."""
+NEGLIGIBLE = 1e-14
+"""Threshold for rounding in the entries of unit rows or columns."""
 
 
 class Echelon:
-    """Independent columns of a matrix and what the others are made of.
+    """Independent columns of a matrix, and the null space of the matrix.
 
     Parameters
     ----------
-    matrix : (m, n) sparse or dense, its rows or its columns of length one
-    order : columns in the order in which they are taken; all by default
-    thresholds : least share of a column across those taken, for one round after the other
+    matrix : (m, n) sparse or dense, its rows or its columns of unit length
+    order : order of selection of the columns; all by default
+    thresholds : lower limit of the orthogonal component of a column, one for each round
 
     Attributes
     ----------
-    pivots : independent columns in the order taken
+    pivots : independent columns in the order of selection
     """
 
     def __init__(
@@ -59,30 +58,30 @@ class Echelon:
         self._place = np.zeros(self.size, dtype=int)
         self._active: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         self._names = count()
-        self._expected(())
+        self._begin_round(())
         for start, end in pairwise(by_row.indptr):
             self._add(by_row.indices[start:end], by_row.data[start:end])
         norms = np.sqrt(np.bincount(by_row.indices, by_row.data**2, self.size))
         self._rows: list[tuple[int, np.ndarray, np.ndarray]] = []
         for threshold in thresholds:
             last = threshold == thresholds[-1]
-            self._expected(waiting)
-            waiting = [j for j in waiting if not self._take(j, threshold * norms[j], last)]
+            self._begin_round(waiting)
+            waiting = [j for j in waiting if not self._eliminate(j, threshold * norms[j], last)]
         self.pivots = [row[0] for row in self._rows]
 
     @property
     def free(self) -> list[int]:
-        """The other columns."""
+        """The dependent columns."""
         return sorted(set(range(self.size)) - set(self.pivots))
 
     def kernel(self, values: Mapping[int, float]) -> np.ndarray:
-        """(n,) the vector x with ``A x = 0`` and these values in the free columns, else 0."""
+        """(n,) null vector, ``A x = 0``, with these values in free columns and zero in the rest."""
         x = np.zeros(self.size)
         x[list(values)] = list(values.values())
         waiting = [-row for column in values for row in self._rows_with.get(column, ())]
         heapq.heapify(waiting)
         last = len(self._rows)
-        while waiting:  # from the last row that is touched upwards
+        while waiting:  # from the last affected row upwards
             row = -heapq.heappop(waiting)
             if row < last:
                 last = row
@@ -94,25 +93,25 @@ class Echelon:
         return x
 
     def any_kernel(self, rng: np.random.Generator) -> np.ndarray:
-        """(n,) a vector x with ``A x = 0`` in general direction, its largest entry one."""
+        """(n,) null vector, ``A x = 0``, of random direction, with a largest entry of one."""
         values = rng.standard_normal(len(self.free))
         x = self.kernel(dict(zip(self.free, values, strict=True)))
         return x / np.abs(x).max(initial=0.0) if x.any() else x
 
     @cached_property
     def _rows_with(self) -> dict[int, list[int]]:
-        """Rows that have a column beside their pivot."""
-        found: dict[int, list[int]] = {}
+        """Column → rows with an entry in it beside their pivot."""
+        rows: dict[int, list[int]] = {}
         for row, (_, columns, _) in enumerate(self._rows):
             for column in columns.tolist():
-                found.setdefault(column, []).append(row)
-        return found
+                rows.setdefault(column, []).append(row)
+        return rows
 
-    def _expected(self, waiting: Sequence[int]) -> None:
+    def _begin_round(self, waiting: Sequence[int]) -> None:
         """Begin a round with these columns.
 
-        A row waits for the first of them that it touches: the columns before that one are taken, or
-        were left out in this round. So whatever touches a column waits for it when its turn comes.
+        A row waits for the first of them with an entry: the columns before are selected, or were
+        left out in this round. So all rows with an entry in a column wait for it at its turn.
         """
         self._arriving = np.full(self.size, -1)
         self._arriving[list(waiting)] = self._turn[list(waiting)]
@@ -129,15 +128,15 @@ class Echelon:
         if turns[first] < self.size:
             self._waiting.setdefault(int(columns[first]), []).append(name)
 
-    def _take(self, column: int, least: float, last: bool) -> bool:
-        """Eliminate a column if enough is left of it; if not, its rest is dropped at last."""
+    def _eliminate(self, column: int, least: float, last: bool) -> bool:
+        """Eliminate a column with a sufficient remainder; drop the remainder in the last round."""
         self._now = int(self._turn[column])
         names = sorted(self._waiting.pop(column, ()))
         touching = [self._active[name] for name in names]
-        rest = [entries[columns == column][0] for columns, entries in touching]
-        left = math.hypot(*rest)
-        if not left > max(least, NOTHING):
-            drop = last or left <= NOTHING
+        column_entries = [entries[columns == column][0] for columns, entries in touching]
+        remainder = math.hypot(*column_entries)
+        if not remainder > max(least, NEGLIGIBLE):
+            drop = last or remainder <= NEGLIGIBLE
             for name in names:
                 self._drop(name, column) if drop else self._wait(name)
             return False
@@ -149,24 +148,25 @@ class Echelon:
         return True
 
     def _merged(self, names: list[int], first: int) -> tuple[np.ndarray, np.ndarray]:
-        """The rows that touch a column, which stands first, the others in turn; they are removed.
+        """Remove the rows with an entry in a column, as a block with this column first.
 
-        So what is left of them is triangular, and the next column touches few of them.
+        The other columns are in order, so that the remaining rows are triangular and few of them
+        have an entry in the next column.
         """
-        found = [self._active.pop(name) for name in names]
-        columns = np.unique(np.concatenate([columns for columns, _ in found]))
+        rows = [self._active.pop(name) for name in names]
+        columns = np.unique(np.concatenate([columns for columns, _ in rows]))
         turn = self._turn[columns]
         turn[columns == first] = -1
         columns = columns[np.argsort(turn)]
         self._place[columns] = np.arange(columns.size)
-        block = np.zeros((len(found), columns.size), order="F")
-        for row, (at, entries) in enumerate(found):
-            block[row, self._place[at]] = entries
+        block = np.zeros((len(rows), columns.size), order="F")
+        for row, (row_columns, entries) in enumerate(rows):
+            block[row, self._place[row_columns]] = entries
         return columns, block
 
     def _add(self, columns: np.ndarray, entries: np.ndarray) -> None:
-        """Keep what is more than rounding of a row."""
-        large = np.abs(entries) > NOTHING
+        """Add the entries of a row that are more than rounding."""
+        large = np.abs(entries) > NEGLIGIBLE
         if not large.all():
             columns, entries = columns[large], entries[large]
         if columns.size:
@@ -175,16 +175,15 @@ class Echelon:
             self._wait(name)
 
     def _drop(self, name: int, column: int) -> None:
-        """Forget what is left of a column in a row."""
+        """Remove the remainder of a column from a row."""
         columns, entries = self._active.pop(name)
         self._add(columns[columns != column], entries[columns != column])
 
 
 def rows_of(matrix, tolerance: float = DEPENDENT) -> Echelon:
-    """Rows of a matrix, in order, that do not depend linearly on the rows before them.
+    """Echelon of the rows of a matrix, selected in order; the pivots are independent rows.
 
-    They are the columns of its transpose, each made of length one; one that has no length or is
-    not finite is left out.
+    Rows are columns of the transpose, normalised; rows that are zero or not finite are left out.
     """
     by_row = scipy.sparse.csr_array(matrix, dtype=float, copy=True)
     norms = np.sqrt(np.bincount(_row_of_entry(by_row), by_row.data**2, by_row.shape[0]))
@@ -195,48 +194,49 @@ def rows_of(matrix, tolerance: float = DEPENDENT) -> Echelon:
 
 
 def independent_rows(matrix, tolerance: float = DEPENDENT) -> list[int]:
-    """Indices of the rows, in order, that do not depend linearly on the rows before them."""
+    """Indices of the rows that do not depend linearly on the rows before them."""
     return rows_of(matrix, tolerance).pivots
 
 
 def columns_of(matrix, order: Iterable[int] | None = None, least: float = DEPENDENT) -> Echelon:
-    """Columns of a matrix whose rows count alike, in order, the clearly independent ones first.
+    """Echelon of the columns of a matrix with normalised rows, clearly independent ones first.
 
     Parameters
     ----------
-    matrix : (m, n), its rows are made of length one
-    order : of the columns; their own by default
-    least : share of a column across the others that is enough at last
+    matrix : (m, n), its rows are normalised
+    order : of the columns; by index by default
+    least : lower limit of the orthogonal component in the last round
     """
     return Echelon(_unit_rows(matrix), order, (CLEARLY, BARELY, least))
 
 
-def determine_the_others(matrix, held: Collection[int]) -> bool:
-    """Whether independent equations say clearly where all coordinates are but those held."""
-    others = [k for k in range(matrix.shape[1]) if k not in held]
-    return len(Echelon(_unit_rows(matrix), others, (CLEARLY, STANDING)).pivots) == len(others)
+def determine_dependent(matrix, fixed: Collection[int]) -> bool:
+    """Whether independent equations clearly determine all coordinates except the fixed ones."""
+    dependent = [k for k in range(matrix.shape[1]) if k not in fixed]
+    pivots = Echelon(_unit_rows(matrix), dependent, (CLEARLY, EXTREMAL)).pivots
+    return len(pivots) == len(dependent)
 
 
 def free_columns(matrix, order: Sequence[int]) -> list[int]:
     """Coordinates that independent equations leave free, as early in the order as possible.
 
-    The last ones are determined by the equations, as far as these clearly determine them.
+    The equations determine the last coordinates, as far as they do so clearly.
     """
     determined = set(columns_of(matrix, reversed(order), 0.0).pivots)
     return [k for k in order if k not in determined][: matrix.shape[1] - matrix.shape[0]]
 
 
 def least_fill(matrix) -> list[int]:
-    """An order in which columns touch few others, for questions that any order answers.
+    """Column order of small fill-in, if the result does not depend on the order.
 
     Approximate minimum degree (P. R. Amestoy, T. A. Davis and I. S. Duff, SIAM J. Matrix Anal.
-    Appl. 17, 1996) of the columns that rows tie together.
+    Appl. 17, 1996) of the columns coupled by rows.
     """
     by_row = scipy.sparse.csr_array(matrix)
-    tied = scipy.sparse.csc_array(abs(by_row.T) @ abs(by_row))
-    tied.sort_indices()
-    rows, starts = tied.indices.tolist(), tied.indptr.tolist()
-    graph = ca.Sparsity(tied.shape[0], tied.shape[1], starts, rows)
+    coupled = scipy.sparse.csc_array(abs(by_row.T) @ abs(by_row))
+    coupled.sort_indices()
+    rows, starts = coupled.indices.tolist(), coupled.indptr.tolist()
+    graph = ca.Sparsity(coupled.shape[0], coupled.shape[1], starts, rows)
     return [int(k) for k in graph.amd()]
 
 

@@ -1,10 +1,10 @@
-"""Newton's method from many positions at once, with dense Jacobians side by side.
+"""Newton's method from many positions at once, with stacked dense Jacobians.
 
-From far away plain steps, whose turns are limited, reach more roots than steps that must reduce the
-residual; so searches for all assemblies of the square system take them. Positions that satisfy all
-joints, without anything held, follow by the damped steps of K. Levenberg (1944) and D. W. Marquardt
-(1963), which are short in given coordinates. CasADi's virtual machine evaluates the equations, so
-that results depend neither on time nor on the machine.
+From distant starts, full steps with limited rotations reach more roots than steps that must reduce
+the residual; searches for all assemblies of the square system use them. Positions that satisfy all
+joints, without fixed coordinates, follow by damped steps (K. Levenberg 1944, D. W. Marquardt 1963)
+that change guessed coordinates least. CasADi's virtual machine evaluates the equations, so that
+results depend neither on timing nor on the machine.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.model.assembly.assembly import (
-    LEAST_DAMPING,
+    MIN_DAMPING,
     MISSING_WEIGHT,
     PATIENCE,
     PROGRESS,
@@ -24,30 +24,30 @@ from dalembert.model.assembly.assembly import (
 )
 from dalembert.model.assembly.recipe import Pinned
 from dalembert.symbolic.evaluation.backends import VirtualMachine
-from dalembert.symbolic.evaluation.shared_columns import in_blocks
+from dalembert.symbolic.evaluation.parallel import in_blocks
 
 TOLERANCE, SLACK = 1e-14, 1e3
-"""Residuals, relative to their terms, that count as zero; how many times as much is accepted."""
+"""Threshold for residuals, relative to their terms, and accepted multiple of it."""
 STEPS = 60
-"""Newton steps of a start at most."""
+"""Upper limit of Newton steps of a start."""
 FAR = 1e4
-"""Distance, in natural lengths, of a position that has left the mechanism."""
+"""Threshold for divergence: a step in natural lengths."""
 ENTRIES = 4_000_000
-"""Entries of Jacobians in memory at once."""
+"""Upper limit of entries of Jacobians in memory."""
 
 Evaluation = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""(k, m) residuals relative to their scale, (k, m) of which count as zero, (k, m, n) Jacobians by
-natural displacements."""
+"""(k, m) residuals relative to their scale, (k, m) their thresholds, (k, m, n) Jacobians by natural
+displacements."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ends:
-    """Where searches from many positions end.
+    """Results of searches from many positions.
 
     Attributes
     ----------
-    y : (k, n_y) positions
-    size : (k,) largest residual, relative to what counts as zero
+    y : (k, n_y) final positions
+    size : (k,) largest residual, relative to its threshold
     open : (k,) largest residual, relative to its natural scale
     """
 
@@ -57,12 +57,12 @@ class Ends:
 
     @property
     def closed(self) -> np.ndarray:
-        """(k,) which are roots."""
+        """(k,) whether a position is a root."""
         return self.size <= SLACK
 
 
 class ManyRoots:
-    """Roots of the equations of one mechanism at an instant.
+    """Roots of the equations of a mechanism at an instant.
 
     Parameters
     ----------
@@ -80,64 +80,66 @@ class ManyRoots:
         machine = VirtualMachine()
         self._position = machine.columns(assembler.position)
         self._going = machine.columns(assembler.manifold.going)
-        self._held = None if pinned is None else machine.columns(pinned.held_at)
+        self._fixed = None if pinned is None else machine.columns(pinned.fixed_at)
         n = self.displacements.size
         self.group = int(np.clip(ENTRIES // (n * n), 8, 1024))
-        given = np.where(assembler.guesses.missing, MISSING_WEIGHT, 1.0)
-        self._reach = 1 / given  # of natural displacements, by which steps are measured
+        # scale of steps, in natural displacements
+        self._reach = 1 / np.where(assembler.guesses.missing, MISSING_WEIGHT, 1.0)
 
     # evaluation ------------------------------------------------------------------------------
-    def _called(self, columns, *arguments: np.ndarray) -> list[np.ndarray]:
-        """Results for rows of arguments, padded so that few sizes occur."""
+    def _call(self, columns, *arguments: np.ndarray) -> list[np.ndarray]:
+        """Results for rows of arguments, padded to a power of two to limit the number of sizes."""
         count = len(arguments[0])
         padded = 1 << max(0, count - 1).bit_length()
         rows = np.minimum(np.arange(padded), count - 1)
         return [x[:count] for x in in_blocks(columns, 1, *(a[rows] for a in arguments))]
 
-    def moved(self, y: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """(k, n_y) positions that (k, n) natural displacements lead to."""
+    def displaced(self, y: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        """(k, n_y) positions after (k, n) natural displacements."""
         if self.assembler.manifold.flat:
             return y + steps * self.displacements
-        return self._called(self._going, y, steps * self.displacements)[0]
+        return self._call(self._going, y, steps * self.displacements)[0]
 
     def evaluate(self, y: np.ndarray) -> Evaluation:
         """Residuals and Jacobians at (k, n_y) positions."""
         a, k = self.assembler, len(y)
         t, p = np.full((k, 1), self.t), np.broadcast_to(self.p, (k, self.p.size))
-        value, entries, far = self._called(self._position, t, y, p)
+        value, entries, far = self._call(self._position, t, y, p)
         jacobian = np.zeros((k, a.row_count, self.displacements.size))
         jacobian[:, a.entry_rows, a.entry_columns] = entries
         rounding = ROUNDING * np.einsum("kij,kj->ki", np.abs(jacobian), far)
         jacobian *= self.displacements
         scale = np.broadcast_to(a.scales.rows, (k, a.scales.rows.size))
         if a.row_count > scale.shape[1]:
-            asked = np.abs(jacobian[:, scale.shape[1] :]).sum(axis=2)
-            scale = np.hstack([scale, np.where(asked > 0, asked, 1.0)])
+            sizes = np.abs(jacobian[:, scale.shape[1] :]).sum(axis=2)
+            scale = np.hstack([scale, np.where(sizes > 0, sizes, 1.0)])
         if self.pinned is not None:
-            rows, held = self.pinned.rows, self._evaluate_held(y, p)
-            value = np.hstack([value[:, rows], held[0]])
-            scale = np.hstack([scale[:, rows], np.broadcast_to(self.pinned.sizes, held[0].shape)])
-            rounding = np.hstack([rounding[:, rows], held[1]])
-            jacobian = np.concatenate([jacobian[:, rows], held[2]], axis=1)
+            rows, fixed = self.pinned.rows, self._evaluate_fixed(y, p)
+            value = np.hstack([value[:, rows], fixed[0]])
+            scale = np.hstack([scale[:, rows], np.broadcast_to(self.pinned.sizes, fixed[0].shape)])
+            rounding = np.hstack([rounding[:, rows], fixed[1]])
+            jacobian = np.concatenate([jacobian[:, rows], fixed[2]], axis=1)
         return value / scale, TOLERANCE + rounding / scale, jacobian / scale[:, :, None]
 
-    def _evaluate_held(self, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, ...]:
-        """What is held: residuals, their rounding, and the Jacobian by natural displacements."""
-        assert self.pinned is not None and self._held is not None
-        away, entries, far = self._called(self._held, y, p)
-        jacobian = np.zeros((len(y), self.pinned.held, self.displacements.size))
-        jacobian[:, self.pinned.held_rows, self.pinned.held_columns] = entries
+    def _evaluate_fixed(self, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Fixed coordinates: residuals, their rounding, and Jacobian by natural displacements."""
+        assert self.pinned is not None and self._fixed is not None
+        away, entries, far = self._call(self._fixed, y, p)
+        jacobian = np.zeros((len(y), self.pinned.fixed_count, self.displacements.size))
+        jacobian[:, self.pinned.fixed_rows, self.pinned.fixed_columns] = entries
         return away, ROUNDING * far, jacobian * self.displacements
 
     def apart(self, y: np.ndarray, others: np.ndarray) -> np.ndarray:
-        """(k, n) displacements from a position to others, by natural sizes, without whole turns."""
+        """(k, n) displacements from a position to others, in natural sizes, without whole turns."""
         columns = np.tile(y[:, None], len(others))
-        way = self.assembler.manifold.lead(columns, others.T).T / self.displacements
-        with np.errstate(invalid="ignore"):  # half a turn of a body in space is infinitely far
-            return np.where(self.angles, np.remainder(way + np.pi, 2 * np.pi) - np.pi, way)
+        displacement = self.assembler.manifold.lead(columns, others.T).T / self.displacements
+        with np.errstate(invalid="ignore"):  # a half turn of a spatial body is infinite
+            return np.where(
+                self.angles, np.remainder(displacement + np.pi, 2 * np.pi) - np.pi, displacement
+            )
 
     def unwound(self, y: np.ndarray, root: np.ndarray) -> np.ndarray:
-        """The same root with its angles near those of a position, if it remains a root."""
+        """The root with its angles near those of a position, if that is a root, too."""
         manifold = self.assembler.manifold
         turns = np.where(self.angles, np.round(manifold.lead(y, root) / (2 * np.pi)), 0.0)
         if not turns.any():
@@ -148,19 +150,17 @@ class ManyRoots:
 
     # searches --------------------------------------------------------------------------------
     def newton(self, y: np.ndarray) -> Ends:
-        """Roots of the square system by plain steps of limited turns."""
+        """Roots of the square system by full steps with limited rotations."""
         return self._grouped(y, self._newton)
 
     def nearest(self, y: np.ndarray) -> Ends:
-        """Roots of all equations near positions by damped steps, short in given coordinates."""
+        """Roots of all equations near positions by damped steps."""
         return self._grouped(y, self._damped)
 
     def _grouped(self, y: np.ndarray, search: Callable[[np.ndarray], Ends]) -> Ends:
         with np.errstate(all="ignore"):
-            found = [search(y[k : k + self.group]) for k in range(0, len(y), self.group)]
-        return Ends(
-            *(np.concatenate([getattr(e, x) for e in found]) for x in ("y", "size", "open"))
-        )
+            ends = [search(y[k : k + self.group]) for k in range(0, len(y), self.group)]
+        return Ends(*(np.concatenate([getattr(e, x) for e in ends]) for x in ("y", "size", "open")))
 
     def _newton(self, y: np.ndarray) -> Ends:
         y, count = y.copy(), len(y)
@@ -173,13 +173,13 @@ class ManyRoots:
             slow = (size[going] <= SLACK) & (new > size[going] / 2)
             at = going[better]
             best[at], size[at], gap[at] = y[at], new[better], _largest(value[better])
-            step = -_solved(jacobian, value)
+            step = -_solve(jacobian, value)
             keep = (new > 1) & ~slow & np.all(np.isfinite(step), axis=1)
             if not keep.any():
                 break
             going, step = going[keep], step[keep]
             step /= np.max(np.abs(step) / self.longest, axis=1, initial=1.0)[:, None]
-            y[going] = self.moved(y[going], step)
+            y[going] = self.displaced(y[going], step)
             there = np.max(np.abs(step) * self.metres, axis=1, initial=0.0) < FAR
             going = going[there]
             if not going.size:
@@ -204,12 +204,12 @@ class ManyRoots:
             diagonal = np.arange(normal.shape[1])
             level = np.trace(normal, axis1=1, axis2=2) / max(normal.shape[1], 1)
             normal[:, diagonal, diagonal] += (
-                level * np.maximum(damping[going] * norm[going], LEAST_DAMPING)
+                level * np.maximum(damping[going] * norm[going], MIN_DAMPING)
             )[:, None]
-            force = _solved(normal, value[going])
+            force = _solve(normal, value[going])
             step = -np.einsum("kij,ki->kj", weighed, force) * self._reach
             step /= np.max(np.abs(step) / self.longest, axis=1, initial=1.0)[:, None]
-            there = self.moved(y[going], step)
+            there = self.displaced(y[going], step)
             v, z, j = self.evaluate(there)
             nearer = np.linalg.norm(v, axis=1) < norm[going]
             at = going[nearer]
@@ -221,12 +221,12 @@ class ManyRoots:
             )
             damping[going] *= np.where(nearer, 0.2, 4.0)
             near = ~nearer & (size[going] <= SLACK)
-            damping[going[near]] = np.inf  # round-off leaves no more
+            damping[going[near]] = np.inf  # limited by round-off
         return Ends(y, _largest(value / zero), _largest(value))
 
 
-def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """(k, n) solutions of (k, n, n) systems; NaN where one is singular or not finite."""
+def _solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """(k, n) solutions of (k, n, n) systems; NaN for singular ones."""
     try:
         return np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
     except np.linalg.LinAlgError:
@@ -240,5 +240,5 @@ def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 def _largest(value: np.ndarray) -> np.ndarray:
-    """(k,) largest magnitude; infinite where something is not a number."""
+    """(k,) largest magnitude; infinite if an entry is NaN."""
     return np.nan_to_num(np.max(np.abs(value), axis=1, initial=0.0), nan=np.inf)

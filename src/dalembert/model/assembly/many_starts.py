@@ -1,8 +1,8 @@
-"""Starts of one mechanism for many sets of parameters at once.
+"""Initial positions of a mechanism for many sets of parameters at once.
 
 The square system of the start is solved by Newton's method for all sets, with one compiled step,
-and followed from the nominal position in shorter ways where that fails: what ``continued`` and
-``newton.solve`` do for one.
+and by continuation from the nominal position if that fails, as ``continued`` and ``newton.solve``
+do for a single set.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from dalembert.model.assembly.assembly import ROUNDING
 from dalembert.model.assembly.closure import Closure
 from dalembert.model.assembly.continuation import FOLLOWED, SHORTEST
 from dalembert.symbolic.equations.factor import QrFactor
-from dalembert.symbolic.equations.newton import TINY
+from dalembert.symbolic.equations.newton import TINY, relative
 from dalembert.symbolic.once import once
 
 Evaluate = Callable[..., list[np.ndarray]]
-"""``(function, arguments …)`` with a row for each set → results likewise."""
+"""``(function, arguments …) → results``, with one row per set."""
 
 
 class ManyStarts:
-    """Assembled positions and speeds of one mechanism.
+    """Assembled positions of a mechanism.
 
     Parameters
     ----------
-    closure : Closure, of a start that is no singular position
-    evaluate : calls compiled functions
+    closure : Closure, with a regular start
+    evaluate : evaluates compiled functions
     """
 
     def __init__(self, closure: Closure, evaluate: Evaluate):
@@ -45,8 +45,9 @@ class ManyStarts:
 
         Returns
         -------
-        (sets, n) positions, or where the last one was found ; (sets,) the share of the way at which
-        none was found, 1 for all others ; (sets,) whether one was found
+        y : (sets, n) positions, or the last ones of Newton's method without convergence
+        reached : (sets,) share of the path at which it failed; 1 otherwise
+        found : (sets,) whether a position was found
         """
         count = len(p)
         first, anchor = self.closure.anchor
@@ -57,22 +58,22 @@ class ManyStarts:
         while (going := np.flatnonzero((reached < 1.0) & ~lost)).size:
             target = np.minimum(1.0, reached[going] + step[going])
             here = first + target[:, None] * (p[going] - first)
-            found, accepted = self._solved(target * time, y[going], here)
+            roots, accepted = self._solve(target * time, y[going], here)
             good, bad = going[accepted], going[~accepted]
-            y[good], reached[good] = found[accepted], target[accepted]
+            y[good], reached[good] = roots[accepted], target[accepted]
             step[good] *= 2
             step[bad] /= 2
             lost[bad] = step[bad] < shortest
-            y[bad[lost[bad]]] = found[~accepted][lost[bad]]
+            y[bad[lost[bad]]] = roots[~accepted][lost[bad]]
             reached[bad[lost[bad]]] = target[~accepted][lost[bad]]
         return y, reached, ~lost
 
     def gaps(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Number of the equation that is open furthest, by natural sizes, and its violation.
+        """Index of the most violated equation, by natural sizes, and its violation.
 
-        The number is −1 where there are none but initial conditions.
+        The index is −1 if there are only initial conditions.
         """
-        _, value, _ = self._looked(np.full(len(y), t), y, p)
+        _, value, _ = self._evaluate(np.full(len(y), t), y, p)
         rows = self.closure.pinned.rows
         joints = rows < len(self.closure.owners)
         if not joints.any():
@@ -82,15 +83,15 @@ class ManyStarts:
         worst = np.argmax(np.nan_to_num(open_by / scales, nan=np.inf), axis=1)
         return rows[joints][worst], open_by[np.arange(len(y)), worst]
 
-    def _looked(self, t: np.ndarray, y: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
-        """Where Newton's step leads, residuals, and which of them count as zero."""
+    def _evaluate(self, t: np.ndarray, y: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
+        """Position after Newton's step, residuals, and their thresholds."""
         return self.evaluate(start_step(self.closure), t[:, None], y, p)
 
-    def _solved(self, t: np.ndarray, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Roots near positions by full steps, and whether they count as such."""
+    def _solve(self, t: np.ndarray, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Roots near positions by full steps, and whether they are accepted."""
         s = FOLLOWED
         here, best = y.copy(), y.copy()
-        following, value, zero = self._looked(t, here, p)
+        following, value, zero = self._evaluate(t, here, p)
         size = _size(value, zero)
         least = size.copy()
         ended = ~np.isfinite(size) | (size <= 1)
@@ -98,22 +99,22 @@ class ManyStarts:
             if not (going := np.flatnonzero(~ended)).size:
                 break
             there = following[going]
-            then, left, nothing = self._looked(t[going], there, p[going])
-            new, old = _size(left, nothing), size[going]
-            nearer = _norm(left, zero[going]) < _norm(value[going], zero[going])
+            new_following, new_value, new_zero = self._evaluate(t[going], there, p[going])
+            new, old = _size(new_value, new_zero), size[going]
+            nearer = _norm(new_value, zero[going]) < _norm(value[going], zero[going])
             near = old <= s.slack
-            arrives = nearer | (~near & np.isfinite(new))
-            at = going[arrives]
-            here[at], size[at] = there[arrives], new[arrives]
-            following[at], value[at] = then[arrives], left[arrives]
-            zero[at] = nothing[arrives]
+            accepted = nearer | (~near & np.isfinite(new))
+            at = going[accepted]
+            here[at], size[at] = there[accepted], new[accepted]
+            following[at], value[at] = new_following[accepted], new_value[accepted]
+            zero[at] = new_zero[accepted]
             better = at[size[at] <= least[at]]
             best[better], least[better] = here[better], size[better]
             slow = nearer & near & (new > 1) & (new > old / 2)
             grown = ~nearer & (new > s.growth * least[going])
-            ended[going] = slow | ~arrives | grown | (new <= 1)
-        done = size <= 1
-        return np.where(done[:, None], here, best), done | (least <= s.slack)
+            ended[going] = slow | ~accepted | grown | (new <= 1)
+        converged = size <= 1
+        return np.where(converged[:, None], here, best), converged | (least <= s.slack)
 
 
 @once
@@ -131,12 +132,14 @@ def start_step(closure: Closure) -> ca.Function:
         e.by_displacement(recipe.pinned),
     )
     scales = closure.scales
-    held = scales.displacements[list(recipe.positions.indices)]
-    fixed = pinned.rows[pinned.rows < scales.rows.size]
-    asked = pinned.rows.size - fixed.size
-    natural = np.concatenate([scales.rows[fixed], np.full(asked, scales.length), held])
+    fixed_sizes = scales.displacements[list(recipe.positions.indices)]
+    constraint_rows = pinned.rows[pinned.rows < scales.rows.size]
+    condition_count = pinned.rows.size - constraint_rows.size
+    natural = np.concatenate(
+        [scales.rows[constraint_rows], np.full(condition_count, scales.length), fixed_sizes]
+    )
     size = ca.SX(natural)
-    for k in range(fixed.size, pinned.rows.size):  # what is asked for has the size of its terms
+    for k in range(constraint_rows.size, pinned.rows.size):  # conditions: the size of their terms
         along = ca.mtimes(ca.fabs(jacobian[k, :]), ca.SX(scales.displacements))
         size[k] = ca.if_else(along > 0, along, 1.0)
     far = ca.mtimes(ca.fabs(e.lift).T, ca.fabs(e.y))
@@ -151,12 +154,11 @@ def start_step(closure: Closure) -> ca.Function:
 
 
 def _size(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
-    """(sets,) the largest residual, relative to what counts as zero."""
+    """(sets,) largest residual, relative to its threshold."""
     with np.errstate(all="ignore"):
-        shares = np.where(value == 0, 0.0, np.abs(value) / zero)
-    return np.max(shares, axis=1, initial=0.0)
+        return np.max(relative(value, zero), axis=1, initial=0.0)
 
 
 def _norm(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
     with np.errstate(all="ignore"):
-        return np.linalg.norm(np.where(value == 0, 0.0, value / zero), axis=1)
+        return np.linalg.norm(relative(value, zero), axis=1)

@@ -1,9 +1,9 @@
-"""The recipe of a start: which equations, and which coordinates and speeds held at their guesses.
+"""Recipe of the initial state: independent equations, and coordinates and speeds at their guesses.
 
-In the order of declaration (turns before positions), as many given coordinates as the constraints
-leave independent are *held* at exactly their given values, so that a crank starts at the angle its
-user wrote; the rest follows. This choice is made once; with it the assembled state is the root of
-a square system and so a differentiable function of the parameters.
+In the order of declaration (rotations before positions), as many guessed coordinates as the
+constraints leave independent are *fixed* at exactly their guesses, so that a crank starts at the
+angle its user wrote; the rest follows. This choice is made once; with it the assembled state is
+the root of a square system and so a differentiable function of the parameters.
 """
 
 from __future__ import annotations
@@ -27,18 +27,17 @@ from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
 from dalembert.symbolic.formulas.expression import stack
 
 INCONSISTENT = 1e-6
-"""Change of a given speed, relative to it and to its scale, that is told."""
+"""Threshold for inconsistent speeds: change relative to the guess plus its scale."""
 
 
 @dataclass(frozen=True)
-class HeldPlaces:
-    """Displacements that are held at nothing: from the guess where one is given, else from where
-    the mechanism was assembled.
+class FixedPositions:
+    """Displacements fixed at zero, from the guess or else from the assembled position.
 
     Attributes
     ----------
     indices : of the displacements
-    given : of each, whether it is counted from the guess
+    given : for each, whether it is measured from the guess
     anchor : the assembled position
     """
 
@@ -47,7 +46,7 @@ class HeldPlaces:
     anchor: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def away(self, e: Equations, guess: ca.SX) -> ca.SX:
-        """How far a position is from where it is held, (k,) SX of y and p."""
+        """Displacements from the fixed position, (k,) SX of y and p."""
         if not self.indices:
             return ca.SX(0, 1)
         from_guess = e.manifold.displacement(guess, e.y)
@@ -57,36 +56,36 @@ class HeldPlaces:
 
 
 @dataclass(frozen=True)
-class HeldSpeeds:
-    """Speeds held: at their guess where the constant is None, else at it."""
+class FixedSpeeds:
+    """Speeds fixed at a constant, or at their guess if the constant is None."""
 
     indices: tuple[int, ...] = ()
     constants: tuple[float | None, ...] = ()
 
     @classmethod
-    def of(cls, indices: list[int], given: list, values: np.ndarray) -> HeldSpeeds:
-        """Held at the guess where one is given, else at the value."""
+    def of(cls, indices: list[int], given: list, values: np.ndarray) -> FixedSpeeds:
+        """Speeds fixed at their guess if there is one, else at the value."""
         return cls(
             tuple(indices),
             tuple(None if given[k] is not None else float(values[k]) for k in indices),
         )
 
     def formulas(self, guess: list) -> list[ca.SX]:
-        """What they are held at, by the guesses of all speeds."""
+        """Values at which they are fixed, from the guesses of all speeds."""
         pairs = zip(self.indices, self.constants, strict=True)
         return [guess[k] if c is None else ca.SX(c) for k, c in pairs]
 
 
 @dataclass(frozen=True, eq=False)
 class Recipe:
-    """What determines the start of a mechanism.
+    """Equations and fixed values that determine the initial state of a mechanism.
 
     Attributes
     ----------
     rows : independent constraint equations
     position_conditions, speed_conditions : prescribed measures, (expression − value)
-    positions, speeds : what is held
-    projected : the given speeds were inconsistent and are projected onto the constraints
+    positions, speeds : fixed values
+    projected : whether inconsistent guesses of speeds are projected onto the constraints
     """
 
     equations: Equations
@@ -95,13 +94,13 @@ class Recipe:
     rows: list[int]
     position_conditions: ca.SX
     speed_conditions: ca.SX
-    positions: HeldPlaces = field(default_factory=HeldPlaces)
-    speeds: HeldSpeeds = field(default_factory=HeldSpeeds)
+    positions: FixedPositions = field(default_factory=FixedPositions)
+    speeds: FixedSpeeds = field(default_factory=FixedSpeeds)
     projected: bool = False
 
     @property
     def position_rows(self) -> list[int]:
-        """Those of the rows that are equations of positions."""
+        """Rows of holonomic equations."""
         slips = set(self.equations.slips)
         return [k for k in self.rows if k not in slips]
 
@@ -112,23 +111,23 @@ class Recipe:
 
     @cached_property
     def pinned(self) -> ca.SX:
-        """What is held of the position, to be zero."""
+        """Displacements of fixed coordinates, zero at the start."""
         return self.positions.away(self.equations, self.guesses.place)
 
     @property
     def position_equations(self) -> tuple[ca.SX, np.ndarray]:
-        """What is zero at the assembled position, with its natural sizes."""
+        """Residual of the assembled position, with its natural sizes."""
         e, s, rows = self.equations, self.scales, self.position_rows
         residual = ca.vertcat(e.constraints[rows, :], self.position_conditions, self.pinned)
-        asked = np.full(self.position_conditions.numel(), s.length)
-        held = s.displacements[list(self.positions.indices)]
-        return residual, np.concatenate([s.rows[rows], asked, held])
+        condition_sizes = np.full(self.position_conditions.numel(), s.length)
+        fixed_sizes = s.displacements[list(self.positions.indices)]
+        return residual, np.concatenate([s.rows[rows], condition_sizes, fixed_sizes])
 
     @cached_property
     def initial_state(self) -> ImplicitFunction:
         """``(t, y_start, p) → (y0, v0)`` with derivatives by ``p``.
 
-        ``y_start`` is the assembled position itself; it only tells where to differentiate.
+        ``y_start`` is the assembled position itself; it only selects the point of differentiation.
         """
         e = self.equations
         start = ca.SX.sym("y_start", e.coordinate_count)
@@ -148,31 +147,31 @@ class Recipe:
         )
 
     def _speed_equations(self) -> tuple[ca.SX, ca.SX]:
-        """Unknowns and equations, linear in them, of the speeds at the start."""
+        """Unknowns, and equations linear in them, of the initial speeds."""
         e, demanded = self.equations, self.demanded_speeds
-        goal = self.speeds.formulas(self.guesses.twist)
+        targets = self.speeds.formulas(self.guesses.twist)
         if not self.projected:
-            held = zip(self.speeds.indices, goal, strict=True)
-            return e.v, ca.vertcat(demanded, stack(e.v[k] - target for k, target in held))
+            fixed = zip(self.speeds.indices, targets, strict=True)
+            return e.v, ca.vertcat(demanded, stack(e.v[k] - target for k, target in fixed))
         c = ca.jacobian(demanded, e.v)
         sigma = ca.SX.sym("sigma", demanded.numel())
-        balance = ca.mtimes(e.metric, e.v - stack(goal)) + ca.mtimes(c.T, sigma)
+        balance = ca.mtimes(e.metric, e.v - stack(targets)) + ca.mtimes(c.T, sigma)
         return ca.vertcat(e.v, sigma), ca.vertcat(balance, demanded)
 
     def _speed_sizes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Natural sizes of the same equations and unknowns."""
+        """Natural sizes of the equations and unknowns of the initial speeds."""
         s = self.scales
-        asked = np.full(self.speed_conditions.numel(), s.length / s.time)
-        demanded = np.concatenate([s.rows[self.rows] / s.time, asked])
+        condition_sizes = np.full(self.speed_conditions.numel(), s.length / s.time)
+        demanded = np.concatenate([s.rows[self.rows] / s.time, condition_sizes])
         if not self.projected:
             return np.concatenate([demanded, s.speeds[list(self.speeds.indices)]]), s.speeds
         impulses = np.concatenate([s.speeds, s.energy * s.time / (demanded * s.time)])
         return np.concatenate([s.efforts * s.time, demanded]), impulses
 
     def speeds_at(self, t: float, y: np.ndarray, p: np.ndarray) -> np.ndarray:
-        """(n,) speeds at the start, by sparse factors."""
+        """(n,) initial speeds, by sparse factors."""
         pattern, function = self._linear_speeds
-        entries, right = (found.full().ravel() for found in function(t, y, p))
+        entries, right = (output.full().ravel() for output in function(t, y, p))
         n, scales = self.equations.speed_count, self.scales
         columns = np.full(right.size, scales.energy * scales.time)  # of σ, with natural equations
         columns[:n] = scales.speeds
@@ -184,7 +183,7 @@ class Recipe:
 
     @cached_property
     def _linear_speeds(self) -> tuple[Pattern, ca.Function]:
-        """``(t, y, p)`` → entries of the matrix and right-hand side of the speeds at the start."""
+        """``(t, y, p)`` → entries of the matrix and right-hand side of the initial speeds."""
         e = self.equations
         unknown, equations = self._speed_equations()
         at_zero = ca.substitute(equations, unknown, ca.SX.zeros(unknown.numel()))
@@ -201,12 +200,12 @@ class Recipe:
         e = self.equations
         jacobian = ca.jacobian(self.demanded_speeds, e.v)
         function = ca.Function("speed_jacobian", [e.t, e.y, e.v, e.p], [jacobian])
-        found = function(t, y, np.zeros(e.speed_count), p).sparse()
-        return scipy.sparse.csr_array(found) @ scipy.sparse.diags_array(self.scales.speeds)
+        matrix = function(t, y, np.zeros(e.speed_count), p).sparse()
+        return scipy.sparse.csr_array(matrix) @ scipy.sparse.diags_array(self.scales.speeds)
 
 
 class Pattern:
-    """Where the entries of a square matrix stand, given in any order.
+    """Sparsity pattern of a square matrix with entries in any order.
 
     Parameters
     ----------
@@ -236,11 +235,11 @@ class Square(newton.Residual):
 
 
 class Pinned(newton.Equations[np.ndarray]):
-    """The square system of an assembled position: independent equations, and what is held.
+    """Square system of an assembled position: independent equations and fixed coordinates.
 
     Parameters
     ----------
-    assembler, recipe : what is solved
+    assembler, recipe : Assembler, Recipe
     """
 
     longest: np.ndarray
@@ -253,47 +252,43 @@ class Pinned(newton.Equations[np.ndarray]):
         e, pinned = recipe.equations, recipe.pinned
         by_row = e.by_displacement(pinned).T
         entries = stack([ca.vec(by_row.nz[:])])
-        self.held = len(recipe.positions.indices)
-        self.held_columns, ends = np.array(by_row.row(), dtype=int), np.array(by_row.colind())
-        self.held_rows = np.repeat(np.arange(self.held), np.diff(ends))
+        self.fixed_count = len(recipe.positions.indices)
+        self.fixed_columns, ends = np.array(by_row.row(), dtype=int), np.array(by_row.colind())
+        self.fixed_rows = np.repeat(np.arange(self.fixed_count), np.diff(ends))
         far = ca.mtimes(ca.fabs(e.lift).T, ca.fabs(e.y))
         far = ca.mtimes(ca.fabs(e.by_displacement(pinned)), far)
-        self.held_at = ca.Function("held", [e.y, e.p], [pinned, entries, ca.densify(far)])
+        self.fixed_at = ca.Function("fixed", [e.y, e.p], [pinned, entries, ca.densify(far)])
         beyond = range(assembler.equation_count, assembler.row_count)
         self.rows = np.array([*recipe.position_rows, *beyond], dtype=int)
         place = np.full(assembler.row_count, -1)
         place[self.rows] = np.arange(self.rows.size)
-        self._kept = np.flatnonzero(place[assembler.entry_rows] >= 0)
+        self._selected = np.flatnonzero(place[assembler.entry_rows] >= 0)
+        selected_rows = place[assembler.entry_rows[self._selected]]
         self._pattern = Pattern(
-            np.concatenate(
-                [
-                    place[assembler.entry_rows[self._kept]],
-                    self.rows.size + self.held_rows,
-                ]
-            ),
-            np.concatenate([assembler.entry_columns[self._kept], self.held_columns]),
+            np.concatenate([selected_rows, self.rows.size + self.fixed_rows]),
+            np.concatenate([assembler.entry_columns[self._selected], self.fixed_columns]),
             assembler.longest.size,
         )
         self.sizes = assembler.scales.displacements[list(recipe.positions.indices)]
 
     def at(self, t: float, p: np.ndarray) -> Pinned:
-        """The same at an instant, for parameter values."""
-        made = copy(self)
-        made.t, made.p = t, p
-        return made
+        """The system at an instant, for parameter values."""
+        system = copy(self)
+        system.t, system.p = t, p
+        return system
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
-        return self.assembler.moved(x, step)
+        return self.assembler.displaced(x, step)
 
     def residual(self, x: np.ndarray) -> Square:
         value, scale, rounding, entries = self.assembler.violations(self.t, x, self.p)
-        away, held, far = (found.full().ravel() for found in self.held_at(x, self.p))
+        away, fixed_entries, far = (output.full().ravel() for output in self.fixed_at(x, self.p))
         rows = self.rows
         return Square(
             np.concatenate([value[rows], away]),
             np.concatenate([scale[rows], self.sizes]),
             np.concatenate([rounding[rows], ROUNDING * far]),
-            entries=np.concatenate([entries[self._kept], held]),
+            entries=np.concatenate([entries[self._selected], fixed_entries]),
         )
 
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:

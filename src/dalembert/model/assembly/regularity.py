@@ -1,4 +1,4 @@
-"""What makes an assembled position useless as a start, and says so."""
+"""Checks of a position: over-driving, redundancy, singularity, defined values, ranges of tables."""
 
 from __future__ import annotations
 
@@ -11,32 +11,33 @@ from dalembert.elements.driver import Driver
 from dalembert.errors import ModelError
 from dalembert.model.absolute import at_ground
 from dalembert.model.assembly.assembly import Assembler
+from dalembert.model.assembly.guesses import AssembledState
 from dalembert.model.assembly.independence import Echelon, columns_of, independent_rows
+from dalembert.model.assembly.recipe import INCONSISTENT
 from dalembert.model.description import Description
 from dalembert.model.equations import Equations
-from dalembert.model.table_ranges import left_table
 from dalembert.symbolic.formulas.expression import free_symbols, stack, t
 
 Owners = list[tuple[Constraint, int]]
-"""Constraint and component behind each row."""
+"""Constraint and component of each row."""
 NEARBY = (1e-2, 1e-3)
-"""Largest changes, in natural units, by which a motion leaves a singular position."""
+"""Displacements away from a singular position, in natural units."""
 CLEARLY_INDEPENDENT = 1e-7
 SHARED = 1e-9
-"""Share of an equation in another, from which on it is told."""
+"""Threshold for a dependence between equations of unit length."""
 
 
-def refuse_over_driving(owners: Owners, rows: list[int]) -> None:
-    """Every driver must be among the independent rows.
+def check_over_driving(owners: Owners, rows: list[int]) -> None:
+    """Check that every driver is among the independent rows.
 
     Raises
     ------
     ModelError
         Names a driver that is not.
     """
-    kept = set(rows)
+    independent = set(rows)
     for k, (constraint, _) in enumerate(owners):
-        if isinstance(constraint, Driver) and k not in kept:
+        if isinstance(constraint, Driver) and k not in independent:
             raise ModelError(
                 "drives a coordinate that the joints and other drivers already determine "
                 "(over-driven mechanism); remove this driver or another one",
@@ -44,21 +45,40 @@ def refuse_over_driving(owners: Owners, rows: list[int]) -> None:
             )
 
 
-def refuse_contradiction(owners: Owners, independence: Echelon, row: int, open_by: float) -> None:
-    """A row that depends on others prescribes another speed than they do.
+def shared_constraints(owners: Owners, independence: Echelon, row: int) -> tuple[str, ...]:
+    """Names of the other constraints whose equations a redundant row depends on."""
+    weights, constraint = independence.kernel({row: -1.0}), owners[row][0]
+    shared = (owners[k][0] for k in independence.pivots if abs(weights[k]) > SHARED)
+    return tuple(dict.fromkeys(c.name for c in shared if c is not constraint))
+
+
+def check_contradiction(
+    e: Equations,
+    owners: Owners,
+    independence: Echelon,
+    rows: list[int],
+    start: AssembledState,
+    p: np.ndarray,
+) -> None:
+    """Check that the speeds of redundant rows agree with the rows they depend on.
 
     Raises
     ------
     ModelError
-        Always; names its constraint and those it contradicts.
+        Names a contradictory constraint and the constraints it depends on.
     """
-    weights, (constraint, component) = independence.kernel({row: -1.0}), owners[row]
-    others = (owners[k][0] for k in independence.pivots if abs(weights[k]) > SHARED)
-    names = dict.fromkeys(other.name for other in others if other is not constraint)
+    psi = ca.Function("speeds", [e.t, e.y, e.v, e.p], [e.velocity_constraints[rows]])
+    open_by = np.abs(psi(0.0, start.y, start.v, p).full().ravel())
+    shares = open_by * e.scales.time / e.scales.rows[rows]
+    worst = int(np.argmax(shares))
+    if shares[worst] <= INCONSISTENT:
+        return
+    constraint, component = owners[rows[worst]]
+    names = ", ".join(shared_constraints(owners, independence, rows[worst]))
     raise ModelError(
-        f"prescribes another speed than {', '.join(names)}, which determine the same coordinate "
-        f"(by {open_by:.3g} {constraint.units()[component]}/s at the start): over-driven "
-        "mechanism; remove one of them, or let them move alike",
+        f"prescribes another speed than {names}, which determine the same coordinate "
+        f"(by {open_by[worst]:.3g} {constraint.units()[component]}/s at the start): over-driven "
+        "mechanism; remove one of them, or make their speeds equal",
         constraint.name,
     )
 
@@ -66,9 +86,9 @@ def refuse_contradiction(owners: Owners, independence: Echelon, row: int, open_b
 def generic_rows(
     assembler: Assembler, owners: Owners, rows: list[int], y: np.ndarray, p: np.ndarray
 ) -> list[int]:
-    """Rows that are independent nearly everywhere, of which some may not be so at a position.
+    """Rows that are independent almost everywhere, though some may not be so at a position.
 
-    Tells redundancy, which stays, from a singular position, which a small motion leaves.
+    Distinguishes redundancy from a singular position, which a small motion leaves.
 
     Parameters
     ----------
@@ -80,10 +100,10 @@ def generic_rows(
     rng = np.random.default_rng(1)
     for size in NEARBY if motions.free else ():
         motion = size * assembler.scales.displacements * motions.any_kernel(rng)
-        found = assembler.close(0.0, assembler.moved(y, motion), p, joints)
-        if not found.accepted:
+        solution = assembler.close(0.0, assembler.displaced(y, motion), p, joints)
+        if not solution.accepted:
             continue
-        jacobian = assembler.scaled_jacobian(0.0, found.x, p)[: len(owners)]
+        jacobian = assembler.scaled_jacobian(0.0, solution.x, p)[: len(owners)]
         generic = independent_rows(jacobian, CLEARLY_INDEPENDENT)
         if len(generic) > len(rows):
             return generic
@@ -91,7 +111,7 @@ def generic_rows(
 
 
 class Definedness:
-    """Whether every element has a value and a direction at a position.
+    """Check that every element has finite values and directions at a position.
 
     Parameters
     ----------
@@ -103,13 +123,13 @@ class Definedness:
     def __init__(self, d: Description, equations: Equations, y: np.ndarray, p: np.ndarray):
         self.d, self.e, self.y, self.p = d, equations, y, p
 
-    def refuse_undefined(self) -> None:
-        """Every element must be defined.
+    def check(self) -> None:
+        """Check all elements.
 
         Raises
         ------
         ModelError
-            Names one that is not.
+            Names an element with undefined values.
         """
         if self._is_finite(stack([ca.vec(self.e.jacobian.nz[:]), self.e.force])):
             return
@@ -120,12 +140,13 @@ class Definedness:
                     raise ModelError(f"at the start {left}", element.name)
                 raise ModelError(
                     "has no defined direction or value at the assembled position (two points that "
-                    "coincide, a root or a division by zero?); move its points or mend its formula",
+                    "coincide, a root or a division by zero?); move its points or correct its "
+                    "formula",
                     element.name,
                 )
 
     def _definition(self, element: Element) -> ca.SX:
-        """Directions and values an element is made of."""
+        """Directions and values of an element."""
 
         def fixed(expression: ca.SX) -> ca.SX:
             return at_ground(self.d.ground, expression)
@@ -143,7 +164,55 @@ class Definedness:
     def _is_finite(self, column: ca.SX) -> bool:
         inputs = [self.e.t, self.e.y, self.e.v, self.e.p]
         if free_symbols(column) - free_symbols(ca.vertcat(*inputs)):
-            return True  # accelerations or multipliers: nothing can be said before a run
+            return True  # depends on accelerations or multipliers, unknown before a run
         at_rest = np.zeros(self.e.speed_count)
         values = ca.Function("defined", inputs, [column])(0.0, self.y, at_rest, self.p)
         return bool(np.all(np.isfinite(values.full())))
+
+
+AHEAD = 3.0
+"""Extrapolation of a motion, in lengths of the last step."""
+
+
+def left_table(
+    d: Description, e: Equations, states: list[tuple[float, np.ndarray, np.ndarray]], p: np.ndarray
+) -> str:
+    """Message about a table that ends at the last state or just ahead of it; else empty.
+
+    Parameters
+    ----------
+    d : with its tables
+    e : equations of all bodies
+    states : (time, coordinates, speeds), one or several; all are finite
+    """
+    for name, table in d.tables.items():
+        for use in table.uses:
+            function = ca.Function("use", [e.t, e.y, e.v, e.p], [use], {"allow_free": True})
+            if function.has_free():  # a law or curve evaluates it at its own variable
+                continue
+            values = [float(function(*state, p)) for state in states]
+            change = values[-1] - values[-2] if len(values) > 1 else 0.0
+            for value in (values[-1], values[-1] + AHEAD * change):
+                if table.is_left_at(value):
+                    first, last = table.range
+                    return (
+                        f"the table {name!r} goes from {first:g} to {last:g} and is evaluated at "
+                        f"{values[-1]:.6g} and beyond; give it more rows, or outside = "
+                        "'extrapolate' or 'clamp'"
+                    )
+    return ""
+
+
+def left_ahead(
+    d: Description,
+    e: Equations,
+    now: float,
+    state: tuple[np.ndarray, np.ndarray],
+    back: float,
+    p: np.ndarray,
+) -> str:
+    """Message about a table that ends where a motion does, extrapolated over the time ``back``."""
+    y, v = state
+    earlier = (now - back, e.manifold.go(y, -back * v), v)
+    left = left_table(d, e, [earlier, (now, y, v)], p)
+    return f"after t = {now:.9g} s {left}" if left else ""

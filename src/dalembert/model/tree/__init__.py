@@ -1,1 +1,1 @@
-"""Joint coordinates: the tree of bodies that joints carry."""
+"""Joint coordinates: kinematic tree of bodies and joints."""

@@ -1,4 +1,4 @@
-"""The choice of joint coordinates (6.2), (6.21)."""
+"""Joint coordinates as a choice of coordinates (6.2), (6.21)."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ class JointCoordinates(Coordinates):
 
     Parameters
     ----------
-    cut : names of joints that must not be in the tree; which others close loops is found
+    cut : names of joints to leave out of the tree; other loop joints are chosen automatically
     angles : of planar bodies, ``"relative"`` to the carrying body or ``"absolute"`` (Fig. 6.1)
-    reactions : of the tree's joints, ``"augmented"`` by (7.13), where no matrix is inverted, or
+    reactions : of the tree's joints, ``"augmented"`` by (7.13), without a matrix inversion, or
         ``"projected"`` by (6.3), (6.23)
 
     Raises
     ------
     UnsupportedError
-        Another word for ``angles`` or ``reactions``.
+        An unknown value of ``angles`` or ``reactions``.
 
     Examples
     --------
@@ -47,25 +47,25 @@ class JointCoordinates(Coordinates):
     def __post_init__(self) -> None:
         names = (self.cut,) if isinstance(self.cut, str) else tuple(self.cut)
         object.__setattr__(self, "cut", names)
-        for field, known in CHOICES.items():
-            given = getattr(self, field)
-            if given not in known:
+        for field, choices in CHOICES.items():
+            value = getattr(self, field)
+            if value not in choices:
                 raise UnsupportedError(
-                    f"JointCoordinates({field}={given!r}): choose {' or '.join(map(repr, known))}"
+                    f"JointCoordinates({field}={value!r}): choose {' or '.join(map(repr, choices))}"
                 )
 
     def view(self, model: Model, every_equation: bool = False) -> JointView:
-        spread = [e.name for e in model.parts.elements.values() if e.own_mass]
-        if spread:
+        massive = [e.name for e in model.parts.elements.values() if e.own_mass]
+        if massive:
             raise UnsupportedError(
-                f"{', '.join(spread)}: mass between bodies has no tree of joints; use "
+                f"{', '.join(massive)}: mass between bodies has no tree of joints; use "
                 "coordinates=AbsoluteCoordinates()"
             )
         for group in model.coordinates:
             if group.pose.numel() and not group.twist.numel():
                 raise UnsupportedError(
                     f"{group.name} has a rate of its own and no speed, which joint coordinates do "
-                    "not know; use AbsoluteCoordinates()"
+                    "not support; use AbsoluteCoordinates()"
                 )
         absolute = self.angles == "absolute"
         return JointView(model, self.cut, absolute, self.reactions, every_equation)

@@ -1,6 +1,7 @@
-"""Joint coordinates (6.2), (6.21), with the reactions of joints by (7.13).
+"""Equations of motion in joint coordinates (6.2), (6.21), and joint reactions by (7.13).
 
-The joints of a spanning tree hold exactly, by ``y = g(q)``; the other constraints close the loops:
+The joints of a spanning tree are satisfied exactly, by ``y = g(q)``; the other constraints close
+the loops:
 
     DᵀMD q̈ + Dᵀ(Mγ + d) = Dᵀf − (C_II D)ᵀ λ_II,      Φ_II(g(q), t) = 0
 """
@@ -16,10 +17,10 @@ import numpy as np
 from dalembert.model.assembly.independence import independent_rows
 from dalembert.model.coordinates import CoordinateView
 from dalembert.model.equations import Equations
+from dalembert.model.inertia import TreeInertia
 from dalembert.model.manifold import Manifold
 from dalembert.model.model import Model
 from dalembert.model.rigid_gaps import RigidGap
-from dalembert.model.tree.inertia import TreeInertia
 from dalembert.model.tree.kinematic_tree import between_neighbours, links_of
 from dalembert.model.tree.link import Link
 from dalembert.model.tree.motion import TreeMotion
@@ -28,9 +29,9 @@ from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import stack
 
 ROUNDING = 1e-10
-"""Natural size of a row of C below which it is nothing but rounding."""
-ELSEWHERE = (0.0, 0.31, -0.17)
-"""Where else joints may stand, in radians, for what is so everywhere."""
+"""Threshold for zero rows of C, in natural sizes."""
+SAMPLES = (0.0, 0.31, -0.17)
+"""Joint displacements at which identities are tested [rad]."""
 
 
 class JointView(CoordinateView):
@@ -38,9 +39,9 @@ class JointView(CoordinateView):
 
     Attributes
     ----------
-    motion : TreeMotion, how the bodies move with q
+    motion : TreeMotion, motion of the bodies as a function of q
     manifold : of q
-    tree_rows, loop_rows : rows of ``Φ`` that the tree satisfies (in its order), and the others
+    tree_rows, loop_rows : rows of ``Φ`` satisfied by the tree (in its order), and the others
     """
 
     def __init__(
@@ -67,32 +68,32 @@ class JointView(CoordinateView):
         self.tree_rows = [
             first[joint.name] + k for joint in carrying for k in range(joint.equations.numel())
         ]
-        carried = set(self.tree_rows)
-        self.loop_rows = [k for k in range(self.bodies.constraint_count) if k not in carried]
+        of_tree = set(self.tree_rows)
+        self.loop_rows = [k for k in range(self.bodies.constraint_count) if k not in of_tree]
         e = self._equations()
-        self.whole = e = e.with_rows(self._not_satisfied_by_the_tree(e))
+        self.whole = e = e.with_rows(self._loop_equations(e))
         self.rows = tuple(range(e.constraint_count) if every_equation else self._independent(e))
 
     def _as_at_start(self, links: list[Link]) -> list[Link]:
-        """On the branches of their joints on which the assembled start is."""
-        standing = self.model.at_ground(ca.horzcat(*(link.standing for link in links)))
-        found = ca.Function("standing", [self.bodies.t, self.bodies.y, self.bodies.p], [standing])
-        at_start = found(0.0, self.model.start.y, self.model.nominal).full()
+        """Links on the branches of their joints at the assembled start."""
+        offsets = self.model.at_ground(ca.horzcat(*(link.branch_offset for link in links)))
+        function = ca.Function("offsets", [self.bodies.t, self.bodies.y, self.bodies.p], [offsets])
+        at_start = function(0.0, self.model.start.y, self.model.nominal).full()
         return [link.on_branch(at_start[:, k]) for k, link in enumerate(links)]
 
     @cached_property
     def _exchange(self) -> tuple[ca.SX, ca.SX]:
-        """``y, v, v̇`` of the bodies, as symbols and by ``q, u, u̇``."""
+        """``y, v, v̇`` of the bodies: symbols, and expressions of ``q, u, u̇``."""
         e, m = self.bodies, self.motion
         return ca.vertcat(e.y, e.v, e.a), ca.vertcat(m.pose, m.speed, m.acceleration)
 
     def moved(self, expressions: list[ca.SX]) -> list[ca.SX]:
         """Expressions of ``y, v, v̇`` of the bodies in ``q, u, u̇``."""
-        symbols, known = self._exchange
-        return ca.substitute(expressions, [symbols], [known])
+        symbols, values = self._exchange
+        return ca.substitute(expressions, [symbols], [values])
 
     def _equations(self) -> Equations:
-        """With all loop equations."""
+        """Equations with all loop equations."""
         e, m = self.bodies, self.motion
         loops = [x[self.loop_rows, :] for x in (e.constraints, e.nonholonomic)]
         bias, force, potential, powers, mass, *loops = self.moved(
@@ -100,7 +101,7 @@ class JointView(CoordinateView):
         )
         inertia = TreeInertia(m.basis, [mass[b.rows, b.rows] for b in m.basis.branches])
         sizes = self._sizes()
-        made = Equations(
+        equations = Equations(
             t=e.t,
             y=m.q,
             v=m.u,
@@ -123,7 +124,7 @@ class JointView(CoordinateView):
             manifold=self.manifold,
             contacts=tuple(self._moved_gap(gap) for gap in e.contacts),
         )
-        return replace(made, massless=self._massless(inertia)) if e.massless else made
+        return replace(equations, massless=self._massless(inertia)) if e.massless else equations
 
     def _moved_gap(self, gap: RigidGap) -> RigidGap:
         distance, slip, friction = self.moved([gap.distance, gap.slip, gap.impact.friction])
@@ -131,7 +132,7 @@ class JointView(CoordinateView):
         return replace(gap, distance=distance, slip=slip, impact=law)
 
     def _shortened(self, constraints: ca.SX) -> ca.SX:
-        """Loop equations, those between a body and its carrier by their joint alone."""
+        """Loop equations; those between a body and its carrier in coordinates of their joint."""
         constraints = ca.densify(constraints)
         for row, equation in enumerate(self.loop_rows):
             owner, component = self.model.closure.owners[equation]
@@ -148,47 +149,47 @@ class JointView(CoordinateView):
         return ImplicitFunction("reduce", [e.t, e.y, e.v, e.p], [], [q, u])
 
     def _sizes(self) -> np.ndarray:
-        """Natural sizes of the joint speeds: how fast those of the bodies make them."""
+        """Natural sizes of the joint speeds, from those of the bodies."""
         e, start = self.bodies, self.model.start
         reach = ca.Function("reach", [e.t, e.y, e.p], [ca.jacobian(self.reduce.outputs[1], e.v)])
         by_body = reach(0.0, start.y, self.model.nominal).full()
         return np.abs(by_body * e.scales.displacements).max(axis=1, initial=0.0)
 
     def _reach(self, sizes: np.ndarray) -> np.ndarray:
-        """Natural sizes of the joint coordinates, by those of their displacements."""
-        found: list[float] = []
+        """Natural sizes of the joint coordinates, from those of their displacements."""
+        reach: list[float] = []
         for link, columns in zip(self.links, self.motion.columns, strict=True):
             space, own = link.space, sizes[columns]
             lengths = [unit == "m" for unit in space.speed_units]
             metres = own[lengths].max(initial=0.0)
             by_unit = [metres if unit == "m" else 1.0 for unit in space.coordinate_units]
-            found += list(own) if space.flat else by_unit
-        return np.array(found)
+            reach += list(own) if space.flat else by_unit
+        return np.array(reach)
 
-    def _at_start(self, expression: ca.SX, moved: np.ndarray | None = None) -> np.ndarray:
-        """An expression of t, q and p at the assembled start, or some way off."""
+    def _at_start(self, expression: ca.SX, displacement: np.ndarray | None = None) -> np.ndarray:
+        """Value of an expression of t, q and p at the assembled start, or displaced from it."""
         start, p = self.model.start, self.model.nominal
         q = self.reduce.function(0.0, start.y, start.v, p)[0].full().ravel()
-        if moved is not None:
-            q = self.manifold.go(q, moved)
+        if displacement is not None:
+            q = self.manifold.go(q, displacement)
         function = ca.Function("start", [self.bodies.t, self.motion.q, self.bodies.p], [expression])
         return function(0.0, q, p).full()
 
-    def _not_satisfied_by_the_tree(self, e: Equations) -> list[int]:
-        """Loop equations but those that hold wherever the tree stands, such as of a doubled pin.
+    def _loop_equations(self, e: Equations) -> list[int]:
+        """Loop equations, without those that every position satisfies, such as of a doubled pin.
 
-        Their rows of C are nothing but rounding, in which every weight of equations is lost.
+        Rows of C of the latter are rounding only, which would spoil the weights of equations.
         """
         if not self.loop_rows:
             return []
         sizes, count = e.scales.displacements, np.arange(1, e.speed_count + 1)
-        found = [self._at_start(e.jacobian, way * sizes * np.cos(count)) for way in ELSEWHERE]
-        natural = [c * sizes / e.scales.rows[:, None] for c in found]
+        jacobians = [self._at_start(e.jacobian, d * sizes * np.cos(count)) for d in SAMPLES]
+        natural = [c * sizes / e.scales.rows[:, None] for c in jacobians]
         largest = np.max([np.linalg.norm(c, axis=1) for c in natural], axis=0)
         return [int(k) for k in np.flatnonzero(~(largest < ROUNDING))]
 
     def _independent(self, e: Equations) -> list[int]:
-        """Loop equations that do not follow from the ones before them."""
+        """Loop equations that do not depend linearly on the ones before them."""
         if not e.constraint_count:
             return []
         return independent_rows(self._at_start(e.jacobian) / e.scales.rows[:, None])
@@ -199,29 +200,30 @@ class JointView(CoordinateView):
         size = np.sqrt(np.diag(mass))
         unit = np.where(size > 0, size, 1.0)
         values, vectors = np.linalg.eigh(mass / np.outer(unit, unit))
-        lost = np.abs(vectors[:, values < 1e-12]).max(axis=1, initial=0.0)
-        return tuple(int(k) for k in np.flatnonzero(lost > 1e-6))
+        part = np.abs(vectors[:, values < 1e-12]).max(axis=1, initial=0.0)
+        return tuple(int(k) for k in np.flatnonzero(part > 1e-6))
 
-    # what the bodies do and joints transmit ---------------------------------------------------
+    # motion of the bodies and reactions of joints -----------------------------------------------
     def lift(self, expression: ca.SX) -> ca.SX:
-        symbols, known = self._exchange
+        symbols, values = self._exchange
         tree = self.bodies.multiplier[self.tree_rows, :]
         if tree.numel() and ca.depends_on(expression, tree):
-            symbols, known = ca.vertcat(symbols, tree), ca.vertcat(known, self.tree_reactions)
-        return ca.substitute(expression, symbols, known)
+            symbols, values = ca.vertcat(symbols, tree), ca.vertcat(values, self.tree_reactions)
+        return ca.substitute(expression, symbols, values)
 
     @cached_property
     def tree_reactions(self) -> ca.SX:
-        """``λ_I`` of the joints in the tree, of ``q, u, u̇`` and ``λ_II``."""
+        """``λ_I`` of the joints in the tree, as expressions of ``q, u, u̇`` and ``λ_II``."""
         e, m = self.bodies, self.motion
-        pull = ca.SX.zeros(e.speed_count)
+        loop_forces = ca.SX.zeros(e.speed_count)
         if self.loop_rows:  # C_IIᵀ λ_II
-            pull = ca.mtimes(e.jacobian[self.loop_rows, :].T, e.multiplier[self.loop_rows, :])
-        push = e.force + e.contact_push
-        transmitted = self.moved([push - e.bias - pull - ca.mtimes(e.mass, e.a)])[0]
+            columns = e.jacobian[self.loop_rows, :].T
+            loop_forces = ca.mtimes(columns, e.multiplier[self.loop_rows, :])
+        applied = e.force + e.contact_push
+        transmitted = self.moved([applied - e.bias - loop_forces - ca.mtimes(e.mass, e.a)])[0]
         if self.reactions == "augmented":  # (7.13)
             return ca.densify(m.basis.opened_transposed(transmitted))
-        held = e.by_displacement(e.constraints[self.tree_rows, :])
-        c, mass = self.moved([held, e.metric])
-        spread = ca.mtimes(block_inverse(mass), c.T)
-        return LdlFactor(ca.mtimes(c, spread)).solve(ca.mtimes(spread.T, transmitted))
+        jacobian = e.by_displacement(e.constraints[self.tree_rows, :])
+        c, mass = self.moved([jacobian, e.metric])
+        response = ca.mtimes(block_inverse(mass), c.T)
+        return LdlFactor(ca.mtimes(c, response)).solve(ca.mtimes(response.T, transmitted))

@@ -1,4 +1,4 @@
-"""The tree of bodies that joints carry from the ground outwards, ``y = g(q)`` (4.15)."""
+"""Kinematic tree of bodies and joints from the ground outwards, ``y = g(q)`` (4.15)."""
 
 from __future__ import annotations
 
@@ -9,38 +9,38 @@ import casadi as ca
 from dalembert.elements.base import Constraint
 from dalembert.elements.body import BodyElement
 from dalembert.elements.planar.joint import TreeJoint as PlanarJoint
-from dalembert.elements.spatial.tree_joint import TreeJoint as SpatialJoint
+from dalembert.elements.spatial.joint import TreeJoint as SpatialJoint
 from dalembert.errors import ModelError
 from dalembert.model.description import Description
-from dalembert.model.tree.link import Link, free_link
-from dalembert.model.tree.planar_link import planar_link
+from dalembert.model.tree.link import Link, free_link, planar_link
 from dalembert.model.tree.spanning_tree import Edge, SpanningTree, spanning_tree
 from dalembert.model.tree.spatial_link import spatial_link
 
 
 def carrying_joints(d: Description) -> dict[str, Any]:
-    """Joints by name that can carry a body, whichever of their ends it is."""
+    """Joints by name that can carry a body at either end."""
     joints = [c for c in d.constraints if isinstance(c, (PlanarJoint, SpatialJoint))]
     return {j.name: j for j in joints if all(j.carries(b) for b in j.ends() if b is not d.ground)}
 
 
 def tree_of_joints(d: Description, cut: tuple[str, ...]) -> SpanningTree:
-    """Spanning tree from the ground by the joints that can carry a body and are not cut.
+    """Spanning tree from the ground of the joints that can carry a body and are not cut.
 
-    Joints with many equations are taken first, so that few are left for the loops.
+    Joints with many equations are preferred, so that few equations remain for the loops.
 
     Raises
     ------
     ModelError
-        A name that is no joint, or a joint that closes no loop.
+        A name that is not a joint, or a joint that is not part of a loop.
     """
     joints = carrying_joints(d)
     for name in cut:
         if name not in joints:
-            others = {c.name for c in d.constraints} - set(joints)
-            why = "is always a loop equation" if name in others else "is not a joint"
-            known = ", ".join(joints) or "none"
-            raise ModelError(f"cut {name!r} {why}; joints that can be cut: {known}", d.name)
+            never_carrying = {c.name for c in d.constraints} - set(joints)
+            loop_only = name in never_carrying
+            reason = "is always a loop equation" if loop_only else "is not a joint"
+            available = ", ".join(joints) or "none"
+            raise ModelError(f"cut {name!r} {reason}; joints that can be cut: {available}", d.name)
     names = ["ground", *(body.name for body in d.bodies)]
 
     def tree(left_out: tuple[str, ...]) -> SpanningTree:
@@ -51,20 +51,20 @@ def tree_of_joints(d: Description, cut: tuple[str, ...]) -> SpanningTree:
         ]
         return spanning_tree(names, edges)
 
-    made, loose = tree(cut), set(tree(()).roots)
-    for body in made.roots:
-        if body not in loose:
+    cut_tree, free_roots = tree(cut), set(tree(()).roots)
+    for body in cut_tree.roots:
+        if body not in free_roots:
             touching = [n for n in cut if body in {e.name for e in joints[n].ends()}]
             raise ModelError(
                 f"cut {', '.join(map(repr, touching or cut))}: nothing would carry {body} any "
                 "more; only joints in a closed loop can be cut",
                 d.name,
             )
-    return made
+    return cut_tree
 
 
 def links_of(d: Description, cut: tuple[str, ...], absolute_angles: bool) -> list[Link]:
-    """All groups of coordinates, carriers before what they carry."""
+    """Links of all groups of coordinates, carriers before the bodies they carry."""
     joints = carrying_joints(d)
     links: list[Link] = []
     for visit in tree_of_joints(d, cut).visits:
@@ -85,9 +85,9 @@ def links_of(d: Description, cut: tuple[str, ...], absolute_angles: bool) -> lis
 
 
 def between_neighbours(constraint: Constraint, links: list[Link]) -> ca.SX | None:
-    """Equations between a body and its carrier, by the coordinates of their joint alone.
+    """Equations between a body and its carrier in coordinates of their joint.
 
-    None where others take part, as far as its expressions tell.
+    None if its expressions involve other bodies.
     """
     for link in links if constraint.relative else ():
         if link.carrier is not None and {link.carrier, link.group} == set(constraint.parts()):

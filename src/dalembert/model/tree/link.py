@@ -1,4 +1,7 @@
-"""One group of coordinates in the tree, and how it moves with what carries it."""
+"""Links of a kinematic tree: free groups of coordinates, and planar bodies carried by joints.
+
+Poses are ``y = g(q, z)`` (4.15), (7.7) with open-constraint coordinates z.
+"""
 
 from __future__ import annotations
 
@@ -9,19 +12,21 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.body import BodyElement
-from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.joint_space import JointSpace
+from dalembert.elements.coordinates import Coordinates, JointSpace
+from dalembert.elements.planar.body import Body, Ground, rotation as plane_rotation
+from dalembert.elements.planar.joint import TreeJoint
 from dalembert.symbolic import rotation
+from dalembert.symbolic.formulas.expression import stack
 
 
 @dataclass(frozen=True, eq=False)
 class RigidMotion:
-    """Where a body is and how it moves, in inertial axes, by q and u alone.
+    """Position and velocity of a body in inertial axes, as expressions of q and u.
 
     Attributes
     ----------
-    place, velocity, spin : SX (3,) of the mass centre, and the angular velocity
-    euler, axes : SX (4,) its Euler parameters, (3, 3) the axes they stand for
+    place, velocity, spin : SX (3,) position and velocity of the mass centre, angular velocity
+    euler, axes : SX (4,) Euler parameters, (3, 3) axes of the body
     outward : SX (6, n), ``[velocity; spin]`` of the twist in the recursion
     """
 
@@ -41,7 +46,7 @@ AT_REST = RigidMotion(
     ca.SX(3, 1),
     ca.SX(6, 0),
 )
-"""That of the ground."""
+"""Motion of the ground."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,32 +56,32 @@ class Step:
     Attributes
     ----------
     pose, twist : SX of the group, of q and u
-    drift : SX, rate of the twist in the recursion beside those of the carrier's twist and of u
-    carried, moved, turned, forced : SX ``X``, ``S``, ``N`` and ``E``
-    seen : SX, ``v`` of the twist in the recursion
-    rigid : as a carrier in space, where it can be one
+    drift : SX, rate of the twist in the recursion at constant twist of the carrier and u
+    transport, subspace, coupling, opening : SX ``X``, ``S``, ``N`` and ``E``
+    projection : SX ``T``, twist in the recursion → ``v``
+    rigid : motion as a carrier in space, if it can be one
     """
 
     pose: ca.SX
     twist: ca.SX
     drift: ca.SX
-    carried: ca.SX
-    moved: ca.SX
-    turned: ca.SX
-    forced: ca.SX
-    seen: ca.SX
+    transport: ca.SX
+    subspace: ca.SX
+    coupling: ca.SX
+    opening: ca.SX
+    projection: ca.SX
     rigid: RigidMotion | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """A group of coordinates that no joint carries; those of a joint say how it places a body.
+    """A group of coordinates without a carrier; subclasses describe bodies carried by joints.
 
     Attributes
     ----------
-    group : what moves
+    group : the moving coordinates
     space : joint coordinates q with their speeds u
-    carrier, joint : None where no joint carries it
+    carrier, joint : None without a carrier
     """
 
     group: Coordinates
@@ -86,41 +91,41 @@ class Link:
 
     @property
     def equation_count(self) -> int:
-        """Equations of its joint, and open-constraint coordinates."""
+        """Number of equations of its joint, and of open-constraint coordinates."""
         return 0 if self.joint is None else self.joint.equations.numel()
 
     @property
-    def standing(self) -> ca.SX:
-        """(4,) turn of its joint's second frame from where q puts it; of the poses.
+    def branch_offset(self) -> ca.SX:
+        """(4,) rotation of its joint's second frame from its orientation by q, from the poses.
 
-        Equations may be satisfied after half a turn about an axis of that frame, too, and Euler
-        parameters of both signs mean the same.
+        Equations may also be satisfied after a half turn about an axis of that frame, and Euler
+        parameters of both signs are equivalent.
         """
         return ca.SX(list(rotation.IDENTITY))
 
-    def on_branch(self, standing: np.ndarray) -> Link:
-        """The same with q as they stand."""
+    def on_branch(self, offset: np.ndarray) -> Link:
+        """The link with q on the branch of an offset."""
         return self
 
     def step(self, carrier: Step | None) -> Step:
-        """Motion by q and u, and by that of the carrier; None on the ground."""
-        known = ca.vertcat(self.group.pose, self.group.twist)
+        """Motion as a function of q, u and the motion of the carrier; None on the ground."""
+        symbols = ca.vertcat(self.group.pose, self.group.twist)
         own = ca.vertcat(self.space.pose, self.space.twist)
         n = self.space.twist.numel()
         return Step(
             pose=self.space.pose,
             twist=self.space.twist,
             drift=ca.SX(n, 1),
-            carried=ca.SX(n, 0),
-            moved=ca.SX.eye(n),
-            turned=ca.SX(n, 0),
-            forced=ca.SX(n, 0),
-            seen=ca.SX.eye(n),
-            rigid=_seen_in_space(self.group, known, own),
+            transport=ca.SX(n, 0),
+            subspace=ca.SX.eye(n),
+            coupling=ca.SX(n, 0),
+            opening=ca.SX(n, 0),
+            projection=ca.SX.eye(n),
+            rigid=_rigid_motion(self.group, symbols, own),
         )
 
 
-def _seen_in_space(group: Coordinates, symbols: ca.SX, values: ca.SX) -> RigidMotion | None:
+def _rigid_motion(group: Coordinates, symbols: ca.SX, values: ca.SX) -> RigidMotion | None:
     if not isinstance(group, BodyElement) or group.dimension != 3:
         return None
     velocity = group.twist[:3]
@@ -131,5 +136,93 @@ def _seen_in_space(group: Coordinates, symbols: ca.SX, values: ca.SX) -> RigidMo
 
 
 def free_link(group: Coordinates) -> Link:
-    """With its own coordinates."""
+    """A link with its own coordinates as joint coordinates."""
     return Link(group, JointSpace.of(group), None, None)
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarLink(Link):
+    """A planar body with its joint.
+
+    Attributes
+    ----------
+    carrier, joint : at most one end of the joint is the ground
+    z : SX symbols, open-constraint coordinates
+    own, own_value : SX symbols ``q*``, and their value as a function of the carrier's pose and q:
+        q with the absolute angle in place of a relative one, which makes shorter recursions
+    pose : SX of the carrier's pose, ``q*`` and z
+    """
+
+    carrier: Body
+    joint: TreeJoint
+    z: ca.SX
+    own: ca.SX
+    own_value: ca.SX
+    pose: ca.SX
+
+    def step(self, carrier: Step | None) -> Step:
+        """The local motion as a function of q and ``q̇``, with the motion of the carrier."""
+        parts, value = self._local(carrier is not None), self.own_value
+        if carrier is not None:
+            symbols = ca.vertcat(self.carrier.pose, self.carrier.twist)
+            motion = ca.vertcat(carrier.pose, carrier.twist)
+            *parts, value = ca.substitute([*parts, value], [symbols], [motion])
+        pose, twist, drift, transport, subspace, coupling, opening = ca.substitute(
+            parts, [self.own], [value]
+        )
+        projection = ca.SX.eye(self.group.twist.numel())
+        return Step(pose, twist, drift, transport, subspace, coupling, opening, projection)
+
+    def _local(self, carried_by_a_body: bool) -> list[ca.SX]:
+        """Pose, twist, drift, ``X, S, N, E`` as functions of the carrier's motion."""
+        empty, u = ca.SX(0, 1), self.space.twist
+        base, speed = empty, empty
+        if carried_by_a_body:
+            base, speed = self.carrier.pose, self.carrier.twist
+        closed = ca.SX.zeros(self.z.numel())
+        opened = [self.pose, ca.jacobian(self.pose, self.z)]
+        pose, opening = ca.substitute(opened, [self.z], [closed])
+        sign, by_base = (ca.jacobian(self.own_value, x) for x in (self.space.pose, base))
+        transport, along = ca.jacobian(pose, base), ca.jacobian(pose, self.own)
+        own_rate = ca.mtimes(sign, u) + ca.mtimes(by_base, speed)
+        twist = ca.mtimes(transport, speed) + ca.mtimes(along, own_rate)
+        position, rate = ca.vertcat(base, self.own), ca.vertcat(speed, own_rate)
+        drift = ca.SX.zeros(pose.numel())
+        if position.numel():
+            drift = ca.jtimes(twist, position, rate)
+        subspace, coupling = ca.mtimes(along, sign), ca.mtimes(sign.T, by_base)
+        return [ca.densify(pose), ca.densify(twist), drift, transport, subspace, coupling, opening]
+
+
+def planar_link(joint: TreeJoint, carrier: Body, child: Body, absolute_angles: bool) -> PlanarLink:
+    """The link of a child at either end of a joint."""
+    forward = joint.ends()[1] is child
+    base = ca.SX.zeros(3) if isinstance(carrier, Ground) else carrier.pose
+    base_angle = base[2] if carrier.rotates else ca.SX(0)
+    z = stack(ca.SX.sym(f"{joint.name}.z{k}") for k in range(joint.equations.numel()))
+    free = joint.joint_coordinates()
+    names = [f"{joint.name}.{name}" for name in free]
+    reading, units = [s for s, _ in free.values()], [unit for _, unit in free.values()]
+    turn, absolute = joint.fixed_turn(z), absolute_angles or not carrier.rotates
+    turns = turn is None and child.rotates
+    if turns:
+        names.append(f"{child.name}.angle" if absolute else f"{joint.name}.angle")
+        reading.append(child.pose_angle if absolute else joint.turn)
+        units.append("rad")
+    space = JointSpace(names, units, stack(reading))
+    slides = space.pose[: len(free)]
+    own, own_value, angle = slides, slides, ca.SX(0)
+    if turn is not None:
+        angle = base_angle + turn if forward else base_angle - turn
+    if turns:
+        spin, angle = space.pose[-1], ca.SX.sym(f"{child.name}.angle")
+        relative = base_angle + spin if forward else base_angle - spin
+        own = ca.vertcat(slides, angle)
+        own_value = ca.vertcat(slides, spin if absolute else relative)
+    on_base, on_child = (joint.point_i, joint.point_j)[:: 1 if forward else -1]
+    opening = joint.opening(slides, z, base_angle if forward else angle)
+    place = base[:2] + ca.mtimes(plane_rotation(base_angle), on_base.local.sx)
+    place += opening if forward else -opening
+    place -= ca.mtimes(plane_rotation(angle), on_child.local.sx)
+    pose = ca.vertcat(place, angle) if child.rotates else place
+    return PlanarLink(child, space, carrier, joint, z, own, own_value, pose)

@@ -1,8 +1,8 @@
-"""Bodies that joints carry in space: poses, speeds and motion subspaces from joint to joint.
+"""Spatial bodies carried by joints: poses, speeds and motion subspaces.
 
 Twists in the recursion are the velocity of the mass centre and the angular velocity, both in
 inertial axes. With ``D`` from the mass centre of the carrier to that of the child, ``b`` to it
-from the point of the joint on its second body, and ± as the child is the second or the first,
+from the point of the joint on its second body, and + if the child is the second body, else −,
 
     ω = ω_carrier ± S_ω u,      ṙ = ṙ_carrier + ω_carrier × D ± (S_v u + S_ω u × b).
 """
@@ -15,18 +15,18 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.coordinates import JointSpace
 from dalembert.elements.frame import Frame
-from dalembert.elements.joint_space import JointSpace
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.body import Body
-from dalembert.elements.spatial.tree_joint import TreeJoint
+from dalembert.elements.spatial.joint import TreeJoint
 from dalembert.model.tree.link import AT_REST, Link, RigidMotion, Step
 from dalembert.symbolic import rotation
 
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """How a body stands to its carrier, in inertial axes.
+    """Placement of a body relative to its carrier, in inertial axes.
 
     Attributes
     ----------
@@ -46,12 +46,12 @@ class Placement:
 
 @dataclass(frozen=True, eq=False)
 class SpatialLink(Link):
-    """A body and how its joint places it.
+    """A spatial body with its joint.
 
     Attributes
     ----------
     carrier, joint : at most one end of the joint is the ground
-    branch : Euler parameters of the turn of the second frame beside that by q
+    branch : Euler parameters of the constant rotation of the second frame in addition to q
     """
 
     group: Body
@@ -60,70 +60,70 @@ class SpatialLink(Link):
     branch: tuple[float, ...] = rotation.IDENTITY
 
     @property
-    def standing(self) -> ca.SX:
+    def branch_offset(self) -> ca.SX:
         if not self.group.rotates:
-            return super().standing
+            return super().branch_offset
         first, second = (
             rotation.product(body.orientation, _euler(point))
-            for body, point in zip(self.joint.ends(), self.joint.sides(), strict=True)
+            for body, point in zip(self.joint.ends(), self.joint.end_frames(), strict=True)
         )
         by_q = rotation.product(first, self.joint.turned(self.space.reading))
         return rotation.product(rotation.conjugate(by_q), second)
 
-    def on_branch(self, standing: np.ndarray) -> SpatialLink:
-        nearest = int(np.argmax(np.abs(standing)))
-        branch = [math.copysign(1.0, x) if k == nearest else 0.0 for k, x in enumerate(standing)]
+    def on_branch(self, offset: np.ndarray) -> SpatialLink:
+        nearest = int(np.argmax(np.abs(offset)))
+        branch = [math.copysign(1.0, x) if k == nearest else 0.0 for k, x in enumerate(offset)]
         return replace(self, branch=tuple(branch))
 
     def step(self, carrier: Step | None) -> Step:
         base = AT_REST if carrier is None or carrier.rigid is None else carrier.rigid
-        place, u = self._placed(base), self.space.twist
+        place, u = self._placement(base), self.space.twist
         apart = place.lever + place.offset + place.arm
-        moved = self._of_child(self._free(place.frames), place)
-        own = ca.mtimes(moved, u)
-        parting = ca.cross(base.spin, apart) + own[:3]
-        velocity, spin = base.velocity + parting, base.spin + own[3:]
+        subspace = self._of_child(self._motion_subspace(place.frames), place)
+        own = ca.mtimes(subspace, u)
+        relative = ca.cross(base.spin, apart) + own[:3]
+        velocity, spin = base.velocity + relative, base.spin + own[3:]
         if self._forward:
-            spins, leaving = (base.spin, spin), ca.cross(spin, place.arm)
+            spins, arm_velocity = (base.spin, spin), ca.cross(spin, place.arm)
         else:
-            spins, leaving = (spin, base.spin), parting - ca.cross(base.spin, place.lever)
+            spins, arm_velocity = (spin, base.spin), relative - ca.cross(base.spin, place.lever)
         rate = self._of_child(self._rate(place.frames, spins), place)
-        swing = ca.cross(base.spin, parting) + ca.cross(own[3:], leaving)
+        centripetal = ca.cross(base.spin, relative) + ca.cross(own[3:], arm_velocity)
         turning = base.outward[3:, :]
-        carried = base.outward[:3, :] - ca.mtimes(rotation.skew(apart), turning)
+        transport = base.outward[:3, :] - ca.mtimes(rotation.skew(apart), turning)
         opened = self.joint.opened(self.space.pose, *place.frames)
         outward = ca.SX.eye(6)[:, : self.group.twist.numel()]
         return self._of_group(
             RigidMotion(base.place + apart, place.euler, place.axes, velocity, spin, outward),
-            drift=rate + ca.vertcat(swing, ca.SX(3, 1)),
-            carried=ca.vertcat(carried, turning),
-            moved=moved,
-            forced=self._of_child(opened, place),
+            drift=rate + ca.vertcat(centripetal, ca.SX(3, 1)),
+            transport=ca.vertcat(transport, turning),
+            subspace=subspace,
+            opening=self._of_child(opened, place),
         )
 
     @property
     def _forward(self) -> bool:
-        """The child is the second body of the joint."""
+        """Whether the child is the second body of the joint."""
         return self.joint.ends()[1] is self.group
 
     @property
     def _sides(self) -> tuple[Point, ...]:
-        """What the joint holds on: on the carrier, on the child."""
-        return self.joint.sides()[:: 1 if self._forward else -1]
+        """Points of the joint on the carrier and on the child."""
+        return self.joint.end_frames()[:: 1 if self._forward else -1]
 
-    def _turned(self, q: ca.SX) -> ca.SX:
-        """(4,) Euler parameters of the child in its carrier, by one product with constants."""
+    def _relative_euler(self, q: ca.SX) -> ca.SX:
+        """(4,) Euler parameters of the child relative to its carrier, linear in those by q."""
         turn, (near, far) = ca.SX.sym("turn", 4), map(_euler, self._sides)
         along = rotation.product(turn, ca.SX(list(self.branch)))
         along = along if self._forward else rotation.conjugate(along)
         whole = rotation.product(rotation.product(near, along), rotation.conjugate(far))
         return ca.mtimes(ca.jacobian(whole, turn), self.joint.turned(q))
 
-    def _placed(self, base: RigidMotion) -> Placement:
+    def _placement(self, base: RigidMotion) -> Placement:
         near, far = self._sides
         euler, axes = AT_REST.euler, AT_REST.axes
         if self.group.rotates:
-            euler = rotation.product(base.euler, self._turned(self.space.pose))
+            euler = rotation.product(base.euler, self._relative_euler(self.space.pose))
             axes = rotation.matrix(euler)
         frames = [ca.mtimes(base.axes, _axes(near)), ca.mtimes(axes, _axes(far))]
         frames = frames[:: 1 if self._forward else -1]
@@ -138,56 +138,57 @@ class SpatialLink(Link):
         )
 
     def _of_child(self, motion: ca.SX, place: Placement) -> ca.SX:
-        """Motion of the child's mass centre, by that of the second frame against the first."""
+        """Motion of the child's mass centre from the relative motion of the joint's frames."""
         arm = place.arm if self._forward else place.offset + place.arm
-        moved = motion[:3, :] - ca.mtimes(rotation.skew(arm), motion[3:, :])
-        return ca.vertcat(moved, motion[3:, :]) * (1 if self._forward else -1)
+        velocity = motion[:3, :] - ca.mtimes(rotation.skew(arm), motion[3:, :])
+        return ca.vertcat(velocity, motion[3:, :]) * (1 if self._forward else -1)
 
-    def _free(self, frames: list[ca.SX]) -> ca.SX:
-        """(6, k) motion subspace; a particle has no rotation to be left free."""
+    def _motion_subspace(self, frames: list[ca.SX]) -> ca.SX:
+        """(6, k) motion subspace; empty for a particle, which has no rotation."""
         if not self.group.rotates:
             return ca.SX(6, 0)
         return self.joint.subspace(self.space.pose, *frames)
 
     def _rate(self, frames: list[ca.SX], spins: tuple[ca.SX, ca.SX]) -> ca.SX:
-        """(6,) rate of ``S u`` at constant u: the axes turn with their bodies."""
+        """(6,) rate of ``S u`` at constant u, with axes that rotate with their bodies."""
         axes = [ca.SX.sym(name, 3, 3) for name in ("first", "second")]
-        motion = ca.mtimes(self._free(axes), self.space.twist)
+        motion = ca.mtimes(self._motion_subspace(axes), self.space.twist)
         turning = [ca.mtimes(rotation.skew(w), a) for w, a in zip(spins, frames, strict=True)]
         state = ca.vertcat(*map(ca.vec, axes), self.space.pose)
         rate = ca.vertcat(*map(ca.vec, turning), self.space.pose_rate)
-        found = ca.jtimes(motion, state, rate)
-        return ca.densify(ca.substitute([found], axes, [ca.densify(x) for x in frames])[0])
+        motion_rate = ca.jtimes(motion, state, rate)
+        return ca.densify(ca.substitute([motion_rate], axes, [ca.densify(x) for x in frames])[0])
 
     def _of_group(self, rigid: RigidMotion, **parts: ca.SX) -> Step:
-        """In the coordinates of the body; a particle takes velocities alone."""
+        """Step in the coordinates of the body; a particle has velocities only."""
         n = self.group.twist.numel()
-        seen, pose = ca.SX.eye(3), rigid.place
+        projection, pose = ca.SX.eye(3), rigid.place
         if self.group.rotates:
-            seen, pose = ca.diagcat(seen, rigid.axes.T), ca.vertcat(pose, rigid.euler)
+            projection = ca.diagcat(projection, rigid.axes.T)
+            pose = ca.vertcat(pose, rigid.euler)
         return Step(
             pose=pose,
-            twist=ca.mtimes(seen, ca.vertcat(rigid.velocity, rigid.spin)[:n]),
-            turned=ca.SX(parts["moved"].shape[1], parts["carried"].shape[1]),
-            seen=seen,
+            twist=ca.mtimes(projection, ca.vertcat(rigid.velocity, rigid.spin)[:n]),
+            coupling=ca.SX(parts["subspace"].shape[1], parts["transport"].shape[1]),
+            projection=projection,
             rigid=rigid,
             **{name: part[:n, :] for name, part in parts.items()},
         )
 
 
 def spatial_link(joint: TreeJoint, carrier: Body, child: Body) -> SpatialLink:
-    """The child behind a joint, whichever end of the joint it is."""
+    """The link of a child at either end of a joint."""
     space = joint.joint_space() if child.rotates else JointSpace((), (), ca.SX(0, 1))
     return SpatialLink(child, space, carrier, joint)
 
 
 def _arm(point: Point) -> ca.SX:
-    """(3,) from the mass centre, in the axes of the body."""
+    """(3,) vector from the mass centre, in the axes of the body."""
     return point.local.sx - (point.body.center_of_mass.sx if point.body.dimension == 3 else 0)
 
 
 def _axes(point: Point) -> ca.SX:
-    """(3, 3) axes of a frame, or of its body, in those of the body."""
+    """(3, 3) axes of a frame, or of its body, in body axes."""
     return point.local_axes if isinstance(point, Frame) else ca.SX.eye(3)
 
 

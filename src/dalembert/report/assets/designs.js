@@ -53,7 +53,7 @@ class Choice {
   bind(node, title) {
     node.setAttribute("tabindex", "0");
     node.setAttribute("role", "group");
-    node.setAttribute("aria-label", `${title}. Arrows choose a design.`);
+    node.setAttribute("aria-label", `${title}. Arrow keys select a design.`);
     node.addEventListener("keydown", (e) => {
       const by = { ArrowLeft: -1, ArrowUp: -1, ArrowRight: 1, ArrowDown: 1, Home: -this.count, End: this.count }[e.key];
       if (!by || e.ctrlKey || e.metaKey || e.altKey) return;
@@ -158,7 +158,7 @@ class ParallelChart extends DesignChart {
   handle(i, x, top, bottom, scale) {
     const value = (e) => { const box = this.svg.getBoundingClientRect(); return scale.value(clamp((bottom - (e.clientY - box.top)) / (bottom - top), 0, 1)); };
     let begun = null;
-    const grip = shape("rect", { x: x - 10, y: top - 4, width: 20, height: bottom - top + 8, class: "grip" }, hint("Drag to keep a range; double click to let it go"));
+    const grip = shape("rect", { x: x - 10, y: top - 4, width: 20, height: bottom - top + 8, class: "grip" }, hint("Drag to select a range; double-click to clear it"));
     let last = null;
     const keep = () => {
       const [lo, hi] = [Math.min(begun, last), Math.max(begun, last)];
@@ -245,7 +245,7 @@ class DesignTable {
     }
     choice.order = rows.filter((k) => !choice.failed(k));
     rows = rows.filter((k) => choice.kept(k) || choice.failed(k));
-    this.note.textContent = rows.length > SHOWN_DESIGNS ? `${SHOWN_DESIGNS} of ${rows.length} designs; sort or keep a range to see others.` : "";
+    this.note.textContent = rows.length > SHOWN_DESIGNS ? `${SHOWN_DESIGNS} of ${rows.length} designs; sort or select a range to see others.` : "";
     rows = rows.slice(0, SHOWN_DESIGNS);
     this.body.replaceChildren(...rows.map((k) => el("tr", { "data-design": String(k), class: choice.failed(k) ? "failed" : "pickable", title: text(k), onclick: () => choice.choose(k) },
       el("th", { scope: "row" }, choice.label(k)), choice.columns.map((c) => el("td", { class: `right ${c.role}` }, isNum(c.values[k]) ? tidy(c.values[k], 5) : "–")))));
@@ -274,7 +274,7 @@ function chosenCard(choice) {
   };
   fill();
   choice.onChoose.on(fill);
-  return el("section", { class: "card panel chosen-design", "aria-live": "polite", "aria-label": "Chosen design" },
+  return el("section", { class: "card panel chosen-design", "aria-live": "polite", "aria-label": "Selected design" },
     el("div", { class: "plot-head" }, title, el("div", { class: "plot-tools" },
       iconButton("back", "Previous design", () => choice.step(-1), { id: "previous-design" }), iconButton("next", "Next design", () => choice.step(1), { id: "next-design" }))), aims, rest);
 }

@@ -21,7 +21,7 @@ function optimumRow(one, unit, priced, failed) {
   const price = one.active && one.price ? `${tidy(one.price, 4)} ${unit || ""}${one.unit ? ` / ${one.unit}` : ""}` : "";
   return el("tr", { class: one.active ? "active" : "" },
     el("th", { scope: "row" }, String(one.name), one.active ? el("i", { class: "at", title: `at its ${one.active} bound` }, one.active === "lower" ? " ▼" : " ▲") : null,
-      failed && isBroken(one) ? el("i", { class: "at broken", title: "beyond its limit" }, " ✗") : null),
+      failed && isBroken(one) ? el("i", { class: "at broken", title: "violates its limit" }, " ✗") : null),
     el("td", { class: "right was" }, tidy(one.start)), el("td", { class: "right" }, tidy(one.value)),
     el("td", { class: "unit" }, one.unit ? raised(one.unit) : "–"), el("td", {}, designBar(one)), priced ? el("td", { class: "unit" }, price) : null);
 }
@@ -62,9 +62,9 @@ function convergencePanel(optimum) {
   svg.append(tag("polyline", { points: values.map((v, k) => `${x(k)},${y(v)}`).join(" "), class: "way" }));
   steps.forEach((s, k) => {
     const dot = tag("circle", { cx: x(k), cy: y(s.objective), r: 3.4, class: s.violation > 1e-6 ? "open" : "kept" });
-    dot.append(tag("title", {}, `${k}: ${tidy(s.objective)}${s.violation > 1e-6 ? `, limits broken by ${+s.violation.toPrecision(2)}` : ""}`));
+    dot.append(tag("title", {}, `${k}: ${tidy(s.objective)}${s.violation > 1e-6 ? `, limits violated by ${+s.violation.toPrecision(2)}` : ""}`));
     svg.append(dot);
   });
-  const broken = steps.some((s) => s.violation > 1e-6) && el("p", { class: "caption" }, "Hollow: a limit is broken there.");
+  const broken = steps.some((s) => s.violation > 1e-6) && el("p", { class: "caption" }, "Hollow: a limit is violated.");
   return panel("Convergence", "convergence", el("p", { class: "caption" }, name), svg, broken);
 }

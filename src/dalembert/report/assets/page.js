@@ -64,7 +64,7 @@ function buildFrame() {
     `Drawing of ${motion.title}: ${motion.bodies.length} bodies, ${motion.joints.length} joints. ${scene.hint}`);
   const hints = motion.moves ? [["Space", "play"], ["← →", "step"], ["F", "fit"], ["+ −", "zoom"]] : [["F", "fit"], ["+ −", "zoom"]];
   byId("footer").append(
-    el("span", {}, "Made with dalembert. Where no unit is written, it is that of SI."),
+    el("span", {}, "Made with dalembert. Values without a unit are in SI units."),
     el("span", { class: "keys" }, hints.map(([key, what]) => [el("kbd", {}, key), ` ${what} `])));
 }
 

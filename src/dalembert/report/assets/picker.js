@@ -33,7 +33,7 @@ class Picker {
   open(plot, across = false) {
     if (!this.rows) this.build();
     Object.assign(this, { plot, across });
-    byId("picker-title").textContent = across ? "Choose what runs to the right" : "Choose series";
+    byId("picker-title").textContent = across ? "Choose the x-axis" : "Choose series";
     for (const { series, box } of this.rows) box.checked = across ? plot.against === series : plot.series.includes(series);
     this.search.value = "";
     this.filter();
@@ -67,11 +67,11 @@ class Picker {
   allow() {
     for (const { series, box, node } of this.rows) {
       box.disabled = !this.across && !box.checked && !this.plot.takes(series);
-      node.title = box.disabled ? "A plot shows two units at most" : "";
+      node.title = box.disabled ? "A plot shows at most two units" : "";
     }
     const n = this.plot.series.length;
     if (this.across) { this.status.textContent = this.plot.against?.name ?? "Time"; return; }
-    this.status.textContent = n ? `${n} chosen` : "None chosen";
+    this.status.textContent = n ? `${n} selected` : "None selected";
   }
 
   clear() {

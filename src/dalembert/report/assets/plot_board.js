@@ -22,10 +22,10 @@ class Board {
   views() {
     const { motion } = this, angles = motion.series.some((s) => /^rad\b/.test(s.unit));
     const turn = angles && toggleButton("°", false, (on) => { motion.setDegrees(on); this.picker.rows = null; for (const plot of this.plots) plot.setSeries(plot.series); }, { id: "degrees", title: "Angles in degrees", "aria-label": "Angles in degrees" });
-    this.whole = iconButton("fit", "Show all the time (0)", () => this.show(null), { id: "zoom-none", disabled: true });
-    return el("div", { class: "buttons", role: "group", "aria-label": "Stretch of time" }, turn,
-      iconButton("plus", "Zoom into time (+)", () => this.zoom(2), { id: "zoom-time" }),
-      iconButton("minus", "Zoom out of time (−)", () => this.zoom(0.5)), this.whole);
+    this.whole = iconButton("fit", "Show the whole time span (0)", () => this.show(null), { id: "zoom-none", disabled: true });
+    return el("div", { class: "buttons", role: "group", "aria-label": "Time span" }, turn,
+      iconButton("plus", "Zoom in time (+)", () => this.zoom(2), { id: "zoom-time" }),
+      iconButton("minus", "Zoom out time (−)", () => this.zoom(0.5)), this.whole);
   }
 
   get span() { return this.window ?? [this.motion.start, this.motion.end]; }

@@ -13,7 +13,7 @@ class Plot extends PlotPainter {
       el("div", { class: "plot-head" }, this.legend,
         el("div", { class: "plot-tools" },
           iconButton("edit", "Choose series", () => board.picker.open(this)),
-          iconButton("cross", "Choose what runs to the right", () => board.picker.open(this, true)),
+          iconButton("cross", "Choose the x-axis", () => board.picker.open(this, true)),
           this.saveMenu(),
           iconButton("close", "Remove this plot", () => board.remove(this)))),
       el("div", { class: "plot-area" }, this.base, this.over));

@@ -22,7 +22,7 @@ class Overlay {
     if (scene.show.forces) this.drawScales();
     if (scene.view.renderer instanceof Painter) {
       this.ctx.font = `12px ${Theme.font}`;
-      label(this.ctx, "Drawn without WebGL, which this browser lacks or has switched off: no shadows.", [this.w / 2, 16], Theme.muted, Theme.surface);
+      label(this.ctx, "Drawn without WebGL (unavailable or disabled in this browser): no shadows.", [this.w / 2, 16], Theme.muted, Theme.surface);
     }
   }
 

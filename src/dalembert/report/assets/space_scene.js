@@ -17,7 +17,7 @@ class SpatialScene extends Assembly {
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
 
-  get hint() { return "Wheel zooms, drag turns, with the right button pans."; }
+  get hint() { return "Wheel zooms, drag rotates, right-button drag pans."; }
   get keys() { return { 1: () => this.look("x"), 2: () => this.look("y"), 3: () => this.look("z"), 4: () => this.look(null) }; }
 
   // Looks ------------------------------------------------------------------------

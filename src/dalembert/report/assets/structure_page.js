@@ -26,7 +26,7 @@ function buildToolbar() {
   choosers.push(choice("field", "Colours", names, Math.max(first, 0) + 1, (k) => structure.set({ field: k ? structure.fields[k - 1] : null })));
   const toggle = (key, text, title) => toggleButton(text, scene.show[key], (on) => { scene.show[key] = on; scene.invalidate(); }, { id: `show-${key}`, title });
   scene.show.labels = structure.nodes.length <= 12;
-  const chips = [toggle("rest", "At rest"), toggle("loads", "Loads"), toggle("supports", "Supports"), toggle("labels", "Names")];
+  const chips = [toggle("rest", "Undeformed"), toggle("loads", "Loads"), toggle("supports", "Supports"), toggle("labels", "Names")];
   if (structure.ghost) chips.unshift(toggle("ghost", payload.other ? `Other run: ${payload.other}` : "First design"));
   const members = structure.lines.reduce((sum, s) => sum + s.owners.length, 0);
   if (members && members <= FEW_MEMBERS && structure.fields.some((f) => !f.atVertices)) chips.push(toggle("values", "Values", "Values of the members"));
@@ -57,8 +57,8 @@ function buildScale() {
   });
   const chip = (id, text, title, factor) => el("button", { type: "button", class: "chip", id, title, onclick: () => structure.set({ factor: factor() }) }, text);
   return [el("span", { class: "caption" }, "Displacements"), track.node, told,
-    ...(structure.relative ? [] : [chip("true-scale", "1 : 1", "As large as they are", () => 1 / structure.scale)]),
-    chip("auto-scale", "auto", "As large as shows well", () => AUTO)];
+    ...(structure.relative ? [] : [chip("true-scale", "1 : 1", "True scale", () => 1 / structure.scale)]),
+    chip("auto-scale", "auto", "Automatic scale", () => AUTO)];
 }
 
 // The states one after the other.
@@ -94,7 +94,7 @@ function buildPlay() {
     scene.invalidate();
     if (began !== null) requestAnimationFrame(tick);
   };
-  const play = iconButton("play", structure.sequence ? "Play (space)" : "Let it swing (space)", () => toggle(), { id: "play", class: "icon primary" });
+  const play = iconButton("play", structure.sequence ? "Play (space)" : "Animate (space)", () => toggle(), { id: "play", class: "icon primary" });
   return { play, toggle };
 }
 
@@ -136,10 +136,10 @@ function buildFrame() {
     iconButton("theme", "Light or dark", () => setTheme(Theme.name === "dark" ? "light" : "dark"), { id: "theme" }),
     iconButton("print", "Print", () => window.print()));
   byId("stage").setAttribute("aria-label", "Structure");
-  byId("scene").setAttribute("aria-label", `Drawing of ${structure.title}: ${structure.nodes.length} nodes, ${structure.elements.length} elements. Wheel zooms, drag ${structure.solid ? "turns, with shift pans" : "pans"}.`);
-  const hints = [["Space", structure.sequence ? "play" : "swing"], ["F", "fit"], ["+ −", "zoom"], ...(structure.solid ? [["Shift", "pan"]] : [])];
+  byId("scene").setAttribute("aria-label", `Drawing of ${structure.title}: ${structure.nodes.length} nodes, ${structure.elements.length} elements. Wheel zooms, drag ${structure.solid ? "rotates, with shift pans" : "pans"}.`);
+  const hints = [["Space", structure.sequence ? "play" : "animate"], ["F", "fit"], ["+ −", "zoom"], ...(structure.solid ? [["Shift", "pan"]] : [])];
   byId("footer").append(
-    el("span", {}, "Made with dalembert. Where no unit is written, it is that of SI."),
+    el("span", {}, "Made with dalembert. Values without a unit are in SI units."),
     el("span", { class: "keys" }, hints.map(([key, what]) => [el("kbd", {}, key), ` ${what} `])));
 }
 

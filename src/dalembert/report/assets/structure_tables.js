@@ -72,7 +72,7 @@ class SortedTable {
     const more = rows.length - shown.length;
     this.note.textContent = more > 0 ? `${SHOWN_ROWS} of ${rows.length} rows; sort by a column to see its largest values` : "";
     this.note.hidden = more <= 0;
-    this.paper.textContent = rows.length > ON_PAPER ? `The first ${ON_PAPER} of ${rows.length} rows, in the order chosen on the page` : "";
+    this.paper.textContent = rows.length > ON_PAPER ? `The first ${ON_PAPER} of ${rows.length} rows, in the order of the page` : "";
   }
 }
 
@@ -117,7 +117,7 @@ function structureTables(structure) {
   });
   refresh();
   return [
-    panel(structure.relative ? "Shape" : "Displacements", "displacements", displacements.node, structure.relative && el("p", { class: "caption note" }, "In parts of the largest displacement; a shape has no size. Values of elements are in parts of the largest as well.")),
+    panel(structure.relative ? "Shape" : "Displacements", "displacements", displacements.node, structure.relative && el("p", { class: "caption note" }, "Relative to the largest displacement, because a mode shape has no absolute scale. Element values are relative to the largest value as well.")),
     measured.length ? panel("Elements", "elements", elements.node) : null,
     structure.reactions.length ? panel("Reactions", "reactions", reactions.node, total) : null,
   ].filter(Boolean);

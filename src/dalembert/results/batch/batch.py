@@ -1,4 +1,4 @@
-"""The results of many designs."""
+"""Results of one analysis for many designs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.results.batch.designs import Designs
 from dalembert.results.batch.samples import Samples
-from dalembert.results.components import COMPONENTS
+from dalembert.results.files.contents import COMPONENTS
 from dalembert.results.result import Analysis, Result
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.formulas.expression import Expression
@@ -28,18 +28,19 @@ if TYPE_CHECKING:
 class Batch:
     """Results of one analysis for many designs of one model.
 
-    Designs that fail are marked, not raised: see ``status``. What they have not reached is NaN.
+    Failed designs are marked in ``status`` and raise no error. Values that they do not reach are
+    NaN.
 
     Attributes
     ----------
-    model : of all designs
-    analysis : the analysis that made it
+    model : model of all designs
+    analysis : analysis that computed it
     designs : Designs, the values of the parameters
     statuses : Status of each design
-    samples : what is kept of them
-    results : number of the design → its result, of those that are kept whole
-    statistics : name → number or text, for people
-    warnings : doubts about the choices made
+    samples : stored measures of the designs
+    results : number of the design → its result, for designs stored as a whole
+    statistics : name → number or text
+    warnings : reservations about the chosen methods
 
     Examples
     --------
@@ -71,39 +72,41 @@ class Batch:
         """(K,) output times [s], or numbers of load cases."""
         return self.samples.time
 
-    # how they ended ----------------------------------------------------------------
+    # outcomes ----------------------------------------------------------------------
     @cached_property
     def succeeded(self) -> np.ndarray:
-        """(designs,) which did what was asked."""
+        """(designs,) whether each design succeeded."""
         return np.array([status.success for status in self.statuses])
 
     @property
     def status(self) -> xr.DataArray:
-        """Outcome of each design in words, with its message, last time and residual beside it."""
+        """Outcome of each design, with its message, last time and residual as coordinates."""
         import xarray as xr
 
-        about = {
+        attributes = {
             "message": ("design", [s.message for s in self.statuses]),
             "time_reached": ("design", [s.time for s in self.statuses], {"units": "s"}),
             "residual": ("design", [s.residual for s in self.statuses]),
             "outcome": ("design", [s.outcome.name for s in self.statuses]),
         }
-        words = [s.outcome.value for s in self.statuses]
-        return xr.DataArray(words, self.designs.coords | about, ("design",), "status")
+        outcomes = [s.outcome.value for s in self.statuses]
+        return xr.DataArray(outcomes, self.designs.coords | attributes, ("design",), "status")
 
     @property
     def table(self) -> pd.DataFrame:
-        """A row per design: the parameters that vary, and how it ended."""
-        listed = self.status
-        return listed.to_dataframe().drop(columns=["time_reached"], errors="ignore")
+        """A row per design: its varied parameters and its status."""
+        status = self.status
+        return status.to_dataframe().drop(columns=["time_reached"], errors="ignore")
 
     @property
     def counts(self) -> dict[Outcome, int]:
         """Outcome → number of designs, the most frequent first."""
-        found = [status.outcome for status in self.statuses]
-        return dict(sorted(((o, found.count(o)) for o in set(found)), key=lambda pair: -pair[1]))
+        outcomes = [status.outcome for status in self.statuses]
+        return dict(
+            sorted(((o, outcomes.count(o)) for o in set(outcomes)), key=lambda pair: -pair[1])
+        )
 
-    # what they are -----------------------------------------------------------------
+    # measures ----------------------------------------------------------------------
     def expression(self, measure: str | Expression) -> Expression:
         """A measure by name, a formula or an expression."""
         return self.model.expression(measure)
@@ -113,26 +116,26 @@ class Batch:
         table = self.samples.table([self.expression(measure)])
         return table[:, 0] if table.shape[1] == 1 else table.transpose(0, 2, 1)
 
-    def __getitem__(self, wanted: str | Expression | int) -> Any:
+    def __getitem__(self, key: str | Expression | int) -> Any:
         """A measure or formula of all designs over time, or one design by its number.
 
         Raises
         ------
         KeyError
-            Unknown name, with the nearest known ones.
+            Unknown name; suggests the nearest ones.
         """
-        if isinstance(wanted, (int, np.integer)):
-            return self.design(int(wanted))
-        return self.labelled(wanted)
+        if isinstance(key, (int, np.integer)):
+            return self.design(int(key))
+        return self.labelled(key)
 
-    def __contains__(self, wanted: object) -> bool:
+    def __contains__(self, key: object) -> bool:
         """Whether a measure or formula exists, or a design of this number."""
-        if isinstance(wanted, (int, np.integer)):
-            return -len(self) <= int(wanted) < len(self)
-        if not isinstance(wanted, (str, Expression)):
+        if isinstance(key, (int, np.integer)):
+            return -len(self) <= int(key) < len(self)
+        if not isinstance(key, (str, Expression)):
             return False
         try:
-            self.expression(wanted)
+            self.expression(key)
         except ExpressionError:
             return False
         return True
@@ -144,79 +147,83 @@ class Batch:
         expression = self.expression(measure)
         name = expression.name or (measure if isinstance(measure, str) else "measure")
         coords = self.coords
-        along = ["design", self.along]
+        dims = ["design", self.along]
         if len(expression) > 1:
             dimension, components = COMPONENTS[len(expression)]
             coords[dimension] = list(components)
-            along.append(dimension)
-        about = {"units": expression.unit, "long_name": name}
-        return xr.DataArray(self.values(expression), coords, along, name, about)
+            dims.append(dimension)
+        attributes = {"units": expression.unit, "long_name": name}
+        return xr.DataArray(self.values(expression), coords, dims, name, attributes)
 
     @property
     def along(self) -> str:
-        """Dimension of what a design has several of."""
-        some: Any = next(iter(self.results.values()), None)
-        return "case" if hasattr(some, "cases") else "time"
+        """Dimension of the samples of a design."""
+        first_result: Any = next(iter(self.results.values()), None)
+        return "case" if hasattr(first_result, "cases") else "time"
 
     @property
     def coords(self) -> dict[str, Any]:
         """Coordinates of designs and instants."""
-        some: Any = next(iter(self.results.values()), None)
-        cases = getattr(some, "cases", None)
+        first_result: Any = next(iter(self.results.values()), None)
+        cases = getattr(first_result, "cases", None)
         instants = ("time", self.time, {"units": "s"}) if cases is None else ("case", cases)
         return {**self.designs.coords, self.along: instants}
 
     def design(self, k: int) -> Any:
-        """The result of one design, made anew with all that belongs to one.
+        """Full result of one design, from a new run.
 
         Raises
         ------
         AnalysisError
-            There is no such design; or why it could not begin.
+            Unknown design, or a design that could not start.
         """
         if not -len(self) <= k < len(self):
             raise AnalysisError(f"design {k} of a batch of {len(self)}; they count from 0")
         return self.analysis.run(self.model, self.designs.named(k % len(self)))
 
     def __iter__(self) -> Iterator[Any]:
-        """The designs one by one, those that could begin."""
+        """Results of the designs that could start."""
         refused = (Outcome.NOT_ASSEMBLED, Outcome.REFUSED)
         for k, status in enumerate(self.statuses):
             if status.outcome not in refused:
                 yield self.design(k)
 
-    # all of it ---------------------------------------------------------------------
+    # output -------------------------------------------------------------------------
     @cached_property
     def data(self) -> xr.Dataset:
-        """Everything with names: as of one result, and how each design ended."""
-        from dalembert.results.batch.dataset import batch_dataset
+        """Labelled dataset as of one result, with the status of each design."""
+        from dalembert.results.batch.samples import batch_dataset
 
         return batch_dataset(self)
 
     def some(self, *measures: str | Expression) -> xr.Dataset:
-        """A dataset of some measures and how each design ended."""
+        """Dataset of some measures, with the status of each design."""
         import xarray as xr
 
-        found = {}
+        arrays = {}
         for measure in measures:
             array = self.labelled(measure)
-            found[str(array.name)] = array
-        return xr.Dataset({"status": self.status, **found}, attrs=self.about)
+            arrays[str(array.name)] = array
+        return xr.Dataset({"status": self.status, **arrays}, attrs=self.about)
 
     @property
     def about(self) -> dict[str, Any]:
-        """What a file tells of where it comes from."""
+        """Attributes of the dataset."""
         fixed = {
             f"parameter_{name}": float(self.designs.values[0, i])
             for i, name in enumerate(self.designs.names)
             if name not in self.designs.varied
         }
         warnings = "\n".join(self.warnings)
-        told = {"model": self.model.name, "analysis": repr(self.analysis), "warnings": warnings}
-        return told | fixed
+        attributes = {
+            "model": self.model.name,
+            "analysis": repr(self.analysis),
+            "warnings": warnings,
+        }
+        return attributes | fixed
 
     def save(self, path: str | Path, *measures: str | Expression) -> Path:
-        """Write all, or some measures, to a NetCDF file; ``load_results`` reads it back."""
+        """Write all or some measures to a NetCDF file; ``load_results`` reads it back."""
         from dalembert.results.files.store import save_dataset
 
         return save_dataset(self.some(*measures) if measures else self.data, path)
@@ -234,7 +241,7 @@ class Batch:
         return save_table(self.to_dataframe(*measures), path)
 
     def summary(self) -> dict[str, Any]:
-        """How many designs ended how, and the statistics."""
+        """Number of designs per outcome, and the statistics."""
         return {
             "designs": len(self),
             "outcomes": {outcome.value: count for outcome, count in self.counts.items()},
@@ -251,5 +258,5 @@ class Batch:
         from html import escape
 
         table = self.table.drop(columns=["message"])
-        some = table if len(table) <= 10 else table.iloc[:10]
-        return f"<p>{escape(repr(self))}</p>{some.to_html()}"
+        head = table if len(table) <= 10 else table.iloc[:10]
+        return f"<p>{escape(repr(self))}</p>{head.to_html()}"

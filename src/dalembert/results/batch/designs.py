@@ -1,4 +1,4 @@
-"""Designs: values of parameters, many sets of them at once."""
+"""Designs: sets of parameter values of a model."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FORMS = (
 
 
 def are_designs(parameters: Any) -> bool:
-    """Whether values of parameters are those of a batch: arrays, a table, or a list of dicts."""
+    """Whether parameter values describe a batch: arrays, a table, or a list of dicts."""
     if parameters is None:
         return False
     if isinstance(parameters, Mapping):
@@ -43,8 +43,8 @@ class Designs:
     Attributes
     ----------
     names : of all parameters
-    values : (designs, parameters); numbers that are none belong to designs that are refused
-    varied : names of those given for each design
+    values : (designs, parameters); NaN for designs that are refused
+    varied : names of the parameters given per design
     units : of all parameters
     """
 
@@ -55,27 +55,27 @@ class Designs:
 
     @classmethod
     def of(cls, model: ParametricModel, parameters: Any) -> Designs:
-        """Designs in any of their forms; what is not given has the model's own value.
+        """Designs from any of their forms; other parameters keep the values of the model.
 
         Raises
         ------
         AnalysisError
-            Unknown names, different lengths, wrong shapes, no design at all, or no numbers.
+            Unknown names, different lengths, wrong shapes, no designs, or not numeric.
         """
         names = tuple(model.parameters)
         columns = _columns(parameters, names)
         for name in columns:
             _refuse_unknown(name, names)
-        given = {name: _numbers(name, value) for name, value in columns.items()}
-        lengths = {name: value.size for name, value in given.items() if value.ndim}
+        numbers = {name: _numbers(name, value) for name, value in columns.items()}
+        lengths = {name: value.size for name, value in numbers.items() if value.ndim}
         if len(set(lengths.values())) > 1:
-            told = ", ".join(f"{name} has {size}" for name, size in lengths.items())
-            raise AnalysisError(f"designs of one batch need arrays of one length: {told}")
+            listed = ", ".join(f"{name} has {size}" for name, size in lengths.items())
+            raise AnalysisError(f"designs of one batch need arrays of one length: {listed}")
         count = next(iter(lengths.values()), 1)
         if not count:
             raise AnalysisError("the batch has no design; give at least one")
         values = np.tile([float(p.value) for p in model.parameters.values()], (count, 1))
-        for name, value in given.items():
+        for name, value in numbers.items():
             values[:, names.index(name)] = value
         units = tuple(p.unit for p in model.parameters.values())
         return cls(names, values.reshape(count, len(names)), tuple(lengths), units)
@@ -87,9 +87,9 @@ class Designs:
     def __len__(self) -> int:
         return self.count
 
-    def some(self, chosen: np.ndarray) -> Designs:
-        """These designs only."""
-        return Designs(self.names, self.values[chosen], self.varied, self.units)
+    def some(self, index: np.ndarray) -> Designs:
+        """A subset of the designs."""
+        return Designs(self.names, self.values[index], self.varied, self.units)
 
     def named(self, k: int) -> dict[str, float]:
         """Name → value of one design."""
@@ -99,15 +99,15 @@ class Designs:
     def coords(self) -> dict[str, Any]:
         """Coordinates along ``design``: its number, and the parameters that vary."""
         units = dict(zip(self.names, self.units, strict=True))
-        found: dict[str, Any] = {"design": np.arange(self.count)}
+        coords: dict[str, Any] = {"design": np.arange(self.count)}
         for name in self.varied:
             column = self.values[:, self.names.index(name)]
-            found[name] = ("design", column, {"units": units[name], "long_name": name})
-        return found
+            coords[name] = ("design", column, {"units": units[name], "long_name": name})
+        return coords
 
 
 def _columns(parameters: Any, names: tuple[str, ...]) -> dict[str, Any]:
-    """Name → value or values, whatever the form."""
+    """Name → value or values, from any form of designs."""
     if isinstance(parameters, Mapping):
         return dict(parameters)
     if isinstance(parameters, np.ndarray):
@@ -124,25 +124,25 @@ def _columns(parameters: Any, names: tuple[str, ...]) -> dict[str, Any]:
         raise AnalysisError(f"parameters of a batch are {parameters!r:.60}; {FORMS}")
     if not rows:
         raise AnalysisError("the batch has no design; give at least one")
-    known = list(dict.fromkeys(name for row in rows for name in row))
+    row_names = list(dict.fromkeys(name for row in rows for name in row))
     for k, row in enumerate(rows):
-        if missing := [name for name in known if name not in row]:
+        if missing := [name for name in row_names if name not in row]:
             raise AnalysisError(f"design {k} gives no {', '.join(missing)}, others do; give all")
-    return {name: [row[name] for row in rows] for name in known}
+    return {name: [row[name] for row in rows] for name in row_names}
 
 
 def _numbers(name: str, value: Any) -> np.ndarray:
-    """A number, or a column of them."""
+    """A number or a column of numbers."""
     try:
-        found = np.asarray(value, dtype=float)
+        numbers = np.asarray(value, dtype=float)
     except (TypeError, ValueError, OverflowError):
         raise AnalysisError(f"{name} is {value!r:.60}; {FORMS}") from None
-    if found.ndim > 1:
+    if numbers.ndim > 1:
         raise AnalysisError(
-            f"{name} has the shape {found.shape}; give a number, or one for each design in one "
+            f"{name} has the shape {numbers.shape}; give a number, or one for each design in one "
             "dimension (ravel() a grid)"
         )
-    return found
+    return numbers
 
 
 def _refuse_unknown(name: Any, names: tuple[str, ...]) -> None:

@@ -1,4 +1,4 @@
-"""Lines of a comparison's pictures: looks, logarithmic axes, names beside lines."""
+"""Lines of comparison plots: styles, logarithmic axes and labels."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ DASHES = (
     (0, (2, 4)),
 )
 MARKERS = "osD^vP*X"
-SMALLEST = 1e-18
-"""Zero has no place on a logarithmic axis."""
+MIN_VALUE = 1e-18
+"""Lower limit of values on a logarithmic axis."""
 
-Look = tuple[str, dict[str, Any]]
+LineStyle = tuple[str, dict[str, Any]]
 
 
-def looks_of(table: pd.DataFrame, order: tuple[str, ...]) -> list[Look]:
-    """Column and its value → look: colours, dashes, markers, for the choices that vary."""
+def line_styles(table: pd.DataFrame, order: tuple[str, ...]) -> list[LineStyle]:
+    """Column and its values → colours, dashes, markers or fills, varying choices first."""
     varying = [name for name in order if table[name].nunique() > 1]
     fixed = [name for name in order if name not in varying]
     styles = (COLOURS, DASHES, MARKERS, ("full", "none", "left", "right"))
@@ -52,22 +52,22 @@ def looks_of(table: pd.DataFrame, order: tuple[str, ...]) -> list[Look]:
 
 
 def draw_lines(
-    ax: Any, table: pd.DataFrame, column: str, looks: list[Look], behind: bool = False
+    ax: Any, table: pd.DataFrame, column: str, styles: list[LineStyle], background: bool = False
 ) -> None:
-    for names, rows in table.groupby([name for name, _ in looks], sort=False):
+    for names, rows in table.groupby([name for name, _ in styles], sort=False):
         colour, dash, marker, fill = (
-            look[value] for (_, look), value in zip(looks, names, strict=True)
+            look[value] for (_, look), value in zip(styles, names, strict=True)
         )
         look = {"color": "0.85", "lw": 1.0, "zorder": 1}
-        if not behind:
+        if not background:
             full = fill == "full"
             look = {"color": colour, "lw": 1.6, "ls": dash, "marker": marker, "ms": 5}
             look |= {"fillstyle": fill, "mec": "white" if full else colour, "mew": 0.6}
-        ax.plot(1e3 * rows["time"], np.maximum(rows[column], SMALLEST), **look)
+        ax.plot(1e3 * rows["time"], np.maximum(rows[column], MIN_VALUE), **look)
 
 
-def plain_ticks(ax: Any) -> None:
-    """1, 2, 5, 10, 20 … instead of powers; 1, 10, 100 … where these are too many."""
+def decimal_ticks(ax: Any) -> None:
+    """Tick labels 1, 2, 5, 10, … instead of powers; 1, 10, 100, … if these are too dense."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     low, high = ax.get_xlim()
@@ -78,15 +78,15 @@ def plain_ticks(ax: Any) -> None:
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
-def floor(ax: Any, uncertainty: float, named: bool) -> None:
-    """The band in which errors mean nothing."""
+def shade_uncertainty(ax: Any, uncertainty: float, labelled: bool) -> None:
+    """Shade the band below the uncertainty of the reference."""
     if not uncertainty > 0:
         return
     low, high = ax.get_ylim()
     low = min(low, uncertainty * (uncertainty / high) ** 0.07)
     ax.axhspan(low, uncertainty, color="0.5", alpha=0.18, lw=0)
     ax.set_ylim(bottom=low)
-    if named:
+    if labelled:
         ax.annotate(
             "uncertainty of the reference",
             (0, uncertainty),
@@ -99,8 +99,8 @@ def floor(ax: Any, uncertainty: float, named: bool) -> None:
         )
 
 
-def make_room(ax: Any, table: pd.DataFrame, names: list[str]) -> None:
-    """Space at the right for the values of ``names[0]``, beside the ends of their lines."""
+def reserve_label_space(ax: Any, table: pd.DataFrame, names: list[str]) -> None:
+    """Widen the x-axis for the labels of ``names[0]`` at the right ends of the lines."""
     if table[names[0]].nunique() < 2:
         return
     ax.figure.draw_without_rendering()
@@ -108,18 +108,18 @@ def make_room(ax: Any, table: pd.DataFrame, names: list[str]) -> None:
     low, high = ax.get_xlim()
     share = 0.0
     for value, rows in table.groupby(names):
-        place = np.log(1e3 * rows["time"].max() / low) / np.log(high / low)
-        text = (14 + 6.3 * len(value[0])) / width
-        share = max(share, 1 - (1 - text) / place)
+        position = np.log(1e3 * rows["time"].max() / low) / np.log(high / low)
+        label_width = (14 + 6.3 * len(value[0])) / width
+        share = max(share, 1 - (1 - label_width) / position)
     share = min(share, 0.5)
     ax.set_xlim(low, high * (high / low) ** (share / (1 - share)))
 
 
-def name_colours(ax: Any, table: pd.DataFrame, column: str, look: Look) -> None:
-    """Each colour is named once, beside the right end of its lines."""
+def label_lines(ax: Any, table: pd.DataFrame, column: str, style: LineStyle) -> None:
+    """Label each colour once, at the right end of its lines."""
     from matplotlib.patheffects import withStroke
 
-    name, colours = look
+    name, colours = style
     if len(colours) < 2:
         return
     ends = []
@@ -127,8 +127,8 @@ def name_colours(ax: Any, table: pd.DataFrame, column: str, look: Look) -> None:
         rows = table[(table[name] == value) & table[column].notna()]
         if len(rows):
             last = rows.loc[rows["time"].idxmax()]
-            ends.append((value, colour, 1e3 * last["time"], max(last[column], SMALLEST)))
-    heights = _apart(ax, [(x, y) for _, _, x, y in ends])
+            ends.append((value, colour, 1e3 * last["time"], max(last[column], MIN_VALUE)))
+    heights = _label_offsets(ax, [(x, y) for _, _, x, y in ends])
     for (value, colour, x, y), height in zip(ends, heights, strict=True):
         label = ax.annotate(
             value,
@@ -144,32 +144,32 @@ def name_colours(ax: Any, table: pd.DataFrame, column: str, look: Look) -> None:
         label.set_in_layout(False)
 
 
-def _apart(ax: Any, points: list[tuple[float, float]], gap: float = 12.0) -> list[float]:
-    """Offsets [points] that keep names from lying on each other."""
-    ax.figure.draw_without_rendering()  # the layout settles where points lie
+def _label_offsets(ax: Any, points: list[tuple[float, float]], gap: float = 12.0) -> list[float]:
+    """Vertical offsets [points] of labels that avoid overlaps."""
+    ax.figure.draw_without_rendering()  # the layout determines the positions
     scale = 72 / ax.figure.dpi
-    places = scale * ax.transData.transform(points)
-    order = np.argsort(places[:, 1])
-    heights = places[:, 1].copy()
+    positions = scale * ax.transData.transform(points)
+    order = np.argsort(positions[:, 1])
+    heights = positions[:, 1].copy()
     for n, k in enumerate(order):
         for j in order[:n]:
-            if abs(places[k, 0] - places[j, 0]) < 110 and heights[k] < heights[j] + gap:
+            if abs(positions[k, 0] - positions[j, 0]) < 110 and heights[k] < heights[j] + gap:
                 heights[k] = heights[j] + gap
-    return list(heights - places[:, 1])
+    return list(heights - positions[:, 1])
 
 
-def explain(ax: Any, looks: list[Look]) -> None:
-    """A small legend of dashes and markers, where they tell anything."""
+def add_legend(ax: Any, styles: list[LineStyle]) -> None:
+    """Add a small legend of the dashes and markers that vary."""
     from matplotlib.lines import Line2D
 
     kinds = ("ls", "marker", "fillstyle")
     entries = []
-    for key, (_, look) in zip(kinds, looks, strict=True):
-        if len(look) > 1:
-            for value, style in look.items():
+    for key, (_, choices) in zip(kinds, styles, strict=True):
+        if len(choices) > 1:
+            for value, value_style in choices.items():
                 base: dict[str, Any] = {"color": "0.35", "lw": 1.6, "ms": 5}
                 base |= {"ls": "-"} if key == "ls" else {"ls": "", "marker": "o"}
-                entries.append(Line2D([], [], label=value, **(base | {key: style})))
+                entries.append(Line2D([], [], label=value, **(base | {key: value_style})))
     if entries:
         ax.legend(handles=entries, frameon=False, fontsize=8, loc="best")
 

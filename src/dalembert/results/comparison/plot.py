@@ -1,4 +1,4 @@
-"""Pictures of a comparison: what accuracy, small violations and true energy cost in time."""
+"""Plots of a comparison: errors, violations and energy errors against integration time."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.results.comparison.lines import (
+    add_legend,
+    decimal_ticks,
     draw_lines,
-    explain,
-    floor,
+    label_lines,
+    line_styles,
     logarithmic,
-    looks_of,
-    make_room,
-    name_colours,
-    plain_ticks,
+    reserve_label_space,
+    shade_uncertainty,
 )
 from dalembert.results.comparison.table import brief
 
@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 
     from dalembert.results.comparison.data import ComparisonData
 
-CROWD = 2
-"""More line styles than this are hard to tell apart."""
+MAX_STYLES = 2
+"""Upper limit of line styles in one panel."""
 EFFORT = "integration time of the run [ms]"
 
 
 @dataclass(frozen=True)
-class Kind:
-    """A picture: what its panels show, and which choices are told by colour, line and marker."""
+class PictureKind:
+    """A kind of plot: its panels, and the order of choices for colours, dashes and markers."""
 
     panels: tuple[tuple[str, str], ...]
     order: tuple[str, str, str, str]
@@ -40,21 +40,21 @@ class Kind:
 
 
 KINDS = {
-    "work-precision": Kind(
+    "work-precision": PictureKind(
         (("error_position", "error of {measure}"),),
         ("integrator", "formulation", "stabilization", "coordinates"),
         "accuracy against effort",
     ),
-    "violations": Kind(
+    "violations": PictureKind(
         (
             ("position_violation", "violation of the constraints [m or rad]"),
             ("velocity_violation", "violation of their rates [m/s or rad/s]"),
         ),
         ("stabilization", "integrator", "formulation", "coordinates"),
-        "largest violation against effort",
+        "maximum violation against effort",
     ),
-    "energy": Kind(
-        (("energy_error", "energy error / largest kinetic energy"),),
+    "energy": PictureKind(
+        (("energy_error", "energy error / maximum kinetic energy"),),
         ("integrator", "formulation", "stabilization", "coordinates"),
         "energy balance against effort",
     ),
@@ -62,48 +62,48 @@ KINDS = {
 
 
 def plot_comparison(comparison: ComparisonData, kind: str, ax: Any = None) -> Any:
-    """Draw one of ``KINDS``; returns the axes, an array of them where there are several."""
+    """Draw one of ``KINDS``; returns the axes, or an array of axes for several panels."""
     if kind not in KINDS:
         raise AnalysisError(f"no picture {kind!r}; known: {', '.join(KINDS)}")
     picture = KINDS[kind]
     table = comparison.table()[comparison.finished]
     if not len(table):
         raise AnalysisError("nothing to draw: no run finished")
-    looks = looks_of(table, picture.order)
-    several = len(looks[1][1]) > CROWD and len(picture.panels) == 1 and ax is None
-    draw = _small_multiples if several else _together
-    axes = draw(comparison, table, picture, looks, ax)
+    styles = line_styles(table, picture.order)
+    several = len(styles[1][1]) > MAX_STYLES and len(picture.panels) == 1 and ax is None
+    draw = _small_multiples if several else _draw_panels
+    axes = draw(comparison, table, picture, styles, ax)
     return axes[0] if axes.size == 1 else axes
 
 
-def _together(
-    comparison: ComparisonData, table: pd.DataFrame, picture: Kind, looks: Any, ax: Any
+def _draw_panels(
+    comparison: ComparisonData, table: pd.DataFrame, picture: PictureKind, styles: Any, ax: Any
 ) -> np.ndarray:
-    """All lines in one pair of axes per quantity."""
+    """Draw all lines in one pair of axes per quantity."""
     import matplotlib.pyplot as plt
 
-    count, own = len(picture.panels), ax is None
-    if own:
+    count, creates_figure = len(picture.panels), ax is None
+    if creates_figure:
         size = (8.2 if count == 1 else 11, 4.9)
         _, ax = plt.subplots(1, count, figsize=size, layout="constrained")
     axes = np.atleast_1d(np.asarray(ax, dtype=object)).ravel()
     for panel, (column, text) in zip(axes, picture.panels, strict=True):
-        draw_lines(panel, table, column, looks)
+        draw_lines(panel, table, column, styles)
         logarithmic(panel)
         panel.set_xlabel(EFFORT)
-        panel.set_ylabel(text.format(measure=_measured(comparison)))
-        make_room(panel, table, [looks[0][0]])
-        plain_ticks(panel)
+        panel.set_ylabel(text.format(measure=_measure_label(comparison)))
+        reserve_label_space(panel, table, [styles[0][0]])
+        decimal_ticks(panel)
         if column == "error_position":
-            floor(panel, comparison.uncertainty, named=True)
-        name_colours(panel, table, column, looks[0])
-    explain(axes[-1], looks[1:])
-    if not own:
+            shade_uncertainty(panel, comparison.uncertainty, labelled=True)
+        label_lines(panel, table, column, styles[0])
+    add_legend(axes[-1], styles[1:])
+    if not creates_figure:
         axes[0].set_title(picture.title, loc="left")
         return axes
     axes[0].set_title(_title(comparison, picture), loc="left", size=11, weight="bold", pad=20)
     note = axes[0].annotate(
-        _shared(comparison),
+        _common_settings(comparison),
         (0, 1),
         xycoords="axes fraction",
         xytext=(0, 6),
@@ -116,12 +116,12 @@ def _together(
 
 
 def _small_multiples(
-    comparison: ComparisonData, table: pd.DataFrame, picture: Kind, looks: Any, _: Any
+    comparison: ComparisonData, table: pd.DataFrame, picture: PictureKind, styles: Any, _: Any
 ) -> Any:
-    """One panel per value of the second choice, the lines of the others in grey behind."""
+    """Draw one panel per value of the second choice, with the other lines in grey."""
     import matplotlib.pyplot as plt
 
-    (column, text), (name, values) = picture.panels[0], looks[1]
+    (column, text), (name, values) = picture.panels[0], styles[1]
     across = 3 if len(values) != 4 else 2
     down = -(-len(values) // across)
     figure, axes = plt.subplots(
@@ -133,43 +133,49 @@ def _small_multiples(
         layout="constrained",
         squeeze=False,
     )
-    shown, spare = axes.ravel()[: len(values)], axes.ravel()[len(values) :]
-    inner = [looks[0], (name, dict.fromkeys(values, "-")), *looks[2:]]
-    for panel, value in zip(shown, values, strict=True):
-        others = table[name] != value
-        draw_lines(panel, table[others], column, inner, behind=True)
-        draw_lines(panel, table[~others], column, inner)
+    panels, unused = axes.ravel()[: len(values)], axes.ravel()[len(values) :]
+    inner = [styles[0], (name, dict.fromkeys(values, "-")), *styles[2:]]
+    for panel, value in zip(panels, values, strict=True):
+        background = table[name] != value
+        draw_lines(panel, table[background], column, inner, background=True)
+        draw_lines(panel, table[~background], column, inner)
         logarithmic(panel)
         panel.set_title(value, loc="left", size=10, weight="bold")
         panel.tick_params(labelbottom=True)
-    for panel in spare:
+    for panel in unused:
         panel.set_visible(False)
-    make_room(shown[0], table, [looks[0][0], name])
-    for panel, value in zip(shown, values, strict=True):
-        plain_ticks(panel)
+    reserve_label_space(panels[0], table, [styles[0][0], name])
+    for panel, value in zip(panels, values, strict=True):
+        decimal_ticks(panel)
         if column == "error_position":
-            floor(panel, comparison.uncertainty, named=panel is shown[0])
-        name_colours(panel, table[table[name] == value], column, looks[0])
-    explain(shown[-1], [(name, {}), *looks[2:]])
+            shade_uncertainty(panel, comparison.uncertainty, labelled=panel is panels[0])
+        label_lines(panel, table[table[name] == value], column, styles[0])
+    add_legend(panels[-1], [(name, {}), *styles[2:]])
     figure.supxlabel(EFFORT, size=10)
-    figure.supylabel(text.format(measure=_measured(comparison)), size=10)
-    title = f"{_title(comparison, picture)}\n{_shared(comparison)}"
+    figure.supylabel(text.format(measure=_measure_label(comparison)), size=10)
+    title = f"{_title(comparison, picture)}\n{_common_settings(comparison)}"
     figure.suptitle(title, x=0.01, ha="left", size=10)
-    return shown
+    return panels
 
 
-def _title(comparison: ComparisonData, picture: Kind) -> str:
-    a = comparison.data.attrs
-    return f"{a['model']}, {a['start']:g}…{a['end']:g} s: {picture.title}"
+def _title(comparison: ComparisonData, picture: PictureKind) -> str:
+    attributes = comparison.data.attrs
+    return (
+        f"{attributes['model']}, {attributes['start']:g}…{attributes['end']:g} s: {picture.title}"
+    )
 
 
-def _measured(comparison: ComparisonData) -> str:
-    a = comparison.data.attrs
-    return f"{a['measure']} [{a['measure_unit']}]" if a["measure_unit"] else str(a["measure"])
+def _measure_label(comparison: ComparisonData) -> str:
+    attributes = comparison.data.attrs
+    return (
+        f"{attributes['measure']} [{attributes['measure_unit']}]"
+        if attributes["measure_unit"]
+        else str(attributes["measure"])
+    )
 
 
-def _shared(comparison: ComparisonData) -> str:
-    """Second line of the title: what all lines share, and what the markers are."""
+def _common_settings(comparison: ComparisonData) -> str:
+    """Second line of the title: common settings, and the meaning of the markers."""
     data = comparison.data
     names = [
         str(data[name].values[0])

@@ -1,4 +1,4 @@
-"""Comparison: the result of ``compare``, as users hold it."""
+"""Comparison of strategies, the result of ``compare``."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.files.atomic import atomic_path
+from dalembert.files import atomic_path
 from dalembert.results.comparison.data import COLUMNS, TEXTS, ComparisonData
 
 
 @dataclass(eq=False, repr=False)
 class Comparison(ComparisonData):
-    """Runs of one mechanism under many choices; made by ``compare``, or from a saved dataset.
+    """Runs of one mechanism with different strategies, from ``compare`` or a saved dataset.
 
     Attributes
     ----------
@@ -30,13 +30,13 @@ class Comparison(ComparisonData):
     >>> bar = system.add(planar.Bar("bar", length=1.0, mass=2.0))
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
     >>> forms = ["RangeSpace", "Kkt"]
-    >>> told = da.compare(system.build(), 0.2, formulations=forms, integrators="RK4", steps=0.01)
-    >>> isinstance(told, da.Comparison), told.data["outcome"].values.tolist()
+    >>> runs = da.compare(system.build(), 0.2, formulations=forms, integrators="RK4", steps=0.01)
+    >>> isinstance(runs, da.Comparison), runs.data["outcome"].values.tolist()
     (True, ['completed', 'completed'])
     """
 
     def summary(self) -> list[str]:
-        """What the table says, in a few sentences."""
+        """The main findings of the table, in a few sentences."""
         from dalembert.results.comparison.table import summary
 
         return summary(self)
@@ -50,14 +50,14 @@ class Comparison(ComparisonData):
         Raises
         ------
         AnalysisError
-            Another kind, or nothing to draw.
+            Unknown kind, or nothing to draw.
         """
         from dalembert.results.comparison.plot import plot_comparison
 
         return plot_comparison(self, kind, ax)
 
     def save_plot(self, path: str | Path, kind: str = "work-precision") -> Path:
-        """Write a picture, its format by the name: .png, .svg or .pdf."""
+        """Write a picture; the suffix selects the format: .png, .svg or .pdf."""
         import matplotlib.pyplot as plt
 
         figure = np.atleast_1d(self.plot(kind))[0].figure
@@ -67,13 +67,13 @@ class Comparison(ComparisonData):
         return Path(path)
 
     def to_csv(self, path: str | Path) -> Path:
-        """Write the table as CSV, whole or not at all."""
+        """Write the table as CSV, atomically."""
         with atomic_path(path) as temporary:
             self.table().to_csv(temporary, index_label="run")
         return Path(path)
 
     def save(self, path: str | Path) -> Path:
-        """Write a NetCDF file; ``Comparison(load_results(path))`` has it back."""
+        """Write a NetCDF file; ``Comparison(load_results(path))`` reads it back."""
         from dalembert.results.files.store import save_dataset
 
         return save_dataset(self.data, path)
@@ -88,7 +88,7 @@ class Comparison(ComparisonData):
 
 
 def comparison_of(rows: Sequence[Mapping[str, Any]], attributes: Mapping[str, Any]) -> Comparison:
-    """A comparison from its rows; numbers that a row lacks are not a number."""
+    """A comparison from its rows; missing numbers are NaN."""
     import xarray as xr
 
     data = {}
@@ -98,7 +98,7 @@ def comparison_of(rows: Sequence[Mapping[str, Any]], attributes: Mapping[str, An
         elif name == "below_uncertainty":
             values = np.array([bool(row.get(name, False)) for row in rows], dtype=bool)
         else:
-            found = (row.get(name) for row in rows)
-            values = np.array([math.nan if x is None else x for x in found], dtype=float)
+            numbers = (row.get(name) for row in rows)
+            values = np.array([math.nan if x is None else x for x in numbers], dtype=float)
         data[name] = ("run", values, {"units": unit, "long_name": text})
     return Comparison(xr.Dataset(data, {"run": np.arange(len(rows))}, attrs=dict(attributes)))

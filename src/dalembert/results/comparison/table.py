@@ -1,4 +1,4 @@
-"""A comparison in words: cells of its table for people, and a summary."""
+"""Table and summary of a comparison as text."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Row = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Column:
-    """A column for people; those of rank 0 always stay where space is short."""
+    """A column of the table; columns of rank 0 stay if the width is limited."""
 
     heading: str
     cell: Callable[[Row], str]
@@ -61,16 +61,16 @@ def _time(name: str, factor: float) -> Callable[[Row], str]:
 
 
 def notes(comparison: ComparisonData) -> list[str]:
-    """Why runs did not finish, and what runs were warned of, each sentence once."""
+    """Reasons of failed runs, and warnings of runs, each text once."""
     table = comparison.table()
-    failed = [str(message) for message in table[~comparison.finished]["message"]]
-    doubtful = [text for row in table["warnings"] for text in row.split(BETWEEN) if text]
-    return list(dict.fromkeys([*failed, *doubtful]))
+    failures = [str(message) for message in table[~comparison.finished]["message"]]
+    warnings = [text for row in table["warnings"] for text in row.split(BETWEEN) if text]
+    return list(dict.fromkeys([*failures, *warnings]))
 
 
 def columns(comparison: ComparisonData) -> list[Column]:
-    """Columns of the table; strategies that are the same in all rows are left out."""
-    data, reasons = comparison.data, notes(comparison)
+    """Columns of the table without strategies that are equal in all rows."""
+    data, footnotes = comparison.data, notes(comparison)
     floor = comparison.uncertainty
 
     def varies(name: str) -> bool:
@@ -84,12 +84,12 @@ def columns(comparison: ComparisonData) -> list[Column]:
         )
 
     def status(row: Row) -> str:
-        told = [text for text in row["warnings"].split(BETWEEN) if text]
+        texts = [text for text in row["warnings"].split(BETWEEN) if text]
         word = "ok"
         if row["outcome"] != Outcome.COMPLETED.value:
             word = row["outcome"].removesuffix("Error").partition(":")[0].lower()
-            told.insert(0, row["message"])
-        return " ".join([word, *(f"[{reasons.index(text) + 1}]" for text in told)])
+            texts.insert(0, row["message"])
+        return " ".join([word, *(f"[{footnotes.index(text) + 1}]" for text in texts)])
 
     strategies = [
         Column(name, _name(name), 0, True)
@@ -117,57 +117,63 @@ def columns(comparison: ComparisonData) -> list[Column]:
 def cells(
     comparison: ComparisonData, width: int | None = None
 ) -> tuple[list[Column], list[list[str]]]:
-    """Columns and their cells by row; columns that matter less give way to ``width``."""
-    chosen = columns(comparison)
+    """Columns and their cells by row; columns of higher rank are dropped to fit ``width``."""
+    available = columns(comparison)
     rows = [row.to_dict() for _, row in comparison.table().iterrows()]
-    found = [[column.cell(row) for row in rows] for column in chosen]
-    sizes = [max(map(len, [c.heading, *f])) + 2 for c, f in zip(chosen, found, strict=True)]
-    kept = sorted(range(len(chosen)), key=lambda k: chosen[k].rank)
-    while width is not None and chosen[kept[-1]].rank and sum(sizes[k] for k in kept) > width:
-        kept.pop()
-    kept.sort()
-    return [chosen[k] for k in kept], [[found[k][r] for k in kept] for r in range(len(rows))]
+    texts = [[column.cell(row) for row in rows] for column in available]
+    sizes = [max(map(len, [c.heading, *f])) + 2 for c, f in zip(available, texts, strict=True)]
+    visible = sorted(range(len(available)), key=lambda k: available[k].rank)
+    while (
+        width is not None and available[visible[-1]].rank and sum(sizes[k] for k in visible) > width
+    ):
+        visible.pop()
+    visible.sort()
+    return [available[k] for k in visible], [
+        [texts[k][r] for k in visible] for r in range(len(rows))
+    ]
 
 
 def title(comparison: ComparisonData) -> str:
-    """What is compared, with what all rows share."""
+    """Title: model, time span and common strategies."""
     data = comparison.data
     shared = [
         str(data[name].values[0])
         for name in ("formulation", "coordinates", "stabilization")
         if len(set(data[name].values)) == 1
     ]
-    a = data.attrs
-    return ", ".join([f"{a['model']}, {a['start']:g}…{a['end']:g} s", *shared])
+    attributes = data.attrs
+    return ", ".join(
+        [f"{attributes['model']}, {attributes['start']:g}…{attributes['end']:g} s", *shared]
+    )
 
 
 def summary(comparison: ComparisonData) -> list[str]:
-    """What the table says, in a few sentences."""
-    a = comparison.data.attrs
-    unit = f" [{a['measure_unit']}]" if a["measure_unit"] else ""
+    """The main findings of the table, in a few sentences."""
+    attributes = comparison.data.attrs
+    unit = f" [{attributes['measure_unit']}]" if attributes["measure_unit"] else ""
     floor = comparison.uncertainty
     lines = [
-        f"error: of {a['measure']}{unit}, largest over the run",
-        f"reference: {a['reference']}; they differ by {brief(floor, 1)}",
+        f"error: of {attributes['measure']}{unit}, maximum over the run",
+        f"reference: {attributes['reference']}; they differ by {brief(floor, 1)}",
     ]
     for target in TARGETS:
         best = comparison.fastest(target) if target > floor else None
         if best is not None:
-            lines.append(f"best at error {brief(target)}: {_told(comparison, best)}")
+            lines.append(f"best at error {brief(target)}: {_describe_run(comparison, best)}")
     orders = comparison.orders()
     if len(orders):
-        found = orders.groupby("integrator", sort=False)["order"]
-        parts = [f"{name} {_range(values)}" for name, values in found]
-        lines.append(f"order seen in the errors: {', '.join(parts)}")
+        groups = orders.groupby("integrator", sort=False)["order"]
+        parts = [f"{name} {_range(values)}" for name, values in groups]
+        lines.append(f"observed order: {', '.join(parts)}")
     failed = int((~comparison.finished).sum())
     if failed:
         lines.append(f"{failed} of {comparison.data.sizes['run']} runs did not finish")
     if not comparison.complete:
-        lines.append("interrupted before all runs were made")
+        lines.append("interrupted before all runs were completed")
     return lines
 
 
-def _told(comparison: ComparisonData, row: Row) -> str:
+def _describe_run(comparison: ComparisonData, row: Row) -> str:
     names = [
         row[name]
         for name in ("integrator", "formulation", "coordinates", "stabilization")
@@ -186,19 +192,19 @@ def _range(values: Any) -> str:
 
 def html_table(comparison: ComparisonData) -> str:
     """Table and summary for notebooks."""
-    chosen, rows = cells(comparison)
-    head = "".join(f"<th>{html.escape(c.heading)}</th>" for c in chosen)
+    header, rows = cells(comparison)
+    head = "".join(f"<th>{html.escape(c.heading)}</th>" for c in header)
     body = "".join(
         "<tr>"
         + "".join(
             f'<td style="text-align:{"left" if c.text else "right"}">{html.escape(cell)}</td>'
-            for c, cell in zip(chosen, row, strict=True)
+            for c, cell in zip(header, row, strict=True)
         )
         + "</tr>"
         for row in rows
     )
-    reasons = [f"[{k}] {text}" for k, text in enumerate(notes(comparison), 1)]
-    lines = "".join(f"<li>{html.escape(line)}</li>" for line in [*summary(comparison), *reasons])
+    footnotes = [f"[{k}] {text}" for k, text in enumerate(notes(comparison), 1)]
+    lines = "".join(f"<li>{html.escape(line)}</li>" for line in [*summary(comparison), *footnotes])
     return (
         f"<p><b>{html.escape(title(comparison))}</b></p><table><thead><tr>{head}</tr></thead>"
         f"<tbody>{body}</tbody></table><ul>{lines}</ul>"

@@ -1,4 +1,4 @@
-"""Labelled arrays as plain data: what is written to files and pages without ``xarray``."""
+"""Labelled arrays as plain data, for files and pages without ``xarray``."""
 
 from __future__ import annotations
 
@@ -11,18 +11,28 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray as xr
 
+
+COMPONENTS = {
+    2: ("axis", ("x", "y")),
+    3: ("axis", ("x", "y", "z")),
+    4: ("component", ("e0", "e1", "e2", "e3")),
+    9: ("entry", tuple(f"{row}{column}" for row in "xyz" for column in "xyz")),
+}
+"""Number of components → dimension and labels: vectors, Euler parameters, matrices by rows."""
+
+
 Labelled = tuple[tuple[str, ...], np.ndarray, dict[str, Any]]
-"""Dimensions, values, and what is said about them."""
+"""Dimensions, values and attributes."""
 
 
 @dataclass(frozen=True)
 class Contents:
-    """What an ``xarray.Dataset`` holds.
+    """Labelled arrays with the structure of an ``xarray.Dataset``.
 
     Attributes
     ----------
-    variables, coordinates : name → dimensions, values, what is said about them
-    attributes : what is said about all
+    variables, coordinates : name → dimensions, values, attributes
+    attributes : attributes of the whole
     """
 
     variables: dict[str, Labelled]
@@ -30,19 +40,22 @@ class Contents:
     attributes: dict[str, Any]
 
     @classmethod
-    def given(
-        cls, variables: Mapping[str, Any], coordinates: Mapping[str, Any], about: dict[str, Any]
+    def from_arrays(
+        cls,
+        variables: Mapping[str, Any],
+        coordinates: Mapping[str, Any],
+        attributes: dict[str, Any],
     ) -> Contents:
-        """As ``xarray.Dataset`` takes them: lists of labels are coordinates of their own."""
+        """Contents from the arguments of ``xarray.Dataset``; a list of labels is a coordinate."""
         return cls(
-            {name: _labelled(name, given) for name, given in variables.items()},
-            {name: _labelled(name, given) for name, given in coordinates.items()},
-            about,
+            {name: _labelled(name, entry) for name, entry in variables.items()},
+            {name: _labelled(name, entry) for name, entry in coordinates.items()},
+            attributes,
         )
 
     @classmethod
     def of(cls, data: xr.Dataset) -> Contents:
-        """What a dataset holds."""
+        """Contents of a dataset."""
         variables, coordinates = (
             {str(n): (tuple(map(str, v.dims)), v.values, dict(v.attrs)) for n, v in part.items()}
             for part in (data.data_vars, data.coords)
@@ -50,7 +63,7 @@ class Contents:
         return cls(variables, coordinates, dict(data.attrs))
 
     def dataset(self) -> xr.Dataset:
-        """The same with all that ``xarray`` can do."""
+        """The contents as an ``xarray.Dataset``."""
         import xarray as xr
 
         return xr.Dataset(self.variables, self.coordinates, self.attributes)
@@ -58,12 +71,12 @@ class Contents:
     def plus(
         self, variables: Mapping[str, Any], coordinates: Mapping[str, Any] | None = None
     ) -> Contents:
-        """The same with more in it."""
-        more = Contents.given(variables, coordinates or {}, {})
+        """The contents with further variables and coordinates."""
+        added = Contents.from_arrays(variables, coordinates or {}, {})
         return replace(
             self,
-            variables=self.variables | more.variables,
-            coordinates=self.coordinates | more.coordinates,
+            variables=self.variables | added.variables,
+            coordinates=self.coordinates | added.coordinates,
         )
 
     def __contains__(self, name: str) -> bool:
@@ -82,23 +95,23 @@ class Contents:
         return self.variables[name][0]
 
     def labels(self, dimension: str) -> list[str]:
-        """Names along a dimension; none where there is no such dimension."""
+        """Labels along a dimension; empty if there is no such dimension."""
         return list(self.coordinates[dimension][1]) if dimension in self.coordinates else []
 
     def at(self, name: str, **labels: str) -> np.ndarray:
         """Values of a variable at labels of some of its dimensions."""
-        places = [
+        index = [
             self.labels(dimension).index(labels[dimension]) if dimension in labels else slice(None)
             for dimension in self.dimensions(name)
         ]
-        return self[name][tuple(places)]
+        return self[name][tuple(index)]
 
 
-def _labelled(name: str, given: Any) -> Labelled:
-    if isinstance(given, list):
-        given = ((name,), np.array(given, dtype=str))
-    elif isinstance(given, np.ndarray):
-        given = ((name,), given)
-    dimensions, values, *about = given
+def _labelled(name: str, entry: Any) -> Labelled:
+    if isinstance(entry, list):
+        entry = ((name,), np.array(entry, dtype=str))
+    elif isinstance(entry, np.ndarray):
+        entry = ((name,), entry)
+    dimensions, values, *attributes = entry
     dimensions = (dimensions,) if isinstance(dimensions, str) else tuple(dimensions)
-    return dimensions, np.asarray(values), dict(about[0]) if about else {}
+    return dimensions, np.asarray(values), dict(attributes[0]) if attributes else {}

@@ -1,4 +1,4 @@
-"""What the report shows, as plain data: drawing, series, diagnosis, statistics."""
+"""Payload of the report of a motion: drawing, series, diagnosis and statistics."""
 
 from __future__ import annotations
 
@@ -8,19 +8,23 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.results.files.headings import checked_units, chosen_units
-from dalembert.results.files.page_parts import diagnosis, parameter_rows, statistics
-from dalembert.results.labelled import LabelledRecording
+from dalembert.results.files.tables import (
+    checked_units,
+    diagnosis,
+    parameter_rows,
+    preferred_units,
+    statistics,
+)
+from dalembert.results.labelled import LabelledRecording, measured_series
 from dalembert.results.pictures.scene import is_spatial, motion_scene
-from dalembert.results.series import measured_series
 from dalembert.units.unit import shown_in
 
 MAX_FRAMES = 20_000
 MAX_NUMBERS = 6_000_000
-"""Of all series of a page together; of a large mechanism fewer instants are shown."""
-LEAST_FRAMES = 2000
-ROUNDED = 1e-14
-"""Part of the largest value of a unit that is round-off."""
+"""Upper limit of numbers in all series of a page; large mechanisms show fewer instants."""
+MIN_FRAMES = 2000
+ROUND_OFF = 1e-14
+"""Threshold for round-off, relative to the largest value of the unit."""
 
 
 def report_payload(
@@ -29,26 +33,26 @@ def report_payload(
     trace: Sequence[str] | None,
     units: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """Everything the page needs, thinned to at most ``MAX_FRAMES`` instants, fewer where many move.
+    """Payload of the page, with at most ``MAX_FRAMES`` instants, fewer for large mechanisms.
 
     Parameters
     ----------
     plots : groups of series names, one plot each; a sensible choice if None
-    trace : names of points, or of bodies for their origins, whose paths are drawn from the start
-    units : that plots show, each for what has its dimension
+    trace : names of points, or of bodies for their origins, whose paths are drawn initially
+    units : preferred units of plots, one per dimension
     """
     count = motion.time.size
     keep = np.unique(np.linspace(0, count - 1, min(count, _frames(motion))).round().astype(int))
     series = measured_series(motion, keep)
     names = {s["name"] for s in series}
     for name in dict.fromkeys(n for group in plots or () for n in group if n not in names):
-        series.append(_asked(motion, name, keep))
+        series.append(_extra_series(motion, name, keep))
         names.add(name)
     _without_rounding(series)
-    for one in series if units else ():
-        factor, one["unit"] = shown_in(str(one["unit"]), checked_units(units))
-        one["values"] = one["values"] / factor
-    wanted = [list(group) for group in plots] if plots else None
+    for entry in series if units else ():
+        factor, entry["unit"] = shown_in(str(entry["unit"]), checked_units(units))
+        entry["values"] = entry["values"] / factor
+    groups = [list(group) for group in plots] if plots else None
     payload = {
         "format": 1,
         "kind": "spatial" if is_spatial(motion.model) else "mechanism",
@@ -57,12 +61,12 @@ def report_payload(
         "time": motion.time[keep].tolist() if count else [],
         "scene": motion_scene(motion, keep),
         "series": series,
-        "default_plots": [g for g in wanted if g] if wanted else _default_plots(motion, names),
+        "default_plots": [g for g in groups if g] if groups else _default_plots(motion, names),
         "events": [event.row for event in motion.events],
         "diagnosis": _diagnosis(motion),
         "statistics": _statistics(motion),
         "parameters": parameter_rows(motion.model.parameters, motion.parameters, units),
-        "units": chosen_units({"m", "rad", "N", "N m"}, units),
+        "units": preferred_units({"m", "rad", "N", "N m"}, units),
     }
     if trace is not None:
         _add_origins(payload["scene"], motion.model, trace)
@@ -72,44 +76,44 @@ def report_payload(
 
 
 def _without_rounding(series: list[dict[str, Any]]) -> None:
-    """Values that are round-off beside the largest one of their unit are zero; errors are kept."""
+    """Set values at round-off level to zero, except errors and violations."""
     largest: dict[str, float] = {}
     errors = ("violation", "_error")
-    shown = [one for one in series if not one["name"].endswith(errors)]
-    for one in shown:
-        size = np.abs(one["values"][np.isfinite(one["values"])]).max(initial=0.0)
-        largest[one["unit"]] = max(largest.get(one["unit"], 0.0), float(size))
-    for one in shown:
-        small = np.abs(one["values"]) < ROUNDED * largest[one["unit"]]
-        one["values"] = np.where(small, 0.0, one["values"])
+    physical = [entry for entry in series if not entry["name"].endswith(errors)]
+    for entry in physical:
+        size = np.abs(entry["values"][np.isfinite(entry["values"])]).max(initial=0.0)
+        largest[entry["unit"]] = max(largest.get(entry["unit"], 0.0), float(size))
+    for entry in physical:
+        small = np.abs(entry["values"]) < ROUND_OFF * largest[entry["unit"]]
+        entry["values"] = np.where(small, 0.0, entry["values"])
 
 
 def _add_origins(scene: dict[str, Any], model: Any, trace: Sequence[str]) -> None:
-    """Points of bodies that a trace names by the body alone: their origins."""
-    known = {point["name"] for point in scene["points"]}
+    """Add the origins of bodies that a trace names."""
+    names = {point["name"] for point in scene["points"]}
     dimension = 3 if is_spatial(model) else 2
     for body in model.bodies:
-        if body.name in trace and body.name not in known:
-            place = {"body": body.name, "point": [0.0] * dimension}
-            scene["points"].append({"name": body.name, **place})
+        if body.name in trace and body.name not in names:
+            position = {"body": body.name, "point": [0.0] * dimension}
+            scene["points"].append({"name": body.name, **position})
 
 
 def _frames(motion: LabelledRecording) -> int:
-    """How many instants a page shows at most."""
+    """Upper limit of instants of a page."""
     numbers = sum(values.size for _, values, _ in motion.contents.variables.values())
     columns = numbers / max(1, motion.time.size)
-    return int(np.clip(MAX_NUMBERS / max(1.0, columns), LEAST_FRAMES, MAX_FRAMES))
+    return int(np.clip(MAX_NUMBERS / max(1.0, columns), MIN_FRAMES, MAX_FRAMES))
 
 
 def _subtitle(motion: LabelledRecording) -> str:
     choices = ("integrator", "formulation", "stabilization", "coordinates")
-    used = [str(motion.statistics[k]) for k in choices if k in motion.statistics]
-    told = " + ".join(u for u in used if u != "AbsoluteCoordinates")
-    return ", ".join([motion.analysis.spoken, told]).rstrip(", ")
+    strategies = [str(motion.statistics[k]) for k in choices if k in motion.statistics]
+    listed = " + ".join(u for u in strategies if u != "AbsoluteCoordinates")
+    return ", ".join([motion.analysis.spoken, listed]).rstrip(", ")
 
 
-def _asked(motion: LabelledRecording, name: str, keep: np.ndarray) -> dict[str, Any]:
-    """A measure or formula that is not among the usual series.
+def _extra_series(motion: LabelledRecording, name: str, keep: np.ndarray) -> dict[str, Any]:
+    """Series of a measure or formula that is not among the default ones.
 
     Raises
     ------
@@ -132,10 +136,15 @@ def _asked(motion: LabelledRecording, name: str, keep: np.ndarray) -> dict[str, 
 def _default_plots(motion: LabelledRecording, names: set[str]) -> list[list[str]]:
     diagnosis = motion.model.diagnosis
     angles = [f"{b.name}.angle" for b in motion.model.bodies]
-    turning = [f"{b}.angular_velocity.{axis}" for b in diagnosis.bodies[:1] for axis in "xyz"]
-    places = [f"{b}.{c}" for b in diagnosis.bodies[:2] for c in "xyz"]
-    choices = ([n for n in some if n in names][:4] for some in (angles, turning, places))
-    angles = next((some for some in choices if some), [])
+    angular_velocities = [
+        f"{b}.angular_velocity.{axis}" for b in diagnosis.bodies[:1] for axis in "xyz"
+    ]
+    coordinates = [f"{b}.{c}" for b in diagnosis.bodies[:2] for c in "xyz"]
+    choices = (
+        [n for n in candidates if n in names][:4]
+        for candidates in (angles, angular_velocities, coordinates)
+    )
+    angles = next((candidates for candidates in choices if candidates), [])
     plots = [angles]
     efforts = [f"{d}.effort" for d in diagnosis.drivers if f"{d}.effort" in names]
     reactions = [f"{j}.force_norm" for j in diagnosis.joints[:4] if f"{j}.force_norm" in names]
@@ -149,19 +158,21 @@ def _default_plots(motion: LabelledRecording, names: set[str]) -> list[list[str]
 
 
 def _diagnosis(motion: LabelledRecording) -> dict[str, Any]:
-    d = motion.model.diagnosis
+    model_diagnosis = motion.model.diagnosis
     items = [
-        ("degrees of freedom", d.degrees_of_freedom),
-        ("Grübler's count", d.gruebler),
-        ("bodies", len(d.bodies)),
-        ("joints", len(d.joints)),
-        ("drivers", len(d.drivers)),
-        ("joint equations", d.joint_equations),
-        ("redundant equations", len(d.redundancies)),
-        ("loops", "; ".join("–".join(loop) for loop in d.topology.loops) or "none"),
+        ("degrees of freedom", model_diagnosis.degrees_of_freedom),
+        ("Grübler's count", model_diagnosis.gruebler),
+        ("bodies", len(model_diagnosis.bodies)),
+        ("joints", len(model_diagnosis.joints)),
+        ("drivers", len(model_diagnosis.drivers)),
+        ("joint equations", model_diagnosis.joint_equations),
+        ("redundant equations", len(model_diagnosis.redundancies)),
+        ("loops", "; ".join("–".join(loop) for loop in model_diagnosis.topology.loops) or "none"),
     ]
-    doubts = [("warning", text) for text in motion.warnings]
-    return diagnosis(d.summary, items, [*doubts, *d.messages], motion.status)
+    warnings = [("warning", text) for text in motion.warnings]
+    return diagnosis(
+        model_diagnosis.summary, items, [*warnings, *model_diagnosis.messages], motion.status
+    )
 
 
 def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:

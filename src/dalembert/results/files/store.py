@@ -1,18 +1,18 @@
-"""Results to files and back: NetCDF, data frames, CSV."""
+"""Result files: NetCDF and CSV."""
 
 from __future__ import annotations
 
 import json
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from dalembert.errors import DalembertError, FileError
-from dalembert.files.atomic import atomic_path
-from dalembert.files.readable import readable
-from dalembert.results.files.contents import Contents
+from dalembert.files import atomic_path, readable
+from dalembert.results.files.contents import Contents, Labelled
 from dalembert.results.files.inspection import check_seal, inspect, seal
-from dalembert.results.files.netcdf import write_netcdf
 from dalembert.text.spelling import spelled
 
 if TYPE_CHECKING:
@@ -20,30 +20,30 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-OTHERS = {".csv": "to_csv", ".html": "report"} | dict.fromkeys(
+OTHER_SUFFIXES = {".csv": "to_csv", ".html": "report"} | dict.fromkeys(
     (".txt", ".json", ".toml", ".xlsx", ".parquet", ".mat", ".pkl", ".png", ".pdf"), ""
 )
-"""Endings of files that hold something else, and who writes it."""
-LONGEST = 300
-"""Characters of a message of a library that are shown."""
-UNSEALED = (
-    "has no checksum, as an earlier version or another program wrote it; damage of its numbers "
-    "would not be noticed"
+"""Suffixes of other file types → method that writes them."""
+MAX_MESSAGE = 300
+"""Upper limit of the characters quoted from a library's message."""
+NO_CHECKSUM_WARNING = (
+    "has no checksum, because an earlier version or another program wrote it; damaged numbers "
+    "cannot be detected"
 )
-"""What is said of a file that cannot be compared with a checksum."""
+"""Warning for a file without a checksum."""
 
 
 def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
-    """Write labelled arrays as NetCDF-4, whole or not at all.
+    """Write labelled arrays as NetCDF-4, atomically.
 
     Raises
     ------
     FileError
-        The file cannot be written, or its name says that it is of another kind.
+        The file cannot be written, or its suffix belongs to another type.
     """
     ending = Path(path).suffix.lower()
-    if ending in OTHERS:
-        writer = f"; {OTHERS[ending]} writes {ending}" if OTHERS[ending] else ""
+    if ending in OTHER_SUFFIXES:
+        writer = f"; {OTHER_SUFFIXES[ending]} writes {ending}" if OTHER_SUFFIXES[ending] else ""
         raise FileError(f"{path}: results are saved as NetCDF, in a file such as x.nc{writer}")
     with atomic_path(path) as temporary:
         write_netcdf(data if isinstance(data, Contents) else Contents.of(data), temporary)
@@ -55,8 +55,8 @@ def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
 def load_results(path: str | Path) -> xr.Dataset:
     """Read a result file written by ``save`` as an ``xarray.Dataset``.
 
-    The file is compared with its checksum, and refused where it refers to other files. A file
-    without a checksum is read, with a ``UserWarning``.
+    The checksum of the file is verified, and files that refer to other files are refused. A file
+    without a checksum is read with a ``UserWarning``.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def load_results(path: str | Path) -> xr.Dataset:
     FileError
         Missing file, a damaged one, or not a result of this program.
     BudgetError
-        It unpacks to more than a task may take.
+        Its contents exceed the memory budget.
 
     Examples
     --------
@@ -96,35 +96,81 @@ def load_results(path: str | Path) -> xr.Dataset:
     except Exception as error:  # HDF5 and its readers have errors of many kinds
         raise FileError(f"{path}: cannot be read as a result file ({_brief(error)})") from None
     if not sealed:
-        warnings.warn(f"{path}: {UNSEALED}", stacklevel=3)
+        warnings.warn(f"{path}: {NO_CHECKSUM_WARNING}", stacklevel=3)
     return data
 
 
 def _brief(error: Exception) -> str:
-    """The beginning of a message of a library."""
-    told = str(error) or type(error).__name__
-    return told if len(told) <= LONGEST else told[:LONGEST] + " …"
+    """Truncated message of a library error."""
+    message = str(error) or type(error).__name__
+    return message if len(message) <= MAX_MESSAGE else message[:MAX_MESSAGE] + " …"
 
 
 def report_of(data: xr.Dataset) -> dict:
-    """What the report of a saved result is drawn from.
+    """Payload of the report of a saved result.
 
     Raises
     ------
     FileError
-        The dataset holds none.
+        The dataset contains no report.
     """
     try:
         payload = json.loads(str(data["report"].values))
     except (KeyError, ValueError, RecursionError):
         payload = None
     if not isinstance(payload, dict):
-        raise FileError("this result file holds no report; run the model again")
+        raise FileError("this result file contains no report; run the model again")
     return payload
 
 
 def save_table(table: pd.DataFrame, path: str | Path) -> Path:
-    """Write a table as CSV, whole or not at all."""
+    """Write a table as CSV, atomically."""
     with atomic_path(path) as temporary:
         table.to_csv(temporary)
     return Path(path)
+
+
+TEXTS, BOOLEANS, NUMBERS = "UO", "b", "f"
+"""Array kinds that need a conversion."""
+
+
+def write_netcdf(contents: Contents, path: str | Path) -> None:
+    """Write labelled arrays of numbers, booleans and texts as NetCDF-4."""
+    import h5netcdf
+
+    coordinates = contents.coordinates
+    arrays = contents.variables | coordinates
+    auxiliary = [name for name, (dims, *_) in coordinates.items() if dims != (name,)]
+    with h5netcdf.File(path, "w") as file:
+        for dims, values, _ in arrays.values():
+            for dimension, size in zip(dims, values.shape, strict=True):
+                if dimension not in file.dimensions:
+                    file.dimensions[dimension] = size
+        for name, array in arrays.items():
+            _write(file, name, array)
+        for name, value in contents.attributes.items():
+            file.attrs[name] = value
+        if auxiliary:
+            file.attrs["coordinates"] = " ".join(auxiliary)
+
+
+def _write(file: Any, name: str, array: Labelled) -> None:
+    dims, values, attributes = array
+    kind, dtype, fill_value = values.dtype.kind, values.dtype, None
+    if kind in TEXTS:
+        import h5py
+
+        dtype, values = h5py.string_dtype(), values.astype(object)
+    elif kind in BOOLEANS:
+        dtype, values, attributes = (
+            np.dtype("i1"),
+            values.astype("i1"),
+            attributes | {"dtype": "bool"},
+        )
+    elif kind in NUMBERS:
+        fill_value = np.nan
+    variable = file.create_variable(name, dims, dtype=dtype, fillvalue=fill_value)
+    for key, value in attributes.items():
+        variable.attrs[key] = value
+    if values.size:
+        variable[...] = values

@@ -1,31 +1,34 @@
-"""Pictures and animations of a motion with Matplotlib, for notebooks."""
+"""Pictures, animations and films of a motion with Matplotlib."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.animation import FuncAnimation
 
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, FileError
+from dalembert.files import atomic_path
+from dalembert.report.packing import unpack
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pictures.picture import Picture
 
-SHORT = 5.0
-"""Length of a film [s] for which no speed was asked."""
+DEFAULT_LENGTH = 5.0
+"""Length of an animation without a given speed [s]."""
 
 
 class Film(FuncAnimation):
-    """Animation that notebooks show by themselves, with a player."""
+    """Animation that notebooks display with a player."""
 
     def _repr_html_(self) -> str:
         return self.to_jshtml()
 
 
 def still(motion: LabelledRecording, time: float, ax: Any = None) -> Any:
-    """The mechanism at the output nearest to a time; returns the axes."""
-    _need_outputs(motion)
+    """Draw the mechanism at the output nearest to a time; returns the axes."""
+    _check_outputs(motion)
     k = int(np.argmin(np.abs(motion.time - time)))
     picture = Picture(motion, np.array([k]), ax)
     picture.show(0)
@@ -40,16 +43,18 @@ def animate(
     Parameters
     ----------
     fps : frames a second
-    speed : times real time; by default what makes a film of five seconds at most
+    speed : relative to real time; by default chosen for at most five seconds
     """
-    _need_outputs(motion)
+    _check_outputs(motion)
     for name, value in (("fps", fps), ("speed", speed)):
         if value is not None and not 0 < value < np.inf:
             raise AnalysisError(f"{name} is {value!r:.60}; give a positive number")
     span = motion.time[-1] - motion.time[0]
-    frames = int(np.clip(fps * (min(span, SHORT) if speed is None else span / speed), 2, 600))
-    wanted = np.linspace(motion.time[0], motion.time[-1], frames)
-    keep = np.clip(np.searchsorted(motion.time, wanted), 0, motion.time.size - 1)
+    frames = int(
+        np.clip(fps * (min(span, DEFAULT_LENGTH) if speed is None else span / speed), 2, 600)
+    )
+    instants = np.linspace(motion.time[0], motion.time[-1], frames)
+    keep = np.clip(np.searchsorted(motion.time, instants), 0, motion.time.size - 1)
     picture = Picture(motion, keep, ax)
     figure = picture.ax.figure
     film = Film(
@@ -60,10 +65,96 @@ def animate(
         blit=not picture.spatial,
         cache_frame_data=False,
     )
-    plt.close(figure)  # notebooks would show the still picture as well
+    plt.close(figure)  # keeps notebooks from showing the still picture as well
     return film
 
 
-def _need_outputs(motion: LabelledRecording) -> None:
+def _check_outputs(motion: LabelledRecording) -> None:
     if not motion.time.size:
         raise AnalysisError(f"there is no output to draw: {motion.status}")
+
+
+MAX_FRAMES = 400
+"""Upper limit of frames of a film."""
+WRITERS = {".gif": "pillow", ".mp4": "ffmpeg"}
+
+
+def write_film(
+    page: dict[str, Any],
+    path: Path,
+    *,
+    fps: int = 20,
+    seconds: float = 5.0,
+    width: int = 720,
+    state: str | None = None,
+) -> Path:
+    """Write the motion of a page as a film; a structure shows its states or oscillates.
+
+    Parameters
+    ----------
+    path : with the suffix .gif or .mp4
+    fps : frames a second
+    seconds : length of the film, independent of the motion
+    width : in pixels
+    state : load case or mode of a structure that oscillates; by default all instants of a motion,
+        else the first state
+
+    Raises
+    ------
+    FileError
+        Unknown suffix, a writer that is not installed, or an unknown state.
+    AnalysisError
+        No outputs, or no positive rate, length or width.
+    """
+    from matplotlib import pyplot as plt
+    from matplotlib.animation import FuncAnimation, writers
+
+    if path.suffix not in WRITERS:
+        raise FileError(f"{path}: a film has the suffix {' or '.join(WRITERS)}")
+    writer = WRITERS[path.suffix]
+    if not writers.is_available(writer):
+        cure = "install it, or write a .gif"
+        raise FileError(f"{path}: {writer}, which writes such films, is not installed; {cure}")
+    if min(fps, seconds, width) <= 0:
+        raise AnalysisError("a film needs positive fps, seconds and width")
+    picture, frames = _picture(unpack(page), int(np.clip(fps * seconds, 2, MAX_FRAMES)), state)
+    figure = picture.ax.figure
+    figure.set_dpi(width / figure.get_figwidth())
+    film = FuncAnimation(figure, picture.show, frames=frames, interval=1000 / fps, blit=False)
+    with atomic_path(path) as temporary:
+        try:
+            film.save(temporary, writer=writer, fps=fps, dpi=figure.dpi)
+        finally:
+            plt.close(figure)
+    return path
+
+
+def _picture(page: dict[str, Any], frames: int, state: str | None) -> tuple[Any, int]:
+    """Picture of a mechanism at equidistant instants or of a structure, and number of frames."""
+    from dalembert.results.pictures.picture import ScenePicture
+    from dalembert.results.structural.moving import MovingStructure
+
+    if page.get("kind", "mechanism") == "structure":
+        structure = MovingStructure(page, frames, state)
+        return structure, structure.count
+    if state is not None:
+        raise FileError("a motion has no states to choose from; leave state out")
+    time = np.asarray(page["time"], dtype=float)
+    if not time.size:
+        raise AnalysisError("there is no output to film")
+    count = min(frames, max(2, time.size))
+    instants = np.linspace(time[0], time[-1], count)
+    keep = np.clip(np.searchsorted(time, instants), 0, time.size - 1)
+    bodies = [
+        {key: _selected(value, keep, time.size) for key, value in body.items()}
+        for body in page["scene"]["bodies"]
+    ]
+    scene = page["scene"] | {"bodies": bodies}
+    return ScenePicture(scene, page.get("kind") == "spatial", count, page["title"], None), count
+
+
+def _selected(value: Any, keep: np.ndarray, count: int) -> Any:
+    """Selected instants of a column; other values unchanged."""
+    if not isinstance(value, list) or len(value) != count or isinstance(value[0], dict | str):
+        return value
+    return np.array(value, dtype=float)[keep]

@@ -1,26 +1,30 @@
-"""The drawing of a mechanism: its bodies, what ties them, and how they move."""
+"""Drawing of a mechanism: bodies, flexible bodies, connections and poses."""
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
+from dalembert.elements.fem.registry import cell_of
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.point import Point
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.pictures.deformed import pieces, section_poses
 from dalembert.results.pictures.sketch import Sketch
+from dalembert.results.structural.drawing import StructuralDrawing
+from dalembert.symbolic.formulas.expression import Expression
 
 
 class Drawing:
-    """Collects what is drawn; how bodies lie and look is said for the plane and for space.
+    """Drawing of a mechanism; subclasses define poses and outlines in the plane and in space.
 
     Parameters
     ----------
-    motion : what is drawn
+    motion : motion that is drawn
     keep : instants
-    loads : applied forces and moments, and stops, are drawn too
+    loads : whether applied forces, moments and stops are drawn
     """
 
     kind: type[Sketch]
@@ -55,31 +59,31 @@ class Drawing:
             "links": sketch.links,
             "symbols": sketch.symbols,
             "points": [
-                {"name": p.name, **sketch.place(p)}
+                {"name": p.name, **sketch.point_data(p)}
                 for b in self.model.bodies
                 for p in b.points.values()
             ],
         }
 
     def deformed(self) -> list[dict[str, Any]]:
-        """Sections and pieces of flexible bodies, as bodies that belong to them."""
-        sketch, found = self.sketch, []
+        """Sections and segments of flexible bodies, as bodies of the scene."""
+        sketch, bodies = self.sketch, []
         for section in sketch.sections:
             pose = section_poses(sketch.motion, self.keep, section)
-            described = {"name": section.shown, "of": section.name, **self.pose(*pose)}
-            found.append(described | {"shapes": sketch.shapes[section.shown]})
+            header = {"name": section.display_name, "of": section.name, **self.pose(*pose)}
+            bodies.append(header | {"shapes": sketch.shapes[section.display_name]})
         for body in self.model.bodies:
             if isinstance(body, FloatingFrame):
-                for k, (pose, length) in enumerate(pieces(sketch.motion, self.keep, body)):
+                for k, (pose, length) in enumerate(segment_poses(sketch.motion, self.keep, body)):
                     ends = np.zeros((2, sketch.dimension))
                     ends[1, 0] = length
                     bar = {"kind": "bar", "from": ends[0].tolist(), "to": ends[1].tolist()}
-                    described = {"name": f"{body.name}/{k + 1}", "of": body.name}
-                    found.append(described | self.pose(*pose) | {"shapes": [bar]})
-        return found
+                    header = {"name": f"{body.name}/{k + 1}", "of": body.name}
+                    bodies.append(header | self.pose(*pose) | {"shapes": [bar]})
+        return bodies
 
-    def pose(self, place: np.ndarray, turn: np.ndarray) -> dict[str, list[float]]:
-        """Columns of places and turns."""
+    def pose(self, position: np.ndarray, angle: np.ndarray) -> dict[str, list[float]]:
+        """Columns of positions and rotations."""
         raise NotImplementedError
 
     def poses(self, body: Any) -> dict[str, list[float]]:
@@ -87,25 +91,121 @@ class Drawing:
         raise NotImplementedError
 
     def outline(self, body: Any) -> None:
-        """Draw what a body looks like itself, or what its points suggest."""
+        """Draw a body by its own look or by its points."""
         raise NotImplementedError
 
     def collect_points(self) -> None:
-        """Places on each body, named ones first."""
+        """Collect the points of each body, named ones first."""
         for body in self.model.bodies:
             for point in body.points.values():
-                self.points[point.body.shown].append(tuple(self.sketch.local(point)))
+                self.points[point.body.display_name].append(tuple(self.sketch.local(point)))
         for element in self.sketch.elements:
             for point in vars(element).values():
                 if isinstance(point, Point):
-                    spot = tuple(self.sketch.local(point))
-                    if spot not in self.points[point.body.shown]:
-                        self.points[point.body.shown].append(spot)
+                    coordinates = tuple(self.sketch.local(point))
+                    if coordinates not in self.points[point.body.display_name]:
+                        self.points[point.body.display_name].append(coordinates)
 
     def extent(self) -> float:
-        """Size of the mechanism, for symbols without a size of their own."""
+        """Size of the mechanism, for symbols of relative size."""
         local = [np.linalg.norm(p) for points in self.points.values() for p in points]
         position = self.data["position"][self.keep[:1]]
         position = position.reshape(-1, position.shape[-1])
         spread = np.ptp(position, axis=0).max() if position.size else 0.0
         return float(max([spread, *local])) or 1.0
+
+
+MAX_PIECES = 12
+"""Upper limit of the segments between two corners."""
+Pose = tuple[np.ndarray, np.ndarray]
+"""(K, d) positions and (K,) angles, or (K, 4) Euler parameters."""
+
+
+def section_poses(motion: LabelledRecording, keep: np.ndarray, section: Any) -> Pose:
+    """Poses of a section."""
+    rotation = section.pose_angle if section.dimension == 2 else section.orientation
+    position, rotations = motion.columns([Expression(section.place), Expression(rotation)])
+    return position[keep], rotations[keep]
+
+
+def segment_poses(
+    motion: LabelledRecording, keep: np.ndarray, body: FloatingFrame
+) -> list[tuple[Pose, float]]:
+    """Poses of the segments, with x along the segment, and their lengths."""
+    shapes, d = motion.model.shapes(body, motion.parameters), body.dimension
+    drawing = StructuralDrawing(shapes.structure, shapes.p)
+    edges = _edges(drawing)
+    axes = np.stack(
+        [motion.values(Expression(body.turned(ca.SX(e))))[keep] for e in np.eye(d)], axis=2
+    )
+    origin, amplitudes = motion.columns(
+        [Expression(body.locate(ca.SX.zeros(d))), Expression(body.amplitudes)]
+    )
+    amplitudes = amplitudes[keep].reshape(len(keep), -1)
+    table = shapes.structure.degrees.table[:, :d]
+    poses = []
+    for i, j in edges:
+        ends = []
+        for node in (i, j):
+            local = drawing.rest[node, :d] - shapes.origin
+            local = local + amplitudes @ shapes.displacements[table[node]].T
+            ends.append(origin[keep] + np.einsum("kij,kj->ki", axes, local))
+        length = float(np.linalg.norm(drawing.rest[j] - drawing.rest[i]))
+        poses.append(((ends[0], _axis_rotation(ends[1] - ends[0])), length))
+    return poses
+
+
+def _axis_rotation(direction: np.ndarray) -> np.ndarray:
+    """Angles (K,), or Euler parameters (K, 4), that rotate the x axis into a direction."""
+    if direction.shape[1] == 2:
+        return np.unwrap(np.arctan2(direction[:, 1], direction[:, 0]))
+    unit = direction / np.linalg.norm(direction, axis=1, keepdims=True)
+    half = np.column_stack([1 + unit[:, 0], 0 * unit[:, 0], -unit[:, 2], unit[:, 1]])
+    backwards = half[:, 0] < 1e-12
+    half[backwards] = (0.0, 0.0, 0.0, 1.0)
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_quat(half, scalar_first=True).as_quat(scalar_first=True)
+
+
+def _edges(drawing: StructuralDrawing) -> list[tuple[int, int]]:
+    """Node numbers of the ends of the segments."""
+    lines = [b.nodes.T for b in drawing.model.blocks if cell_of(b.kind.cls) == "line"]
+    pairs = np.concatenate([np.zeros((0, 2), dtype=int), *lines, drawing.outline()])
+    neighbours: dict[int, list[int]] = {}
+    for i, j in pairs.tolist():
+        neighbours.setdefault(i, []).append(j)
+        neighbours.setdefault(j, []).append(i)
+    rest = drawing.rest
+    corners = {n for n, adjacent in neighbours.items() if _is_corner(rest, n, adjacent)}
+    corners |= set() if corners else set(list(neighbours)[:1])
+    edges, visited = [], set()
+    for corner in sorted(corners):
+        for first in neighbours[corner]:
+            chain = _chain(corner, first, neighbours, corners)
+            if frozenset(chain[:2]) not in visited:
+                visited |= {frozenset(p) for p in itertools.pairwise(chain)}
+                index = np.linspace(0, len(chain) - 1, min(len(chain), MAX_PIECES + 1)).round()
+                nodes = [chain[int(k)] for k in index]
+                edges += list(itertools.pairwise(nodes))
+    return edges
+
+
+def _is_corner(rest: np.ndarray, node: int, adjacent: list[int]) -> bool:
+    """Whether lines end, meet or bend at a node."""
+    if len(adjacent) != 2:
+        return True
+    first, second = (rest[k] - rest[node] for k in adjacent)
+    cosine = first @ second / max(np.linalg.norm(first) * np.linalg.norm(second), 1e-300)
+    return bool(cosine > -0.9)
+
+
+def _chain(
+    corner: int, first: int, neighbours: dict[int, list[int]], corners: set[int]
+) -> list[int]:
+    """Nodes from a corner to the next one."""
+    chain = [corner, first]
+    while chain[-1] not in corners:
+        ahead = [n for n in neighbours[chain[-1]] if n != chain[-2]]
+        chain.append(ahead[0])
+    return chain

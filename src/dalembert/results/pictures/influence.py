@@ -1,4 +1,4 @@
-"""Gradients made comparable: what a change of each parameter does to each response."""
+"""Influence of parameters on responses: relative, absolute and over bounds."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-VANISHES = 1e-12
-"""A response is zero where its value is this share of its largest change, or less."""
+ZERO_SHARE = 1e-12
+"""Threshold of a zero response, relative to its largest change."""
 
 
 def relative_influence(gradient: xr.DataArray) -> xr.DataArray:
     """Logarithmic derivatives ``|p/R| ∂R/∂p``: percent of the response per percent of
     the parameter.
 
-    The sign is that of the derivative, also where a value is negative. Not a number where the
-    response is zero; zero where the parameter is.
+    The sign is that of the derivative, also for negative values. NaN if the response is zero; zero
+    if the parameter is zero.
 
     Parameters
     ----------
-    gradient : as ``sensitivity`` returns it
+    gradient : as returned by ``sensitivity``
     """
     change = absolute_influence(gradient)
     value = _labels(gradient, "response_value")
-    vanishes = abs(value) <= VANISHES * abs(change).max("parameter")
-    return (change / abs(value.where(~vanishes & (value != 0.0)))).assign_attrs(units="%/%")
+    is_zero = abs(value) <= ZERO_SHARE * abs(change).max("parameter")
+    return (change / abs(value.where(~is_zero & (value != 0.0)))).assign_attrs(units="%/%")
 
 
 def absolute_influence(gradient: xr.DataArray) -> xr.DataArray:
@@ -41,7 +41,7 @@ def absolute_influence(gradient: xr.DataArray) -> xr.DataArray:
 def range_influence(gradient: xr.DataArray) -> xr.DataArray:
     """Change of the response, to first order, from the middle to the end of a parameter's bounds.
 
-    Not a number where a parameter has no bounds on both sides.
+    NaN if a parameter has no bounds on both sides.
     """
     half = (_labels(gradient, "upper") - _labels(gradient, "lower")) / 2
     return gradient * half.where(np.isfinite(half))

@@ -1,4 +1,4 @@
-"""Lines that show a shape in Matplotlib, in the axes of its body; not-a-number rows part them."""
+"""Outlines of shapes for Matplotlib, in the body frame; NaN rows separate lines."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-TURN = np.linspace(0, 2 * np.pi, 49)
-CIRCLE = np.column_stack([np.cos(TURN), np.sin(TURN)])
-FLAT = 0.94
-"""Cosine of the angle from which on neighbouring triangles of a surface are parted by an edge."""
-MANY = 150
-"""Edges that tell the form of a smooth surface."""
+ANGLES = np.linspace(0, 2 * np.pi, 49)
+CIRCLE = np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])
+SMOOTH = 0.94
+"""Threshold of the cosine between normals of adjacent triangles for drawing their edge."""
+MAX_EDGES = 150
+"""Upper limit of edges drawn for a smooth surface."""
 Shape = dict[str, Any]
 
 
@@ -34,12 +34,12 @@ def _spatial(shape: Shape) -> bool:
 
 
 def closed(points: np.ndarray) -> np.ndarray:
-    """Back to the first point."""
+    """Points closed by the first point."""
     return np.vstack([points, points[:1]])
 
 
-def apart(*lines: np.ndarray) -> np.ndarray:
-    """Several lines as one, with gaps."""
+def joined(*lines: np.ndarray) -> np.ndarray:
+    """Several lines joined to one, with gaps."""
     gap = np.full((1, lines[0].shape[1]), np.nan)
     return np.vstack([row for line in lines for row in (line, gap)][:-1])
 
@@ -66,7 +66,7 @@ PLANAR = {"disc": _wheel, "block": _block, "particle": _dot}
 
 # in space --------------------------------------------------------------------------------------
 def _across(axis: np.ndarray) -> np.ndarray:
-    """(3, 2) two directions across an axis."""
+    """(3, 2) two directions normal to an axis."""
     return np.linalg.svd(axis.reshape(1, 3))[2][1:].T
 
 
@@ -74,7 +74,7 @@ def _rings(ends: list[np.ndarray], radius: float) -> np.ndarray:
     """Circles about a line at its ends, joined by four lines."""
     rim = radius * CIRCLE @ _across(ends[1] - ends[0]).T
     sides = [np.array([end + rim[k] for end in ends]) for k in (0, 12, 24, 36)]
-    return apart(*(end + rim for end in ends), *sides)
+    return joined(*(end + rim for end in ends), *sides)
 
 
 def _drum(shape: Shape) -> np.ndarray:
@@ -84,26 +84,26 @@ def _drum(shape: Shape) -> np.ndarray:
 def _disc(shape: Shape) -> np.ndarray:
     axis, center = np.array(shape["axis"]), np.array(shape["center"])
     rim = center + shape["radius"] * CIRCLE @ _across(axis).T
-    return apart(rim, rim[[0, 24]], rim[[12, 36]])
+    return joined(rim, rim[[0, 24]], rim[[12, 36]])
 
 
 def _ellipsoid(shape: Shape) -> np.ndarray:
     size = np.array(shape.get("size", [2 * shape.get("radius", 0.0)] * 3)) / 2
     rings = [np.insert(CIRCLE, k, 0.0, axis=1) * size for k in range(3)]
-    return _placed(apart(*rings), shape)
+    return _transformed(joined(*rings), shape)
 
 
 def _box(shape: Shape) -> np.ndarray:
     corners = np.array(list(product((-0.5, 0.5), repeat=3))) * shape["size"]
     edges = [corners[[i, i + s]] for s in (1, 2, 4) for i in range(8) if not i & s]
-    return _placed(apart(*edges), shape)
+    return _transformed(joined(*edges), shape)
 
 
-def _placed(points: np.ndarray, shape: Shape) -> np.ndarray:
+def _transformed(points: np.ndarray, shape: Shape) -> np.ndarray:
     from scipy.spatial.transform import Rotation
 
-    turn = Rotation.from_quat(shape.get("turn", (1, 0, 0, 0)), scalar_first=True)
-    return points @ turn.as_matrix().T + shape["center"]
+    rotation = Rotation.from_quat(shape.get("turn", (1, 0, 0, 0)), scalar_first=True)
+    return points @ rotation.as_matrix().T + shape["center"]
 
 
 def _plate(shape: Shape) -> np.ndarray:
@@ -115,20 +115,21 @@ def _plate(shape: Shape) -> np.ndarray:
 
 
 def _surface(shape: Shape) -> np.ndarray:
-    """Edges at which a surface bends; some of all, where it is smooth."""
-    places = np.reshape(shape["vertices"], (-1, 3))
+    """Sharp edges of a surface; a sample of all edges if it is smooth."""
+    positions = np.reshape(shape["vertices"], (-1, 3))
     faces = np.reshape(shape["faces"], (-1, 3))
     normals = np.cross(
-        places[faces[:, 1]] - places[faces[:, 0]], places[faces[:, 2]] - places[faces[:, 0]]
+        positions[faces[:, 1]] - positions[faces[:, 0]],
+        positions[faces[:, 2]] - positions[faces[:, 0]],
     )
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     owners = np.repeat(np.arange(len(faces)), 3)
     order = np.lexsort(sides.T)
     pairs = order.reshape(-1, 2)  # a closed surface has each side twice
-    bends = np.einsum("ij,ij->i", *normals[owners[pairs]].transpose(1, 0, 2)) < FLAT
-    shown = pairs[bends, 0] if bends.any() else pairs[:: max(1, len(pairs) // MANY), 0]
-    return apart(*places[sides[shown]])
+    bends = np.einsum("ij,ij->i", *normals[owners[pairs]].transpose(1, 0, 2)) < SMOOTH
+    edges = pairs[bends, 0] if bends.any() else pairs[:: max(1, len(pairs) // MAX_EDGES), 0]
+    return joined(*positions[sides[edges]])
 
 
 SPATIAL = {

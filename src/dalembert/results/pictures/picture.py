@@ -1,4 +1,4 @@
-"""The mechanism in Matplotlib axes, in the plane or in space."""
+"""Matplotlib picture of a planar or spatial mechanism."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from dalembert.results.pictures.scene import is_spatial, motion_scene
 from dalembert.symbolic.rotation import EULER_PARAMETERS
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31")
-THICK = {"bar": 4.0, "capsule": 4.0, "line": 1.5}
-"""Widths of lines; what has an outline is thin."""
+LINE_WIDTHS = {"bar": 4.0, "capsule": 4.0, "line": 1.5}
+"""Line widths; outlines are thin."""
 
 
 class ScenePicture:
-    """``show(k)`` moves the mechanism to instant ``k``.
+    """Picture of a scene; ``show(k)`` moves the mechanism to instant ``k``.
 
     Parameters
     ----------
-    scene : what is drawn, as pages have it
-    spatial : in space
+    scene : scene of a page
+    spatial : whether the scene is spatial
     count : number of instants
-    title : above it
+    title : title of the axes
     ax : axes, in three dimensions for a mechanism in space; new ones if None
     """
 
@@ -35,8 +35,8 @@ class ScenePicture:
         self.dimension = 3 if self.spatial else 2
         self.ax = ax if ax is not None else self._axes()
         self.poses = {body["name"]: pose_of(body) for body in self.scene["bodies"]}
-        places = np.zeros((count, self.dimension))
-        self.poses["ground"] = np.stack([np.eye(self.dimension)] * count), places
+        positions = np.zeros((count, self.dimension))
+        self.poses["ground"] = np.stack([np.eye(self.dimension)] * count), positions
         self.parts: list[tuple[Any, str, np.ndarray]] = []
         for shape in self.scene["ground"]["shapes"]:
             self._add("ground", shape, "0.6")
@@ -66,26 +66,26 @@ class ScenePicture:
         return line
 
     def _add(self, body: str, shape: dict, colour: str) -> None:
-        width = THICK.get(shape["kind"], 1.5 if not self.spatial else 1.0)
+        width = LINE_WIDTHS.get(shape["kind"], 1.5 if not self.spatial else 1.0)
         marker = "o" if shape["kind"] in ("bar", "particle") else None
         line = self._line(color=colour, lw=width, marker=marker, ms=5)
         self.parts.append((line, body, outline(shape)))
 
     def _limits(self) -> None:
-        every = []
+        blocks = []
         for _, body, points in self.parts:
-            turns, places = self.poses[body]
-            for k in range(0, len(places), max(1, len(places) // 60)):
-                every.append(points @ turns[k].T + places[k])
+            rotations, positions = self.poses[body]
+            for k in range(0, len(positions), max(1, len(positions) // 60)):
+                blocks.append(points @ rotations[k].T + positions[k])
         for _, link in self.links:
             for end in (link["i"], link["j"]):
-                turns, places = self.poses[end["body"]]
-                every.append(turns @ np.array(end["point"]) + places)
-        table = np.vstack(every) if every else np.zeros((1, self.dimension))
+                rotations, positions = self.poses[end["body"]]
+                blocks.append(rotations @ np.array(end["point"]) + positions)
+        table = np.vstack(blocks) if blocks else np.zeros((1, self.dimension))
         low, high = np.nanmin(table, axis=0), np.nanmax(table, axis=0)
         size = max(high - low) or 1.0
-        least = 0.1 * size * self.spatial
-        low, high = low - 0.08 * size, np.maximum(high, low + least) + 0.08 * size
+        min_height = 0.1 * size * self.spatial
+        low, high = low - 0.08 * size, np.maximum(high, low + min_height) + 0.08 * size
         for name, *ends in zip(AXES, low, high, strict=False):
             self.ax.set(**{f"{name}lim": ends, f"{name}label": f"{name} [m]"})
         self.ax.set_aspect("equal")
@@ -93,34 +93,36 @@ class ScenePicture:
             self.ax.view_init(elev=22, azim=-58, vertical_axis=self._vertical())
 
     def _vertical(self) -> str:
-        """The axis along which gravity acts."""
+        """Axis of gravity."""
         gravity = self.scene["gravity"]
         return AXES[int(np.argmax(np.abs(gravity)))] if gravity and any(gravity) else "z"
 
     def show(self, k: int) -> list:
         """Move every part to instant ``k``; returns the artists."""
         for line, body, points in self.parts:
-            self._set(line, self._placed(body, points, k))
+            self._set(line, self._transformed(body, points, k))
         for line, link in self.links:
-            ends = [self._placed(link[e]["body"], np.array([link[e]["point"]]), k) for e in "ij"]
+            ends = [
+                self._transformed(link[e]["body"], np.array([link[e]["point"]]), k) for e in "ij"
+            ]
             self._set(line, np.vstack(ends))
         return [part[0] for part in self.parts] + [line for line, _ in self.links]
 
-    def _placed(self, body: str, points: np.ndarray, k: int) -> np.ndarray:
-        turns, places = self.poses[body]
-        return points @ turns[k].T + places[k]
+    def _transformed(self, body: str, points: np.ndarray, k: int) -> np.ndarray:
+        rotations, positions = self.poses[body]
+        return points @ rotations[k].T + positions[k]
 
     def _set(self, line: Any, points: np.ndarray) -> None:
-        place = line.set_data_3d if self.spatial else line.set_data
-        place(*points.T)
+        set_data = line.set_data_3d if self.spatial else line.set_data
+        set_data(*points.T)
 
 
 class Picture(ScenePicture):
-    """A motion at some of its instants.
+    """Picture of a motion at some of its instants.
 
     Parameters
     ----------
-    motion : what is drawn
+    motion : motion that is drawn
     keep : its instants
     ax : axes, in three dimensions for a mechanism in space; new ones if None
     """
@@ -131,16 +133,16 @@ class Picture(ScenePicture):
 
 
 def pose_of(body: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """(K, d, d) rotations and (K, d) places of a body of a scene."""
+    """(K, d, d) rotations and (K, d) positions of a body of a scene."""
     if "angle" in body:
         c, s = np.cos(body["angle"]), np.sin(body["angle"])
-        turns = np.moveaxis(np.array([[c, -s], [s, c]]), 2, 0)
-        return turns, np.column_stack([body["x"], body["y"]])
+        rotations = np.moveaxis(np.array([[c, -s], [s, c]]), 2, 0)
+        return rotations, np.column_stack([body["x"], body["y"]])
     parameters = np.column_stack([body[name] for name in EULER_PARAMETERS])
-    turns = np.full((len(parameters), 3, 3), np.nan)
-    known = np.isfinite(parameters).all(axis=1)
-    if known.any():
+    rotations = np.full((len(parameters), 3, 3), np.nan)
+    finite = np.isfinite(parameters).all(axis=1)
+    if finite.any():
         from scipy.spatial.transform import Rotation
 
-        turns[known] = Rotation.from_quat(parameters[known], scalar_first=True).as_matrix()
-    return turns, np.column_stack([body[name] for name in AXES])
+        rotations[finite] = Rotation.from_quat(parameters[finite], scalar_first=True).as_matrix()
+    return rotations, np.column_stack([body[name] for name in AXES])

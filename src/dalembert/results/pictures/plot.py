@@ -1,23 +1,28 @@
-"""Static pictures with Matplotlib."""
+"""Line plots with Matplotlib: measures over time, and step studies."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dalembert.results.comparison.lines import COLOURS, MARKERS, logarithmic
 from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.formulas.expression import Expression
 
+if TYPE_CHECKING:
+    import xarray as xr
+
+
 BEFORE = 1e-9
-"""Time before an impact, relative to the run, at which it is looked at."""
+"""Offset of the sample before an impact, relative to the run."""
 
 
 def plot_measures(
     motion: LabelledRecording, measures: Sequence[str | Expression], ax: Any = None
 ) -> Any:
-    """Measures over time in one pair of axes; units on the axis, events as lines."""
+    """Plot measures over time in one pair of axes, with units and events."""
     import matplotlib.pyplot as plt
 
     if ax is None:
@@ -26,7 +31,7 @@ def plot_measures(
     for measure in measures:
         series = motion[measure]
         units.append(series.attrs["units"])
-        time, values = broken_at_impacts(motion, measure, series.values)
+        time, values = split_at_impacts(motion, measure, series.values)
         for column in values.reshape(time.size, -1).T:
             ax.plot(time, column, label=series.name, lw=1.6)
     for event in motion.events:
@@ -43,10 +48,10 @@ def plot_measures(
     return ax
 
 
-def broken_at_impacts(
+def split_at_impacts(
     motion: LabelledRecording, measure: str | Expression, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values with both sides of every impact, and nothing to be drawn between them."""
+    """Times and values with samples before and after every impact, separated by NaN."""
     span = motion.time[[0, -1]] if motion.time.size else np.zeros(2)
     inside = np.unique([i.time for i in motion.impacts if span[0] < i.time < span[1]])
     if not inside.size:
@@ -58,3 +63,51 @@ def broken_at_impacts(
     times = np.concatenate([before.time, inside, inside, motion.time])
     order = np.argsort(times, kind="stable")
     return times[order], np.concatenate(rows)[order]
+
+
+ORDERS = {"forward": 1, "backward": 1, "central": 2, "richardson": 4}
+
+
+def plot_step_study(data: xr.Dataset, ax: Any = None) -> Any:
+    """Draw the errors, relative ones where the exact derivative is not zero; returns the axes.
+
+    An error of zero is drawn at round-off level, because the axis is logarithmic.
+
+    Parameters
+    ----------
+    data : ``scheme × step`` as returned by ``step_study``
+    """
+    import matplotlib.pyplot as plt
+
+    if ax is None:
+        _, ax = plt.subplots(figsize=(7, 4.4), layout="constrained")
+    relative = bool(np.isfinite(data["relative_error"]).any())
+    error = data["relative_error" if relative else "error"]
+    floor = np.finfo(float).eps / 4 * (1.0 if relative else max(abs(float(data["exact"])), 1.0))
+    for k, scheme in enumerate(data["scheme"].values):
+        order = ORDERS.get(str(scheme))
+        ax.plot(
+            data["step"],
+            np.maximum(error.sel(scheme=scheme), floor),
+            color=COLOURS[k % len(COLOURS)],
+            marker=MARKERS[k % len(MARKERS)],
+            ms=5,
+            mec="white",
+            mew=0.6,
+            lw=1.6,
+            label=f"{scheme}, order {order}" if order else str(scheme),
+        )
+    logarithmic(ax)
+    unit = data["error"].attrs.get("units", "")
+    ax.set_xlabel("step, relative to the parameter")
+    ax.set_ylabel("relative error [-]" if relative else f"error [{unit or '-'}]")
+    attributes = data.attrs
+    ax.set_title(
+        f"{attributes['model']}: d {attributes['response']} / d {attributes['parameter']}",
+        loc="left",
+    )
+    for text, position, side in (("← round-off", 0.02, "left"), ("truncation →", 0.98, "right")):
+        style = {"ha": side, "va": "top", "size": 8.5, "color": "0.35"}
+        ax.annotate(text, (position, 0.985), xycoords="axes fraction", **style)
+    ax.legend(frameon=False, loc="lower right", fontsize=8.5)
+    return ax

@@ -1,4 +1,4 @@
-"""The drawing of a mechanism, in the plane or in space."""
+"""Scene of a planar or spatial mechanism."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ def motion_scene(
 
     Parameters
     ----------
-    loads : applied forces and moments, and stops, are drawn too
+    loads : whether applied forces, moments and stops are drawn
     """
     kind = SpatialDrawing if is_spatial(motion.model) else PlanarDrawing
     return kind(motion, keep, loads).build()
 
 
 def standing(body: dict[str, Any], k: int) -> dict[str, Any]:
-    """A body of a scene as it stands at one of the instants, for a ghost."""
+    """Pose of a body of a scene at one instant, drawn as a ghost."""
     poses = {key: body[key][k] for key in body if key not in ("name", "node", "shapes")}
     return {"shapes": body["shapes"], **poses}
 
 
 def is_spatial(model: Any) -> bool:
-    """Some of its bodies are bodies of space."""
+    """Whether some of its bodies are spatial."""
     return any(body.dimension == 3 for body in model.bodies)

@@ -1,28 +1,163 @@
-"""The drawing of a mechanism in space."""
+"""Drawing of a spatial mechanism.
+
+A primitive with an axis shows the z axis of its frame; a point of a planar body shows the normal
+of the plane. Other points have no axis.
+"""
 
 from __future__ import annotations
 
+from functools import singledispatchmethod
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
-from dalembert.elements.point import AXES
+from dalembert.elements.base import Look
+from dalembert.elements.frame import Frame
+from dalembert.elements.look import Belt, Block, Disc, Limit, Mark, Mesh, Rotary, Travel
+from dalembert.elements.point import AXES, Point
 from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.inertia_tensor import tensor
+from dalembert.elements.spatial.shape import Cuboid, Drum, Orb, Pill, Round, Surface
 from dalembert.results.pictures.drawing import Drawing
-from dalembert.results.pictures.spatial_sketch import SpatialSketch
+from dalembert.results.pictures.sketch import (
+    PointData,
+    Sketch,
+    body_names,
+    moving_body,
+    symbol_header,
+)
 from dalembert.symbolic.rotation import EULER_PARAMETERS
 
-LEAST = 0.02
-"""Least thickness of the ellipsoid of a body, relative to its length."""
-MOST = 0.2
-"""Largest radius of it, relative to the mechanism's length; larger ones are drawn smaller."""
-BULKY = 0.4
-"""Thickness of that ellipsoid, relative to a bar, from which on it is drawn beside the bar."""
+ROUND = {Drum: "cylinder", Pill: "capsule"}
+
+
+class SpatialSketch(Sketch):
+    """Sketch by solids and symbols about axes."""
+
+    dimension = 3
+
+    def anchor(self, point: Point) -> PointData:
+        """Data of a point, with its axis if it has one."""
+        axis = None if point.body.dimension == 3 else [0.0, 0.0, 1.0]
+        if isinstance(point, Frame):
+            axis = self.number(point.local_axes[:, 2]).tolist()
+        return self.point_data(point) | {"axis": axis}
+
+    # primitives ------------------------------------------------------------------------
+    @singledispatchmethod
+    def draw(self, look: Look, element: Any) -> None:
+        super().draw(look, element)
+
+    @draw.register
+    def _(self, look: Cuboid, element: Any) -> None:
+        shape = {"center": self.local(look.center), "size": self.number(look.size).tolist()}
+        self.shapes[look.center.body.display_name].append({"kind": "box", **shape})
+
+    @draw.register
+    def _(self, look: Orb, element: Any) -> None:
+        shape = {"center": self.local(look.center), "radius": self.size_of(look.radius)}
+        self.shapes[look.center.body.display_name].append({"kind": "sphere", **shape})
+
+    @draw.register(Drum)
+    @draw.register(Pill)
+    def _(self, look: Round, element: Any) -> None:
+        shape: dict[str, Any] = {"from": self.local(look.point_i), "to": self.local(look.point_j)}
+        shape |= {"kind": ROUND[type(look)], "radius": self.size_of(look.radius)}
+        self.shapes[look.point_i.body.display_name].append(shape)
+
+    @draw.register
+    def _(self, look: Surface, element: Any) -> None:
+        corners = self.size_of(look.scale) * look.corners
+        shape = {"vertices": corners.ravel().tolist(), "faces": look.triangles.ravel().tolist()}
+        self.shapes[look.body.display_name].append({"kind": "mesh", **shape})
+
+    @draw.register
+    def _(self, look: Disc, element: Any) -> None:
+        anchor = self.anchor(look.point)
+        shape = {"center": anchor["point"], "axis": anchor["axis"] or [0.0, 0.0, 1.0]}
+        shape["radius"] = self.size_of(look.radius)
+        self.shapes[look.point.body.display_name].append({"kind": "disc", **shape})
+
+    @draw.register
+    def _(self, look: Block, element: Any) -> None:
+        axis = self.number(self.padded(look.direction)).tolist()
+        shape = {"kind": "block", "center": self.local(look.point), "axis": axis}
+        self.shapes[look.point.body.display_name].append(shape)
+
+    @draw.register
+    def _(self, look: Mark, element: Any) -> None:
+        point, base = look.point, look.base
+        bodies = body_names(point, base)
+        symbol = (
+            symbol_header(look, element) | self.anchor(point) | {"grounded": "ground" in bodies}
+        )
+        symbol["on"] = moving_body(bodies)
+        if isinstance(base, Point):
+            symbol["base"] = self.anchor(base)
+        if bodies[0] == "ground" and isinstance(base, Point):
+            symbol |= self.anchor(base) | {"base": self.anchor(point)}
+        self.joints.append(symbol | self.reaction(element))
+
+    @draw.register
+    def _(self, look: Mesh, element: Any) -> None:
+        symbol = symbol_header(look, element) | self.anchor(look.point) | {"grounded": False}
+        symbol["mesh"] = [
+            self.anchor(p) | {"radius": self.size_of(r)}
+            for p, r in ((look.point, look.radius), (look.base, look.base_radius))
+            if isinstance(p, Point)
+        ]
+        self.joints.append(symbol | {"internal": look.internal} | self.reaction(element))
+
+    @draw.register
+    def _(self, look: Rotary, element: Any) -> None:
+        pivot = self.pivots.between(look.body_i, look.body_j)
+        self.symbols.append(symbol_header(look, element) | self.anchor(pivot))
+
+    @draw.register
+    def _(self, look: Belt, element: Any) -> None:
+        wheels, crossed = self.wheels(look)
+        symbol = symbol_header(look, element) | {"wheels": wheels, "crossed": crossed}
+        self.joints.append(symbol | wheels[1] | {"grounded": False} | self.reaction(element))
+
+    @draw.register
+    def _(self, look: Travel, element: Any) -> None:
+        on = look.body.name if look.body is not None else "ground"
+        axis = self.number(self.padded(look.direction)).tolist()
+        symbol = symbol_header(look, element) | self.point_data(look.point)
+        self.symbols.append(symbol | {"on": on, "axis": axis})
+
+    @draw.register
+    def _(self, look: Limit, element: Any) -> None:
+        """A wall normal to a straight path; for a rotation, a mark on its axis."""
+        moving = [b for b in self.model.bodies if ca.jacobian(look.coordinate, b.pose).nnz()]
+        if not (moving and self.loads):
+            return
+        wall = self.pivots.wall(look, self.model.bodies, {})
+        pivot = self.pivots.between(moving[0] if len(moving) > 1 else None, moving[-1])
+        symbol = symbol_header(look, element) | (
+            self.anchor(pivot) if wall is None else {"body": "ground", "point": [0.0, 0.0, 0.0]}
+        )
+        self.symbols.append(symbol)
+        if wall is not None:
+            parts = [self.padded(part) for part in ca.vertsplit(wall, wall.numel() // 2)]
+            for name, part in zip(("at", "normal"), parts, strict=True):
+                self.time_dependent.append((symbol, self.components(name, part), part))
+
+    def moment(self, sx: ca.SX) -> ca.SX:
+        return sx if sx.numel() == 3 else ca.vertcat(0, 0, sx)
+
+
+MIN_RADIUS = 0.02
+"""Lower limit of the radii of an inertia ellipsoid, relative to the mechanism."""
+MAX_RADIUS = 0.2
+"""Upper limit of the radii, relative to the mechanism; larger ellipsoids are scaled down."""
+MIN_THICKNESS = 0.4
+"""Threshold of the thickness, relative to a bar, for drawing the ellipsoid with the bar."""
 
 
 class SpatialDrawing(Drawing):
-    """Solids, or rods and ellipsoids in their place."""
+    """Drawing by solids, or by rods and inertia ellipsoids."""
 
     kind = SpatialSketch
 
@@ -30,78 +165,80 @@ class SpatialDrawing(Drawing):
         def at(quantity: str) -> np.ndarray:
             return self.data.at(quantity, body=body.name)[self.keep]
 
-        place, turn = at("position"), np.full((len(self.keep), 4), np.nan)
+        position, rotation = at("position"), np.full((len(self.keep), 4), np.nan)
         if "euler_parameters" in self.data:
-            turn = at("euler_parameters")
+            rotation = at("euler_parameters")
         if not body.rotates:
-            turn = np.tile([1.0, 0.0, 0.0, 0.0], (len(self.keep), 1))
+            rotation = np.tile([1.0, 0.0, 0.0, 0.0], (len(self.keep), 1))
         elif body.dimension == 2:
-            half = at("angle") / 2
-            turn = np.stack([np.cos(half), 0 * half, 0 * half, np.sin(half)], axis=1)
-        return self.pose(place, turn)
+            half_angle = at("angle") / 2
+            rotation = np.stack(
+                [np.cos(half_angle), 0 * half_angle, 0 * half_angle, np.sin(half_angle)], axis=1
+            )
+        return self.pose(position, rotation)
 
-    def pose(self, place: np.ndarray, turn: np.ndarray) -> dict[str, list[float]]:
-        if place.shape[1] == 2:  # of what moves in a plane
-            half, still = turn / 2, np.zeros(len(turn))
-            place = np.column_stack([place, still])
-            turn = np.column_stack([np.cos(half), still, still, np.sin(half)])
-        columns = [*place.T, *turn.T]
+    def pose(self, position: np.ndarray, rotation: np.ndarray) -> dict[str, list[float]]:
+        if position.shape[1] == 2:  # planar motion
+            half_angle, zeros = rotation / 2, np.zeros(len(rotation))
+            position = np.column_stack([position, zeros])
+            rotation = np.column_stack([np.cos(half_angle), zeros, zeros, np.sin(half_angle)])
+        columns = [*position.T, *rotation.T]
         return dict(zip((*AXES, *EULER_PARAMETERS), (c.tolist() for c in columns), strict=True))
 
     def outline(self, body: Any) -> None:
-        """What the body looks like itself; else what its points and its inertia suggest."""
+        """Draw the body by its own look, else by its points and inertia."""
         looks, shapes = body.look(), self.sketch.shapes[body.name]
         for look in looks:
             self.sketch.draw(look, body)
         if looks:
             return
-        bare = not shapes
+        no_shapes = not shapes
         center, points = self.center(body), [np.array(p) for p in self.points[body.name]]
-        apart = [p for p in points if np.linalg.norm(p - center) > 1e-6 * self.size]
+        distant = [p for p in points if np.linalg.norm(p - center) > 1e-6 * self.size]
         if len(points) > 2 and self.flat(points):
             shapes.append({"kind": "plate", "points": [p.tolist() for p in points]})
         elif len(points) > 1 and self.flat([*points, center], 1):
             first, last = _ends(points)
             shapes.append({"kind": "bar", "from": first.tolist(), "to": last.tolist()})
-            lump = self.lump(body, center)
-            bulk = sorted(lump.get("size", [0.0, 0.0]))[-2]
-            if bare and bulk > BULKY * np.linalg.norm(last - first):
-                shapes.append(lump)
+            ellipsoid = self.inertia_ellipsoid(body, center)
+            thickness = sorted(ellipsoid.get("size", [0.0, 0.0]))[-2]
+            if no_shapes and thickness > MIN_THICKNESS * np.linalg.norm(last - first):
+                shapes.append(ellipsoid)
         else:
-            for p in apart:
+            for p in distant:
                 shapes.append({"kind": "bar", "from": center.tolist(), "to": p.tolist()})
-            if bare:
-                shapes.append(self.lump(body, center))
+            if no_shapes:
+                shapes.append(self.inertia_ellipsoid(body, center))
 
     def center(self, body: Any) -> np.ndarray:
         """The mass centre in the body frame."""
         return self.sketch.number(body.center_of_mass.sx) if isinstance(body, Body) else np.zeros(3)
 
     def flat(self, points: list[np.ndarray], dimension: int = 2) -> bool:
-        """They lie in a plane, or on a line, and in nothing of fewer dimensions."""
+        """Whether points span exactly a plane (2) or a line (1)."""
         spread = np.linalg.svd(np.array(points) - np.mean(points, axis=0), compute_uv=False)
         rank = int((spread > 1e-6 * self.size).sum())
         return rank == dimension
 
-    def lump(self, body: Any, center: np.ndarray) -> dict[str, Any]:
-        """A body's mass as the solid ellipsoid of the same inertia; a ball where there is none."""
+    def inertia_ellipsoid(self, body: Any, center: np.ndarray) -> dict[str, Any]:
+        """Solid ellipsoid with the inertia of a body; a ball if there is none."""
         mass = self.sketch.size_of(body.mass.sx)
         if not (isinstance(body, Body) and body.rotates and mass > 0):
             return {"kind": "particle", "center": center.tolist()}
         moments, axes = np.linalg.eigh(self.sketch.number(tensor(body.inertia.sx)).reshape(3, 3))
         squares = 2.5 * (moments.sum() - 2 * moments) / mass
-        radii = np.sqrt(np.maximum(squares, (LEAST * self.size) ** 2))
-        radii *= min(1.0, MOST * self.size / radii.max())
+        radii = np.sqrt(np.maximum(squares, (MIN_RADIUS * self.size) ** 2))
+        radii *= min(1.0, MAX_RADIUS * self.size / radii.max())
         if np.linalg.det(axes) < 0:
             axes[:, 0] *= -1
         from scipy.spatial.transform import Rotation
 
-        turn = Rotation.from_matrix(axes).as_quat(scalar_first=True)
+        quaternion = Rotation.from_matrix(axes).as_quat(scalar_first=True)
         shape = {"kind": "ellipsoid", "center": center.tolist(), "size": (2 * radii).tolist()}
-        return shape | {"turn": turn.tolist()}
+        return shape | {"turn": quaternion.tolist()}
 
 
 def _ends(points: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """The two ends of points in a line."""
-    along = [float((p - points[0]) @ (points[1] - points[0])) for p in points]
-    return points[int(np.argmin(along))], points[int(np.argmax(along))]
+    """End points of collinear points."""
+    coordinates = [float((p - points[0]) @ (points[1] - points[0])) for p in points]
+    return points[int(np.argmin(coordinates))], points[int(np.argmax(coordinates))]

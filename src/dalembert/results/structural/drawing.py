@@ -1,7 +1,4 @@
-"""What a structure looks like: lines, faces and points, and how displacements move them.
-
-Pictures and pages are drawn from this, whatever analysis the displacements come from.
-"""
+"""Drawing of a structure: lines, faces and points, and their displacements."""
 
 from __future__ import annotations
 
@@ -10,28 +7,28 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dalembert.elements.fem.cells import CELLS
-from dalembert.elements.fem.nodal import ROTATIONS
+from dalembert.elements.fem.lines import AxialSpring
+from dalembert.elements.fem.node import ROTATIONS
 from dalembert.elements.fem.registry import cell_of
-from dalembert.elements.fem.springs import AxialSpring
 from dalembert.results.structural.shapes import (
     COIL,
     Shapes,
     between,
+    exposed_faces,
     lanes,
-    outside,
     samples,
     turned_tangent,
 )
 from dalembert.structures.evaluation.block import ElementBlock
 from dalembert.structures.model import StructuralModel
 
-SHARP = 0.6
-"""Angle between two faces from which on their edge is drawn [rad]."""
+SHARP_ANGLE = 0.6
+"""Threshold of the angle between two faces for drawing their edge [rad]."""
 
 
 @dataclass(eq=False)
 class StructuralDrawing:
-    """Vertices and what is drawn between them; the first vertices are the nodes.
+    """Vertices, lines, faces and points of a structure; the first vertices are the nodes.
 
     Parameters
     ----------
@@ -40,8 +37,8 @@ class StructuralDrawing:
 
     Attributes
     ----------
-    rest : (v, 3) places before anything moves [m]
-    lines, faces, points : what is drawn
+    rest : (v, 3) undeformed positions [m]
+    lines, faces, points : drawn shapes
     starts : number of the first element of every block
     """
 
@@ -66,11 +63,11 @@ class StructuralDrawing:
             elif cell == "vertex":
                 self.points.append(Shapes(block.nodes.T, owners))
             else:
-                known = CELLS.get(cell)
-                outlines = known.faces if known else (tuple(range(block.nodes.shape[0])),)
-                made = [Shapes(block.nodes[list(f)].T, owners) for f in outlines]
-                (solids if known and known.dimension == 3 else self.faces).extend(made)
-        self.faces += outside(solids)
+                cell_shape = CELLS.get(cell)
+                outlines = cell_shape.faces if cell_shape else (tuple(range(block.nodes.shape[0])),)
+                shapes = [Shapes(block.nodes[list(f)].T, owners) for f in outlines]
+                (solids if cell_shape and cell_shape.dimension == 3 else self.faces).extend(shapes)
+        self.faces += exposed_faces(solids)
 
     @property
     def extent(self) -> float:
@@ -79,7 +76,7 @@ class StructuralDrawing:
 
     @property
     def nodes(self) -> np.ndarray:
-        """(n, 3) places of the nodes [m]."""
+        """(n, 3) positions of the nodes [m]."""
         return self.rest[: self.node_count]
 
     @property
@@ -93,16 +90,16 @@ class StructuralDrawing:
         Parameters
         ----------
         u : (n,) displacements and rotations of the structure
-        finite : rotations are large: those of rotation vectors
+        finite : whether rotations are finite, as rotation vectors
         """
         moved = np.zeros_like(self.rest)
         moved[: self.node_count] = self._translations(u)
-        for block, along, place in self._curves:
-            moved[place] = self._curve(block, along, u, finite).reshape(-1, 3)
+        for block, along, rows in self._curves:
+            moved[rows] = self._curve(block, along, u, finite).reshape(-1, 3)
         return moved
 
     def outline(self) -> np.ndarray:
-        """(k, 2) vertices of the edges where faces end or their surface bends sharply."""
+        """(k, 2) vertices of boundary edges and sharp edges of the faces."""
         if not self.faces:
             return np.zeros((0, 2), dtype=int)
         edges, normals = [], []
@@ -113,24 +110,24 @@ class StructuralDrawing:
             around = np.stack([shape.vertices, np.roll(shape.vertices, -1, axis=1)], axis=2)
             edges.append(np.sort(around.reshape(-1, 2), axis=1))
             normals.append(np.repeat(normal, shape.vertices.shape[1], axis=0))
-        found, where, counts = np.unique(
+        unique_edges, inverse, counts = np.unique(
             np.concatenate(edges), axis=0, return_inverse=True, return_counts=True
         )
-        total = np.zeros((len(found), 3))
-        np.add.at(total, where.ravel(), np.concatenate(normals))
-        smooth = (counts == 2) & (np.linalg.norm(total, axis=1) > 2 * np.cos(SHARP / 2))
-        return found[~smooth]
+        total = np.zeros((len(unique_edges), 3))
+        np.add.at(total, inverse.ravel(), np.concatenate(normals))
+        smooth = (counts == 2) & (np.linalg.norm(total, axis=1) > 2 * np.cos(SHARP_ANGLE / 2))
+        return unique_edges[~smooth]
 
     # nodes ---------------------------------------------------------------------------------
     def _nodes(self) -> np.ndarray:
-        """Places of the nodes, taken from the elements that they belong to."""
+        """Positions of the nodes, from the data of their elements."""
         d = self.dimension
-        found = np.zeros((len(self.model.degrees.nodes), 3))
+        positions = np.zeros((len(self.model.degrees.nodes), 3))
         for block in self.model.blocks:
             data = block.data(self.p)
             for k, nodes in enumerate(block.nodes):
-                found[nodes, :d] = data[k * d : (k + 1) * d].T
-        return found
+                positions[nodes, :d] = data[k * d : (k + 1) * d].T
+        return positions
 
     def _translations(self, u: np.ndarray) -> np.ndarray:
         numbers = self.model.degrees.table[:, : self.dimension]
@@ -157,21 +154,21 @@ class StructuralDrawing:
         if flat:
             along = np.array([0, *along, 1])
         ends = self.rest[block.nodes]  # (2, ne, 3)
-        places = between(ends, along)
+        positions = between(ends, along)
         if spring:
-            places += self._turns(block, along)
+            positions += self._turns(block, along)
         if flat:
             height = 0.1 * np.ptp(self.rest[:, 0]) * lanes(np.sort(ends[:, :, 0], axis=0).T)
-            places[:, 1:-1, 1] += height[:, None]
+            positions[:, 1:-1, 1] += height[:, None]
         first = len(self.rest)
-        place = slice(first, first + places.shape[0] * places.shape[1])
-        self.rest = np.vstack([self.rest, places.reshape(-1, 3)])
-        numbers = np.arange(place.start, place.stop).reshape(places.shape[:2])
+        rows = slice(first, first + positions.shape[0] * positions.shape[1])
+        self.rest = np.vstack([self.rest, positions.reshape(-1, 3)])
+        numbers = np.arange(rows.start, rows.stop).reshape(positions.shape[:2])
         self.lines.append(Shapes(numbers, owners))
-        self._curves.append((block, along, place))
+        self._curves.append((block, along, rows))
 
     def _turns(self, block: ElementBlock, along: np.ndarray) -> np.ndarray:
-        """(ne, s, 3) sideways places of the turns of springs."""
+        """(ne, s, 3) lateral offsets of the turns of springs."""
         ends = self.rest[block.nodes]
         chord = ends[1] - ends[0]
         across = np.cross([0.0, 0.0, 1.0], chord)
@@ -188,7 +185,7 @@ class StructuralDrawing:
     def _curve(
         self, block: ElementBlock, along: np.ndarray, u: np.ndarray, finite: bool
     ) -> np.ndarray:
-        """(ne, s, 3) displacements along lines; a cubic where the ends have rotations."""
+        """(ne, s, 3) displacements along lines; cubic if the ends have rotations."""
         moved = self._translations(u)[block.nodes]
         if not block.kind.cls.turns:
             return between(moved, along)

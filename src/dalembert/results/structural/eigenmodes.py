@@ -1,4 +1,4 @@
-"""Modes of a structure, in vibration or in buckling, and any measure of them."""
+"""Base of the modes of structures (vibration, buckling) and their measures."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ from dalembert.structures.measuring.measures import (
 )
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
-from dalembert.symbolic.formulas.names import Names
+from dalembert.symbolic.formulas.parser import Names
 
 EIGENVALUE = ca.SX.sym("eigenvalue")
 
 
 @dataclass(kw_only=True)
 class ModeState(State):
-    """A shape with its eigenvalue."""
+    """State of a mode: its shape and eigenvalue."""
 
     eigenvalue: float
 
 
 @dataclass(kw_only=True)
 class ModeWeights(Weights):
-    """The same for weights."""
+    """Weights of a mode, with that of its eigenvalue."""
 
     eigenvalue: float = 0.0
 
@@ -57,7 +57,7 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
     """Eigenvalues and shapes of ``A φ = λ B φ``, scaled to ``φᵀ B φ = 1`` in SI units.
 
     Measures are those in ``named``, displacements of a shape such as ``"n2.uy"``, quantities of
-    elements that it strains (from rest and to the first order), and formulas of them.
+    strained elements (from rest and to first order), and formulas of them.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
 
     model: StructuralModel
     main: ClassVar[str]
-    """The measure that people ask for first."""
+    """Main measure in texts."""
 
     # measures -----------------------------------------------------------------------------
     @classmethod
@@ -77,16 +77,16 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
         Raises
         ------
         ExpressionError
-            A text that names something unknown; ``AnalysisError`` for what a mode does not have.
+            A text with an unknown name; ``AnalysisError`` for measures that a mode does not have.
         """
         names = Names(
             lambda name: cls._find(model, name),
             lambda: [*cls.named, *model.parameters, *model.linearized.measures.names()],
         )
-        found = names.expression(measure)
-        for name in free_symbols(found.sx) - set(model.parameters):
-            cls._behind(model, name)
-        return found
+        expression = names.expression(measure)
+        for name in free_symbols(expression.sx) - set(model.parameters):
+            cls._measure_of(model, name)
+        return expression
 
     @classmethod
     def _find(cls, model: StructuralModel, name: str) -> Expression | None:
@@ -97,32 +97,32 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
         return model.linearized.measures.find(name)
 
     def measure(self, name: str) -> Measure:
-        return self._behind(self.model, name)
+        return self._measure_of(self.model, name)
 
     @classmethod
-    def _behind(cls, model: StructuralModel, name: str, lumped: bool = False) -> Measure:
-        """What a symbol in a formula stands for.
+    def _measure_of(cls, model: StructuralModel, name: str, lumped: bool = False) -> Measure:
+        """The measure behind a symbol of a formula.
 
         Raises
         ------
         AnalysisError
-            A mode does not have it.
+            A mode does not have the measure.
         """
         if name == EIGENVALUE.name():
             return Eigenvalue()
         try:
-            found = model.linearized.measure(name)
+            measure = model.linearized.measure(name)
         except KeyError:
-            found = None
-        if found is None or isinstance(found, (ExternalForce, Compliance)):
+            measure = None
+        if measure is None or isinstance(measure, (ExternalForce, Compliance)):
             raise AnalysisError(
                 f"a mode has no {name}; it has {', '.join(cls.named)}, displacements of nodes and "
                 "quantities of elements"
             )
-        return found
+        return measure
 
     def state(self, k: int) -> ModeState:
-        """A shape as displacements; nothing acts on it."""
+        """A shape as displacements without loads."""
         u = self.shapes[:, k]
         first = next(iter(self.model.loads.values()))
         return ModeState(
@@ -138,7 +138,7 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
         n = len(self.model.degrees)
         return ModeWeights(u=np.zeros(n), forces=np.zeros(n), p=np.zeros(self.parameters.size))
 
-    # for people ---------------------------------------------------------------------------
+    # output -------------------------------------------------------------------------------
     kind_of_state = "mode"
     totals = ()
     of_any_size = True
@@ -157,15 +157,15 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
 
     @property
     def forces(self) -> np.ndarray:  # type: ignore[override]
-        """(n, k) none."""
+        """(n, k) zeros."""
         return np.zeros_like(self.shapes)
 
     def case(self, name: str | int) -> int:
-        """Place of a mode, by its number."""
+        """Index of a mode, from its number."""
         return self.places(np.array([name]))[0] if isinstance(name, int) else super().case(name)
 
     def plot(self, field: str | None = None, case: str | int = 1, **options: Any) -> Any:
-        """Draw a shape, ``case`` being the number of the mode; see ``StructuralResult.plot``."""
+        """Draw the shape of the mode number ``case``; see ``StructuralResult.plot``."""
         return super().plot(field, case, **options)
 
     @cached_property

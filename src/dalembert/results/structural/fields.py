@@ -1,4 +1,4 @@
-"""Quantities of elements as arrays, one by one or averaged at the nodes."""
+"""Fields of element quantities, per element or averaged at the nodes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dalembert.structures.measuring.measures import State
 from dalembert.structures.model import StructuralModel
 
 DISPLACEMENT = "displacement"
-"""Name of the field of sizes of the nodes' displacements."""
+"""Name of the field of displacement magnitudes."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Field:
 
     Attributes
     ----------
-    values : (elements,) over all blocks, NaN where there is none; or (vertices,) if ``at_vertices``
+    values : (elements,) over all blocks, NaN if undefined; or (vertices,) if ``at_vertices``
     """
 
     name: str
@@ -33,9 +33,9 @@ class Field:
 
     @property
     def range(self) -> tuple[float, float]:
-        """Smallest and largest value; about zero where both signs occur."""
-        known = self.values[np.isfinite(self.values)]
-        low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 0.0)
+        """Minimum and maximum; symmetric about zero if both signs occur."""
+        finite = self.values[np.isfinite(self.values)]
+        low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
         if low < 0 < high:
             high = max(-low, high)
             low = -high
@@ -43,7 +43,7 @@ class Field:
 
     @property
     def has_both_signs(self) -> bool:
-        """Whether there are values on both sides of zero."""
+        """Whether both signs occur."""
         return bool(np.nanmin(self.values) < 0 < np.nanmax(self.values))
 
     @property
@@ -53,68 +53,68 @@ class Field:
 
 
 def field_names(model: StructuralModel) -> list[str]:
-    """Quantities that some elements have, and the displacement."""
-    found = dict.fromkeys(q for block in model.blocks for q in block.kind.measures)
-    return [DISPLACEMENT, *found]
+    """Names of the fields: quantities of elements, and the displacement."""
+    quantities = dict.fromkeys(q for block in model.blocks for q in block.kind.measures)
+    return [DISPLACEMENT, *quantities]
 
 
 def set_field(model: StructuralModel, state: State, name: str) -> np.ndarray:
-    """(k,) a quantity of each element of a set, or of one element, ``"plate.von_mises"``.
+    """(k,) quantity of each element of a set, or of one element, ``"plate.von_mises"``.
 
     Raises
     ------
     AnalysisError
-        There is none of this name.
+        Unknown field.
     """
     owner, _, quantity = name.partition(".")
-    found = model.measures.elements(owner, quantity)
-    if found is None:
-        raise AnalysisError(f"no field {name!r}{_near(name, _all_names(model))}")
-    return found.field(state)
+    elements = model.measures.elements(owner, quantity)
+    if elements is None:
+        raise AnalysisError(f"no field {name!r}{_suggestions(name, _all_names(model))}")
+    return elements.field(state)
 
 
 def element_field(drawing: StructuralDrawing, state: State, name: str) -> Field:
-    """A quantity over all elements that have it, or over one set.
+    """Field of a quantity over all elements that have it, or over one set.
 
     Raises
     ------
     AnalysisError
-        No element has it.
+        No element has the quantity.
     """
     model = drawing.model
-    values, unit, known = np.full(drawing.starts[-1], np.nan), "", False
+    values, unit, exists = np.full(drawing.starts[-1], np.nan), "", False
     owner, dot, rest = name.partition(".")
     quantity = rest if dot else owner
     for block, start in zip(model.blocks, drawing.starts, strict=False):
         rows = block.names.numbers(owner) if dot else range(block.count)
-        has = None if rows is None else block.kind.unit(quantity)
-        if has is None:
+        block_unit = None if rows is None else block.kind.unit(quantity)
+        if block_unit is None:
             continue
-        unit, known = has, True
+        unit, exists = block_unit, True
         measured = block.kind.measure(quantity, block.gather(state.u), state.data(block)).ravel()
         values[start + np.asarray(rows)] = measured[np.asarray(rows)]
-    if not known:
+    if not exists:
         names = [*field_names(model), *_all_names(model)]
-        raise AnalysisError(f"no element has {name!r}{_near(name, names)}")
+        raise AnalysisError(f"no element has {name!r}{_suggestions(name, names)}")
     return Field(name, unit, values)
 
 
 def displacement_field(drawing: StructuralDrawing, moved: np.ndarray) -> Field:
-    """Sizes of the displacements (vertices, 3)."""
+    """Field of the magnitudes of displacements (vertices, 3)."""
     return Field(DISPLACEMENT, "m", np.linalg.norm(moved, axis=1), at_vertices=True)
 
 
 def smoothed(drawing: StructuralDrawing, field: Field) -> Field:
-    """The mean at each vertex of the values of the elements around it."""
+    """Field of the mean values of adjacent elements at each vertex."""
     if field.at_vertices:
         return field
     total, count = np.zeros(len(drawing.rest)), np.zeros(len(drawing.rest))
     shapes: list[Shapes] = [*drawing.lines, *drawing.faces, *drawing.points]
     for shape in shapes:
         values = np.repeat(field.values[shape.owners], shape.vertices.shape[1])
-        places, there = shape.vertices.ravel(), np.isfinite(values)
-        np.add.at(total, places[there], values[there])
-        np.add.at(count, places[there], 1.0)
+        vertices, finite = shape.vertices.ravel(), np.isfinite(values)
+        np.add.at(total, vertices[finite], values[finite])
+        np.add.at(count, vertices[finite], 1.0)
     mean = np.divide(total, count, out=np.full_like(total, np.nan), where=count > 0)
     return replace(field, values=mean, at_vertices=True)
 
@@ -128,6 +128,6 @@ def _all_names(model: StructuralModel) -> list[str]:
     ]
 
 
-def _near(name: str, known: list[str]) -> str:
-    close = difflib.get_close_matches(name, known, 3, 0.4)
+def _suggestions(name: str, candidates: list[str]) -> str:
+    close = difflib.get_close_matches(name, candidates, 3, 0.4)
     return f"; nearest: {', '.join(close)}" if close else ""

@@ -1,4 +1,4 @@
-"""The result of following a load path: equilibria one after the other, and their load factors."""
+"""Result of path following: successive equilibria and their load factors."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from dalembert.structures.measuring.measures import State
 
 @dataclass(frozen=True)
 class Plane:
-    """Where a point was looked for: ``nᵀ(u_f − u₀)/s² + ν (λ − λ₀) = 0``.
+    """Constraint plane of a path point: ``nᵀ(u_f − u₀)/s² + ν (λ − λ₀) = 0``.
 
     Attributes
     ----------
     origin, normal : (free + 1,) ``(u₀, λ₀)`` and ``(n, ν)``
-    scale : (free,) ``s``, displacements that count as much as the whole load [m or rad]
+    scale : (free,) ``s``, displacements weighted like the whole load [m or rad]
     """
 
     origin: np.ndarray
@@ -31,24 +31,24 @@ class Plane:
 
     @property
     def row(self) -> np.ndarray:
-        """(free + 1,) its coefficients."""
+        """(free + 1,) coefficients of the plane."""
         return np.append(self.normal[:-1] / self.scale**2, self.normal[-1])
 
     def distance(self, point: np.ndarray) -> float:
-        """How far a point is from it."""
+        """Residual of the plane equation at a point."""
         return float(self.row @ (point - self.origin))
 
 
 @dataclass(eq=False, repr=False)
 class LoadPathResult(StructuralResult):
-    """Equilibria along a load path; what instants are to a motion, points are to it.
+    """Equilibria along a load path; its points are the instants of the result.
 
     Attributes
     ----------
     load_factors : (points,) shares of the load
-    planes : where each point was looked for
-    negative : (points,) negative eigenvalues of the stiffness; none where it is stable
-    limits : numbers of the limit points, where the load factor is largest or smallest
+    planes : constraint plane of each point
+    negative : (points,) numbers of negative eigenvalues of the stiffness; zero if stable
+    limits : numbers of the limit points, where the load factor has an extremum
     """
 
     load_factors: np.ndarray = field(default_factory=lambda: np.zeros(0))
@@ -65,44 +65,44 @@ class LoadPathResult(StructuralResult):
 
     @property
     def stable(self) -> np.ndarray:
-        """(points,) whether an equilibrium is stable under its dead load."""
+        """(points,) whether each equilibrium is stable under its dead load."""
         return self.negative == 0
 
     def state(self, case: int) -> State:
         return replace(super().state(case), load_factor=float(self.load_factors[case]))
 
     def at(self, cases: Instants) -> LoadPathResult:
-        """The result of some points, by number."""
+        """The result at some points, by number."""
         index = checked_numbers(cases, len(self.planes), "points of the path")
-        found = cast(LoadPathResult, super().at(index))
-        places = np.arange(len(self.planes))[index]
-        kept = [int(np.flatnonzero(places == k)[0]) for k in self.limits if k in places]
+        result = cast(LoadPathResult, super().at(index))
+        original = np.arange(len(self.planes))[index]
+        limits = [int(np.flatnonzero(original == k)[0]) for k in self.limits if k in original]
         return replace(
-            found,
+            result,
             load_factors=self.load_factors[index],
             planes=[self.planes[k] for k in index],
             negative=self.negative[index],
-            limits=np.array(kept, dtype=int),
+            limits=np.array(limits, dtype=int),
         )
 
     def at_load(self, factor: float) -> LoadPathResult:
-        """The first equilibrium on the path at this load factor.
+        """First equilibrium on the path at this load factor.
 
         Raises
         ------
         AnalysisError
-            The path does not get there.
+            The path does not reach the load factor.
         """
         return self.analysis.at_load(self, factor)  # type: ignore[attr-defined]
 
     @cached_property
     def contents(self) -> Contents:
         """Displacements, forces and load factors."""
-        more = {
+        variables = {
             "load_factor": ("point", self.load_factors, {"units": "1"}),
             "negative_eigenvalues": ("point", self.negative),
         }
-        return super().contents.plus(more)
+        return super().contents.plus(variables)
 
     @property
     def _labels(self) -> np.ndarray:

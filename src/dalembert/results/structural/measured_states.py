@@ -1,4 +1,4 @@
-"""Formulas of measures over the states of a structure, and what they weigh."""
+"""Formulas of measures over the states of a structure, and their derivatives."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from dalembert.symbolic.once import once
 
 
 class MeasuredStates(Result):
-    """States by number, load cases or instants, and any formula of their measures.
+    """States (load cases or instants) and formulas of their measures.
 
     Attributes
     ----------
@@ -30,15 +30,15 @@ class MeasuredStates(Result):
     parameters: np.ndarray
 
     def state(self, k: int) -> State:
-        """What a measure sees."""
+        """The state that measures evaluate."""
         raise NotImplementedError
 
     def measure(self, name: str) -> Measure:
-        """What a symbol in a formula stands for."""
+        """The measure behind a symbol of a formula."""
         return self.model.measure(name)
 
     def no_weights(self) -> Weights:
-        """Weights of nothing, to which those of measures are added."""
+        """Zero weights, to which those of measures are added."""
         return Weights.zero(len(self.model.degrees), self.parameters.size)
 
     def expression(self, measure: str | Expression) -> Expression:
@@ -48,7 +48,7 @@ class MeasuredStates(Result):
     def __contains__(self, measure: object) -> bool:
         if not super().__contains__(measure):
             return False
-        try:  # the measures of a motion have names in statics, too, and no values
+        try:  # statics know the names of motion measures, without values
             self.values(measure)  # type: ignore[arg-type]
         except AnalysisError:
             return False
@@ -64,7 +64,7 @@ class MeasuredStates(Result):
         return Formula(self, self.expression(measure).sx).values
 
     def weights(self, sx: ca.SX, k: int) -> Weights:
-        """What a formula weighs the state ``k`` and the parameters."""
+        """Derivatives of a formula with respect to the state ``k`` and the parameters."""
         return Formula(self, sx).weights(k)
 
 
@@ -79,39 +79,41 @@ class FormulaGraph:
     Attributes
     ----------
     names : of the measures
-    alone : whether it is one measure and nothing else
+    alone : whether the formula is a single measure
     """
 
     def __init__(self, model: StructuralModel, sx: ca.SX):
-        others = {"t", *model.parameters}
-        found = [s for s in ca.symvar(sx) if s.name() not in others]
-        self.names, self.alone = [s.name() for s in found], bool(found) and sx.is_symbolic()
-        self._sx, self._given = sx, [t.sx, stack(found), model.p]
+        excluded = {"t", *model.parameters}
+        symbols = [s for s in ca.symvar(sx) if s.name() not in excluded]
+        self.names, self.alone = [s.name() for s in symbols], bool(symbols) and sx.is_symbolic()
+        self._sx, self._inputs = sx, [t.sx, stack(symbols), model.p]
 
     @cached_property
     def value(self) -> ca.Function:
-        """The formula."""
-        return ca.Function("formula", self._given, [ca.densify(self._sx)])
+        """Function of the formula."""
+        return ca.Function("formula", self._inputs, [ca.densify(self._sx)])
 
     @cached_property
     def slopes(self) -> ca.Function:
-        """Its derivatives by measures and parameters."""
-        slopes = [ca.densify(ca.gradient(self._sx, by)) for by in self._given[1:]]
-        return ca.Function("slopes", self._given, slopes)
+        """Derivatives with respect to measures and parameters."""
+        slopes = [ca.densify(ca.gradient(self._sx, by)) for by in self._inputs[1:]]
+        return ca.Function("slopes", self._inputs, slopes)
 
     @cached_property
     def turns(self) -> ca.Function:
-        """Change of the slopes with the measures and the parameters."""
-        given = self._given
-        seen = ca.vertcat(*given[1:])
-        change = ca.SX.sym("change", seen.numel())
-        turned = [ca.densify(ca.jtimes(slope, seen, change)) for slope in self.slopes(*given)]
-        return ca.Function("turns", [*given, change], turned)
+        """Directional derivative of the slopes."""
+        inputs = self._inputs
+        variables = ca.vertcat(*inputs[1:])
+        change = ca.SX.sym("change", variables.numel())
+        derivatives = [
+            ca.densify(ca.jtimes(slope, variables, change)) for slope in self.slopes(*inputs)
+        ]
+        return ca.Function("turns", [*inputs, change], derivatives)
 
 
 @once
 def formula_graph(model: StructuralModel, sx: ca.SX) -> FormulaGraph:
-    """The functions of a formula, compiled where they are needed first."""
+    """Functions of a formula, created on first use."""
     return FormulaGraph(model, sx)
 
 
@@ -134,7 +136,7 @@ class Formula:
 
     @property
     def values(self) -> np.ndarray:
-        """(K,) at all states."""
+        """(K,) values at all states."""
         count, graph = len(self.states.time), self._graph
         numbers = np.array([self._numbers(k) for k in range(count)]).reshape(count, -1).T
         if graph.alone or not count:
@@ -143,37 +145,39 @@ class Formula:
         return graph.value.map(count)(self.states.time[None, :], numbers, p).full().ravel()
 
     def weights(self, k: int, weight: float = 1.0) -> Weights:
-        """What the formula weighs the state ``k`` and the parameters."""
+        """Derivatives with respect to the state ``k`` and the parameters, times ``weight``."""
         into, state = self.states.no_weights(), self.states.state(k)
         if self._graph.alone:
             self._measures[0].pull(state, weight, into)
             return into
-        given = self.states.time[k], self._numbers(k), self.states.parameters
-        slopes, own = (found.full().ravel() for found in self._graph.slopes(*given))
-        into.p += weight * own
+        arguments = self.states.time[k], self._numbers(k), self.states.parameters
+        slopes, parameter_weights = (part.full().ravel() for part in self._graph.slopes(*arguments))
+        into.p += weight * parameter_weights
         for measure, slope in zip(self._measures, slopes, strict=True):
             measure.pull(state, weight * float(slope), into)
         return into
 
     def rate(self, k: int, change: State) -> float:
-        """Change of the value with the state ``k``; ``change.p`` is that of the parameters."""
+        """Directional derivative at the state ``k``; ``change.p`` is that of the parameters."""
         return self.weights(k).along(change)
 
     def turn(self, k: int, change: State, weight: float = 1.0) -> Weights:
-        """Change of ``weights`` with the state ``k``."""
+        """Directional derivative of ``weights`` at the state ``k``."""
         into, state = self.states.no_weights(), self.states.state(k)
-        given = self.states.time[k], self._numbers(k), self.states.parameters
-        slopes = self._graph.slopes(*given)[0].full().ravel()
-        moved = []
+        arguments = self.states.time[k], self._numbers(k), self.states.parameters
+        slopes = self._graph.slopes(*arguments)[0].full().ravel()
+        measure_rates = []
         for measure in self._measures:
-            alone = self.states.no_weights()
-            measure.pull(state, 1.0, alone)
-            moved.append(alone.along(change))
-        rates = np.concatenate([moved, change.p])
-        turned, own = (found.full().ravel() for found in self._graph.turns(*given, rates))
-        into.p += weight * own
-        for measure, slope, more in zip(self._measures, slopes, turned, strict=True):
-            measure.pull(state, weight * float(more), into)
+            weights = self.states.no_weights()
+            measure.pull(state, 1.0, weights)
+            measure_rates.append(weights.along(change))
+        rates = np.concatenate([measure_rates, change.p])
+        slope_rates, parameter_weights = (
+            part.full().ravel() for part in self._graph.turns(*arguments, rates)
+        )
+        into.p += weight * parameter_weights
+        for measure, slope, slope_rate in zip(self._measures, slopes, slope_rates, strict=True):
+            measure.pull(state, weight * float(slope_rate), into)
             measure.turn(state, change, weight * float(slope), into)
         return into
 

@@ -1,4 +1,4 @@
-"""The result of a transient analysis of a structure: its motion and any measure of it."""
+"""Motion of a structure, from a transient analysis or recovered from a flexible body."""
 
 from __future__ import annotations
 
@@ -6,19 +6,24 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import casadi as ca
 import numpy as np
 import scipy
 
+from dalembert.elements.coordinates import rate_of, second_rate_of
+from dalembert.elements.flexible.floating import FloatingFrame
+from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.files.contents import Contents
+from dalembert.results.recording import Recording
 from dalembert.results.result import Instants
 from dalembert.results.sampling import checked_instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
-from dalembert.structures.loads.temperatures import Temperatures
-from dalembert.structures.measuring.motion_measures import MovingState, MovingWeights
+from dalembert.structures.loads.load_case import Temperatures
+from dalembert.structures.measuring.named_measures import MovingState, MovingWeights
 from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.expression import Expression, t
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,15 +39,15 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
     Attributes
     ----------
     model : StructuralModel that was solved
-    analysis : the analysis that made it
+    analysis : analysis that computed it
     parameters : (np,) values used
     time : (K,) [s]
     displacements, velocities, accelerations : (n, K)
     forces : (n, K) applied forces, and reactions at prescribed displacements
     mass : (n, n) mass matrix
     status : Status
-    statistics : name → number, for people
-    record : what a gradient needs of the run
+    statistics : name → number
+    record : data of the run for gradients
     """
 
     model: StructuralModel
@@ -64,7 +69,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
 
     @property
     def cases(self) -> list[str]:  # type: ignore[override]
-        """The instants."""
+        """Names of the instants."""
         return [f"{time:.6g} s" for time in self.time]
 
     @property
@@ -78,11 +83,11 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
 
     @property
     def temperatures(self) -> Temperatures:
-        """Of the load case that acts."""
+        """Temperatures of the load case."""
         return self.model.loads[self.analysis.case_of(self.model)].temperatures
 
     def at(self, times: Instants) -> StructuralMotion:
-        """The same motion at other times, by the steps that were taken."""
+        """The motion at other times, from the steps of the run."""
         return self.analysis.resample(self, checked_instants(times))
 
     def state(self, k: int) -> MovingState:
@@ -107,7 +112,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
         Raises
         ------
         KeyError
-            Unknown name, with the nearest known ones.
+            Unknown name; suggests the nearest ones.
         """
         return self.labelled(measure, {"time": ("time", self.time, {"units": "s"})})
 
@@ -120,15 +125,68 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
             "acceleration": (self.accelerations, "m/s^2 or rad/s^2"),
             "external_force": (self.forces, "N or N m"),
         }
-        found: dict[str, Any] = {
+        variables: dict[str, Any] = {
             name: (("degree", "time"), table, {"units": unit})
             for name, (table, unit) in tables.items()
         }
         for name in ("kinetic_energy", "strain_energy"):
-            found[name] = ("time", self.values(name), {"units": "J"})
+            variables[name] = ("time", self.values(name), {"units": "J"})
         coords = {"degree": self.model.degrees.names, "time": ("time", self.time, {"units": "s"})}
-        return Contents.given(found, coords, self.about)
+        return Contents.from_arrays(variables, coords, self.about)
 
     def __repr__(self) -> str:
         span = f"{self.time.size} times to {self.status.time:g} s"
         return f"<StructuralMotion of {self.model.name!r}: {span}, {self.status}>"
+
+
+@dataclass(eq=False, repr=False)
+class RecoveredStates(StructuralMotion):
+    """Displacements in the floating frame and all measures of the structure.
+
+    Velocities and accelerations are relative to the frame; stresses are those of the shapes.
+    """
+
+    large = lumped = False
+    temperatures = Temperatures()
+
+    def at(self, times: Instants) -> RecoveredStates:
+        """Not supported; sample the motion of the mechanism instead.
+
+        Raises
+        ------
+        UnsupportedError
+        """
+        raise UnsupportedError("sample the motion, motion.at(times).structure(body)")
+
+
+def recover_structure(motion: Recording, body: str) -> RecoveredStates:
+    """The structure of a flexible body over a motion.
+
+    Raises
+    ------
+    AnalysisError
+        There is no flexible body of this name.
+    """
+    flexible = {b.name: b for b in motion.model.bodies if isinstance(b, FloatingFrame)}
+    if body not in flexible:
+        names = ", ".join(flexible) or "none"
+        raise AnalysisError(f"no flexible body {body!r} (known: {names})")
+    element = flexible[body]
+    shapes = motion.model.shapes(element, motion.parameters)
+    model = shapes.structure.linearized
+    amplitudes = element.amplitudes
+    rates = rate_of(amplitudes, [element], t.sx), second_rate_of(amplitudes, [element], t.sx)
+    columns = motion.columns([Expression(ca.densify(x)) for x in (amplitudes, *rates)])
+    u, v, a = (shapes.displacements @ x.reshape(motion.time.size, -1).T for x in columns)
+    return RecoveredStates(
+        model,
+        motion.analysis,
+        shapes.p,
+        motion.time,
+        u,
+        v,
+        a,
+        np.zeros_like(u),
+        model.assembly.mass(shapes.p),
+        motion.status,
+    )

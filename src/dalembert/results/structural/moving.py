@@ -1,4 +1,4 @@
-"""A structure that moves in Matplotlib axes: through its states, or to and fro in one of them."""
+"""Animated structure in Matplotlib axes: through its states, or oscillating in one of them."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from dalembert.errors import AnalysisError, FileError
 from dalembert.text.wording import unknown
 
 TURN = (-0.6, -1.15)
-"""Turn about z and tilt of what stands in space, as on its page."""
+"""Rotation about z and tilt of spatial structures, as on pages [rad]."""
 LINE, FACE, REST = "#0b63a5", "#9fc3e0", "#9aa5b1"
 MARGIN = 0.08
 
 
 class MovingStructure:
-    """``show(k)`` brings the structure to frame ``k``.
+    """Animated structure; ``show(k)`` draws frame ``k``.
 
     Parameters
     ----------
-    page : of a structure, as plain data
-    frames : of one swing; of states that follow one another there are as many as states at most
-    state : name of the load case or mode that swings; the first by default
+    page : payload of the page of a structure
+    frames : number of frames of one oscillation; at most the number of consecutive states
+    state : name of the load case or mode that oscillates; the first by default
 
     Attributes
     ----------
@@ -38,31 +38,33 @@ class MovingStructure:
         if not names:
             raise AnalysisError("there is no state to film")
         self.rest = np.asarray(self.drawing["rest"], dtype=float).reshape(-1, 3)
-        moved = [np.asarray(m, dtype=float).reshape(-1, 3) for m in page["moved"]]
+        displacements = [np.asarray(m, dtype=float).reshape(-1, 3) for m in page["moved"]]
         self.solid = page["dimension"] == 3
         if page["sequence"] and len(names) > 1 and state is None:
-            chosen = np.linspace(0, len(names) - 1, min(frames, len(names))).round().astype(int)
-            self.places = [self.rest + page["scales"][k] * moved[k] for k in chosen]
-            self.names = [names[k] for k in chosen]
+            index = np.linspace(0, len(names) - 1, min(frames, len(names))).round().astype(int)
+            self.places = [self.rest + page["scales"][k] * displacements[k] for k in index]
+            self.names = [names[k] for k in index]
         else:
             k = names.index(state) if state is not None else 0
             shares = np.sin(2 * np.pi * np.arange(frames) / frames)
-            self.places = [self.rest + share * page["scales"][k] * moved[k] for share in shares]
+            self.places = [
+                self.rest + share * page["scales"][k] * displacements[k] for share in shares
+            ]
             self.names = [names[k]] * frames
         self.count, self.title = len(self.places), page["title"]
         self.ax = self._axes()
 
     def show(self, k: int) -> list[Any]:
-        """Bring it to frame ``k``."""
-        seen = self._seen(self.places[k])
-        self.lines.set_segments([seen[run] for run in self._runs("lines")])
-        self.faces.set_verts([seen[run] for run in self._runs("faces")])
+        """Draw frame ``k``."""
+        projected = self._projected(self.places[k])
+        self.lines.set_segments([projected[run] for run in self._runs("lines")])
+        self.faces.set_verts([projected[run] for run in self._runs("faces")])
         self.ax.set_title(" · ".join(part for part in (self.title, self.names[k]) if part))
         return [self.lines, self.faces]
 
     def _axes(self) -> Any:
         ax = plt.subplots(layout="constrained")[1]
-        rest = self._seen(self.rest)
+        rest = self._projected(self.rest)
         edges = [rest[run] for run in self._runs("lines")]
         outline = np.asarray(self.drawing["outline"], dtype=int).reshape(-1, 2)
         ax.add_collection(LineCollection([*edges, *rest[outline]], colors=REST, ls="--", lw=0.8))
@@ -70,10 +72,10 @@ class MovingStructure:
         self.lines = LineCollection([], colors=LINE, lw=2.2)
         ax.add_collection(self.faces)
         ax.add_collection(self.lines)
-        every = np.concatenate([self._seen(places) for places in [self.rest, *self.places]])
-        low, high = every.min(axis=0), every.max(axis=0)
-        room = MARGIN * max(float((high - low).max()), 1e-12)
-        ax.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room))
+        points = np.concatenate([self._projected(places) for places in [self.rest, *self.places]])
+        low, high = points.min(axis=0), points.max(axis=0)
+        margin = MARGIN * max(float((high - low).max()), 1e-12)
+        ax.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
         ax.set_aspect("equal")
         ax.set_axis_off()
         return ax
@@ -86,8 +88,8 @@ class MovingStructure:
             for run in np.asarray(shape["vertices"], dtype=int).reshape(-1, int(shape["size"]))
         ]
 
-    def _seen(self, places: np.ndarray) -> np.ndarray:
-        """(vertices, 2) as they are seen."""
+    def _projected(self, places: np.ndarray) -> np.ndarray:
+        """(vertices, 2) projected positions."""
         if not self.solid:
             return places[:, :2]
         (ca, cb), (sa, sb) = np.cos(TURN), np.sin(TURN)

@@ -1,15 +1,17 @@
-"""What people take out of a structural result: pictures, the report, files."""
+"""Pictures, summary and report of a structural result."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from dalembert.results.structural.states import StructuralStates
 
 
 class StructuralOutputs(StructuralStates):
-    """Pictures, report and files of a structure's states."""
+    """Pictures, summary and report of the states of a structure."""
 
     def plot(
         self,
@@ -29,16 +31,16 @@ class StructuralOutputs(StructuralStates):
         field : quantity for the colours: of all elements that have it (``"von_mises"``), of one
             set (``"plate.von_mises"``), or ``"displacement"``
         case : load case, by name or number
-        scale : factor of the displacements; a round one that shows well, told in the title
-        undeformed : draw the structure at rest behind
-        smooth : mean values at the nodes instead of one for each element
+        scale : factor of the displacements; by default a round one, given in the title
+        undeformed : draw the undeformed structure behind
+        smooth : mean values at the nodes instead of one per element
         mesh : draw the edges of the elements
         ax : axes of Matplotlib, new ones if None
 
         Raises
         ------
         AnalysisError
-            There is no such quantity or case.
+            Unknown quantity or case.
         """
         from dalembert.results.structural.drawing import StructuralDrawing
         from dalembert.results.structural.fields import (
@@ -72,12 +74,53 @@ class StructuralOutputs(StructuralStates):
         )
 
     def summary(self) -> dict[str, Any]:
-        """Status, and the largest displacement and the sum of the reactions of each state."""
-        from dalembert.results.structural.summary import structural_summary
-
+        """Status, and maximum displacement and sum of the reactions of each state."""
         return structural_summary(self)
 
     def page(self, units: Sequence[str] = ()) -> dict[str, Any]:
         from dalembert.results.structural.payload import structural_payload
 
         return structural_payload(self, units)
+
+
+def structural_summary(result: StructuralStates) -> dict[str, Any]:
+    """Status, and maximum displacement and sum of the reactions of each state."""
+    summary: dict[str, Any] = {
+        "status": str(result.status),
+        "residual": result.status.residual,
+        "statistics": result.statistics,
+        "warnings": list(result.warnings),
+    }
+    numbers = {name: result.values(name) for name in result.named}
+    rows = []
+    for k, label in enumerate(result.state_names):
+        row: dict[str, Any] = {result.kind_of_state: label}
+        row |= {name: float(values[k]) for name, values in numbers.items()}
+        if not result.of_any_size:
+            row["largest displacement"] = _largest(result, k)
+            row["sum of reactions"] = _reactions(result, k)
+        rows.append(row)
+    summary["states"] = rows
+    if len(rows) == 1:
+        totals = {name: result.values(name) for name in result.totals}
+        summary["totals"] = {name: float(value[0]) for name, value in totals.items()}
+    return summary
+
+
+def _largest(result: StructuralStates, k: int) -> dict[str, Any]:
+    """Magnitude and node of the maximum displacement."""
+    degrees = result.model.degrees
+    table = degrees.table[:, : degrees.dimension]
+    size = np.linalg.norm(np.where(table >= 0, result.displacements[table, k], 0.0), axis=1)
+    node = int(np.argmax(size))
+    return {"value": float(size[node]), "unit": "m", "node": degrees.nodes.name(node)}
+
+
+def _reactions(result: StructuralStates, k: int) -> dict[str, float]:
+    """Sum of the forces of the supports along each direction [N]."""
+    degrees, prescribed = result.model.degrees, result.model.assembly.prescribed
+    sums = {}
+    for axis, direction in enumerate(degrees.directions[: degrees.dimension]):
+        numbers = np.intersect1d(degrees.table[:, axis], prescribed)
+        sums[direction.replace("u", "f", 1)] = float(result.forces[numbers, k].sum())
+    return sums

@@ -1,4 +1,4 @@
-"""What the report of a structure shows, as plain data: drawing, states, fields, tables."""
+"""Payload of the report of a structure: drawing, states, fields and tables."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.results.files.headings import chosen_units
-from dalembert.results.files.page_parts import diagnosis, parameter_rows, statistics
+from dalembert.results.files.tables import diagnosis, parameter_rows, preferred_units, statistics
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.fields import element_field, field_names
 from dalembert.results.structural.plot import automatic_scale
@@ -17,29 +16,31 @@ from dalembert.results.structural.states import StructuralStates
 from dalembert.results.structural.symbols import arrows, moments, support_symbols
 
 MOST_NUMBERS = 3_000_000
-"""Numbers in a page; of more cases than fit some are left out, evenly."""
+"""Upper limit of the numbers in a page; surplus states are omitted evenly."""
 
 
 def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> dict[str, Any]:
-    """Everything the page of a structural result needs.
+    """Payload of the page of a structural result.
 
     Parameters
     ----------
     result : StructuralStates
-    units : that the page shows, each for what has its dimension
+    units : preferred units of the page, one per dimension
     """
     drawing = StructuralDrawing(result.model, result.parameters)
     model, degrees = result.model, result.model.degrees
     quantities = field_names(model)[1:]
-    each = 3 * len(drawing.rest) + len(quantities) * int(drawing.starts[-1]) + len(degrees)
+    numbers_per_case = (
+        3 * len(drawing.rest) + len(quantities) * int(drawing.starts[-1]) + len(degrees)
+    )
     count = len(result.cases)
-    fit = max(1, min(count, MOST_NUMBERS // max(each, 1)))
+    fit = max(1, min(count, MOST_NUMBERS // max(numbers_per_case, 1)))
     keep = np.unique(np.linspace(0, max(count - 1, 0), fit).round().astype(int))[:count]
-    moved = [drawing.displaced(result.displacements[:, k], result.large) for k in keep]
-    scales = [automatic_scale(drawing, m) for m in moved]
-    if moved and not result.of_any_size:
-        largest = max(moved, key=lambda m: float(np.abs(m).max(initial=0.0)))
-        scales = [automatic_scale(drawing, largest)] * len(moved)
+    displacements = [drawing.displaced(result.displacements[:, k], result.large) for k in keep]
+    scales = [automatic_scale(drawing, m) for m in displacements]
+    if displacements and not result.of_any_size:
+        largest = max(displacements, key=lambda m: float(np.abs(m).max(initial=0.0)))
+        scales = [automatic_scale(drawing, largest)] * len(displacements)
     fields = _fields(result, drawing, quantities, keep)
     return {
         "format": 1,
@@ -49,7 +50,7 @@ def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> d
         "dimension": drawing.dimension,
         "cases": [result.state_names[k] for k in keep],
         "drawing": _drawing(drawing),
-        "moved": [m.ravel() for m in moved],
+        "moved": [m.ravel() for m in displacements],
         "scales": scales,
         "shapes_only": result.of_any_size,
         "sequence": result.in_sequence,
@@ -60,7 +61,9 @@ def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> d
         "displacements": [result.displacements[:, k] for k in keep],
         "elements": drawing.element_names,
         "fields": fields,
-        "units": chosen_units({"m", "rad", "N", "N m", *(one["unit"] for one in fields)}, units),
+        "units": preferred_units(
+            {"m", "rad", "N", "N m", *(field["unit"] for field in fields)}, units
+        ),
         "supports": _supports(drawing),
         "loads": [_loads(drawing, result.applied(int(k))) for k in keep],
         "reactions": _reactions(result, keep),
@@ -90,34 +93,34 @@ def _drawing(drawing: StructuralDrawing) -> dict[str, Any]:
 def _fields(
     result: StructuralStates, drawing: StructuralDrawing, quantities: list[str], keep: Any
 ) -> list[dict[str, Any]]:
-    """Quantities of the elements, case by case; null where an element has none."""
-    found: list[dict[str, Any]] = []
+    """Quantities of the elements by case; null for elements without the quantity."""
+    entries: list[dict[str, Any]] = []
     for name in quantities:
         fields = [element_field(drawing, result.state(int(case)), name) for case in keep]
-        if any(np.isfinite(one.values).any() for one in fields):
-            values = [one.values for one in fields]
-            found.append({"name": name, "unit": fields[0].unit, "values": values})
-    return found
+        if any(np.isfinite(field.values).any() for field in fields):
+            values = [field.values for field in fields]
+            entries.append({"name": name, "unit": fields[0].unit, "values": values})
+    return entries
 
 
 def _supports(drawing: StructuralDrawing) -> list[dict[str, Any]]:
     return [
-        {"nodes": nodes, "way": list(way), "roller": roller, "turns": turns}
-        for (way, roller, turns), nodes in support_symbols(drawing).items()
+        {"nodes": nodes, "way": list(direction), "roller": roller, "turns": turns}
+        for (direction, roller, turns), nodes in support_symbols(drawing).items()
     ]
 
 
 def _loads(drawing: StructuralDrawing, loads: np.ndarray) -> list[dict[str, Any]]:
-    found = [
+    forces = [
         {"node": int(n), "force": f, "presses": bool(p)}
         for n, f, p in zip(*arrows(drawing, loads), strict=True)
     ]
-    turned = moments(drawing, loads).items()
-    return found + [{"node": n, "force": [0.0] * 3, "moment": m} for n, m in turned]
+    node_moments = moments(drawing, loads).items()
+    return forces + [{"node": n, "force": [0.0] * 3, "moment": m} for n, m in node_moments]
 
 
 def _reactions(result: StructuralStates, keep: Any) -> list[dict[str, Any]]:
-    """One row for each prescribed displacement; none where no forces are known."""
+    """One row for each prescribed displacement; empty without forces."""
     if not np.any(result.forces):
         return []
     degrees = result.model.degrees
@@ -132,21 +135,21 @@ def _reactions(result: StructuralStates, keep: Any) -> list[dict[str, Any]]:
     return rows
 
 
-def _diagnosis(result: StructuralStates, left_out: int) -> dict[str, Any]:
+def _diagnosis(result: StructuralStates, omitted: int) -> dict[str, Any]:
     model = result.model
-    held = len(model.supports)
+    prescribed_count = len(model.supports)
     items = [
         ("dimensions", model.degrees.dimension),
         ("nodes", len(model.degrees.nodes)),
         *((block.kind.cls.__name__, block.count) for block in model.blocks),
         ("displacements", len(model.degrees)),
-        ("prescribed displacements", held),
+        ("prescribed displacements", prescribed_count),
         (f"{result.kind_of_state}s", len(result.cases)),
     ]
     messages = [("warning", text) for text in result.warnings]
-    if left_out:
-        kept = "are left out of this page; the result file has them all"
-        messages.append(("info", f"{left_out} {result.kind_of_state}s {kept}"))
+    if omitted:
+        note = "are left out of this page; the result file has them all"
+        messages.append(("info", f"{omitted} {result.kind_of_state}s {note}"))
     elements = sum(block.count for block in model.blocks)
     counted = f"{len(model.degrees.nodes)} nodes, {elements} elements"
     summary = f"{counted}, {result.status.outcome.value}"
@@ -161,7 +164,9 @@ def _statistics(result: StructuralStates) -> list[dict[str, str]]:
     for name in result.totals:
         values, unit = result.values(name), result.model[name].unit
         if np.all(np.isfinite(values)) and np.any(values):
-            shown = np.unique(values) if name == "mass" else values
-            text = ", ".join(f"{v:.6g}" for v in shown[:6]) + (", …" if shown.size > 6 else "")
+            distinct = np.unique(values) if name == "mass" else values
+            text = ", ".join(f"{v:.6g}" for v in distinct[:6]) + (
+                ", …" if distinct.size > 6 else ""
+            )
             rows.append((f"{name.replace('_', ' ')} [{unit}]", text))
     return statistics(rows)

@@ -1,4 +1,4 @@
-"""One picture of a structure with Matplotlib: lines, faces and nodes in their colours."""
+"""Matplotlib picture of a structure: coloured lines, faces and nodes."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from dalembert.results.structural.fields import Field
 from dalembert.results.structural.shapes import Shapes
 
 PREFIXED = ("N", "Pa", "J", "m", "N m")
-"""Units that take prefixes: kN, MPa, mm."""
+"""Units shown with prefixes: kN, MPa, mm."""
 PLAIN, GHOST, OUTLINE = "#1f5f99", "0.72", "0.25"
 FACE = "#c9d9e8"
 
 
 @dataclass
 class StructuralPicture:
-    """One picture.
+    """Picture of a structure.
 
     Parameters
     ----------
     drawing : StructuralDrawing
     moved : (vertices, 3) displacements [m]
     scale : factor of the displacements
-    field : Field for the colours, plain if None
-    undeformed : draw the structure at rest behind
+    field : Field for the colours, uniform if None
+    undeformed : draw the undeformed structure behind
     mesh : draw the edges of faces
     """
 
@@ -40,12 +40,12 @@ class StructuralPicture:
 
     @property
     def solid(self) -> bool:
-        """Whether it needs three axes."""
+        """Whether the picture is three-dimensional."""
         return self.drawing.dimension == 3
 
     @property
     def places(self) -> np.ndarray:
-        """(vertices, 3) places drawn; below the structure at rest where it lies on a line."""
+        """(vertices, 3) drawn positions; 1D structures are shifted below the undeformed one."""
         places = self.drawing.rest + self.scale * self.moved
         if self.drawing.dimension == 1 and self.undeformed:
             rest = self.drawing.rest
@@ -67,7 +67,7 @@ class StructuralPicture:
         return ax
 
     def _size(self) -> tuple[float, float]:
-        """Of a figure that fits the structure, in inches."""
+        """Size of a figure that fits the structure [inch]."""
         spread = np.ptp(self.drawing.rest, axis=0)
         if self.solid:
             return 7.2, 7.2 if spread[2] > 1.5 * spread[:2].max() else 5.0
@@ -122,11 +122,13 @@ class StructuralPicture:
             values = ((ends[:, :-1] + ends[:, 1:]) / 2).ravel()
         else:
             pieces, values = paths, self.field.values[shape.owners]
-        known = np.isfinite(values)
-        self._add_lines(ax, pieces[~known], color=GHOST, lw=1.6, zorder=3)
-        # pale colours stay visible on a darker core
-        self._add_lines(ax, pieces[known], color=OUTLINE, lw=3.6, zorder=3.9)
-        self._add_lines(ax, pieces[known], colors=colours.to_rgba(values[known]), lw=2.6, zorder=4)
+        finite = np.isfinite(values)
+        self._add_lines(ax, pieces[~finite], color=GHOST, lw=1.6, zorder=3)
+        # a darker core keeps pale colours visible
+        self._add_lines(ax, pieces[finite], color=OUTLINE, lw=3.6, zorder=3.9)
+        self._add_lines(
+            ax, pieces[finite], colors=colours.to_rgba(values[finite]), lw=2.6, zorder=4
+        )
 
     def _faces(self, ax: Any, shape: Shapes, places: np.ndarray, colours: Any) -> None:
         edges = {"edgecolors": (0.1, 0.1, 0.1, 0.35), "linewidths": 0.4 if self.mesh else 0.0}
@@ -136,25 +138,25 @@ class StructuralPicture:
             return
         if not self.field.at_vertices:
             values = self.field.values[shape.owners]
-            self._add_faces(ax, outlines, _shown(colours, values), **edges)
+            self._add_faces(ax, outlines, _rgba(colours, values), **edges)
         elif self.solid:
             values = np.nanmean(self.field.values[shape.vertices], axis=1)
-            self._add_faces(ax, outlines, _shown(colours, values), **edges)
+            self._add_faces(ax, outlines, _rgba(colours, values), **edges)
         else:
             self._smooth(ax, shape, places, colours)
             if self.mesh:
                 self._add_faces(ax, outlines, "none", **edges)
 
     def _smooth(self, ax: Any, shape: Shapes, places: np.ndarray, colours: Any) -> None:
-        """Colours that run from vertex to vertex, and to the middle of each face."""
+        """Interpolate colours between the vertices and the centre of each face."""
         v = shape.vertices
         middles = len(places) + np.repeat(np.arange(len(v)), v.shape[1])
         triangles = np.column_stack([v.ravel(), np.roll(v, -1, axis=1).ravel(), middles])
         values = self.field.values  # type: ignore[union-attr]
-        every = np.vstack([places, places[v].mean(axis=1)])
+        points = np.vstack([places, places[v].mean(axis=1)])
         ax.tripcolor(
-            every[:, 0],
-            every[:, 1],
+            points[:, 0],
+            points[:, 1],
             triangles,
             np.nan_to_num(np.concatenate([values, values[v].mean(axis=1)])),
             shading="gouraud",
@@ -164,7 +166,7 @@ class StructuralPicture:
         )
 
     def _nodes(self, ax: Any, places: np.ndarray) -> None:
-        """Dots at the nodes of few lines, and where elements have one node only."""
+        """Draw nodes of structures with few lines, and elements with one node."""
         none = np.zeros(0, dtype=int)
         at = np.concatenate([none, *(p.vertices.ravel() for p in self.drawing.points)])
         if self.drawing.lines and self.drawing.node_count <= 60:
@@ -201,9 +203,9 @@ class StructuralPicture:
         )
 
     def _frame(self, ax: Any) -> None:
-        """Room for everything, equal units along the axes."""
-        drawn = [self.places, self.drawing.rest] if self.undeformed else [self.places]
-        corners = np.concatenate(drawn)
+        """Set the limits and equal scales of the axes."""
+        point_sets = [self.places, self.drawing.rest] if self.undeformed else [self.places]
+        corners = np.concatenate(point_sets)
         low, high = corners.min(axis=0), corners.max(axis=0)
         margin = 0.08 * float((high - low).max())
         if self.solid:
@@ -216,8 +218,8 @@ class StructuralPicture:
         ax.set_aspect("equal", adjustable="box")
 
 
-def _shown(colours: Any, values: np.ndarray) -> np.ndarray:
-    """Colours of values, grey where there is none."""
-    found = colours.to_rgba(np.nan_to_num(values))
-    found[~np.isfinite(values)] = (0.85, 0.85, 0.85, 1.0)
-    return found
+def _rgba(colours: Any, values: np.ndarray) -> np.ndarray:
+    """Colours of values, grey for NaN."""
+    rgba = colours.to_rgba(np.nan_to_num(values))
+    rgba[~np.isfinite(values)] = (0.85, 0.85, 0.85, 1.0)
+    return rgba

@@ -1,4 +1,4 @@
-"""Lines and faces that structures are drawn with, as arrays."""
+"""Lines and faces of drawings of structures, as arrays."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 COIL = np.array([0, 0.2, *np.linspace(0.2, 0.8, 13)[:-1] + 0.025, 0.8, 1])
-"""Places of the turns of a drawn spring along its line."""
+"""Positions of the turns of a drawn spring along its line."""
 
 
 @dataclass(frozen=True)
 class Shapes:
-    """Lines or faces with equally many vertices.
+    """Lines or faces with equal numbers of vertices.
 
     Attributes
     ----------
@@ -25,7 +25,7 @@ class Shapes:
 
 
 def turned_tangent(rotation: np.ndarray, chord: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """Change of the tangent of a line that turns with its end, as long as the new chord."""
+    """Change of the end tangent of a line by a finite rotation, scaled to the new chord."""
     angle = np.linalg.norm(rotation, axis=1, keepdims=True)
     axis = np.divide(rotation, angle, out=np.zeros_like(rotation), where=angle > 0)
     turned = (
@@ -38,32 +38,32 @@ def turned_tangent(rotation: np.ndarray, chord: np.ndarray, after: np.ndarray) -
 
 
 def between(ends: np.ndarray, along: np.ndarray) -> np.ndarray:
-    """(ne, s, 3) values between those (2, ne, 3) of the ends."""
+    """(ne, s, 3) linear interpolation between the values (2, ne, 3) of the ends."""
     s = along[None, :, None]
     return ends[0][:, None, :] * (1 - s) + ends[1][:, None, :] * s
 
 
 def samples(count: int) -> int:
-    """Points along a curved line: fewer where there are many lines."""
+    """Number of points along a curved line, fewer for many lines."""
     return 13 if count <= 300 else 7 if count <= 3000 else 3
 
 
 def lanes(spans: np.ndarray) -> np.ndarray:
-    """(ne,) heights at which lines on one axis pass each other, short ones below."""
-    found = np.zeros(len(spans), dtype=int)
-    placed: list[list[tuple[float, float]]] = []
+    """(ne,) lanes that keep lines on one axis from overlapping, short ones below."""
+    lane_of = np.zeros(len(spans), dtype=int)
+    occupied: list[list[tuple[float, float]]] = []
     for k in np.argsort(spans[:, 1] - spans[:, 0], kind="stable"):
         low, high = spans[k]
-        free = (n for n, lane in enumerate(placed) if all(b <= low or a >= high for a, b in lane))
-        found[k] = next(free, len(placed))
-        if found[k] == len(placed):
-            placed.append([])
-        placed[found[k]].append((low, high))
-    return found
+        free = (n for n, lane in enumerate(occupied) if all(b <= low or a >= high for a, b in lane))
+        lane_of[k] = next(free, len(occupied))
+        if lane_of[k] == len(occupied):
+            occupied.append([])
+        occupied[lane_of[k]].append((low, high))
+    return lane_of
 
 
-def outside(faces: list[Shapes]) -> list[Shapes]:
-    """The faces of solids that belong to one element only."""
+def exposed_faces(faces: list[Shapes]) -> list[Shapes]:
+    """Faces of solids that belong to a single element."""
     if not faces:
         return []
     width = max(shape.vertices.shape[1] for shape in faces)
@@ -71,14 +71,14 @@ def outside(faces: list[Shapes]) -> list[Shapes]:
         np.pad(np.sort(v := shape.vertices), ((0, 0), (0, width - v.shape[1])), constant_values=-1)
         for shape in faces
     ]
-    _, where, counts = np.unique(
+    _, inverse, counts = np.unique(
         np.concatenate(keys), axis=0, return_inverse=True, return_counts=True
     )
-    single = counts[where.ravel()] == 1
-    found, first = [], 0
+    single = counts[inverse.ravel()] == 1
+    exposed, first = [], 0
     for shape in faces:
-        own = single[first : first + len(shape.owners)]
+        mask = single[first : first + len(shape.owners)]
         first += len(shape.owners)
-        if own.any():
-            found.append(Shapes(shape.vertices[own], shape.owners[own]))
-    return found
+        if mask.any():
+            exposed.append(Shapes(shape.vertices[mask], shape.owners[mask]))
+    return exposed

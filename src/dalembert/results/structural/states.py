@@ -1,4 +1,4 @@
-"""States of a structure by number: load cases, modes, instants; fields over them."""
+"""States of a structure (load cases, modes, instants) and their fields."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from dalembert.results.result import Result
 from dalembert.structures.measuring.measures import State
 from dalembert.structures.meshes.mesh import Mesh
 from dalembert.structures.model import StructuralModel
-from dalembert.structures.nodes import Nodes
+from dalembert.structures.sets import Nodes
 from dalembert.symbolic.formulas.expression import Expression
 
 
 class StructuralStates(Result):
-    """States of a structure: under load cases, modes, instants.
+    """States of a structure: load cases, modes or instants.
 
     Attributes
     ----------
@@ -31,24 +31,24 @@ class StructuralStates(Result):
     forces: np.ndarray
 
     kind_of_state: ClassVar[str] = "load case"
-    """What people call one of the states."""
+    """Name of a state in texts."""
     totals: ClassVar[tuple[str, ...]] = ("mass", "compliance", "strain_energy")
-    """Measures of the whole that are told in summaries."""
+    """Measures of the whole structure in summaries."""
     named: ClassVar[dict[str, Expression]] = {}
-    """Measures that a state has as a whole, as a mode has a frequency."""
+    """Measures of a whole state, such as the frequency of a mode."""
     in_sequence: ClassVar[bool] = False
-    """Whether the states follow one another, as instants do."""
+    """Whether the states are consecutive, such as instants."""
     of_any_size: ClassVar[bool] = False
-    """Whether the displacements have no scale of their own, as those of modes."""
+    """Whether the displacements have no absolute scale, such as those of modes."""
 
     @property
     def state_names(self) -> list[str]:
-        """What the states are called in pictures and reports."""
+        """Names of the states in pictures and reports."""
         return [str(name) if name != "" else "load" for name in self.cases]
 
     @property
     def large(self) -> bool:
-        """Whether rotations are those of large displacements."""
+        """Whether displacements and rotations are finite."""
         return not (self.model.linear or self.of_any_size)
 
     def state(self, case: int) -> State:
@@ -56,19 +56,19 @@ class StructuralStates(Result):
         raise NotImplementedError
 
     def case(self, name: str | int) -> int:
-        """Number of a load case, given by its name or number.
+        """Index of a load case from its name or number.
 
         Raises
         ------
         AnalysisError
-            There is none.
+            Unknown load case.
         """
         if isinstance(name, str) and name in self.cases:
             return self.cases.index(name)
         count = len(self.cases)
         if isinstance(name, str) or not -count <= name < count:
-            known = ", ".join(repr(c) for c in self.cases)
-            raise AnalysisError(f"no load case {name!r}; known: {known}")
+            names = ", ".join(repr(c) for c in self.cases)
+            raise AnalysisError(f"no load case {name!r}; known: {names}")
         return range(count)[name]
 
     def field(self, name: str, case: str | int = 0) -> np.ndarray:
@@ -86,14 +86,14 @@ class StructuralStates(Result):
         Raises
         ------
         AnalysisError
-            There is no such set or quantity, with the nearest ones; no such case.
+            Unknown set or quantity (suggests the nearest ones), or unknown case.
         """
         from dalembert.results.structural.fields import set_field
 
         return set_field(self.model, self.state(self.case(case)), name)
 
     def displacement_of(self, nodes: Node | Nodes | Mesh, case: str | int = 0) -> np.ndarray:
-        """Displacements of many nodes at once.
+        """Displacements of several nodes.
 
         Parameters
         ----------
@@ -104,17 +104,17 @@ class StructuralStates(Result):
         -------
         (nodes, d) [m]
         """
-        chosen = nodes.nodes() if isinstance(nodes, Mesh) else nodes
+        selected = nodes.nodes() if isinstance(nodes, Mesh) else nodes
         degrees = self.model.degrees
-        if isinstance(chosen, Nodes):
-            numbers = degrees.of_set(chosen)
+        if isinstance(selected, Nodes):
+            numbers = degrees.of_set(selected)
         else:
-            numbers = np.array([degrees.nodes.first(chosen.name)])
+            numbers = np.array([degrees.nodes.first(selected.name)])
         table = degrees.table[numbers, : degrees.dimension]
         return self.displacements[table, self.case(case)]
 
     def applied(self, number: int) -> np.ndarray:
-        """(n,) forces in a state without the reactions of supports."""
-        found = self.forces[:, number].copy()
-        found[self.model.assembly.prescribed] = 0.0
-        return found
+        """(n,) applied forces of a state, without reactions of supports."""
+        forces = self.forces[:, number].copy()
+        forces[self.model.assembly.prescribed] = 0.0
+        return forces

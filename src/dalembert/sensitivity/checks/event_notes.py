@@ -65,7 +65,7 @@ def _inside_steps(motion: Recording) -> list[str]:
 def _switching(model: Model) -> ca.Function:
     """``(t, y, v, p) → g``, all switching functions."""
     e = model.equations
-    switches = e.held().switches
+    switches = e.with_frozen_branches().switches
     g = ca.substitute(switches.functions, switches.sides, switches.actual)
     return ca.Function("switching", [e.t, e.y, e.v, e.p], [ca.densify(g)])
 

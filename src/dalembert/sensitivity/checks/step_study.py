@@ -70,7 +70,7 @@ class StepStudy:
 
     def plot(self, ax: Any = None) -> Any:
         """Plot errors over steps with Matplotlib, log-log; returns the axes."""
-        from dalembert.results.pictures.step_study_plot import plot_step_study
+        from dalembert.results.pictures.plot import plot_step_study
 
         return plot_step_study(self.data, ax)
 

@@ -20,8 +20,7 @@ from dalembert.sensitivity.marching.adjoint_march import backward_step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.samples import Sample, take_sample
 from dalembert.symbolic.evaluation.columns import LONG, instructions
-from dalembert.symbolic.evaluation.lane_march import LaneMarch, in_groups
-from dalembert.symbolic.evaluation.shared_columns import in_blocks
+from dalembert.symbolic.evaluation.parallel import LaneMarch, in_blocks, in_groups
 from dalembert.symbolic.once import once
 
 MEMORY = 2.0**26

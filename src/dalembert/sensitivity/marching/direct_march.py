@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.step_outputs import alike
+from dalembert.analysis.dynamics.step_outputs import columns_by_mode
 from dalembert.integrators.marching.march import CHUNK, branches, with_flag
 from dalembert.integrators.step import Step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
@@ -251,7 +251,7 @@ class DirectMarch:
     ) -> Iterator[tuple[int, np.ndarray]]:
         """Outputs and the derivatives (columns,) of the measure at each."""
         states = sample.states_at(chosen)
-        for mode, part in alike(sample.modes[chosen], np.arange(chosen.size)):
+        for mode, part in columns_by_mode(sample.modes[chosen], np.arange(chosen.size)):
             size = sample.step_of(mode).state_size
             measured = _measured(sample.measured(sample.kernel.variants[mode]), self.width)
             rates = sample.kernel.over(measured, part.size)(

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.step_outputs import alike
+from dalembert.analysis.dynamics.step_outputs import columns_by_mode
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.kinematics.branches import Branches
 from dalembert.integrators.marching.march import CHUNK
@@ -65,7 +65,7 @@ class MarchedSample(SampledOutputs):
     def partial_steps(self, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
         """Modes, and the indices of chosen outputs that lie inside steps of this mode."""
         inside = np.flatnonzero(self.within[chosen])
-        return alike(self.steps.mode[self.branches.index[chosen[inside]]], inside)
+        return columns_by_mode(self.steps.mode[self.branches.index[chosen[inside]]], inside)
 
     def partial_step_data(self, part: np.ndarray) -> tuple:
         """Times, lengths, initial states and parameters of the partial steps to these outputs."""

@@ -29,7 +29,7 @@ import numpy as np
 
 from dalembert.analysis.contact.change import ContactChange
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.dynamics.step_outputs import alike
+from dalembert.analysis.dynamics.step_outputs import columns_by_mode
 from dalembert.analysis.dynamics.transition import Transition
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.timeline import checked_span, checked_step, uniform_grid
@@ -113,7 +113,7 @@ def _by_times(kernel: DynamicsKernel, steps: Steps, p: np.ndarray) -> tuple[np.n
     size = steps.x.shape[0]
     by_time_and_length = np.zeros((2, size, steps.count))
     lasting = steps.lasting
-    for mode, same_mode in alike(steps.mode[lasting], lasting):
+    for mode, same_mode in columns_by_mode(steps.mode[lasting], lasting):
         step = kernel.variants[mode].step
         for corrected in np.unique(steps.corrected[same_mode]):
             part = same_mode[steps.corrected[same_mode] == corrected]

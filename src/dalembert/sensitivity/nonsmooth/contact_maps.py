@@ -14,7 +14,7 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.smooth_motion import joined
+from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
 from dalembert.sensitivity.nonsmooth.implicit_map import ImplicitMap
 from dalembert.symbolic.formulas.expression import stack
 
@@ -67,7 +67,7 @@ class ContactMaps:
     def gap(self, key: int) -> ca.Function:
         """``(t, y, v, p) → g, u, e, e_T, μ``."""
         if key not in self._gaps:
-            e, gap = self.e, self.contact_step.stated(key)
+            e, gap = self.e, self.contact_step.symbolic_gap(key)
             laws = [gap.restitution, gap.tangential, gap.friction]
             self._gaps[key] = ca.Function(
                 "gap", [e.t, e.y, e.v, e.p], [gap.distance, gap.speeds, *laws]
@@ -106,7 +106,7 @@ class ContactMaps:
         multiplier = ca.SX.sym("multiplier", e.constraint_count)
         at, middle = e.t + theta * h, e.manifold.going(e.y, theta * h * e.v)
         mass, force, damping, stiffness = self._smooth(at, middle, e.v, e.p)
-        part = joined(theta)
+        part = constrained_fraction(theta)
         between = e.manifold.going(e.y, part * h * e.v)
         jacobian, by_time, _ = self._joints(e.t + part * h, between, e.p)
         matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness

@@ -8,7 +8,12 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
-from dalembert.analysis.nonsmooth.correction import OPENED, Left, Opening, normals_of
+from dalembert.analysis.nonsmooth.correction import (
+    SETTINGS,
+    PositionCorrection,
+    PositionResidual,
+    normals_of,
+)
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.contact.schemes import MoreauJean
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
@@ -103,7 +108,7 @@ class ContactSteps:
         (t, h), pattern = self.span(k), self.patterns[k]
         maps = [self.free(k, pattern, self.x[:, k], t, h)]
         recorder = RecordedOpening(self.step, t + h, self.step.scheme.projection)
-        newton.solve(recorder, maps[0].following[: self.size], OPENED)
+        newton.solve(recorder, maps[0].following[: self.size], SETTINGS)
         for active in recorder.active:
             opening = self.maps.opening(tuple((key, key in pattern) for key in active))
             lifts, x = np.array(list(active.values())), maps[-1].following
@@ -123,7 +128,7 @@ class ContactSteps:
         return step.at(z, x, t, self.p, np.array([h]))
 
 
-class RecordedOpening(Opening):
+class RecordedOpening(PositionCorrection):
     """Position correction that records its active gaps.
 
     Attributes
@@ -136,7 +141,7 @@ class RecordedOpening(Opening):
         self.active: list[dict[int, float]] = []
 
     def step(self, x: np.ndarray, residual: newton.Residual) -> np.ndarray:
-        assert isinstance(residual, Left)
+        assert isinstance(residual, PositionResidual)
         shift, gaps = self.shift(x, residual)
         active: dict[int, float] = {}
         if gaps is not None:

@@ -44,7 +44,7 @@ class LoadPathGradient(StaticsGradient):
 
     def response(self, case: int, forces: np.ndarray) -> tuple[np.ndarray, float]:
         change = self.factors(case)[0].solve(np.append(forces[self.free], 0.0))
-        return self.equations.displaced(change), float(change[-1])
+        return self.equations.displacements_at(change), float(change[-1])
 
     def multiplier(self, case: int, u_bar: np.ndarray, factor_bar: np.ndarray) -> np.ndarray:
         weights = np.vstack([u_bar[self.free], factor_bar])

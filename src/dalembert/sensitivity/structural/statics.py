@@ -72,7 +72,7 @@ class StaticsTangent:
         internal, heated = (Pulls(a, self.p, len(weights)) for a in (self.assembly, hot.assembly))
         force_weights = (reactions - multiplier)[:, None, :]
         internal.forces(u[:, None], force_weights)
-        heated.forces(hot.place(u)[:, None], share * force_weights)
+        heated.forces(hot.configuration(u)[:, None], share * force_weights)
         prescribed = self.model.prescribed
         external = [
             loads.pull(self.p, force) + prescribed.pull(self.p, held)
@@ -215,7 +215,7 @@ class SecondStatics(StaticsTangent):
         multiplier = self.multiplier(case, u_bar, np.zeros(1))
         u_bar = u_bar - stiffness.T @ multiplier
         du_bar, p_bar = self.assembly.turn(u, p, reactions - multiplier, change.u, d)
-        hot, there = loads.configuration, loads.configuration.place(u)
+        hot, there = loads.configuration, loads.configuration.configuration(u)
         du_there = np.zeros_like(u) if hot.linear else change.u
         du_hot, p_hot = hot.assembly.turn(there, p, reactions - multiplier, du_there, d)
         du_bar, p_bar = du_bar + (0.0 if hot.linear else 1.0) * du_hot, p_bar + p_hot

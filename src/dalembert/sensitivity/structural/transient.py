@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from dalembert.analysis.structural.instant import Instant
-from dalembert.analysis.structural.transient_equation import Motions, moved
+from dalembert.analysis.structural.transient_equation import Motions, motion_of
 from dalembert.analysis.structural.transient_step import TransientStep
 from dalembert.integrators.newmark.rule import Moving
 from dalembert.results.structural.measured_states import Formula
@@ -122,7 +122,7 @@ class TransientPass:
         march, steps = self.march, self.steps
         time = float(steps.t[node]) if node < steps.count else steps.end
         state = march.arrived(node) if arrived else march.node(node)
-        return Instant(self.equation, moved(state), time, self.parameters)
+        return Instant(self.equation, motion_of(state), time, self.parameters)
 
     def state_before_step(self, node: int) -> Instant:
         """State at the start of the step from a node."""
@@ -250,7 +250,7 @@ class TransientDirect(TransientPass, ForwardWalk[Moving]):
         for weight, part in pairs:
             self.derivatives += weight.T @ part
         if weights.forces.any():
-            self.derivatives += weights.forces.T @ at.push_forces(moved(change))
+            self.derivatives += weights.forces.T @ at.push_forces(motion_of(change))
 
 
 class TransientEngine(Engine):

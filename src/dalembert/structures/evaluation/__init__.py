@@ -1,1 +1,1 @@
-"""Many alike elements evaluated at once, and their sums."""
+"""Evaluation of many equal elements, and assembly of their sums."""

@@ -10,7 +10,7 @@ import scipy
 
 from dalembert.structures.evaluation.block import ElementBlock
 from dalembert.structures.evaluation.inertia import Moved
-from dalembert.structures.evaluation.pattern import Pattern, filled
+from dalembert.structures.evaluation.pattern import Pattern, with_entries
 
 
 class Assembly:
@@ -20,8 +20,8 @@ class Assembly:
     ----------
     blocks : all elements
     size : number of displacements
-    prescribed : numbers of the prescribed ones
-    pattern : of the matrices, where it is that of more blocks than these
+    prescribed : numbers of the prescribed displacements
+    pattern : pattern of the matrices, if it is that of further blocks
     """
 
     def __init__(
@@ -35,15 +35,15 @@ class Assembly:
         self.prescribed = np.asarray(prescribed, dtype=int)
         self.free = np.setdiff1d(np.arange(size), self.prescribed)
 
-    def split(self, chosen: Callable[[ElementBlock], bool]) -> tuple[Assembly, Assembly]:
-        """Sums over the blocks that are not chosen, and over those that are."""
+    def split(self, selected: Callable[[ElementBlock], bool]) -> tuple[Assembly, Assembly]:
+        """Sums over the blocks that are not selected, and over the selected ones."""
         parts: tuple[list[ElementBlock], list[ElementBlock]] = ([], [])
         for block in self.blocks:
-            parts[chosen(block)].append(block)
-        rest, found = (
+            parts[selected(block)].append(block)
+        rest, chosen_part = (
             Assembly(blocks, self.size, self.prescribed, self.pattern) for blocks in parts
         )
-        return rest, found
+        return rest, chosen_part
 
     @cached_property
     def _slots(self) -> np.ndarray:
@@ -59,14 +59,14 @@ class Assembly:
         return self.pattern.part(self.free)
 
     def inner(self, matrix: scipy.sparse.csc_matrix) -> scipy.sparse.csc_matrix:
-        """Its rows and columns of the free displacements."""
-        if not self.pattern.holds(matrix):
+        """Rows and columns of the free displacements of a matrix."""
+        if not self.pattern.matches(matrix):
             return matrix[self.free][:, self.free].tocsc()
         places, empty = self._inner
-        return filled(empty, matrix.data[places])
+        return with_entries(empty, matrix.data[places])
 
     def arm(self, p: np.ndarray) -> float:
-        """Mean length of the elements, one where all are points [m]."""
+        """Mean length of the elements; one if all are points [m]."""
         lengths = np.concatenate([np.zeros(0), *(b.lengths(p) for b in self.blocks)])
         lengths = lengths[lengths > 0]
         return float(lengths.mean()) if lengths.size else 1.0
@@ -76,11 +76,11 @@ class Assembly:
         return self.matrix(b.kind.tangents(b.gather(u), b.data(p)) for b in self.blocks)
 
     def internal_forces(self, u: np.ndarray, p: np.ndarray, time: float = 0.0) -> np.ndarray:
-        """(n,) forces that hold the displaced elements."""
+        """(n,) internal forces of the displaced elements."""
         return self._added(lambda b: b.kind.forces(b.gather(u), b.data(p, time)))
 
     def push(self, u: np.ndarray, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
-        """(n,) change of the internal forces with the parameters, displacements held."""
+        """(n,) change of the internal forces with the parameters, at constant displacements."""
         return self._added(
             lambda b: b.kind.push(b.gather(u), b.data(p, time), b.push_data(p, dp, time))
         )
@@ -96,12 +96,14 @@ class Assembly:
     def turn(
         self, u: np.ndarray, p: np.ndarray, weights: np.ndarray, du: np.ndarray, dp: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Changes of ``Kᵀ w`` (n,) and of what ``pull`` gives, along ``(du, dp)``."""
+        """Changes of ``Kᵀ w`` (n,) and of the result of ``pull``, along ``(du, dp)``."""
         stiffness, p_bar = np.zeros(self.size), np.zeros(p.size)
         for b in self.blocks:
-            own, turned = b.turn(b.gather(u), p, b.gather(weights), b.gather(du), dp)
-            stiffness += b.scatter(own, self.size)
-            p_bar += turned
+            element_change, parameter_change = b.turn(
+                b.gather(u), p, b.gather(weights), b.gather(du), dp
+            )
+            stiffness += b.scatter(element_change, self.size)
+            p_bar += parameter_change
         return stiffness, p_bar
 
     def mass(self, p: np.ndarray, lumped: bool = False) -> scipy.sparse.csc_matrix:
@@ -149,7 +151,7 @@ class Assembly:
     def turn_inertia(
         self, motion: Moved, p: np.ndarray, weights: np.ndarray, dp: np.ndarray
     ) -> np.ndarray:
-        """(np,) change of what ``pull_inertia`` gives with the parameters."""
+        """(np,) change of the result of ``pull_inertia`` with the parameters."""
         turned = (
             b.turn_inertia(b.gather_motion(motion), p, b.gather(weights), dp) for b in self.blocks
         )
@@ -171,8 +173,8 @@ class Assembly:
         """(n,) change of ``K(u, p) x``, or of ``K_g(u, p) x``."""
 
         def pushed(b: ElementBlock) -> np.ndarray:
-            given = b.data(p), b.push_data(p, dp), b.gather(du), b.gather(x)
-            return b.kind.push_stiffness(b.gather(u), *given, geometric)
+            arguments = b.data(p), b.push_data(p, dp), b.gather(du), b.gather(x)
+            return b.kind.push_stiffness(b.gather(u), *arguments, geometric)
 
         return self._added(pushed)
 
@@ -182,8 +184,8 @@ class Assembly:
         """Weights of displacements and parameters in ``aᵀ K(u, p) b``, or ``aᵀ K_g(u, p) b``."""
         u_bar, p_bar = np.zeros(self.size), np.zeros(p.size)
         for block in self.blocks:
-            given = block.gather(u), block.data(p), block.gather(a), block.gather(b)
-            own, data = block.kind.pull_stiffness(*given, geometric)
+            arguments = block.gather(u), block.data(p), block.gather(a), block.gather(b)
+            own, data = block.kind.pull_stiffness(*arguments, geometric)
             u_bar += block.scatter(own, self.size)
             p_bar += block.pull_data(p, data)
         return u_bar, p_bar
@@ -199,5 +201,5 @@ class Assembly:
     def _to_parameters(
         self, p: np.ndarray, weights: Callable[[ElementBlock], np.ndarray], time: float = 0.0
     ) -> np.ndarray:
-        """(np,) weights of the parameters from those of each block's numbers (m, ne)."""
+        """(np,) weights of the parameters from those of the data (m, ne) of each block."""
         return sum((b.pull_data(p, weights(b), time) for b in self.blocks), np.zeros(p.size))

@@ -1,4 +1,4 @@
-"""From a description to blocks: elements of one kind brought together as arrays."""
+"""Blocks of a structure: elements of one kind, collected from its description."""
 
 from __future__ import annotations
 
@@ -14,26 +14,24 @@ from dalembert.elements.fem.graphs import ElementGraphs, ThermalGraphs
 from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
 from dalembert.structures.description import StructureDescription
-from dalembert.structures.evaluation.block import ElementBlock
-from dalembert.structures.evaluation.elements import Elements
-from dalembert.structures.evaluation.kind import ElementKind
-from dalembert.structures.evaluation.numbering import Numbering
-from dalembert.structures.loads.temperatures import CHANGES
-from dalembert.structures.spans import Spans
+from dalembert.structures.evaluation.block import ElementBlock, ElementKind
+from dalembert.structures.evaluation.numbering import Numbering, Spans
+from dalembert.structures.loads.load_case import CHANGES
+from dalembert.structures.sets import Elements
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.parametric_array import ArrayEntries
 
 
 @dataclass(frozen=True)
 class Part:
-    """One element, or a set of them, in the numbers of the structure.
+    """An element or set of elements, with the numbering of the structure.
 
     Attributes
     ----------
     nodes : (ne, nodes of an element)
-    count : of a set, None of a single element
-    quantities : field → formula for all, or array with one for each
-    timed : whether they may depend on time
+    count : number of elements of a set; None for a single element
+    quantities : field → formula for all, or array with one value per element
+    timed : whether the quantities may depend on time
     """
 
     name: str
@@ -45,15 +43,15 @@ class Part:
     timed: bool = False
 
     @classmethod
-    def of(cls, given: StructuralElement | Elements, numbers: Spans) -> Part:
-        """The part that an element or element set is."""
-        if isinstance(given, Elements):
-            nodes = numbers.first(given.nodes.name) + given.nodes.index[given.cells]
-            quantities = given.quantities
-            return cls(given.name, given.cls, given.options, nodes, len(given), quantities)
-        nodes = np.array([[numbers.first(node.name) for node in given.nodes()]])
-        quantities = {f.name: getattr(given, f.name) for f in given.quantity_fields()}
-        return cls(given.name, type(given), given.options(), nodes, None, quantities)
+    def of(cls, element: StructuralElement | Elements, numbers: Spans) -> Part:
+        """The part of an element or set of elements."""
+        if isinstance(element, Elements):
+            nodes = numbers.first(element.nodes.name) + element.nodes.index[element.cells]
+            quantities = element.quantities
+            return cls(element.name, element.cls, element.options, nodes, len(element), quantities)
+        nodes = np.array([[numbers.first(node.name) for node in element.nodes()]])
+        quantities = {f.name: getattr(element, f.name) for f in element.quantity_fields()}
+        return cls(element.name, type(element), element.options(), nodes, None, quantities)
 
 
 class BlockMaker:
@@ -61,17 +59,17 @@ class BlockMaker:
 
     Attributes
     ----------
-    tied, turning : (nodes,) whether any element ties, turns them
+    tied, turning : (nodes,) whether any element connects the node, has rotations of it
     """
 
     def __init__(self, structure: StructureDescription, p: ca.SX, linear: bool):
         self.structure, self.p, self.linear = structure, p, linear
-        self._known = {symbol.name() for symbol in ca.vertsplit(p)}
+        self._names = {symbol.name() for symbol in ca.vertsplit(p)}
         count = len(structure.numbers)
         self.tied, self.turning = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
         self._groups: dict[tuple, list[Part]] = {}
-        for given in structure.elements.values():
-            part = Part.of(given, structure.numbers)
+        for element in structure.elements.values():
+            part = Part.of(element, structure.numbers)
             key = (part.cls, part.nodes.shape[1], *part.options.items())
             self._groups.setdefault(key, []).append(part)
             self.tied[part.nodes] = True
@@ -81,33 +79,33 @@ class BlockMaker:
     def _places(self) -> ArrayEntries:
         """Coordinates of all nodes, node by node."""
         d = self.structure.dimension
-        found = ArrayEntries(len(self.structure.numbers) * d)
+        entries = ArrayEntries(len(self.structure.numbers) * d)
         for node in self.structure.nodes.values():
             first = self.structure.numbers.first(node.name) * d
             if isinstance(node, Node):
-                found.add(first + np.arange(d), list(node.position))
+                entries.add(first + np.arange(d), list(node.position))
             else:
-                found.add(first + np.arange(node.points.size), node.points.ravel())
-            self._check(found.formulas, f"{node.name}.position")
-        return found
+                entries.add(first + np.arange(node.points.size), node.points.ravel())
+            self._check(entries.formulas, f"{node.name}.position")
+        return entries
 
     def blocks(self, degrees: Numbering) -> list[ElementBlock]:
-        """One for each kind of element."""
+        """Blocks, one per kind of element."""
         return [self.block(parts, degrees) for parts in self._groups.values()]
 
     def heated(
         self, number: int, degrees: Numbering, changes: dict[str, dict[str, Any]]
     ) -> ElementBlock | None:
-        """What temperature adds to a block, by its number; None where there is no change.
+        """Thermal terms of a block, by its number; None without temperature changes.
 
         Parameters
         ----------
-        changes : name of an element or set → quantity → change beside its own
+        changes : name of an element or set → quantity → change in addition to its own
         """
         parts = list(self._groups.values())[number]
         own = [part.quantities.get(name) for part in parts for name in CHANGES]
-        given = [changes.get(part.name, {}) for part in parts]
-        if not any(given) and all(value is None or _zero(value) for value in own):
+        changes_of_parts = [changes.get(part.name, {}) for part in parts]
+        if not any(changes_of_parts) and all(value is None or _zero(value) for value in own):
             return None
         return self.block(parts, degrees, changes)
 
@@ -117,7 +115,7 @@ class BlockMaker:
         degrees: Numbering,
         changes: dict[str, dict[str, Any]] | None = None,
     ) -> ElementBlock:
-        """Elements of one kind; or what changes of temperature add to them."""
+        """Block of elements of one kind, or of their thermal terms."""
         cls, options = parts[0].cls, parts[0].options
         nodes, names = np.concatenate([part.nodes for part in parts]), Spans()
         thermal, space = changes is not None, self.structure.dimension
@@ -135,25 +133,25 @@ class BlockMaker:
     ) -> ArrayEntries:
         """Coordinates of the nodes, then quantities, element by element."""
         d, count = self.structure.dimension, nodes.shape[0]
-        found = ArrayEntries(kind.data_count * count)
+        entries = ArrayEntries(kind.data_count * count)
         sources = (nodes[:, :, None] * d + np.arange(d)).reshape(count, -1)
         starts = kind.data_count * np.arange(count)
         rows = np.arange(sources.shape[1])
-        found.copy(self._coordinates, sources.ravel(), (starts[:, None] + rows).ravel())
+        entries.copy(self._coordinates, sources.ravel(), (starts[:, None] + rows).ravel())
         begin = 0
         for part in parts:
             row, end = rows.size, begin + part.nodes.shape[0]
             for field in part.cls.quantity_fields():
                 size = field.metadata["size"]
                 places = starts[begin:end, None] + row + np.arange(size)
-                known, entity = {"t"} if part.timed else set(), f"{part.name}.{field.name}"
-                self._add(found, places, part.quantities[field.name], entity, known)
+                names, entity = {"t"} if part.timed else set(), f"{part.name}.{field.name}"
+                self._add(entries, places, part.quantities[field.name], entity, names)
                 more = changes.get(part.name, {}).get(field.name)
                 if more is not None:
-                    self._add(found, places, more, f"heat {entity}", {"t"})
+                    self._add(entries, places, more, f"heat {entity}", {"t"})
                 row += size
             begin = end
-        return found
+        return entries
 
     def _add(
         self,
@@ -161,22 +159,22 @@ class BlockMaker:
         places: np.ndarray,
         value: Any,
         entity: str,
-        known: Set[str] = frozenset(),
+        names: Set[str] = frozenset(),
     ) -> None:
-        """A quantity: one for all elements, or an array with one for each."""
+        """Add a quantity: one value for all elements, or an array with one per element."""
         before = len(into.formulas)
         for k in range(places.shape[1]):
             if isinstance(value, Expression):
                 into.add(places[:, k], value[k])
             else:
                 into.add(places[:, k], value.reshape(places.shape)[:, k])
-        self._check(into.formulas[before:], entity, known)
+        self._check(into.formulas[before:], entity, names)
 
-    def _check(self, formulas: list[ca.SX], entity: str, known: Set[str] = frozenset()) -> None:
+    def _check(self, formulas: list[ca.SX], entity: str, names: Set[str] = frozenset()) -> None:
         foreign = {name for formula in formulas for name in free_symbols(formula)}
-        if "t" in self._known and formulas and ca.depends_on(stack(formulas), t.sx):
+        if "t" in self._names and formulas and ca.depends_on(stack(formulas), t.sx):
             raise ModelError("depends on time, but 't' is a parameter here; rename it", entity)
-        foreign -= self._known | known
+        foreign -= self._names | names
         if foreign:
             raise ModelError(f"depends on {', '.join(sorted(foreign))}, no parameters here", entity)
 

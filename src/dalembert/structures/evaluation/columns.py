@@ -1,8 +1,8 @@
 """Design derivatives of element sums over many states of a structure.
 
-A run passes through thousands of states. What is linear in them, ``K x`` of small displacements and
-``M x``, needs the products of states and weights only, summed over the run: the compiled functions
-of the elements are then called once for each displacement of an element.
+A run passes through thousands of states. Terms that are linear in the state, ``K x`` of small
+displacements and ``M x``, need only the products of states and weights, summed over the run: the
+compiled functions of the elements are then called once per displacement of an element.
 """
 
 from __future__ import annotations
@@ -13,15 +13,14 @@ import numpy as np
 import scipy
 
 from dalembert.structures.evaluation.assembly import Assembly
-from dalembert.structures.evaluation.block import ElementBlock
+from dalembert.structures.evaluation.block import ElementBlock, ElementKind
 from dalembert.structures.evaluation.inertia import Moved
-from dalembert.structures.evaluation.kind import ElementKind
 
 
 class Pulls:
-    """Weights of the parameters from weights of internal forces at many states.
+    """Adjoint: weights of the parameters from weights of internal forces at many states.
 
-    What is found for the elements' numbers adds up; it is taken to the parameters at the end.
+    Weights of the element data are accumulated and passed to the parameters at the end.
 
     Parameters
     ----------
@@ -33,7 +32,7 @@ class Pulls:
     def __init__(self, assembly: Assembly, p: np.ndarray, rows: int):
         self.blocks, self.p, self.rows = assembly.blocks, p, rows
         self._data = [b.data(p) for b in self.blocks]
-        self._found = [np.zeros((*data.shape, rows)) for data in self._data]
+        self._data_bar = [np.zeros((*data.shape, rows)) for data in self._data]
 
     def forces(self, u: np.ndarray, weights: np.ndarray) -> None:
         """Add ``Σ_s ηᵀ ∂f(u_s)/∂p`` for displacements (n, S) and weights (n, S, rows)."""
@@ -46,35 +45,38 @@ class Pulls:
     def _add(self, pull: Callable, motion: tuple[np.ndarray, ...], weights: np.ndarray) -> None:
         states = [np.repeat(x, self.rows, axis=1) for x in motion]
         etas = weights.reshape(weights.shape[0], -1)
-        for b, data, found in zip(self.blocks, self._data, self._found, strict=True):
-            own, several = tuple(_gathered(b, x) for x in states), _repeated(data, etas.shape[1])
-            pulled = pull(b.kind, own, several, _gathered(b, etas))
-            found += pulled.reshape(*data.shape, -1, self.rows).sum(axis=2)
+        for b, data, data_bar in zip(self.blocks, self._data, self._data_bar, strict=True):
+            columns, repeated = (
+                tuple(_gathered(b, x) for x in states),
+                _repeated(data, etas.shape[1]),
+            )
+            pulled = pull(b.kind, columns, repeated, _gathered(b, etas))
+            data_bar += pulled.reshape(*data.shape, -1, self.rows).sum(axis=2)
 
     def products(self, products: Products, pull: Callable) -> None:
-        """Add ``Σ_s ηᵀ ∂A/∂p x_s`` with ``pull(kind, x, data, η)`` of what ``A x`` gives.
+        """Add ``Σ_s ηᵀ ∂A/∂p x_s`` with ``pull(kind, x, data, η)``, the adjoint of ``A x``.
 
-        States are unit vectors, and weights the sums: a state as small as a displacement would be
-        lost in the rounding of forces at rest.
+        States are unit vectors, and weights the sums: small displacements would be lost in the
+        rounding of forces at rest.
         """
-        for b, data, found, sums in zip(
-            self.blocks, self._data, self._found, products.sums, strict=True
+        for b, data, data_bar, sums in zip(
+            self.blocks, self._data, self._data_bar, products.sums, strict=True
         ):
-            several = _repeated(data, self.rows)
+            repeated = _repeated(data, self.rows)
             for j in range(sums.shape[2]):
-                unit = np.zeros((sums.shape[2], several.shape[1]))
+                unit = np.zeros((sums.shape[2], repeated.shape[1]))
                 unit[j] = 1.0
-                eta = sums[:, :, :, j].reshape(several.shape[1], -1).T
-                found += pull(b.kind, unit, several, eta).reshape(found.shape)
+                eta = sums[:, :, :, j].reshape(repeated.shape[1], -1).T
+                data_bar += pull(b.kind, unit, repeated, eta).reshape(data_bar.shape)
 
     @property
     def total(self) -> np.ndarray:
         """(np, rows) weights of the parameters."""
-        found = np.zeros((self.p.size, self.rows))
-        for block, data in zip(self.blocks, self._found, strict=True):
+        p_bar = np.zeros((self.p.size, self.rows))
+        for block, data in zip(self.blocks, self._data_bar, strict=True):
             for r in range(self.rows):
-                found[:, r] += block.pull_data(self.p, data[:, :, r])
-        return found
+                p_bar[:, r] += block.pull_data(self.p, data[:, :, r])
+        return p_bar
 
 
 class Products:
@@ -106,7 +108,7 @@ class Products:
 
 
 class Pushes:
-    """Changes of internal and inertia forces with many parameters at once.
+    """Tangent: changes of internal and inertia forces in many directions of the parameters.
 
     Parameters
     ----------
@@ -125,36 +127,36 @@ class Pushes:
 
     def forces(self, u: np.ndarray) -> np.ndarray:
         """(n, c) changes of the internal forces at displacements (n,)."""
-        return self._sum(lambda kind, x, *given: kind.push(x[0], *given), (u,))
+        return self._sum(lambda kind, x, *data: kind.push(x[0], *data), (u,))
 
     def inertia(self, motion: Moved, lumped: bool) -> np.ndarray:
         """(n, c) changes of inertia forces of displaced elements, ``(u, v, a)`` each (n,)."""
-        return self._sum(lambda kind, x, *given: kind.push_inertia(x, *given, lumped), motion)
+        return self._sum(lambda kind, x, *data: kind.push_inertia(x, *data, lumped), motion)
 
     def _sum(self, push: Callable, motion: tuple[np.ndarray, ...]) -> np.ndarray:
-        found = np.zeros((self.assembly.size, self.count))
+        total = np.zeros((self.assembly.size, self.count))
         states = [np.repeat(x[:, None], self.count, axis=1) for x in motion]
         for b, data, change, summing in self._blocks():
-            given = _repeated(data, self.count), change.reshape(data.shape[0], -1)
-            forces = push(b.kind, tuple(_gathered(b, x) for x in states), *given)
-            found += summing @ forces.reshape(-1, self.count)
-        return found
+            repeated = _repeated(data, self.count), change.reshape(data.shape[0], -1)
+            forces = push(b.kind, tuple(_gathered(b, x) for x in states), *repeated)
+            total += summing @ forces.reshape(-1, self.count)
+        return total
 
     def matrices(self, push: Callable) -> scipy.sparse.csr_matrix:
-        """(c · n, n) changes of ``A``, with ``push(kind, x, data, change)`` of what ``A x`` gives.
+        """(c · n, n) changes of ``A``, with ``push(kind, x, data, change)``, the change of ``A x``.
 
-        Parameters change few elements as a rule: only entries that change are kept.
+        Parameters usually change few elements: only nonzero entries are stored.
         """
-        found = []
+        matrices = []
         for i in range(self.count):
             parts = [
                 _matrices(push, b.kind, data, change[:, :, i])
                 for b, data, change, _ in self._blocks()
             ]
-            found.append(self.assembly.matrix(parts).tocsr())
-            found[-1].eliminate_zeros()
+            matrices.append(self.assembly.matrix(parts).tocsr())
+            matrices[-1].eliminate_zeros()
         empty = scipy.sparse.csr_matrix((0, self.assembly.size))
-        return scipy.sparse.vstack([empty, *found], format="csr")
+        return scipy.sparse.vstack([empty, *matrices], format="csr")
 
     def _blocks(self) -> Iterator:
         return zip(self.assembly.blocks, self._data, self._changes, self._sums, strict=True)
@@ -163,17 +165,17 @@ class Pushes:
 def _matrices(push: Callable, kind: ElementKind, data, change) -> np.ndarray:
     """(k, k, ne) changes of element matrices, column by column."""
     k, count = kind.displacement_count, data.shape[1]
-    found = np.zeros((k, k, count))
+    matrices = np.zeros((k, k, count))
     if change.any():
         for j in range(k):
             unit = np.zeros((k, count))
             unit[j] = 1.0
-            found[:, j] = push(kind, unit, data, change)
-    return found
+            matrices[:, j] = push(kind, unit, data, change)
+    return matrices
 
 
 def _repeated(data: np.ndarray, count: int) -> np.ndarray:
-    """(m, ne · count): every element ``count`` times."""
+    """(m, ne · count): every element repeated ``count`` times."""
     return np.repeat(data, count, axis=1)
 
 
@@ -183,7 +185,7 @@ def _gathered(block: ElementBlock, columns: np.ndarray) -> np.ndarray:
 
 
 def _incidence(block: ElementBlock, size: int) -> scipy.sparse.csr_matrix:
-    """Sums entries (k · ne) of the elements by displacement."""
+    """Matrix that sums element entries (k · ne) by displacement."""
     numbers = block.degrees.ravel()
     ones = np.ones(numbers.size)
     return scipy.sparse.csr_matrix((ones, (numbers, np.arange(numbers.size))), (size, numbers.size))

@@ -14,9 +14,9 @@ Solve = Callable[[np.ndarray], np.ndarray]
 Pairs = tuple[np.ndarray, np.ndarray]
 
 DENSE = 200
-"""Displacements up to which all eigenpairs are found at once."""
+"""Upper limit of the number of displacements for dense eigensolvers."""
 NONE = 1e-11
-"""Share of the largest one below which an eigenvalue of a matrix is round-off."""
+"""Threshold below which an eigenvalue is round-off, relative to the largest one."""
 
 
 def nearest(a, b, count: int, shift: float, solve: Solve) -> Pairs:
@@ -25,7 +25,7 @@ def nearest(a, b, count: int, shift: float, solve: Solve) -> Pairs:
     Parameters
     ----------
     a, b : (f, f) sparse, symmetric; ``B`` positive semi-definite
-    solve : of ``(A − σ B) x = y``
+    solve : solver of ``(A − σ B) x = y``
 
     Raises
     ------
@@ -34,43 +34,43 @@ def nearest(a, b, count: int, shift: float, solve: Solve) -> Pairs:
     """
     scale = np.sqrt(np.maximum(b.diagonal(), 0.0))
     if not scale.any():
-        raise AnalysisError("nothing that can move has mass; give elements a density")
+        raise AnalysisError("no free displacement has mass; give elements a density")
     if a.shape[0] <= DENSE:
         theta, vectors = _all_inverted(b, scale, solve)
     else:
         operator = scipy.sparse.linalg.LinearOperator(a.shape, solve, dtype=float)
         count = min(count, int((scale > 0).sum()) - 1)
         values, vectors = _iterated(a, count, M=b, sigma=shift, which="LM", OPinv=operator)
-        theta, vectors = 1.0 / (values - shift), solve(b @ vectors)  # rids them of massless parts
-    kept = np.argsort(-np.abs(theta), kind="stable")[:count]
-    kept = kept[np.abs(theta[kept]) > NONE * np.abs(theta).max()]
-    values = shift + 1.0 / theta[kept]
+        theta, vectors = 1.0 / (values - shift), solve(b @ vectors)  # removes massless components
+    selected = np.argsort(-np.abs(theta), kind="stable")[:count]
+    selected = selected[np.abs(theta[selected]) > NONE * np.abs(theta).max()]
+    values = shift + 1.0 / theta[selected]
     order = np.argsort(values, kind="stable")
-    return values[order], _normalised(vectors[:, kept[order]], b)
+    return values[order], _normalised(vectors[:, selected[order]], b)
 
 
 def _all_inverted(b, scale: np.ndarray, solve: Solve) -> Pairs:
-    """All ``θ`` of ``(A − σ B)⁻¹ B`` that are not zero: with ``B = L Lᵀ`` those of
+    """All nonzero ``θ`` of ``(A − σ B)⁻¹ B``: with ``B = L Lᵀ`` those of
     ``Lᵀ (A − σ B)⁻¹ L``."""
     inverse = np.where(scale > 0, 1.0 / np.where(scale > 0, scale, 1.0), 0.0)
-    squares, turned = np.linalg.eigh(inverse[:, None] * b.toarray() * inverse)
-    some = squares > NONE * squares.max()
-    root = scale[:, None] * turned[:, some] * np.sqrt(squares[some])
+    squares, axes = np.linalg.eigh(inverse[:, None] * b.toarray() * inverse)
+    nonzero = squares > NONE * squares.max()
+    root = scale[:, None] * axes[:, nonzero] * np.sqrt(squares[nonzero])
     flexible = solve(root)
     matrix = root.T @ flexible
     theta, y = np.linalg.eigh((matrix + matrix.T) / 2)
-    if some.all():
-        return theta, inverse[:, None] * turned / np.sqrt(squares) @ y
+    if nonzero.all():
+        return theta, inverse[:, None] * axes / np.sqrt(squares) @ y
     return theta, flexible @ y
 
 
 def largest(a, b, count: int, solve: Solve, both_signs: bool) -> Pairs:
-    """Largest positive eigenvalues, falling; or the largest of both signs.
+    """Largest positive eigenvalues in decreasing order, or the largest of both signs.
 
     Parameters
     ----------
     a, b : (f, f) sparse, symmetric; ``B`` positive definite
-    solve : of ``B x = y``
+    solve : solver of ``B x = y``
     """
     if a.shape[0] <= DENSE:
         values, vectors = scipy.linalg.eigh(a.toarray(), b.toarray())
@@ -78,10 +78,10 @@ def largest(a, b, count: int, solve: Solve, both_signs: bool) -> Pairs:
         operator = scipy.sparse.linalg.LinearOperator(a.shape, solve, dtype=float)
         which = "LM" if both_signs else "LA"
         values, vectors = _iterated(a, min(count, a.shape[0] - 1), M=b, Minv=operator, which=which)
-    kept = np.abs(values) > NONE * np.abs(values).max(initial=0.0)
+    significant = np.abs(values) > NONE * np.abs(values).max(initial=0.0)
     if not both_signs:
-        kept &= values > 0
-    order = np.flatnonzero(kept)
+        significant &= values > 0
+    order = np.flatnonzero(significant)
     order = order[np.argsort(-np.abs(values[order]), kind="stable")][:count]
     return values[order], _normalised(vectors[:, order], b)
 
@@ -93,7 +93,7 @@ def _iterated(a, count: int, **options) -> Pairs:
             a, count, v0=start, ncv=min(a.shape[0], 2 * count + 20), **options
         )
     except scipy.sparse.linalg.ArpackError as error:
-        raise AnalysisError(f"the search for eigenvalues failed ({error}); ask for fewer") from None
+        raise AnalysisError(f"the search for eigenvalues failed ({error}); request fewer") from None
 
 
 def _normalised(vectors: np.ndarray, b) -> np.ndarray:

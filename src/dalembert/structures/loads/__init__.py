@@ -1,1 +1,1 @@
-"""What acts on a structure."""
+"""Loads on structures."""

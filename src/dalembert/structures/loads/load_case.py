@@ -1,19 +1,141 @@
-"""One load case: external forces on nodes and spread over elements, and temperatures."""
+"""Load case: nodal and distributed forces, temperatures, displacement-dependent forces."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
+import scipy
 
 from dalembert.errors import UnsupportedError
 from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.block import ElementBlock
 from dalembert.structures.evaluation.inertia import from_rest
-from dalembert.structures.loads.configuration_load import ConfigurationLoad
-from dalembert.structures.loads.temperatures import Temperatures
 from dalembert.symbolic.parametric_array import ParametricArray
+
+CHANGES = (
+    "temperature",
+    "temperature_gradient",
+    "temperature_gradient_y",
+    "temperature_gradient_z",
+)
+"""Element quantities that are temperature changes; forces are linear in them."""
+
+
+@dataclass(frozen=True)
+class Temperatures:
+    """Temperature changes of one load case.
+
+    Attributes
+    ----------
+    heated : block → block of its thermal terms, in the same order of elements
+    """
+
+    heated: Mapping[ElementBlock, ElementBlock] = field(default_factory=dict)
+
+    def data(self, block: ElementBlock, p: np.ndarray, share: float, time: float) -> np.ndarray:
+        """(m, ne) data of the elements with a share of the temperature changes."""
+        return self.scale(block, self.source(block).data(p, time), share)
+
+    def scale(self, block: ElementBlock, data: np.ndarray, share: float) -> np.ndarray:
+        """Data, or changes or weights of data, with a share of the temperature changes."""
+        if share == 1.0 or block not in self.heated:
+            return data
+        scaled = data.copy()
+        scaled[self.rows(block)] *= share
+        return scaled
+
+    def rows(self, block: ElementBlock) -> list[int]:
+        """Rows of the temperature changes of this load case."""
+        if block not in self.heated:
+            return []
+        return [block.kind.row(name) for name in CHANGES if name in block.kind.quantities]
+
+    def source(self, block: ElementBlock) -> ElementBlock:
+        """The block with the data of a block: its thermal block if it is heated."""
+        return self.heated.get(block, block)
+
+
+class ConfigurationLoad:
+    """Forces of hindered thermal expansion, and of moments about fixed axes.
+
+    They are internal forces, in addition to those of strain; for small displacements those at rest.
+
+    Parameters
+    ----------
+    expanding : thermal blocks of elements
+    moments : blocks of moments about fixed axes
+    size : number of displacements
+    prescribed : numbers of the prescribed displacements
+    linear : for small displacements
+    """
+
+    def __init__(
+        self,
+        expanding: Sequence[ElementBlock],
+        moments: Sequence[ElementBlock],
+        size: int,
+        prescribed: np.ndarray,
+        linear: bool,
+    ):
+        self.linear, self.symmetric = linear, not moments
+        self.assembly = Assembly([*expanding, *moments], size, prescribed)
+        self.depends_on_time = any(block.depends_on_time for block in self.assembly.blocks)
+
+    def __bool__(self) -> bool:
+        return bool(self.assembly.blocks)
+
+    def configuration(self, u: np.ndarray) -> np.ndarray:
+        """Displacements at which the forces are evaluated."""
+        return np.zeros_like(u) if self.linear else u
+
+    def forces(self, u: np.ndarray, p: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """(n,) internal forces, in addition to those of strain."""
+        return self.assembly.internal_forces(self.configuration(u), p, time)
+
+    def stiffness(self, u: np.ndarray, p: np.ndarray) -> scipy.sparse.csc_matrix:
+        """Derivative of the forces by the displacements."""
+        stiffness = self.assembly.stiffness(self.configuration(u), p)
+        return 0 * stiffness if self.linear else stiffness
+
+    def push(self, u: np.ndarray, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """(n,) change of the forces with the parameters."""
+        return self.assembly.push(self.configuration(u), p, dp, time)
+
+    def pull(
+        self, u: np.ndarray, p: np.ndarray, weights: np.ndarray, time: float = 0.0
+    ) -> np.ndarray:
+        """(np,) weights of the parameters from weights (n,) of the forces."""
+        return self.assembly.pull(self.configuration(u), p, weights, time)
+
+
+class Expansion:
+    """Thermal loads: forces ``−∂V/∂u`` at rest.
+
+    Parameters
+    ----------
+    internal : internal forces
+    """
+
+    def __init__(self, internal: ConfigurationLoad):
+        self.internal, self.depends_on_time = internal, internal.depends_on_time
+        self.rest = np.zeros(internal.assembly.size)
+
+    def __bool__(self) -> bool:
+        return bool(self.internal)
+
+    def values(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """(n,) forces."""
+        return -self.internal.forces(self.rest, p, time)
+
+    def push(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """(n,) their change with the parameters."""
+        return -self.internal.push(self.rest, p, dp, time)
+
+    def pull(self, p: np.ndarray, weights: np.ndarray, time: float = 0.0) -> np.ndarray:
+        """(np,) weights of the parameters from weights (n,) of the forces."""
+        return -self.internal.pull(self.rest, p, weights, time)
 
 
 @dataclass(frozen=True)
@@ -38,7 +160,7 @@ class MassForce:
         return own + self.field.pull(p, self.assembly.mass(p) @ weights, time)
 
     def turn(self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        """(m,) change of what ``pull`` gives with the parameters."""
+        """(m,) change of the result of ``pull`` with the parameters."""
         field, change = self.field.values(p, 0.0), self.field.push(p, dp, 0.0)
         heavier = self.assembly.push_inertia(from_rest(weights), p, dp)
         return (
@@ -54,13 +176,13 @@ class LoadCase:
 
     Parameters
     ----------
-    nodal : forces given at nodes
+    nodal : forces at nodes
     spread : blocks of dead loads, whose energy is the negative work of the load
-    weights : forces on masses
-    temperatures : of the elements
-    configuration : forces that depend on displacements, of hindered expansion among them
-    fixed_axes : whether moments about fixed axes are among the loads, whose tangent at large
-        displacements is not symmetric
+    weights : mass forces
+    temperatures : temperature changes of the elements
+    configuration : displacement-dependent forces, those of hindered expansion included
+    fixed_axes : whether there are moments about fixed axes, whose tangent at large displacements is
+        not symmetric
     """
 
     def __init__(
@@ -80,49 +202,49 @@ class LoadCase:
             w.field.depends_on_time for w in weights
         )
 
-    def refuse_fixed_axes(self, what: str, cure: str) -> None:
-        """Say that an analysis does not take moments about fixed axes.
+    def refuse_fixed_axes(self, analysis: str, cure: str) -> None:
+        """Raise where an analysis does not support moments about fixed axes.
 
         Raises
         ------
         UnsupportedError
-            There are some.
+            There are such moments.
         """
         if self.fixed_axes:
             raise UnsupportedError(
-                f"{what} does not take moments about fixed axes, whose stiffness is not "
+                f"{analysis} does not take moments about fixed axes, whose stiffness is not "
                 f"symmetric; {cure}"
             )
 
     def values(self, p: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) forces."""
-        found = self.nodal.values(p, time)
+        forces = self.nodal.values(p, time)
         for block, rest in self._at_rest():
-            found -= block.scatter(block.kind.forces(rest, block.data(p)), self.size)
-        return found + sum(w.values(p, time) for w in self.weights)
+            forces -= block.scatter(block.kind.forces(rest, block.data(p)), self.size)
+        return forces + sum(w.values(p, time) for w in self.weights)
 
     def push(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) their change with the parameters."""
-        found = self.nodal.push(p, dp, time)
+        change = self.nodal.push(p, dp, time)
         for block, rest in self._at_rest():
-            change = block.kind.push(rest, block.data(p), block.push_data(p, dp))
-            found -= block.scatter(change, self.size)
-        return found + sum(w.push(p, dp, time) for w in self.weights)
+            element_change = block.kind.push(rest, block.data(p), block.push_data(p, dp))
+            change -= block.scatter(element_change, self.size)
+        return change + sum(w.push(p, dp, time) for w in self.weights)
 
     def pull(self, p: np.ndarray, weights: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(m,) weights of the parameters from weights (n,) of the forces."""
-        found = self.nodal.pull(p, weights, time)
+        p_bar = self.nodal.pull(p, weights, time)
         for block, rest in self._at_rest():
-            data = block.kind.pull(rest, block.data(p), block.gather(weights))
-            found -= block.pull_data(p, data)
-        return found + sum(w.pull(p, weights, time) for w in self.weights)
+            data_bar = block.kind.pull(rest, block.data(p), block.gather(weights))
+            p_bar -= block.pull_data(p, data_bar)
+        return p_bar + sum(w.pull(p, weights, time) for w in self.weights)
 
     def turn(self, p: np.ndarray, weights: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        """(m,) change of what ``pull`` gives with the parameters."""
-        found = self.nodal.turn(p, weights, dp)
+        """(m,) change of the result of ``pull`` with the parameters."""
+        change = self.nodal.turn(p, weights, dp)
         for block, rest in self._at_rest():
-            found -= block.turn(rest, p, block.gather(weights), rest, dp)[1]
-        return found + sum(w.turn(p, weights, dp) for w in self.weights)
+            change -= block.turn(rest, p, block.gather(weights), rest, dp)[1]
+        return change + sum(w.turn(p, weights, dp) for w in self.weights)
 
     def _at_rest(self):
         return ((b, np.zeros(b.degrees.shape)) for b in self.spread)

@@ -1,7 +1,7 @@
 """Tractions on edges and faces, as elements whose energy is the negative work of a dead load.
 
-``W = −∫ (t − p n)·u dA`` over the facet in its initial place, with the traction ``t`` and the
-pressure ``p`` against the outward normal ``n``.
+``W = −∫ (t − p n)·u dA`` over the facet in its initial configuration, with the traction ``t`` and
+the pressure ``p`` against the outward normal ``n``.
 """
 
 from __future__ import annotations
@@ -100,4 +100,4 @@ TRACTIONS: dict[str, type[Traction]] = {
     "quad": QuadTraction,
     "quad8": QuadTraction8,
 }
-"""By the shape of the facet."""
+"""Class by the shape of the facet."""

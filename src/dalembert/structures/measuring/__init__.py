@@ -1,1 +1,1 @@
-"""What can be measured on a structure."""
+"""Measures of structures."""

@@ -1,7 +1,7 @@
 """Measures of a structure: displacements, reactions, quantities of elements, and totals.
 
-A measure knows its value at a state and hands weights back to what it was made of, so that any
-formula of measures has exact gradients.
+A measure returns its value at a state and the derivatives by the state, so that any formula of
+measures has exact gradients.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.structures.evaluation.block import ElementBlock
-from dalembert.structures.loads.temperatures import Temperatures
+from dalembert.structures.loads.load_case import Temperatures
 
 
 @dataclass
 class State:
-    """Displacements (n,), external forces (n,) with reactions, parameters, share of the load.
+    """Displacements (n,), external forces (n,) with reactions, parameters, load factor.
 
-    Temperatures are those of a load case, with its share, at an instant.
+    Temperatures are those of a load case, times the load factor, at an instant.
     """
 
     u: np.ndarray
@@ -29,30 +29,30 @@ class State:
     time: float = 0.0
 
     def data(self, b: ElementBlock) -> np.ndarray:
-        """(m, ne) numbers of elements, with their temperatures here."""
+        """(m, ne) data of elements, with the temperatures of the state."""
         return self.temperatures.data(b, self.p, self.load_factor, self.time)
 
     def push_data(self, b: ElementBlock, change: State) -> np.ndarray:
-        """(m, ne) their change."""
-        hot = self.temperatures.source(b).push_data(self.p, change.p, self.time)
-        return self.temperatures.shared(b, hot, self.load_factor)
+        """(m, ne) change of the data."""
+        source = self.temperatures.source(b).push_data(self.p, change.p, self.time)
+        return self.temperatures.scale(b, source, self.load_factor)
 
     def pull_data(self, b: ElementBlock, weights: np.ndarray, into: Weights) -> None:
-        """Add what weights (m, ne) of them weigh the parameters and the share of the load."""
-        hot, rows = self.temperatures.source(b), self.temperatures.rows(b)
+        """Add the weights of parameters and load factor from weights (m, ne) of the data."""
+        source, rows = self.temperatures.source(b), self.temperatures.rows(b)
         if rows:
-            into.load_factor += float((weights[rows] * hot.data(self.p, self.time)[rows]).sum())
-        shared = self.temperatures.shared(b, weights, self.load_factor)
-        into.p += hot.pull_data(self.p, shared, self.time)
+            into.load_factor += float((weights[rows] * source.data(self.p, self.time)[rows]).sum())
+        shared = self.temperatures.scale(b, weights, self.load_factor)
+        into.p += source.pull_data(self.p, shared, self.time)
 
     def turn_data(self, b: ElementBlock, weights: np.ndarray, change: State) -> np.ndarray:
-        """Change of the parameters in ``pull_data`` with the parameters."""
+        """Change of the weights of the parameters in ``pull_data`` with the parameters."""
         return self.temperatures.source(b).turn_data(self.p, weights, change.p)
 
 
 @dataclass
 class Weights:
-    """The same for weights; ``forces`` at prescribed displacements weigh reactions."""
+    """Weights of a state; ``forces`` at prescribed displacements are weights of reactions."""
 
     u: np.ndarray
     forces: np.ndarray
@@ -64,13 +64,13 @@ class Weights:
         return cls(np.zeros(size), np.zeros(size), np.zeros(parameters))
 
     def along(self, change: State) -> float:
-        """What they make of a change of the state."""
-        moved = self.u @ change.u + self.forces @ change.forces + self.p @ change.p
-        return float(moved + self.load_factor * change.load_factor)
+        """Product with a change of the state."""
+        total = self.u @ change.u + self.forces @ change.forces + self.p @ change.p
+        return float(total + self.load_factor * change.load_factor)
 
 
 class Measure:
-    """One scalar."""
+    """Scalar function of a state."""
 
     unit = ""
 
@@ -82,7 +82,7 @@ class Measure:
         raise NotImplementedError
 
     def turn(self, s: State, change: State, weight: float, into: Weights) -> None:
-        """Add the change of these weights with the state; there is none where ``value`` is linear.
+        """Add the change of these weights with the state; zero where ``value`` is linear.
 
         ``change`` holds the rates of displacements, forces and parameters.
         """
@@ -118,7 +118,7 @@ class ExternalForce(Measure):
 
 @dataclass
 class LoadFactor(Measure):
-    """Share of the load that acts."""
+    """Load factor."""
 
     unit: str = ""
 
@@ -131,16 +131,16 @@ class LoadFactor(Measure):
 
 @dataclass
 class ElementMeasure(Measure):
-    """A quantity of one element, or drawn from the same quantity of several.
+    """A quantity of one element, or a reduction of the quantity over several elements.
 
     Parameters
     ----------
-    block : of the elements
-    rows : of the elements in their block
-    name : of the quantity
-    reduction : ``max``, ``min`` or ``sum``; of one element they are all the same
+    block : block of the elements
+    rows : rows of the elements in their block
+    name : name of the quantity
+    reduction : ``max``, ``min`` or ``sum``; for one element they agree
     smooth : ``ρ`` of the aggregate ``(1/ρ) ln Σ exp(ρ m_k)`` (Kreisselmeier and Steinhauser 1979)
-        instead of the largest and smallest themselves, one over the unit of the quantity
+        instead of the exact maximum or minimum; unit: one over the unit of the quantity
     """
 
     block: ElementBlock
@@ -156,24 +156,24 @@ class ElementMeasure(Measure):
         return b.kind.measure(self.name, b.gather(s.u)[:, k], s.data(b)[:, k]).ravel()
 
     def value(self, s: State) -> float:
-        found = self.field(s)
+        values = self.field(s)
         if self.reduction == "sum":
-            return float(found.sum())
+            return float(values.sum())
         sign = 1.0 if self.reduction == "max" else -1.0
-        top = float((sign * found).max())
+        top = float((sign * values).max())
         if self.smooth is not None:
-            rest = np.exp(self.smooth * (sign * found - top))
+            rest = np.exp(self.smooth * (sign * values - top))
             top += float(np.log(rest.sum())) / self.smooth
         return sign * top
 
     def slopes(self, s: State) -> np.ndarray:
         """(k,) derivatives of the value by the quantity of each element."""
-        found = self.field(s)
+        values = self.field(s)
         if self.reduction == "sum":
-            return np.ones_like(found)
-        signed = found if self.reduction == "max" else -found
+            return np.ones_like(values)
+        signed = values if self.reduction == "max" else -values
         if self.smooth is None:
-            return np.eye(1, found.size, int(np.argmax(signed))).ravel()
+            return np.eye(1, values.size, int(np.argmax(signed))).ravel()
         parts = np.exp(self.smooth * (signed - signed.max()))
         return parts / parts.sum()
 
@@ -186,10 +186,10 @@ class ElementMeasure(Measure):
 
     def pull(self, s: State, weight: float, into: Weights) -> None:
         b, slopes = self.block, self.slopes(s)
-        felt = np.flatnonzero(slopes)  # of a largest value just one
-        k = self.rows[felt]
+        nonzero = np.flatnonzero(slopes)  # a single one for an exact maximum
+        k = self.rows[nonzero]
         u_bar, data_bar = b.kind.pull_measure(
-            self.name, b.gather(s.u)[:, k], s.data(b)[:, k], weight * slopes[None, felt]
+            self.name, b.gather(s.u)[:, k], s.data(b)[:, k], weight * slopes[None, nonzero]
         )
         np.add.at(into.u, b.degrees[:, k], u_bar)
         s.pull_data(b, self._spread(data_bar, k), into)
@@ -199,18 +199,18 @@ class ElementMeasure(Measure):
         at = self.name, b.gather(s.u)[:, k], s.data(b)[:, k]
         du, ddata = b.gather(change.u)[:, k], s.push_data(b, change)[:, k]
         by_u, by_data = b.kind.pull_measure(*at, np.ones((1, k.size)))
-        moved = (by_u * du).sum(axis=0) + (by_data * ddata).sum(axis=0)
-        slopes, turned = weight * self.slopes(s), weight * self.slopes_change(s, moved)
+        change_of_values = (by_u * du).sum(axis=0) + (by_data * ddata).sum(axis=0)
+        slopes, turned = weight * self.slopes(s), weight * self.slopes_change(s, change_of_values)
         u_bar, data_bar = b.kind.turn_measure(*at, slopes[None, :], du, ddata)
         np.add.at(into.u, b.degrees[:, k], u_bar + turned * by_u)
         s.pull_data(b, self._spread(data_bar + turned * by_data, k), into)
         into.p += s.turn_data(b, self._spread(slopes * by_data, k), change)
 
-    def _spread(self, chosen: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """(m, ne) numbers of all elements from those of some."""
-        whole = np.zeros((chosen.shape[0], self.block.count))
-        whole[:, rows] = chosen
-        return whole
+    def _spread(self, selected: np.ndarray, rows: np.ndarray) -> np.ndarray:
+        """(m, ne) data of all elements from those of selected rows, zero elsewhere."""
+        all_data = np.zeros((selected.shape[0], self.block.count))
+        all_data[:, rows] = selected
+        return all_data
 
 
 @dataclass

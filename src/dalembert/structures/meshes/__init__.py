@@ -1,1 +1,1 @@
-"""Meshes, read and made."""
+"""Meshes: readers and generators."""

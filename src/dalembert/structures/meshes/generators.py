@@ -1,4 +1,4 @@
-"""Plain meshes for teaching: lines, rectangles and boxes divided evenly, as points and cells."""
+"""Regular meshes of lines, rectangles and boxes, as points and cells."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dalembert.budget import afford, numeral
+from dalembert.budget import check_budget, numeral
 from dalembert.elements.fem.cells import CELLS
 from dalembert.errors import ModelError
 from dalembert.options import is_number
 from dalembert.text.spelling import spelled
 
 CELL = 1000
-"""Bytes of a cell with its nodes and its element, at least."""
+"""Minimum memory of a cell with its nodes and its element [bytes]."""
 
 Mesh = tuple[np.ndarray, np.ndarray]
 
@@ -127,7 +127,7 @@ def box_mesh(size: Sequence[float], counts: Sequence[int], kind: str = "hexahedr
 
 
 def _of_kind(points: np.ndarray, cells: np.ndarray, kind: str) -> Mesh:
-    """The mesh with nodes in the middles of the edges, where the kind has them."""
+    """The mesh with midside nodes if the kind has them."""
     cell = CELLS[kind]
     if cell.nodes == cell.corners:
         return points, cells
@@ -161,11 +161,11 @@ def _grid(size: Sequence[float], counts: Sequence[int], d: int) -> tuple[np.ndar
 
 
 def _counts(counts: Sequence[int], d: int) -> list[int]:
-    given = list(counts) if isinstance(counts, (tuple, list, np.ndarray)) else []
-    whole = all(isinstance(k, (int, np.integer)) and k > 0 for k in given)
-    if len(given) != d or not whole:
+    values = list(counts) if isinstance(counts, (tuple, list, np.ndarray)) else []
+    whole = all(isinstance(k, (int, np.integer)) and k > 0 for k in values)
+    if len(values) != d or not whole:
         raise ModelError(f"a mesh needs {d} positive whole number(s) of cells, got {counts!r}")
     cells = math.prod(int(k) for k in counts)
     cure = "divide it into fewer cells"
-    afford(f"a mesh of {numeral(cells)} cells", memory=CELL * cells, cure=cure)
+    check_budget(f"a mesh of {numeral(cells)} cells", memory=CELL * cells, cure=cure)
     return [int(k) for k in counts]

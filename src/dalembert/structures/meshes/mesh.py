@@ -11,9 +11,8 @@ from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.cells import CELLS, oriented
 from dalembert.elements.fem.registry import element_for
 from dalembert.errors import ModelError
-from dalembert.structures.evaluation.elements import Elements
 from dalembert.structures.meshes.mesh_data import MeshData, mesh_data
-from dalembert.structures.nodes import Nodes
+from dalembert.structures.sets import Elements, Nodes
 
 if TYPE_CHECKING:
     from dalembert.structures.description import StructureDescription
@@ -22,13 +21,13 @@ Classes = type[StructuralElement] | Mapping[str, type[StructuralElement]] | None
 
 
 class Mesh:
-    """Nodes and elements that were added together from a mesh; ``structure.add_mesh`` makes it.
+    """Nodes and elements of a mesh, returned by ``structure.add_mesh``.
 
     Attributes
     ----------
     name : str
-    elements : name of an element set → Elements; one set, named like the mesh, where all cells have
-        one shape, else one for each, ``name_shape``
+    elements : name of an element set → Elements; one set with the name of the mesh if all cells
+        have the same shape, otherwise one set per shape, ``name_shape``
     selections : names of the groups of the mesh
     """
 
@@ -39,7 +38,7 @@ class Mesh:
 
     @property
     def selections(self) -> list[str]:
-        """Names that ``nodes`` and ``members`` know."""
+        """Names of the groups, for ``nodes`` and ``members``."""
         return [*dict.fromkeys([*self._data.point_groups, *self._data.cell_groups])]
 
     def nodes(self, selection: str | None = None) -> Nodes:
@@ -52,7 +51,7 @@ class Mesh:
         """
         if selection is None:
             return self._nodes
-        return self._nodes[self._data.nodes_of(self._known(selection))]
+        return self._nodes[self._data.nodes_of(self._checked(selection))]
 
     def members(self, selection: str) -> dict[str, np.ndarray]:
         """Numbers of the elements of a group, by the name of their set.
@@ -62,17 +61,17 @@ class Mesh:
         ModelError
             The mesh has no such group, or it holds no elements.
         """
-        groups = self._data.cell_groups.get(self._known(selection), {})
-        found = {
+        groups = self._data.cell_groups.get(self._checked(selection), {})
+        members = {
             label: groups[shape]
             for label, shape in self._shapes.items()
             if groups.get(shape, np.array([])).size
         }
-        if not found:
+        if not members:
             raise ModelError(f"group {selection!r} holds no elements, only nodes", self.name)
-        return found
+        return members
 
-    def _known(self, selection: str) -> str:
+    def _checked(self, selection: str) -> str:
         if selection not in self.selections:
             known = ", ".join(self.selections) or "none"
             raise ModelError(f"has no group {selection!r}; known: {known}", self.name)
@@ -91,22 +90,22 @@ def add_mesh(
     classes = _classes(name, data, element)
     data = data.reduced(list(classes))
     labels = _labels(name, list(classes))
-    for taken in (f"{name}_nodes", *labels):
-        structure._claim(taken)  # before anything is added, so that a slip adds nothing
-    turned = {shape: oriented(shape, data.points, data.cells[shape]) for shape in classes}
-    given = {
+    for set_name in (f"{name}_nodes", *labels):
+        structure._claim(set_name)  # checked before anything is added
+    cells = {shape: oriented(shape, data.points, data.cells[shape]) for shape in classes}
+    quantities_of = {
         label: {
             key: _each(name, key, value, data, shape) if isinstance(value, Mapping) else value
             for key, value in quantities.items()
         }
         for label, shape in labels.items()
     }
-    tried = Nodes(f"{name}_nodes", data.points)
+    trial = Nodes(f"{name}_nodes", data.points)
     for label, shape in labels.items():
-        Elements(label, classes[shape], tried, turned[shape], **given[label])
+        Elements(label, classes[shape], trial, cells[shape], **quantities_of[label])
     nodes = structure.add_nodes(f"{name}_nodes", data.points)
     elements = {
-        label: structure.add_elements(label, classes[s], nodes, turned[s], **given[label])
+        label: structure.add_elements(label, classes[s], nodes, cells[s], **quantities_of[label])
         for label, s in labels.items()
     }
     return Mesh(name, data, nodes, elements)
@@ -127,39 +126,39 @@ def _classes(name: str, data: MeshData, element: Classes) -> dict[str, type[Stru
             raise ModelError(f"has no cells {missing[0]!r}; it has {_listed(data)}", name)
         return dict(element)
     dimension = max(CELLS[shape].dimension for shape in data.cells)
-    found = {}
+    classes = {}
     for shape in (s for s in data.cells if CELLS[s].dimension == dimension):
-        made = element or element_for(shape, data.points.shape[1])
-        if made is None:
+        cls = element or element_for(shape, data.points.shape[1])
+        if cls is None:
             raise ModelError(
                 f"no element is known for cells {shape!r} in {data.points.shape[1]} dimension(s); "
                 "give element = the class they become",
                 name,
             )
-        if made.node_count != CELLS[shape].nodes:
+        if cls.node_count != CELLS[shape].nodes:
             raise ModelError(
-                f"{made.__name__} has {made.node_count} nodes, cells {shape!r} have "
+                f"{cls.__name__} has {cls.node_count} nodes, cells {shape!r} have "
                 f"{CELLS[shape].nodes}; give element = {{shape: class}}",
                 name,
             )
-        found[shape] = made
-    return found
+        classes[shape] = cls
+    return classes
 
 
 def _each(name: str, key: str, value: Mapping, data: MeshData, shape: str) -> np.ndarray:
-    """A quantity given by groups as an array over the elements of one shape."""
-    found = np.full(len(data.cells[shape]), None, dtype=object)
+    """A quantity by groups, as an array over the elements of one shape."""
+    values = np.full(len(data.cells[shape]), None, dtype=object)
     for group, number in value.items():
         if group not in data.cell_groups:
             known = ", ".join(data.cell_groups) or "none"
             raise ModelError(f"{key}: no group of elements {group!r}; known: {known}", name)
-        found[data.cell_groups[group].get(shape, np.array([], dtype=int))] = number
-    missing = sum(number is None for number in found)
+        values[data.cell_groups[group].get(shape, np.array([], dtype=int))] = number
+    missing = sum(number is None for number in values)
     if missing:
         raise ModelError(
             f"{key}: {missing} element(s) are in none of the groups {', '.join(value)}", name
         )
-    return found
+    return values
 
 
 def _listed(data: MeshData) -> str:

@@ -1,1 +1,1 @@
-"""Structures by few shapes: Craig–Bampton modes, and the frames that bodies of them float in."""
+"""Model order reduction of structures: Craig–Bampton modes, floating frames."""

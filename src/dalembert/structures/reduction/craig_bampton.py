@@ -5,7 +5,7 @@ With interface displacements ``u_b = X c`` and the others ``u_i``,
     u = Ψ c + Φ η,     Ψ_i = −K_ii⁻¹ K_ib X,     K_ii φ = ω² M_ii φ
 
 (Craig and Bampton, Coupling of substructures for dynamic analyses, AIAA Journal 6, 1968). It is
-exact in statics, and in vibration for as many modes as there are; rigid motions are among it.
+exact in statics, and in vibration with all modes; it contains the rigid motions.
 """
 
 from __future__ import annotations
@@ -18,24 +18,24 @@ from dalembert.errors import AnalysisError, ModelError, SingularityError
 from dalembert.sparse.solver import Factors
 from dalembert.structures.evaluation.assembly import Assembly
 from dalembert.structures.evaluation.eigenpairs import nearest
-from dalembert.structures.evaluation.factors import factors_of
 from dalembert.structures.evaluation.numbering import Numbering
-from dalembert.structures.reduction.interface import Interface
+from dalembert.structures.evaluation.stiffness_solvers import factors_of
+from dalembert.structures.reduction.rigid import Interface
 
 
 @dataclass(frozen=True, eq=False)
 class CraigBampton:
-    """A structure by the motions of its interfaces and a few modes between them.
+    """A structure in coordinates of its interfaces and a few fixed-interface modes.
 
     Attributes
     ----------
     assembly : with the displacements of the interfaces prescribed
-    interfaces : in the order of the columns
+    interfaces : interfaces in the order of the columns
     p : (np,) parameter values
-    shapes : (n, r) displacements of unit coordinates: interfaces one after the other, then modes
+    shapes : (n, r) displacements of unit coordinates: interfaces in order, then modes
     stiffness, mass : (r, r)
-    frequencies : (k,) of the modes with the interfaces at rest [rad/s]
-    factor : of the stiffness between the interfaces
+    frequencies : (k,) of the fixed-interface modes [rad/s]
+    factor : factors of the stiffness with fixed interfaces
     """
 
     assembly: Assembly
@@ -49,7 +49,7 @@ class CraigBampton:
 
     @property
     def columns(self) -> dict[str, slice]:
-        """Interface → its columns."""
+        """Name of an interface → its columns."""
         ends = np.cumsum([0, *(i.motions.shape[1] for i in self.interfaces)])
         return {i.name: slice(*ends[k : k + 2]) for k, i in enumerate(self.interfaces)}
 
@@ -67,13 +67,13 @@ def craig_bampton(
     Parameters
     ----------
     assembly : without supports
-    modes : how many modes with the interfaces at rest, at most
-    up_to : only those up to this frequency [rad/s]
+    modes : upper limit of the number of fixed-interface modes
+    up_to : upper limit of their frequency [rad/s]
 
     Raises
     ------
     ModelError, SingularityError
-        There are supports; parts move without straining though the interfaces are at rest.
+        There are supports, or parts that move without strain with fixed interfaces.
     """
     if assembly.prescribed.size:
         place = degrees.place(int(assembly.prescribed[0]))
@@ -93,17 +93,17 @@ def craig_bampton(
     shapes = _constraint_modes(interfaces, size)
     if factor is not None:
         shapes[free] = -factor.solve((stiffness @ shapes)[free])
-    found = np.zeros((size, 0)), np.zeros(0)
+    vectors, frequencies = np.zeros((size, 0)), np.zeros(0)
     if factor is not None and modes:
-        found = _fixed_modes(inner, stiffness, mass, factor, modes, up_to)
-    shapes = np.concatenate([shapes, found[0]], axis=1)
+        vectors, frequencies = _fixed_modes(inner, stiffness, mass, factor, modes, up_to)
+    shapes = np.concatenate([shapes, vectors], axis=1)
     reduced = [shapes.T @ (matrix @ shapes) for matrix in (stiffness, mass)]
     k, m = ((matrix + matrix.T) / 2 for matrix in reduced)
-    return CraigBampton(inner, interfaces, p, shapes, k, m, found[1], factor)
+    return CraigBampton(inner, interfaces, p, shapes, k, m, frequencies, factor)
 
 
 def _constraint_modes(interfaces: list[Interface], size: int) -> np.ndarray:
-    """Unit motions of the interfaces, nothing between them."""
+    """Unit motions of the interfaces, zero elsewhere."""
     shapes, column = np.zeros((size, sum(i.motions.shape[1] for i in interfaces))), 0
     for interface in interfaces:
         count = interface.motions.shape[1]
@@ -115,7 +115,7 @@ def _constraint_modes(interfaces: list[Interface], size: int) -> np.ndarray:
 def _fixed_modes(
     inner: Assembly, stiffness, mass, factor: Factors, modes: int, up_to: float | None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Modes with the interfaces at rest, and their frequencies."""
+    """Fixed-interface modes, and their frequencies."""
     a, b = inner.inner(stiffness), inner.inner(mass)
     try:
         values, vectors = nearest(a, b, min(modes, a.shape[0]), 0.0, factor.solve)
@@ -123,8 +123,8 @@ def _fixed_modes(
         raise AnalysisError(f"modes between the interfaces: {error}") from None
     frequencies = np.sqrt(values)
     if up_to is not None:
-        kept = frequencies <= up_to
-        frequencies, vectors = frequencies[kept], vectors[:, kept]
+        selected = frequencies <= up_to
+        frequencies, vectors = frequencies[selected], vectors[:, selected]
     shapes = np.zeros((inner.size, frequencies.size))
     shapes[inner.free] = vectors
     return shapes, frequencies

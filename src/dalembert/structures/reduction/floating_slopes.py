@@ -1,7 +1,7 @@
-"""How shapes of a floating structure, and the numbers they give, follow its parameters.
+"""Tangent of the shapes of a floating structure, and of their integrals, by its parameters.
 
-Every quantity of ``floating_shapes`` is differentiated in its order there; ``x_`` is the change of
-``x`` along one direction of the parameters.
+The quantities of ``floating_shapes`` are differentiated in the same order; ``x_`` is the change of
+``x`` along a direction of the parameters.
 """
 
 from __future__ import annotations
@@ -16,29 +16,29 @@ from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.basis import ShapeBasis, modes_of
 from dalembert.structures.reduction.craig_bampton import CraigBampton
 from dalembert.structures.reduction.floating import (
+    Relief,
     floating_shapes,
     mass_centre,
     momentum_shares,
     symmetric,
 )
 from dalembert.structures.reduction.rigid import (
-    carried,
-    node_places,
-    push_places,
+    carry,
+    node_positions,
+    push_positions,
     rigid_motions,
 )
-from dalembert.structures.reduction.second_order import Relief
 from dalembert.structures.reduction.slopes import ReductionSlopes
 
 
 class FloatingSlopes:
-    """Directional derivatives of the shapes of a body.
+    """Directional derivatives of the shapes of a floating structure.
 
     Parameters
     ----------
     reduced : CraigBampton
     basis : ShapeBasis
-    pairs : (k, 2) shapes whose products have displacements of second order
+    pairs : (k, 2) shapes whose products have second-order displacements
     """
 
     def __init__(
@@ -48,9 +48,9 @@ class FloatingSlopes:
         self.slopes = ReductionSlopes(reduced, degrees)
         self.stiffness, self.mass = self.slopes.stiffness, self.slopes.mass
         self.held = basis.held(reduced)
-        self.places = node_places(reduced.assembly.blocks, degrees, reduced.p)
-        self.now = floating_shapes(reduced, degrees, self.places, basis, pairs, None)
-        self.rigid = rigid_motions(degrees, self.places - self.now.origin)
+        self.positions = node_positions(reduced.assembly.blocks, degrees, reduced.p)
+        self.now = floating_shapes(reduced, degrees, self.positions, basis, pairs, None)
+        self.rigid = rigid_motions(degrees, self.positions - self.now.origin)
         self.count = self.now.count
         self.shapes = self.now.displacements[:, : self.count]
 
@@ -58,7 +58,7 @@ class FloatingSlopes:
     def fields(self) -> np.ndarray:
         """(n, N) ``W`` of all nodes."""
         amplitudes = self.now.displacements
-        return np.concatenate([self.rigid, amplitudes, carried(self.degrees, amplitudes)], axis=1)
+        return np.concatenate([self.rigid, amplitudes, carry(self.degrees, amplitudes)], axis=1)
 
     @cached_property
     def relief(self) -> Relief:
@@ -68,10 +68,10 @@ class FloatingSlopes:
 
     def push(self, dp: np.ndarray) -> FloatingShapes:
         """Changes of inertia, stiffness, damping and sections along a change of the parameters."""
-        places_ = push_places(self.reduced.assembly.blocks, self.degrees, self.reduced.p, dp)
-        origin_ = self._origin(places_, dp)
-        rigid_ = rigid_motions(self.degrees, places_ - origin_)
-        rigid_ -= rigid_motions(self.degrees, np.zeros_like(places_))  # what does not depend on it
+        positions_ = push_positions(self.reduced.assembly.blocks, self.degrees, self.reduced.p, dp)
+        origin_ = self._origin(positions_, dp)
+        rigid_ = rigid_motions(self.degrees, positions_ - origin_)
+        rigid_ -= rigid_motions(self.degrees, np.zeros_like(positions_))  # the constant part
         shapes_ = self._shapes(rigid_, dp)
         stiffer = self.slopes.push_stiffness(self.shapes, dp)
         stiffness_ = 2 * symmetric(shapes_.T @ (self.stiffness @ self.shapes))
@@ -80,7 +80,7 @@ class FloatingSlopes:
         if len(self.pairs):
             second_ = self._relief(shapes_, stiffness_, dp)
             amplitudes_ = np.concatenate([shapes_, second_], axis=1)
-        fields_ = np.concatenate([rigid_, amplitudes_, carried(self.degrees, amplitudes_)], axis=1)
+        fields_ = np.concatenate([rigid_, amplitudes_, carry(self.degrees, amplitudes_)], axis=1)
         heavier = self.slopes.push_mass(self.fields, dp)
         inertia_ = 2 * symmetric(fields_.T @ (self.mass @ self.fields))
         inertia_ += symmetric(self.fields.T @ heavier)
@@ -93,27 +93,27 @@ class FloatingSlopes:
             mass=mass_,
             critical=self._critical(stiffness_, mass_),
             inertia=inertia_,
-            sections=self._sections(places_, origin_, amplitudes_, dp),
+            sections=self._sections(positions_, origin_, amplitudes_, dp),
             origin=origin_,
             displacements=amplitudes_,
         )
 
-    def _origin(self, places_: np.ndarray, dp: np.ndarray) -> np.ndarray:
+    def _origin(self, positions_: np.ndarray, dp: np.ndarray) -> np.ndarray:
         if self.held is not None:
-            return places_[self.held.nodes].mean(axis=0)
+            return positions_[self.held.nodes].mean(axis=0)
         d = self.degrees.dimension
-        shift = rigid_motions(self.degrees, self.places)[:, :1]
+        shift = rigid_motions(self.degrees, self.positions)[:, :1]
         rows = self.degrees.table[:, 0]
         weights = (self.mass @ shift)[rows, 0]
         weights_ = self.slopes.push_mass(shift, dp)[rows, 0]
         total, total_ = weights.sum(), float(shift[:, 0] @ self.slopes.push_mass(shift, dp)[:, 0])
-        centre = mass_centre(self.mass, self.degrees, self.places)
-        return (weights_ @ self.places + weights @ places_ - total_ * centre)[:d] / total
+        centre = mass_centre(self.mass, self.degrees, self.positions)
+        return (weights_ @ self.positions + weights @ positions_ - total_ * centre)[:d] / total
 
     def _shapes(self, rigid_: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        """(n, m) of the shapes: of the reduction, then of what keeps mean axes free of momentum."""
+        """(n, m) changes of the shapes: those of the reduction, minus the momenta in mean axes."""
         moved, count = self.slopes.push_shapes(dp), self.basis.momenta.shape[1]
-        inverse, coordinates = self.basis.turned(self.reduced)
+        inverse, coordinates = self.basis.adapt(self.reduced)
         shapes_ = moved @ coordinates
         if count:
             modes, free = self.reduced.shapes[:, -count:], self.reduced.assembly.free
@@ -131,16 +131,16 @@ class FloatingSlopes:
         return shapes_ - rigid_ @ shares - rigid @ shares_
 
     def _relief(self, shapes_: np.ndarray, stiffness_: np.ndarray, dp: np.ndarray) -> np.ndarray:
-        """(n, k) of the displacements of second order."""
+        """(n, k) changes of the second-order displacements."""
         r = self.relief
         loads_ = np.stack([self._load(k, l, shapes_, dp) for k, l in r.pairs], axis=1)
         sides = self.slopes.push_motions(dp)[:, r.moving]
         apart = sides @ r.moves
         efforts = -loads_ - self.slopes.push_stiffness(r.full, dp) - self.stiffness @ apart
-        open_by = sides.T @ (-r.loads - self.stiffness @ r.full)
-        full_ = apart + r.relieved(efforts, open_by)[0]
+        interface_loads = sides.T @ (-r.loads - self.stiffness @ r.full)
+        full_ = apart + r.solve(efforts, interface_loads)[0]
         third_ = shapes_.T @ r.loads + self.shapes.T @ loads_
-        along_ = np.linalg.solve(self.now.stiffness, r.left * third_ - stiffness_ @ r.along)
+        along_ = np.linalg.solve(self.now.stiffness, r.subtracted * third_ - stiffness_ @ r.along)
         return (full_ + shapes_ @ r.along + self.shapes @ along_) * r.halves
 
     def _load(self, k: int, l: int, shapes_: np.ndarray, dp: np.ndarray) -> np.ndarray:
@@ -151,7 +151,7 @@ class FloatingSlopes:
         return changed + self.relief.strained[k] @ shapes_[:, l]
 
     def _critical(self, stiffness_: np.ndarray, mass_: np.ndarray) -> np.ndarray:
-        """Of ``2 M (M⁻¹ K)^½``, in its modes, whose frequencies may coincide."""
+        """Change of ``2 M (M⁻¹ K)^½``, in modal coordinates; frequencies may coincide."""
         squares, modes = modes_of(self.now.stiffness, self.now.mass)
         frequencies, carrying = np.sqrt(squares), self.now.mass @ modes
         a, b = modes.T @ mass_ @ modes, modes.T @ stiffness_ @ modes
@@ -160,14 +160,14 @@ class FloatingSlopes:
         return carrying @ (2 * (b - a * means) / sums + a * sums) @ carrying.T
 
     def _sections(
-        self, places_: np.ndarray, origin_: np.ndarray, amplitudes_: np.ndarray, dp: np.ndarray
+        self, positions_: np.ndarray, origin_: np.ndarray, amplitudes_: np.ndarray, dp: np.ndarray
     ) -> dict[str, SectionShapes]:
-        motions_, found, d = self.slopes.push_motions(dp), {}, origin_.size
+        motions_, sections, d = self.slopes.push_motions(dp), {}, origin_.size
         for i in self.reduced.interfaces:
-            own = self.now.sections[i.name]
-            moves = np.concatenate([own.shift, own.turn])
+            section = self.now.sections[i.name]
+            moves = np.concatenate([section.shift, section.turn])
             apart = motions_[i.degrees, self.reduced.columns[i.name]] @ moves
             moves_ = np.linalg.lstsq(i.motions, amplitudes_[i.degrees] - apart, rcond=None)[0]
-            place_ = places_[i.nodes].mean(axis=0) - origin_
-            found[i.name] = SectionShapes(place_, moves_[:d], moves_[d:])
-        return found
+            place_ = positions_[i.nodes].mean(axis=0) - origin_
+            sections[i.name] = SectionShapes(place_, moves_[:d], moves_[d:])
+        return sections

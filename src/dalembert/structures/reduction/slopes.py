@@ -1,9 +1,9 @@
-"""How reduced matrices follow the parameters of a structure.
+"""Derivatives of a Craig–Bampton reduction by the parameters of a structure.
 
-Only the space that the shapes span matters, so fixed-interface modes change by what lies outside of
-it: ``(K − ω² M) φ' = −(K' − ω² M') φ``, M-orthogonal to the modes. Modes that coincide, or cross
-among each other, make no difference; the derivatives are those of the reduced matrices for shapes
-that follow so, and of whatever does not depend on their basis.
+Only the space spanned by the shapes matters, so that changes of fixed-interface modes are taken
+M-orthogonal to all modes: ``(K − ω² M) φ' = −(K' − ω² M') φ``. Coinciding or crossing modes need no
+special treatment; the derivatives are those of the reduced matrices for shapes that change in this
+way, and of all quantities that do not depend on the basis.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dalembert.sparse.factorise import general_factors
 from dalembert.structures.evaluation.inertia import from_rest
 from dalembert.structures.evaluation.numbering import Numbering
 from dalembert.structures.reduction.craig_bampton import CraigBampton
-from dalembert.structures.reduction.rigid import pull_places, push_places, spins
+from dalembert.structures.reduction.rigid import pull_positions, push_positions, spins
 
 
 class ReductionSlopes:
@@ -43,15 +43,15 @@ class ReductionSlopes:
         """Changes (r, r) of the reduced stiffness and mass along a change of the parameters."""
         shapes = self.reduced.shapes
         stiffer, heavier = self.push_stiffness(shapes, dp), self.push_mass(shapes, dp)
-        moved = self._moved(stiffer, heavier, self.push_motions(dp))
-        found = []
+        shape_changes = self._moved(stiffer, heavier, self.push_motions(dp))
+        changes = []
         for matrix, change in ((self.stiffness, stiffer), (self.mass, heavier)):
-            half = moved.T @ (matrix @ shapes)
-            found.append(half + half.T + shapes.T @ change)
-        return found[0], found[1]
+            half = shape_changes.T @ (matrix @ shapes)
+            changes.append(half + half.T + shapes.T @ change)
+        return changes[0], changes[1]
 
     def push_shapes(self, dp: np.ndarray) -> np.ndarray:
-        """Changes (n, r) of the shapes, of modes by what lies outside of their space."""
+        """Changes (n, r) of the shapes, those of modes orthogonal to their space."""
         shapes = self.reduced.shapes
         stiffer, heavier = self.push_stiffness(shapes, dp), self.push_mass(shapes, dp)
         return self._moved(stiffer, heavier, self.push_motions(dp))
@@ -59,8 +59,8 @@ class ReductionSlopes:
     def _moved(self, stiffer: np.ndarray, heavier: np.ndarray, moved: np.ndarray) -> np.ndarray:
         free, first = self.assembly.free, slice(self.statics)
         if self.reduced.factor is not None:
-            open_by = stiffer[:, first] + self.stiffness @ moved[:, first]
-            moved[free, first] = -self.reduced.factor.solve(open_by[free])
+            imbalance = stiffer[:, first] + self.stiffness @ moved[:, first]
+            moved[free, first] = -self.reduced.factor.solve(imbalance[free])
             for k, frequency in enumerate(self.reduced.frequencies):
                 column = self.statics + k
                 load = stiffer[free, column] - frequency**2 * heavier[free, column]
@@ -82,8 +82,8 @@ class ReductionSlopes:
 
         Parameters
         ----------
-        stiff, heavy : what weighs ``K'`` and ``M'`` on each shape besides
-        motions_bar : what weighs the unit motions of the interfaces
+        stiff, heavy : further weights of ``K'`` and ``M'`` times each shape
+        motions_bar : weights of the unit motions of the interfaces
         """
         shapes, free, v_bar = self.reduced.shapes, self.assembly.free, v_bar.copy()
         if self.reduced.factor is not None:
@@ -100,13 +100,13 @@ class ReductionSlopes:
         p_bar = self._pull_motions(v_bar + motions_bar)
         return p_bar + self.pull_stiffness(stiff, shapes) + self.pull_mass(heavy, shapes)
 
-    # modes between the interfaces ---------------------------------------------------------
+    # fixed-interface modes ----------------------------------------------------------------
     def _outside(self, k: int, load: np.ndarray) -> np.ndarray:
-        """``(K − ω² M)⁻¹`` of a load, on what is M-orthogonal to all modes; symmetric."""
+        """``(K − ω² M)⁻¹`` of a load in the space M-orthogonal to all modes; symmetric."""
         modes = self.reduced.shapes[self.assembly.free, self.statics :]
         own = load - self._momenta @ (modes.T @ load)
-        found = self._bordered[k](np.concatenate([own, np.zeros(modes.shape[1])]))
-        return found[: own.size]
+        solution = self._bordered[k](np.concatenate([own, np.zeros(modes.shape[1])]))
+        return solution[: own.size]
 
     @cached_property
     def _momenta(self) -> np.ndarray:
@@ -115,7 +115,7 @@ class ReductionSlopes:
 
     @cached_property
     def _bordered(self) -> list[Callable[[np.ndarray], np.ndarray]]:
-        """Solves with ``K − ω² M`` where displacements have no part along the modes."""
+        """Solvers of ``K − ω² M`` bordered by the modes, one per mode."""
         k, m = (self.assembly.inner(matrix) for matrix in (self.stiffness, self.mass))
         border = scipy.sparse.csc_matrix(self._momenta)
         return [
@@ -126,8 +126,8 @@ class ReductionSlopes:
     # parts --------------------------------------------------------------------------------
     def push_stiffness(self, table: np.ndarray, dp: np.ndarray) -> np.ndarray:
         """Change of ``K`` times each column."""
-        given = self.rest, self.p, self.rest, dp
-        return self._columns(lambda b: self.assembly.push_stiffness(b, *given), table)
+        arguments = self.rest, self.p, self.rest, dp
+        return self._columns(lambda b: self.assembly.push_stiffness(b, *arguments), table)
 
     def push_mass(self, table: np.ndarray, dp: np.ndarray) -> np.ndarray:
         """Change of ``M`` times each column."""
@@ -135,52 +135,61 @@ class ReductionSlopes:
 
     def pull_stiffness(self, bars: np.ndarray, table: np.ndarray) -> np.ndarray:
         """Weights (np,) of the parameters from weights of ``K`` times each column."""
-        found = np.zeros(self.p.size)
+        p_bar = np.zeros(self.p.size)
         for bar, column in zip(bars.T, table.T, strict=True):
             if bar.any():
-                given = np.ascontiguousarray(bar), np.ascontiguousarray(column), self.rest, self.p
-                found += self.assembly.pull_stiffness(*given)[1]
-        return found
+                arguments = (
+                    np.ascontiguousarray(bar),
+                    np.ascontiguousarray(column),
+                    self.rest,
+                    self.p,
+                )
+                p_bar += self.assembly.pull_stiffness(*arguments)[1]
+        return p_bar
 
     def pull_mass(self, bars: np.ndarray, table: np.ndarray) -> np.ndarray:
         """Weights (np,) of the parameters from weights of ``M`` times each column."""
-        found = np.zeros(self.p.size)
+        p_bar = np.zeros(self.p.size)
         for bar, column in zip(bars.T, table.T, strict=True):
             if bar.any():
-                given = from_rest(np.ascontiguousarray(column)), self.p, np.ascontiguousarray(bar)
-                found += self.assembly.pull_inertia(*given)
-        return found
+                arguments = (
+                    from_rest(np.ascontiguousarray(column)),
+                    self.p,
+                    np.ascontiguousarray(bar),
+                )
+                p_bar += self.assembly.pull_inertia(*arguments)
+        return p_bar
 
     @staticmethod
     def _columns(act: Callable[[np.ndarray], np.ndarray], table: np.ndarray) -> np.ndarray:
-        found = np.zeros_like(table)
+        products = np.zeros_like(table)
         for k, column in enumerate(table.T):
-            found[:, k] = act(np.ascontiguousarray(column))
-        return found
+            products[:, k] = act(np.ascontiguousarray(column))
+        return products
 
     def push_motions(self, dp: np.ndarray) -> np.ndarray:
-        """(n, r) change of unit motions of the interfaces, as their nodes move apart."""
-        moved, d = np.zeros_like(self.reduced.shapes), self.degrees.dimension
-        places = push_places(self.assembly.blocks, self.degrees, self.p, dp)
+        """(n, r) change of the unit motions of the interfaces with the positions of their nodes."""
+        change, d = np.zeros_like(self.reduced.shapes), self.degrees.dimension
+        positions = push_positions(self.assembly.blocks, self.degrees, self.p, dp)
         for interface in self.reduced.interfaces:
             if interface.turns:
-                arms = places[interface.nodes] - places[interface.nodes].mean(axis=0)
+                arms = positions[interface.nodes] - positions[interface.nodes].mean(axis=0)
                 rows = self.degrees.table[interface.nodes, :d]
                 for k, spin in enumerate(spins(d)):
-                    moved[rows, self._turn(interface.name, k)] = arms @ spin.T
-        return moved
+                    change[rows, self._turn(interface.name, k)] = arms @ spin.T
+        return change
 
     def _pull_motions(self, v_bar: np.ndarray) -> np.ndarray:
         d = self.degrees.dimension
-        places = np.zeros((len(self.degrees.table), d))
+        positions = np.zeros((len(self.degrees.table), d))
         for interface in self.reduced.interfaces:
             if interface.turns:
                 rows = self.degrees.table[interface.nodes, :d]
                 for k, spin in enumerate(spins(d)):
                     bar = v_bar[rows, self._turn(interface.name, k)] @ spin
-                    places[interface.nodes] += bar - bar.mean(axis=0)
-        return pull_places(self.assembly.blocks, self.degrees, self.p, places)
+                    positions[interface.nodes] += bar - bar.mean(axis=0)
+        return pull_positions(self.assembly.blocks, self.degrees, self.p, positions)
 
     def _turn(self, interface: str, axis: int) -> int:
-        """Column of a turn of an interface."""
+        """Column of a rotation of an interface."""
         return self.reduced.columns[interface].start + self.degrees.dimension + axis

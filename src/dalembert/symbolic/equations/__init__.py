@@ -1,1 +1,1 @@
-"""Equations inside of the graph, and their solution."""
+"""Implicit functions, Newton's method and factorisations."""

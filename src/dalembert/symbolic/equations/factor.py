@@ -1,4 +1,4 @@
-"""Symbolic factorisations, written once into the graph and shared by all who solve with them."""
+"""Symbolic factorisations, written into the graph once and shared by all solves."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 Sizes: TypeAlias = np.ndarray | None
 LARGE = 12
-"""Rows of a block from which on factors are kept instead of the inverse."""
+"""Rows of a block above which its factors are stored instead of its inverse."""
 
 
 class LdlFactor:
@@ -39,20 +39,20 @@ def symmetric(matrix: ca.SX) -> ca.SX:
 class QrFactor:
     """Sparse Householder ``Q R`` of a square matrix; needs no pivoting to be stable.
 
-    That holds where the entries are of one kind. Metres beside radians, or masses beside lengths,
-    are made so by ``rows`` and ``columns``: natural sizes of the equations and of the unknowns.
+    Entries of different dimension, metres beside radians or masses beside lengths, are scaled by
+    ``rows`` and ``columns``: natural sizes of the equations and of the unknowns.
     """
 
     def __init__(self, matrix: ca.SX, rows: Sizes = None, columns: Sizes = None):
         self.size = matrix.shape[0]
         self.rows, self.columns = _column(rows), _column(columns)
         if self.size:
-            alike = ca.sparsify(matrix)
+            scaled = ca.sparsify(matrix)
             if self.rows is not None:
-                alike = ca.mtimes(ca.diag(1 / self.rows), alike)
+                scaled = ca.mtimes(ca.diag(1 / self.rows), scaled)
             if self.columns is not None:
-                alike = ca.mtimes(alike, ca.diag(self.columns))
-            self.parts = ca.qr_sparse(cleared(alike), True)
+                scaled = ca.mtimes(scaled, ca.diag(self.columns))
+            self.parts = ca.qr_sparse(cleared(scaled), True)
 
     def solve(self, rhs: ca.SX) -> ca.SX:
         return self._solve(rhs, self.rows, self.columns, False)
@@ -65,8 +65,8 @@ class QrFactor:
             return rhs
         if equations is not None:
             rhs = rhs / ca.repmat(equations, 1, rhs.shape[1])
-        found = ca.qr_solve(ca.densify(rhs), *self.parts, transposed)
-        return found if unknowns is None else found * ca.repmat(unknowns, 1, rhs.shape[1])
+        solution = ca.qr_solve(ca.densify(rhs), *self.parts, transposed)
+        return solution if unknowns is None else solution * ca.repmat(unknowns, 1, rhs.shape[1])
 
     @property
     def pivots(self) -> ca.SX:
@@ -74,10 +74,10 @@ class QrFactor:
 
 
 def cleared(matrix: ca.SX) -> ca.SX:
-    """The matrix without entries below the round-off of their column, ready for reflections.
+    """The matrix without entries below the round-off of their column, safe for reflections.
 
-    What is left of an angle that Newton's method takes to zero, 1e-21, is 1e-160 after a few
-    products, and its square hardly a number: a reflection by it is not orthogonal, or NaN.
+    The remainder of an angle that Newton's method drives to zero, 1e-21, is 1e-160 after a few
+    products, and its square underflows: a reflection by it is not orthogonal, or NaN.
     """
     matrix = ca.sparsify(matrix)
     unit = ca.densify(ca.sum1(ca.fabs(matrix)))[matrix.sparsity().get_col()].T / 8
@@ -87,7 +87,7 @@ def cleared(matrix: ca.SX) -> ca.SX:
 
 
 def _column(sizes: Sizes) -> ca.DM | None:
-    """As a column; None where all are one."""
+    """Sizes as a column; None if all are one."""
     return None if sizes is None or np.all(np.asarray(sizes) == 1) else ca.DM(sizes)
 
 
@@ -98,8 +98,8 @@ def _inverse(sizes: ca.DM | None) -> ca.DM | None:
 class BlockFactor:
     """Solves with a symmetric positive definite matrix, block by connected block.
 
-    Small blocks are inverted, which pays where there are many right-hand sides; of larger ones,
-    such as the mass of a beam, the factors are sparse and the inverse is full.
+    Small blocks are inverted, which is faster for many right-hand sides. Larger blocks, such as
+    the mass of a beam, have sparse factors and a full inverse, and are factorised.
     """
 
     def __init__(self, matrix: ca.SX):
@@ -119,12 +119,12 @@ class BlockFactor:
 
     def solve(self, rhs: ca.SX) -> ca.SX:
         """``M⁻¹ rhs`` for one or several columns."""
-        found = ca.mtimes(self.inverse, rhs)
+        solution = ca.mtimes(self.inverse, rhs)
         for block, factor in self.large:
             for k in range(rhs.shape[1]):
                 if rhs[block, k].nnz():
-                    found[block, k] = factor.solve(rhs[block, k])
-        return found
+                    solution[block, k] = factor.solve(rhs[block, k])
+        return solution
 
 
 def block_inverse(matrix: ca.SX) -> ca.SX:

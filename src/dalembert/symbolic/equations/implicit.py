@@ -8,9 +8,9 @@ gives, with one further solve (adjoint: one transposed solve) by the *same* fact
     ż = −(∂r/∂z)⁻¹ (∂r/∂x) ẋ,        x̄ = −(∂r/∂x)ᵀ (∂r/∂z)⁻ᵀ z̄.
 
 Both are chains of the same kind, so derivatives of any order follow by repetition.
-Positions, accelerations, multipliers, projections, equilibria and the start of a mechanism are of
-these. Implicit steps (``integrators``) and structures, whose systems are large, are differentiated
-by the same two formulas with factors of their own.
+Positions, accelerations, multipliers, projections, equilibria and the start of a mechanism are
+implicit functions of this kind. Implicit steps (``integrators``) and structures, whose systems are
+large, are differentiated by the same two formulas with their own factors.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from functools import cached_property
 import casadi as ca
 
 from dalembert.symbolic.equations.linear_map import LinearChain, LinearMap, TriangularMap
-from dalembert.symbolic.evaluation.condensed import condensed
+from dalembert.symbolic.evaluation.kernel import condensed
 from dalembert.symbolic.evaluation.prelude import Prelude, before_tangent
 from dalembert.symbolic.evaluator import Evaluator
 
@@ -31,12 +31,12 @@ Solver = Callable[[ca.SX], ca.SX]
 
 @dataclass(frozen=True)
 class Trial:
-    """A shorter way to an unknown, which mostly arrives.
+    """A cheaper solution for an unknown, which usually suffices.
 
     Parameters
     ----------
     value : SX expression of the inputs and earlier unknowns
-    excess : SX expression of these and the unknown, at most one where it has arrived
+    excess : SX expression of these and the unknown, at most one where the value is accepted
     """
 
     value: ca.SX
@@ -53,7 +53,7 @@ class Stage(Evaluator):
     residual : SX expression ``r(z, x)``
     value : SX expression of the inputs and earlier unknowns that satisfies ``r = 0``
     solver, transposed : right-hand side → solution with ``∂r/∂z`` and its transpose
-    trial : a shorter way to the unknown, if there is one
+    trial : a cheaper solution to try first, if there is one
     """
 
     unknown: ca.SX
@@ -70,11 +70,11 @@ class Stage(Evaluator):
         return self.transposed(weights)
 
     def push(self, change: tuple[ca.SX, ca.SX]) -> ca.SX:
-        """Of all that the stage sees, symbols and their changes."""
+        """Change of the residual with symbols, given as ``(symbols, their changes)``."""
         return _directional(self.residual, *change)
 
     def pull(self, weights: ca.SX) -> ca.SX:
-        """As a sum whose gradients are the weights of whatever the stage sees."""
+        """Weighted sum of the residuals, whose gradients are the weights of all symbols."""
         return ca.dot(weights, self.residual)
 
 
@@ -110,12 +110,14 @@ class ImplicitFunction:
 
     @cached_property
     def trial(self) -> ca.Function | None:
-        """inputs → outputs by shorter ways, and how far these are from arriving; see ``Trial``."""
+        """inputs → outputs by trial values, and the sum of their excess; see ``Trial``."""
         trials = [stage.trial for stage in self.stages if stage.trial is not None]
         if not trials:
             return None
         excess = ca.densify(sum((trial.excess for trial in trials), ca.SX(0)))
-        return self._compile(f"{self.name}_trial", self.inputs, [*self.outputs, excess], True)
+        return self._compile(
+            f"{self.name}_trial", self.inputs, [*self.outputs, excess], by_trial=True
+        )
 
     @property
     def tangent(self) -> ca.Function:
@@ -129,18 +131,18 @@ class ImplicitFunction:
 
     @cached_property
     def linear(self) -> LinearMap:
-        """The tangent at a point and a time, with the outputs there beside its entries."""
-        return LinearMap(self._still, len(self.inputs), [self.function])
+        """The tangent at a point and fixed time, with the outputs there beside its entries."""
+        return LinearMap(self._tangent_at_fixed_time, len(self.inputs), [self.function])
 
     @cached_property
     def prepared(self) -> tuple[Prelude, LinearMap]:
-        """The same after what depends on the last input alone."""
+        """``linear`` after the prelude, which depends on the last input alone."""
         prelude, tangent, function = self._after_prelude
         return prelude, LinearMap(tangent, len(self.inputs), [function])
 
     @cached_property
     def prepared_adjoint(self) -> ca.Function:
-        """inputs after the prelude, weights of the outputs → those of all but the first input."""
+        """inputs after the prelude, weights of outputs → weights of all but the first input."""
         _, tangent, _ = self._after_prelude
         inputs, count = tangent.sx_in(), len(self.inputs)
         outputs = ca.vertcat(*tangent.call(inputs))
@@ -155,18 +157,18 @@ class ImplicitFunction:
 
     @cached_property
     def _after_prelude(self) -> tuple[Prelude, ca.Function, ca.Function]:
-        """The prelude, and the tangent at a time and the function as they go on."""
-        return before_tangent(self._still, self.function)
+        """The prelude, and the rest of the tangent at fixed time and of the function."""
+        return before_tangent(self._tangent_at_fixed_time, self.function)
 
     @property
-    def _still(self) -> ca.Function:
-        """The tangent at a time."""
-        first, *others = self.inputs
-        rates = [ca.SX.sym(f"d{i}", *x.shape) for i, x in enumerate(others)]
+    def _tangent_at_fixed_time(self) -> ca.Function:
+        """The tangent for a zero rate of the first input, time."""
+        first, *rest = self.inputs
+        rates = [ca.SX.sym(f"d{i}", *x.shape) for i, x in enumerate(rest)]
         return self._along([ca.SX.zeros(*first.shape), *rates], rates).function
 
     def at(self, *inputs: ca.MX) -> TriangularMap:
-        """The tangent there, time held, from rates of all other inputs to those of the outputs."""
+        """The tangent at a point and fixed time: rates of the other inputs → rates of outputs."""
         chain = LinearChain(sum(self.input_sizes[1:]))
         *_, entries = self.linear.point(*inputs)
         return chain.closed(chain.through(self.linear, range(chain.input_count), entries))
@@ -185,17 +187,20 @@ class ImplicitFunction:
 
     def _along(self, rates: list[ca.SX], symbols: list[ca.SX]) -> ImplicitFunction:
         """The tangent for rates of the inputs, expressions of symbols."""
-        known, changes = ca.vertcat(*self.inputs), ca.vertcat(*rates)
+        symbols_so_far, changes = ca.vertcat(*self.inputs), ca.vertcat(*rates)
         stages = list(self.stages)
         for stage in self.stages:
             rate = ca.SX.sym("dz", *stage.unknown.shape)
-            seen = stage.push((known, changes))
-            residual = seen + stage.push((stage.unknown, rate))
-            value = stage.correction(seen)
-            made = replace(stage, unknown=rate, residual=residual, value=value, trial=None)
-            stages.append(made)
-            known, changes = ca.vertcat(known, stage.unknown), ca.vertcat(changes, rate)
-        out = [_directional(o, known, changes) for o in self.outputs]
+            by_inputs = stage.push((symbols_so_far, changes))
+            residual = by_inputs + stage.push((stage.unknown, rate))
+            value = stage.correction(by_inputs)
+            rate_stage = replace(stage, unknown=rate, residual=residual, value=value, trial=None)
+            stages.append(rate_stage)
+            symbols_so_far, changes = (
+                ca.vertcat(symbols_so_far, stage.unknown),
+                ca.vertcat(changes, rate),
+            )
+        out = [_directional(o, symbols_so_far, changes) for o in self.outputs]
         return ImplicitFunction(f"{self.name}_tangent", [*self.inputs, *symbols], stages, out)
 
     @cached_property
@@ -207,19 +212,19 @@ class ImplicitFunction:
         for i, stage in reversed(list(enumerate(self.stages))):
             # weights are symbols, so that each gradient stays a small graph
             weight = ca.SX.sym(f"m{i}", *stage.unknown.shape)
-            seen = ca.gradient(scalar, stage.unknown)
+            by_unknown = ca.gradient(scalar, stage.unknown)
             scalar = scalar - stage.pull(weight)
             residual = -ca.gradient(scalar, stage.unknown)
-            value = stage.solve_transposed(seen)
+            value = stage.solve_transposed(by_unknown)
             stages.append(Stage(weight, residual, value, stage.solve_transposed, stage.solve))
         gradients = [ca.gradient(scalar, x) for x in self.inputs]
         return ImplicitFunction(f"{self.name}_adjoint", [*self.inputs, *seeds], stages, gradients)
 
     def _compile(
-        self, name: str, inputs: list[ca.SX], outputs: list[ca.SX], tried: bool = False
+        self, name: str, inputs: list[ca.SX], outputs: list[ca.SX], by_trial: bool = False
     ) -> ca.Function:
         for stage in reversed(self.stages):
-            value = stage.trial.value if tried and stage.trial is not None else stage.value
+            value = stage.trial.value if by_trial and stage.trial is not None else stage.value
             outputs = ca.substitute(outputs, [stage.unknown], [ca.densify(value)])
         return condensed(name, inputs, [ca.densify(o) for o in outputs])
 

@@ -1,11 +1,10 @@
 """Tangents as sparse triangular systems, whose entries are computed once for many directions.
 
-What a tangent does with a direction is a sequence of sums ``v_i = Σ_j a_ij v_j`` of what came
-before, the direction first and the rates last. So it is the solution of ``(I − A) v = [u; 0]``
-with a sparse, unit lower triangular matrix (the extended Jacobian of Griewank and Walther,
-*Evaluating Derivatives*, 2008, chapter 9), and its adjoint the solution with the transposed one.
-The entries depend on the point only. Each further direction costs one substitution, which runs in
-compiled code whatever evaluates the graph.
+A tangent is a sequence of sums ``v_i = Σ_j a_ij v_j`` of earlier values, the direction first and
+the rates last. So it is the solution of ``(I − A) v = [u; 0]`` with a sparse, unit lower
+triangular matrix (the extended Jacobian of Griewank and Walther, *Evaluating Derivatives*, 2008,
+chapter 9), and its adjoint the solution with the transposed matrix. The entries depend on the
+point only. Each further direction costs one substitution, which runs in compiled code.
 """
 
 from __future__ import annotations
@@ -17,12 +16,11 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from dalembert.symbolic.evaluation.condensed import condensed
+from dalembert.symbolic.evaluation.kernel import condensed
 from dalembert.symbolic.evaluation.tape import Tape
 
-WIDTH, NEAR = 16, 1 << 16
-"""Directions solved for at once, at most, and numbers of them that stay near the processor."""
-
+MAX_WIDTH, CACHED_NUMBERS = 16, 1 << 16
+"""Upper limits of the directions solved at once and of their numbers; chosen to fit the cache."""
 
 Term = tuple[int, int | None, float]
 """Row, entry or None, and the number that multiplies it."""
@@ -34,8 +32,8 @@ class LinearMap:
     Parameters
     ----------
     tangent : SX function of ``fixed`` inputs and then of directions, linear in these
-    fixed : how many inputs make the point
-    values : SX functions of the point that are wanted beside the entries
+    fixed : number of inputs that define the point
+    values : SX functions of the point that are evaluated beside the entries
 
     Attributes
     ----------
@@ -47,7 +45,7 @@ class LinearMap:
     def __init__(self, tangent: ca.Function, fixed: int, values: Sequence[ca.Function] = ()):
         tape = Tape(tangent, fixed)
         self.input_count, self.output_count = tape.input_count, tape.output_count
-        known: dict[tuple[int, float], int] = {}
+        entry_numbers: dict[tuple[int, float], int] = {}
         entries: list[ca.SX] = []
         numbers: list[float] = []
         self.sums: list[list[Term]] = []
@@ -58,21 +56,21 @@ class LinearMap:
                     row.append((source, None, factor.number))
                     continue
                 key = (factor.entry.element_hash(), factor.number)
-                if key not in known:
-                    known[key] = len(entries)
+                if key not in entry_numbers:
+                    entry_numbers[key] = len(entries)
                     entries.append(factor.entry)
                     numbers.append(-factor.number)
-                row.append((source, known[key], 1.0))
+                row.append((source, entry_numbers[key], 1.0))
             self.sums.append(row)
         stacked = ca.densify(ca.DM(numbers) * ca.vertcat(*entries)) if entries else ca.SX(0, 1)
-        given = [part for value in values for part in value.call(tape.point)]
-        self.point = condensed("point", tape.point, [*given, stacked])
+        value_outputs = [part for value in values for part in value.call(tape.point)]
+        self.point = condensed("point", tape.point, [*value_outputs, stacked])
 
 
 class LinearChain:
-    """Linear maps one after the other, as one triangular matrix.
+    """A sequence of linear maps as one triangular matrix.
 
-    Rows are numbered as they are made, the directions first.
+    Rows are numbered in order of creation, the directions first.
 
     Parameters
     ----------
@@ -83,59 +81,65 @@ class LinearChain:
         self.input_count = self.count = input_count
         self._row: list[int] = []
         self._column: list[int] = []
-        self._where: list[int] = []  # in the pool of entries; numbers count from −1 down
+        self._pick: list[int] = []  # index into the pool of entries; numbers count from −1 down
         self._pool: list[ca.MX] = []
         self._size = 0
         self._numbers: dict[float, int] = {}
-        self._known: dict[tuple[Term, ...], int] = {}
+        self._shared_rows: dict[tuple[Term, ...], int] = {}
 
     def weighted(self, parts: Sequence[tuple[Sequence[int], ca.MX | float]]) -> list[int]:
         """Rows ``Σ weight · rows``."""
-        made = self._new(len(parts[0][0]))
+        new_rows = self._new(len(parts[0][0]))
         for rows, weight in parts:
-            where = self._number(-weight) if isinstance(weight, float) else self._entries(-weight)
-            self._row += made
+            pick = self._number(-weight) if isinstance(weight, float) else self._entries(-weight)
+            self._row += new_rows
             self._column += rows
-            self._where += [where] * len(made)
-        return made
+            self._pick += [pick] * len(new_rows)
+        return new_rows
 
     def through(self, block: LinearMap, inputs: Sequence[int], entries: ca.MX) -> list[int]:
         """Rows of a map's outputs for these rows as its inputs."""
         place, begin = list(inputs), self._entries(entries)
         last = len(block.sums) - block.output_count
         for k, terms in enumerate(block.sums):
-            given = [(place[source], entry, number) for source, entry, number in terms]
-            plain = k < last and all(entry is None for _, entry, _ in given)
-            place.append(self._shared(tuple(given)) if plain else self._sum(given, begin))
+            row_terms = [(place[source], entry, number) for source, entry, number in terms]
+            constant = k < last and all(entry is None for _, entry, _ in row_terms)
+            place.append(
+                self._shared(tuple(row_terms)) if constant else self._sum(row_terms, begin)
+            )
         return place[len(place) - block.output_count :]
 
     def closed(self, outputs: Sequence[int]) -> TriangularMap:
-        """The map from the directions to these rows."""
-        used = np.unique([c for c in self._column if c < self.input_count])
-        used = np.union1d(used, [r for r in outputs if r < self.input_count]).astype(int)
-        place = np.full(self.count, -1)
-        place[used] = np.arange(used.size)
-        place[self.input_count :] = used.size + np.arange(self.count - self.input_count)
-        size = used.size + self.count - self.input_count
+        """The map from the directions to the rows ``outputs``."""
+        used_inputs = np.unique([c for c in self._column if c < self.input_count])
+        used_inputs = np.union1d(used_inputs, [r for r in outputs if r < self.input_count]).astype(
+            int
+        )
+        position = np.full(self.count, -1)
+        position[used_inputs] = np.arange(used_inputs.size)
+        position[self.input_count :] = used_inputs.size + np.arange(self.count - self.input_count)
+        size = used_inputs.size + self.count - self.input_count
         pool = ca.vertcat(*self._pool), ca.DM(list(self._numbers))
-        where = [k if k >= 0 else self._size - 1 - k for k in self._where]
-        triplets = (place[self._row], place[self._column], np.array(where, dtype=int))
-        return TriangularMap(triplets, pool, size, (self.input_count, used), place[list(outputs)])
+        pick = [k if k >= 0 else self._size - 1 - k for k in self._pick]
+        triplets = (position[self._row], position[self._column], np.array(pick, dtype=int))
+        return TriangularMap(
+            triplets, pool, size, (self.input_count, used_inputs), position[list(outputs)]
+        )
 
     def _sum(self, terms: Sequence[Term], begin: int) -> int:
-        """A row with these terms, whose entries stand in the pool from ``begin`` on."""
+        """A row with these terms, whose entries begin at ``begin`` in the pool."""
         (row,) = self._new(1)
         for source, entry, number in terms:
             self._row.append(row)
             self._column.append(source)
-            self._where.append(self._number(-number) if entry is None else begin + entry)
+            self._pick.append(self._number(-number) if entry is None else begin + entry)
         return row
 
     def _shared(self, terms: tuple[Term, ...]) -> int:
-        """A row of numbers only, as sums of parameters are: the same one for all maps."""
-        if terms not in self._known:
-            self._known[terms] = self._sum(terms, 0)
-        return self._known[terms]
+        """A row of numbers only, such as a sum of parameters, shared by all maps."""
+        if terms not in self._shared_rows:
+            self._shared_rows[terms] = self._sum(terms, 0)
+        return self._shared_rows[terms]
 
     def _new(self, count: int) -> list[int]:
         self.count += count
@@ -153,15 +157,15 @@ class LinearChain:
 class TriangularMap:
     """A linear map given by a unit lower triangular matrix of MX entries.
 
-    Its diagonal is left out: CasADi's substitution takes a missing entry there for one, and one
-    that is present costs a division.
+    Its diagonal is left out: CasADi's substitution takes a missing diagonal entry as one, and a
+    stored one costs a division.
 
     Parameters
     ----------
-    triplets : row, column and place in ``pool`` of every entry below the diagonal
-    pool : MX entries, and numbers behind them
+    triplets : row, column and index in ``pool`` of every entry below the diagonal
+    pool : MX entries, followed by numbers
     size : of the matrix
-    inputs : length of the directions, and those that matter, which are the first rows
+    inputs : length of the directions, and the used ones, which are the first rows
     outputs : rows of the rates
     """
 
@@ -174,37 +178,37 @@ class TriangularMap:
 
     def tangent(self, directions: Sequence[ca.MX]) -> ca.MX:
         """Rates (outputs, m) for directions (inputs, m), given in blocks of rows."""
-        width = max(1, min(WIDTH, NEAR // self.size))
+        width = max(1, min(MAX_WIDTH, CACHED_NUMBERS // self.size))
         cuts = [*range(0, directions[0].shape[1], width), directions[0].shape[1]]
-        few = [
+        blocks = [
             self._tangent([block[:, begin:end] for block in directions])
             for begin, end in pairwise(cuts)
         ]
-        return ca.horzcat(*few)
+        return ca.horzcat(*blocks)
 
     def _tangent(self, directions: Sequence[ca.MX]) -> ca.MX:
-        begin, given = 0, ca.MX(self.size, directions[0].shape[1])
+        begin, rhs = 0, ca.MX(self.size, directions[0].shape[1])
         for block in directions:
             end = begin + block.shape[0]
             rows = np.flatnonzero((self.used >= begin) & (self.used < end))
             part = block[[int(k) for k in self.used[rows] - begin], :]
-            given, begin = given + _placed(part, self.size, rows), end
-        return _substituted(self._lower, ca.densify(given))[self.outputs, :]
+            rhs, begin = rhs + _placed(part, self.size, rows), end
+        return _substituted(self._lower, ca.densify(rhs))[self.outputs, :]
 
     def along(self, sizes: Sequence[int]) -> ca.Function:
         """``(entries, direction) → rates`` in scalars, with blocks of these sizes."""
         triplets = self.row, self.column, self.pick
         pool = ca.MX.sym("e", self.entries.numel()), self._numbers
-        same = TriangularMap(
+        copy = TriangularMap(
             triplets, pool, self.size, (self.input_count, self.used), np.array(self.outputs)
         )
         blocks = [ca.MX.sym(f"d{k}", size) for k, size in enumerate(sizes)]
-        return ca.Function("along", [pool[0], *blocks], [same.tangent(blocks)]).expand()
+        return ca.Function("along", [pool[0], *blocks], [copy.tangent(blocks)]).expand()
 
     def adjoint(self, weights: ca.MX) -> ca.MX:
         """Weights (inputs,) of the directions for weights (outputs,) of the rates."""
-        given = ca.densify(_placed(weights, self.size, np.array(self.outputs)))
-        solved = _substituted(self._matrix(self.column, self.row), given)
+        rhs = ca.densify(_placed(weights, self.size, np.array(self.outputs)))
+        solved = _substituted(self._matrix(self.column, self.row), rhs)
         return ca.densify(_placed(solved[: self.used.size, :], self.input_count, self.used))
 
     @cached_property
@@ -219,13 +223,13 @@ class TriangularMap:
         return ca.MX(pattern, ca.vec(self.pool[self.pick[order].tolist()]))
 
 
-def _substituted(matrix: ca.MX, given: ca.MX) -> ca.MX:
-    """Solution with a triangular matrix whose diagonal of ones is left out."""
-    return ca.solve(matrix, given) if matrix.nnz() else given
+def _substituted(matrix: ca.MX, rhs: ca.MX) -> ca.MX:
+    """Solution with a unit triangular matrix stored without its diagonal."""
+    return ca.solve(matrix, rhs) if matrix.nnz() else rhs
 
 
-def _placed(block: ca.MX, rows: int, where: np.ndarray) -> ca.MX:
-    """A sparse matrix of so many rows with the rows of the block at increasing places."""
+def _placed(block: ca.MX, rows: int, positions: np.ndarray) -> ca.MX:
+    """A sparse matrix of ``rows`` rows with the rows of the block at increasing positions."""
     pattern = ca.Sparsity.dense(*block.shape)
-    pattern.enlargeRows(rows, [int(k) for k in where])
+    pattern.enlargeRows(rows, [int(k) for k in positions])
     return ca.sparsity_cast(ca.densify(block), pattern)

@@ -1,18 +1,18 @@
-"""Newton's method: one loop, one criterion, whatever is solved and however its steps are made.
+"""Newton's method: one loop and one criterion for all equations and step strategies.
 
-Equations ``r(x) = 0`` count as solved where every residual is small against what it is left of,
+Equations ``r(x) = 0`` are solved if every residual is small relative to its terms,
 
     |r_i| ≤ tolerance · scale_i + rounding_i ,
 
-with ``scale_i`` the size of the terms whose difference ``r_i`` is: never ``r_i`` itself, nor a
-number with a unit. So neither scaled rows nor scaled unknowns change an iteration. Where rounding
+with ``scale_i`` the size of the terms whose difference is ``r_i``: never ``r_i`` itself, nor a
+number with a unit. So neither scaled rows nor scaled unknowns change an iteration. If rounding
 keeps the residual from falling further, ``slack`` times as much is accepted.
 
-Who has equations derives from ``Equations``: ``residual`` gives values with their scale, ``step``
-a way to the root, by factors, a least-squares solution or a Hessian made positive definite.
-``retract`` goes there, so that ``x`` may be a point of a manifold, and ``steps`` may be replaced
-where a shorter step is not a part of the longer one (Levenberg–Marquardt). ``solve`` iterates and
-ends in a ``Solution`` whatever happens. The same inside a graph is ``NewtonNode``.
+Equations derive from ``Equations``: ``residual`` returns values with their scale, ``step`` a step
+towards the root, by factors, least squares or a Hessian made positive definite. ``retract``
+applies a step, so that ``x`` may be a point of a manifold, and ``steps`` may be overridden if a
+shorter step is not a fraction of the longer one (Levenberg–Marquardt). ``solve`` iterates and
+always returns a ``Solution``. ``NewtonNode`` is the same iteration inside a graph.
 """
 
 from __future__ import annotations
@@ -30,21 +30,21 @@ from dalembert.errors import SingularityError
 
 X = TypeVar("X")
 ROUNDING = 16 * float(np.finfo(float).eps)
-"""What round-off leaves of a difference, relative to its terms, where nothing is said about it."""
+"""Default round-off of a difference, relative to its terms."""
 TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, kw_only=True)
 class NewtonSettings:
-    """When and how the iteration ends.
+    """Stopping criteria and step control.
 
     Parameters
     ----------
-    tolerance : residuals that count as zero, relative to the terms they are left of
-    max_iterations : steps at most
-    slack : residual, in tolerances, that is accepted where no step makes it smaller
-    halvings : of a step that makes the residual larger; 0 takes full steps whatever they do
-    growth : of the residual over the smallest one so far at which full steps diverge
+    tolerance : threshold for residuals, relative to the terms whose difference they are
+    max_iterations : upper limit of steps
+    slack : residual, in tolerances, that is accepted if no step reduces it further
+    halvings : of a step that increases the residual; 0 always takes full steps
+    growth : threshold for divergence: ratio of the residual to the smallest so far
     """
 
     tolerance: float
@@ -56,13 +56,13 @@ class NewtonSettings:
 
 @dataclass(frozen=True)
 class Residual:
-    """What is left of equations, and what it is left of.
+    """Residuals of equations with the size of their terms.
 
     Attributes
     ----------
     value : (m,) residuals
-    scale : (m,) or one for all, not negative: size of their terms
-    rounding : likewise, what round-off alone may leave; by default some ε of the scale
+    scale : (m,) or scalar, not negative: size of their terms
+    rounding : (m,) or scalar: round-off error of the residuals; by default ``ROUNDING · scale``
     """
 
     value: np.ndarray
@@ -70,7 +70,7 @@ class Residual:
     rounding: np.ndarray | float | None = None
 
     def zero(self, tolerance: float) -> np.ndarray:
-        """(m,) residuals that count as zero."""
+        """(m,) thresholds below which residuals are zero."""
         rounding = ROUNDING * self.scale if self.rounding is None else self.rounding
         return np.broadcast_to(tolerance * self.scale + rounding, self.value.shape)
 
@@ -81,31 +81,31 @@ class Residual:
 
 
 class Equations(ABC, Generic[X]):
-    """What ``solve`` solves; unknowns and steps are arrays unless ``retract`` says otherwise."""
+    """Equations for ``solve``; unknowns and steps are arrays unless ``retract`` is overridden."""
 
     longest: np.ndarray | float = float("inf")
-    """Largest size of the entries of a step, (n,) or one for all, in their units."""
+    """Upper limit of the entries of a step, (n,) or scalar, in their units."""
 
     @abstractmethod
     def residual(self, x: X) -> Residual:
-        """Residuals at ``x`` with their scale; what ``step`` needs beside may come along."""
+        """Residuals at ``x`` with their scale; a subclass may add data for ``step``."""
 
     @abstractmethod
     def step(self, x: X, residual: Residual) -> np.ndarray:
-        """Step to the root of the equations as they are near ``x``.
+        """Step to the root of the linearised equations at ``x``.
 
         Raises
         ------
         numpy.linalg.LinAlgError, SingularityError
-            There is none.
+            The linearised equations are singular.
         """
 
     def retract(self, x: X, step: np.ndarray) -> X:
-        """Where a step leads to."""
+        """Point reached from ``x`` by a step."""
         return x + step  # type: ignore[operator,no-any-return]
 
     def steps(self, x: X, residual: Residual) -> Iterator[np.ndarray]:
-        """Steps in the order in which they are tried: the whole one, then its halves."""
+        """Trial steps in order: the full step, then its halves."""
         step = self.step(x, residual)
         step = step * np.min(self.longest / np.maximum(np.abs(step), TINY), initial=1.0)
         while True:
@@ -113,32 +113,32 @@ class Equations(ABC, Generic[X]):
             step = step / 2
 
     def nearer(self, here: Residual, there: Residual, zero: np.ndarray) -> bool:
-        """Whether a step has led nearer to the root: by the residuals, row by row in ``zero``."""
+        """Whether a step reduces the residuals, measured in their thresholds ``zero``."""
         return bool(_norm(there.value, zero) < _norm(here.value, zero))
 
 
 class Ending(StrEnum):
-    """Ways in which the iteration ends."""
+    """Termination reasons of the iteration."""
 
     CONVERGED = "converged"
-    STANDSTILL = "no step makes the residual smaller"
+    STANDSTILL = "no step reduces the residual"
     DIVERGED = "the residual grows"
     NOT_FINITE = "the residual is not finite"
-    SINGULAR = "the equations have no single step to their root"
+    SINGULAR = "the linearised equations are singular"
     ITERATIONS = "too many iterations"
 
 
 @dataclass(frozen=True)
 class Solution(Generic[X]):
-    """Where an iteration ended.
+    """Result of an iteration.
 
     Attributes
     ----------
     x : unknowns
-    residual : largest residual there, relative to its scale with rounding
-    iterations : steps taken
+    residual : largest residual at x, relative to its scale with rounding
+    iterations : number of steps
     ending : Ending
-    accepted : the equations count as solved
+    accepted : whether the equations are solved
     """
 
     x: X
@@ -158,7 +158,7 @@ def solve(equations: Equations[X], x: X, settings: NewtonSettings) -> Solution[X
     Parameters
     ----------
     equations : Equations
-    x : first guess
+    x : initial guess
     settings : NewtonSettings
     """
     with np.errstate(all="ignore"):
@@ -166,36 +166,36 @@ def solve(equations: Equations[X], x: X, settings: NewtonSettings) -> Solution[X
 
 
 class _Iteration(Generic[X]):
-    """The point reached and the best one."""
+    """State of the iteration: the current point and the best one."""
 
     def __init__(self, equations: Equations[X], x: X, settings: NewtonSettings):
         self.equations, self.settings = equations, settings
-        self.best = self.here = self._look(x)
+        self.best = self.current = self._evaluate(x)
 
     def run(self) -> Solution[X]:
-        """Steps until the iteration ends."""
-        if not np.isfinite(self.here.size):
-            return self._ended(Ending.NOT_FINITE, 0)
+        """Iterate until a termination criterion is met."""
+        if not np.isfinite(self.current.size):
+            return self._solution(Ending.NOT_FINITE, 0)
         for count in range(self.settings.max_iterations):
-            if self.here.size <= 1:
-                return self._ended(Ending.CONVERGED, count)
+            if self.current.size <= 1:
+                return self._solution(Ending.CONVERGED, count)
             try:
                 ending = self._advance()
             except (np.linalg.LinAlgError, SingularityError):
                 ending = Ending.SINGULAR
             if ending is not None:
-                return self._ended(ending, count)
-        done = Ending.CONVERGED if self.here.size <= 1 else Ending.ITERATIONS
-        return self._ended(done, self.settings.max_iterations)
+                return self._solution(ending, count)
+        ending_at_limit = Ending.CONVERGED if self.current.size <= 1 else Ending.ITERATIONS
+        return self._solution(ending_at_limit, self.settings.max_iterations)
 
     def _advance(self) -> Ending | None:
-        """Take a step; what ends the iteration, if something does."""
-        here, equations, settings = self.here, self.equations, self.settings
+        """Take a step; the reason to terminate, if there is one."""
+        here, equations, settings = self.current, self.equations, self.settings
         near = here.size <= settings.slack
         trials = 1 if near else settings.halvings + 1
         finite = False
         for step in islice(equations.steps(here.x, here.residual), trials):
-            there = self._look(equations.retract(here.x, step))
+            there = self._evaluate(equations.retract(here.x, step))
             finite = finite or bool(np.isfinite(there.size))
             if equations.nearer(here.residual, there.residual, here.zero):
                 slow = near and there.size > 1 and there.size > here.size / 2
@@ -206,30 +206,30 @@ class _Iteration(Generic[X]):
             return Ending.NOT_FINITE
         if settings.halvings:
             return Ending.STANDSTILL
-        lost = there.size > settings.growth * self.best.size
-        return self._arrive(there, Ending.DIVERGED if lost else None)
+        diverged = there.size > settings.growth * self.best.size
+        return self._arrive(there, Ending.DIVERGED if diverged else None)
 
     def _arrive(self, there: _Point[X], ending: Ending | None) -> Ending | None:
-        self.here = there
+        self.current = there
         if there.size <= self.best.size:
             self.best = there
         return ending
 
-    def _look(self, x: X) -> _Point[X]:
+    def _evaluate(self, x: X) -> _Point[X]:
         residual = self.equations.residual(x)
         zero = residual.zero(self.settings.tolerance)
         return _Point(x, residual, zero, _largest(residual.value, zero))
 
-    def _ended(self, ending: Ending, count: int) -> Solution[X]:
-        found = self.here if ending is Ending.CONVERGED else self.best
-        accepted = found.size <= (1 if ending is Ending.CONVERGED else self.settings.slack)
-        size = found.size * self.settings.tolerance
-        return Solution(found.x, size, count, ending, bool(accepted))
+    def _solution(self, ending: Ending, count: int) -> Solution[X]:
+        point = self.current if ending is Ending.CONVERGED else self.best
+        accepted = point.size <= (1 if ending is Ending.CONVERGED else self.settings.slack)
+        size = point.size * self.settings.tolerance
+        return Solution(point.x, size, count, ending, bool(accepted))
 
 
 @dataclass(frozen=True)
 class _Point(Generic[X]):
-    """A point with its residuals; ``size`` is the largest in what counts as zero."""
+    """A point with its residuals; ``size`` is the largest one relative to its threshold."""
 
     x: X
     residual: Residual
@@ -237,14 +237,14 @@ class _Point(Generic[X]):
     size: float
 
 
-def _relative(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
-    """``|value| / zero``, where nothing is left of nothing: 0."""
+def relative(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
+    """``|value| / zero``, and 0 for a residual of zero."""
     return np.where(value == 0, 0.0, np.abs(value) / zero)
 
 
 def _largest(value: np.ndarray, zero: np.ndarray) -> float:
-    return float(np.max(_relative(value, zero), initial=0.0))
+    return float(np.max(relative(value, zero), initial=0.0))
 
 
 def _norm(value: np.ndarray, zero: np.ndarray) -> float:
-    return float(np.linalg.norm(_relative(value, zero)))
+    return float(np.linalg.norm(relative(value, zero)))

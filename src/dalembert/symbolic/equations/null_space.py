@@ -1,4 +1,4 @@
-"""What projective elimination needs of a constraint matrix: its null space and its range."""
+"""Null space and range of a constraint matrix, for projective elimination."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dalembert.symbolic.equations.factor import QrFactor
 
 
 class NullSpaceBasis:
-    """Basis ``D`` (n, n − m) of the motions that a matrix ``C`` (m, n) of full row rank permits.
+    """Basis ``D`` (n, n − m) of the null space of a matrix ``C`` (m, n) of full row rank.
 
     Attributes
     ----------
@@ -18,7 +18,7 @@ class NullSpaceBasis:
     matrix: ca.SX
 
     def particular(self, rhs: ca.SX) -> ca.SX:
-        """Some ``x`` with ``C x = rhs``."""
+        """A particular solution ``x`` of ``C x = rhs``."""
         raise NotImplementedError
 
     def multipliers(self, force: ca.SX) -> ca.SX:
@@ -55,7 +55,7 @@ class PartitionBasis(NullSpaceBasis):
         return self.completed(ca.SX.zeros(len(self.independent), rhs.shape[1]), rhs)
 
     def completed(self, u: ca.SX, rhs: ca.SX) -> ca.SX:
-        """``v`` with ``C v = rhs`` and given independent entries."""
+        """``v`` with ``C v = rhs`` and the independent entries ``u``."""
         v = ca.SX.zeros(len(self.independent) + len(self.dependent), rhs.shape[1])
         v[self.independent, :] = u
         v[self.dependent, :] = self.w.solve(rhs - ca.mtimes(self.u, u))

@@ -1,4 +1,4 @@
-"""Differential-algebraic systems as implicit integrators take them."""
+"""Semi-explicit differential-algebraic systems."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from dalembert.symbolic.equations.implicit import ImplicitFunction
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """Natural sizes of a system, by which its numbers are measured.
+    """Natural sizes of the variables and equations of a system.
 
     Attributes
     ----------
@@ -41,14 +41,14 @@ class SemiExplicit:
     t, x, z, p : SX symbols: time, differential and algebraic variables, parameters
     rate : SX, ``F``
     algebraic : SX, ``G``, as many equations as ``z``
-    depth : per equation of ``G``, how often it must be differentiated until accelerations appear:
-        0 for dynamic equations, 1 for velocity and 2 for position constraints; with steps of
-        length h they are scaled by ``h^-depth``
+    depth : per equation of ``G``, the number of differentiations until accelerations appear:
+        0 for dynamic equations, 1 for velocity and 2 for position constraints; with a step size
+        h they are scaled by ``h^-depth``
     lag : per entry of ``z``, the same for the variable: 0 for accelerations and forces, 1 for the
         ``μ`` that shifts speeds; it is scaled by ``h^lag``
     index : differentiation index
     start : ``(t, x, p) → z``, consistent algebraic variables
-    sizes : natural sizes; units where nothing is known
+    sizes : natural sizes; one by default
     """
 
     t: ca.SX

@@ -1,1 +1,1 @@
-"""Who evaluates functions of the graph, and for how many arguments at once."""
+"""Numerical evaluation of graph functions: virtual machine, machine code, lanes and threads."""

@@ -1,7 +1,7 @@
-"""What evaluates a function of the graph: CasADi's virtual machine, or machine code.
+"""Backends: CasADi's virtual machine, or machine code.
 
-All give the same numbers. A backend is asked for each function that is evaluated again and again,
-and answers with what calls it for many columns of arguments.
+All return the same numbers. A backend turns a function that is evaluated repeatedly into
+``Columns``, which evaluate it for many columns of arguments.
 """
 
 from __future__ import annotations
@@ -22,19 +22,19 @@ from dalembert.symbolic.evaluation.columns import (
     instructions,
 )
 from dalembert.symbolic.evaluation.switching import SwitchingColumns, best_toolchain, repays
-from dalembert.symbolic.native.c_compiler import needed_compiler
-from dalembert.symbolic.native.code_cache import made
-from dalembert.symbolic.native.llvm import find_llvm, needed_llvm
-from dalembert.symbolic.native.source import c_source, hindrance
+from dalembert.symbolic.native.c_compiler import require_compiler
+from dalembert.symbolic.native.code_cache import compiled_loop
+from dalembert.symbolic.native.llvm import find_llvm, require_llvm
+from dalembert.symbolic.native.source import c_source, obstacle
 from dalembert.symbolic.native.toolchain import NotTranslated, Toolchain
 from dalembert.symbolic.once import once
 
-MANY = 100
-"""Columns from which a mapped function is worth compiling to who asked for it."""
+COMPILE_COLUMNS = 100
+"""Threshold for compiling a mapped function: number of columns."""
 
 
 class Backend(ABC):
-    """Chooses how functions are evaluated."""
+    """Strategy for the evaluation of functions."""
 
     @once
     def columns(
@@ -44,29 +44,29 @@ class Backend(ABC):
         fixed: tuple[int, ...] = (),
         called: ca.Function | None = None,
     ) -> Columns:
-        """A function for many columns; made once, for chunks ask again and again.
+        """A function for many columns; cached, as chunks request it repeatedly.
 
-        ``carried`` and ``fixed`` as in ``Columns``; ``called`` is the same function in the form
-        that is fastest compiled, if there is another.
+        ``carried`` and ``fixed`` as in ``Columns``; ``called`` is an equal function in the form
+        that runs fastest when compiled, if there is one.
         """
         return self._columns(function, carried, fixed, called)
 
     @property
     def has_lanes(self) -> bool:
-        """Whether it computes anything side by side."""
+        """Whether it can evaluate several sets of arguments in lanes."""
         return False
 
     def side_by_side(self, function: ca.Function, called: ca.Function, work: int) -> bool:
-        """Whether several sets of arguments are to be computed side by side, by LLVM.
+        """Whether to evaluate several sets of arguments in lanes, by LLVM.
 
-        ``work`` columns are asked for of all sets together; ``called`` is what would be compiled.
+        ``work`` is the number of columns of all sets; ``called`` the function to compile.
         """
         return False
 
     def repays_lanes(self, operations: float, compiled: Sequence[ca.Function]) -> bool:
-        """Whether so many operations of the virtual machine are rather done side by side, by LLVM,
+        """Whether lanes are worth compiling ``compiled`` by LLVM.
 
-        which has to compile these functions.
+        ``operations`` is the number of instructions that the virtual machine would execute.
         """
         return self.has_lanes
 
@@ -78,11 +78,11 @@ class Backend(ABC):
         fixed: tuple[int, ...],
         called: ca.Function | None,
     ) -> Columns:
-        """Make the columns."""
+        """Create the columns."""
 
 
 class VirtualMachine(Backend):
-    """CasADi's own interpreter: ready at once, nothing to compile."""
+    """CasADi's interpreter, which needs no compilation."""
 
     def _columns(
         self,
@@ -95,28 +95,28 @@ class VirtualMachine(Backend):
 
 
 class Compiled(Backend):
-    """Machine code, compiled once and kept on disk.
+    """Machine code, compiled once and cached on disk.
 
-    Functions that CasADi cannot write as C, those with SUNDIALS inside, stay on the virtual
-    machine, so do those too large to be faster compiled, those that the toolchain cannot translate,
-    and those evaluated for few columns only.
+    The virtual machine evaluates functions that CasADi cannot write as C (SUNDIALS), functions too
+    large to benefit, functions that the toolchain cannot translate, and functions evaluated for
+    few columns only.
 
     Parameters
     ----------
-    needed : gives the toolchain
+    require : returns the toolchain
 
     Raises
     ------
     UnsupportedError
-        When columns are asked for: there is no toolchain, it fails, or the cache cannot be written.
+        By ``columns``: no toolchain, a toolchain that fails, or a cache that is not writable.
     """
 
-    def __init__(self, needed: Callable[[], Toolchain]):
-        self._needed = needed
+    def __init__(self, require: Callable[[], Toolchain]):
+        self._require = require
 
     @property
     def has_lanes(self) -> bool:
-        return self._needed is needed_llvm and find_llvm() is not None
+        return self._require is require_llvm and find_llvm() is not None
 
     def side_by_side(self, function: ca.Function, called: ca.Function, work: int) -> bool:
         return self.has_lanes
@@ -130,52 +130,52 @@ class Compiled(Backend):
     ) -> Columns:
         function = compiled_form(function, called)
         if not carried:
-            return _WhereMany(function, fixed, partial(self._made, function, False, fixed))
-        return self._made(function, carried, fixed)
+            return _LazyColumns(function, fixed, partial(self._compile, function, False, fixed))
+        return self._compile(function, carried, fixed)
 
-    def _made(self, function: ca.Function, carried: bool, fixed: tuple[int, ...]) -> Columns:
-        toolchain = self._needed()
+    def _compile(self, function: ca.Function, carried: bool, fixed: tuple[int, ...]) -> Columns:
+        toolchain = self._require()
         text = c_source(function)
-        why = hindrance(text, toolchain)
-        if text is None or why:
-            return VirtualColumns(function, carried, fixed, why)
+        reason = obstacle(text, toolchain)
+        if text is None or reason:
+            return VirtualColumns(function, carried, fixed, reason)
         try:
-            loop = made(text, toolchain)
+            loop = compiled_loop(text, toolchain)
         except NotTranslated as error:
             return VirtualColumns(function, carried, fixed, str(error))
         return NativeColumns(function, loop, toolchain.name, carried, fixed)
 
 
-class _WhereMany(Columns):
-    """On the virtual machine until many columns are asked for."""
+class _LazyColumns(Columns):
+    """Columns of the virtual machine, compiled at the first call with many columns."""
 
     def __init__(
-        self, function: ca.Function, fixed: Sequence[int], compiled: Callable[[], Columns]
+        self, function: ca.Function, fixed: Sequence[int], compile_columns: Callable[[], Columns]
     ):
         super().__init__(function, False, fixed)
-        self._virtual, self._make = VirtualColumns(function, False, fixed), compiled
-        self._many: Columns | None = None
+        self._virtual, self._compile = VirtualColumns(function, False, fixed), compile_columns
+        self._native: Columns | None = None
 
     def __call__(self, count: int, *arguments: Any) -> list[np.ndarray]:
-        if self._many is None and count >= MANY:
-            self._many = self._make()
-        return (self._many or self._virtual)(count, *arguments)
+        if self._native is None and count >= COMPILE_COLUMNS:
+            self._native = self._compile()
+        return (self._native or self._virtual)(count, *arguments)
 
     @property
     def report(self) -> str:
-        return (self._many or self._virtual).report
+        return (self._native or self._virtual).report
 
     @property
     def compiled(self) -> bool:
-        return self._many is not None and self._many.compiled
+        return self._native is not None and self._native.compiled
 
     @property
     def pieces(self) -> tuple[int, ...]:
-        return () if self._many is None else self._many.pieces
+        return () if self._native is None else self._native.pieces
 
 
 class Automatic(Backend):
-    """Machine code where it is in the cache, or where the work repays compiling."""
+    """Machine code if it is cached, or if the run is long enough to benefit."""
 
     @property
     def has_lanes(self) -> bool:
@@ -196,15 +196,15 @@ class Automatic(Backend):
     ) -> Columns:
         toolchain = best_toolchain()
         if toolchain is None:
-            why = "neither llvmlite nor a C compiler is installed"
-            return VirtualColumns(function, carried, fixed, why)
+            reason = "neither llvmlite nor a C compiler is installed"
+            return VirtualColumns(function, carried, fixed, reason)
         return SwitchingColumns(function, toolchain, carried, fixed, called)
 
 
 BACKENDS: dict[str, Callable[[], Backend]] = {
     "auto": Automatic,
     "vm": VirtualMachine,
-    "jit": lambda: Compiled(needed_llvm),
-    "c": lambda: Compiled(needed_compiler),
+    "jit": lambda: Compiled(require_llvm),
+    "c": lambda: Compiled(require_compiler),
 }
-"""Name in ``Dynamics`` → what makes the backend."""
+"""Name in ``Dynamics`` → constructor of the backend."""

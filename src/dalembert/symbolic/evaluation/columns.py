@@ -1,4 +1,4 @@
-"""A function of the graph called for many columns of arguments, one after the other.
+"""Evaluation of a graph function for many columns of arguments in sequence.
 
 The loop runs inside CasADi or inside machine code; NumPy converts once.
 """
@@ -21,14 +21,14 @@ from dalembert.symbolic.native.toolchain import Call
 class Columns(ABC):
     """``function`` for many columns.
 
-    Arguments are the columns side by side; results, too. Where an argument of the function is a
-    matrix, a column means one such matrix.
+    Columns of arguments and results are stacked horizontally. For an argument that is a matrix, a
+    column means one such matrix.
 
     Parameters
     ----------
     function : dense in all inputs
-    carried : the first argument is the first result for the column before, and given once
-    fixed : numbers of the arguments that are the same for all columns, and given once
+    carried : whether the first argument is the first result for the previous column; passed once
+    fixed : indices of the arguments that are equal for all columns; passed once
     """
 
     def __init__(self, function: ca.Function, carried: bool = False, fixed: Sequence[int] = ()):
@@ -42,43 +42,43 @@ class Columns(ABC):
 
     @abstractmethod
     def __call__(self, count: int, *arguments: Any) -> list[np.ndarray]:
-        """Results for so many columns.
+        """Results for ``count`` columns.
 
         Raises
         ------
         SolverFailure
-            A solver inside the function gives up.
+            A solver inside the function fails.
         """
 
-    def announce(self, count: int) -> None:  # noqa: B027, who does not care does nothing
-        """So many columns will be asked for, in one call or several."""
+    def announce(self, count: int) -> None:  # noqa: B027, optional hook
+        """Announce the number of columns of the coming calls together."""
 
     def prepare(self, count: int) -> None:  # noqa: B027
-        """Make what a call for so many columns needs."""
+        """Create in advance what a call for ``count`` columns needs."""
 
     @property
     @abstractmethod
     def report(self) -> str:
-        """What evaluates the columns, for people."""
+        """Name of the evaluator, for output."""
 
     @property
     def compiled(self) -> bool:
-        """They are evaluated by machine code now."""
+        """Whether machine code evaluates the columns now."""
         return False
 
     @property
     def pieces(self) -> tuple[int, ...]:
-        """Pieces of machine code, and how many of them differ, where that is known."""
+        """Numbers of pieces and of distinct pieces of machine code, if known."""
         return ()
 
 
 class VirtualColumns(Columns):
-    """By CasADi's virtual machine.
+    """Evaluation by CasADi's virtual machine.
 
     Parameters
     ----------
-    function, carried, fixed : as for all
-    why : the reason, where machine code was asked for
+    function, carried, fixed : as in ``Columns``
+    reason : why machine code was requested but is not used
     """
 
     def __init__(
@@ -86,15 +86,15 @@ class VirtualColumns(Columns):
         function: ca.Function,
         carried: bool = False,
         fixed: Sequence[int] = (),
-        why: str = "",
+        reason: str = "",
     ):
         super().__init__(function, carried, fixed)
         self._kernels: dict[int, Kernel] = {}
-        self._why = why
+        self._reason = reason
 
     @property
     def report(self) -> str:
-        return f"VM ({self._why})" if self._why else "VM"
+        return f"VM ({self._reason})" if self._reason else "VM"
 
     def __call__(self, count: int, *arguments: Any) -> list[np.ndarray]:
         return self._kernel(count)(*arguments)
@@ -108,33 +108,33 @@ class VirtualColumns(Columns):
         return self._kernels[count]
 
     def _chunk(self, count: int) -> ca.Function:
-        """One function for so many columns; what is fixed is repeated inside."""
-        f, kind = self.function, ca.MX
+        """One function for ``count`` columns; fixed arguments are repeated inside."""
+        f = self.function
         if not self.once:
             return f.map(count)
         shapes = [f.size_in(i) for i in range(f.n_in())]
         widths = [1 if i in self.once else count for i in range(f.n_in())]
-        given = [kind.sym(f"i{i}", r, c * widths[i]) for i, (r, c) in enumerate(shapes)]
-        seen = [
+        inputs = [ca.MX.sym(f"i{i}", r, c * widths[i]) for i, (r, c) in enumerate(shapes)]
+        repeated = [
             ca.repmat(symbol, 1, count) if i in self.fixed else symbol
-            for i, symbol in enumerate(given)
+            for i, symbol in enumerate(inputs)
         ]
-        out = (f.mapaccum(count) if self.carried else f.map(count)).call(seen)
-        return ca.Function("chunk", given, [ca.densify(o) for o in out])
+        out = (f.mapaccum(count) if self.carried else f.map(count)).call(repeated)
+        return ca.Function("chunk", inputs, [ca.densify(o) for o in out])
 
 
 class NativeColumns(Columns):
-    """By machine code.
+    """Evaluation by machine code.
 
     Parameters
     ----------
-    function, carried, fixed : as for all
-    loop : what it was compiled to
-    name : of what compiled it
+    function, carried, fixed : as in ``Columns``
+    loop : compiled loop over columns
+    name : of the toolchain
 
     Attributes
     ----------
-    lanes : numbers in the place of one
+    lanes : sets of arguments evaluated side by side
     """
 
     lanes = 1
@@ -164,19 +164,19 @@ class NativeColumns(Columns):
         )
 
     def __call__(self, count: int, *arguments: Any) -> list[np.ndarray]:
-        given = [
+        buffers = [
             flattened(self.function.name(), i, argument, size * (1 if i in self.once else count))
             for i, (argument, size) in enumerate(zip(arguments, self.sizes, strict=True))
         ]
         results = [np.empty(rows * columns * count) for rows, columns in self.shapes]
-        if self.carried:  # each result is the next argument, where it lies
+        if self.carried:  # each result is the next argument, in place
             first = self.sizes[0]
-            whole = np.empty(first * (count + 1))
-            whole[:first] = given[0]
-            given[0], results[0] = whole, whole[first:]
-        done = self._call(count, given, results)
+            states = np.empty(first * (count + 1))
+            states[:first] = buffers[0]
+            buffers[0], results[0] = states, states[first:]
+        done = self._call(count, buffers, results)
         if done < count:
-            self._fail([self._column(i, column, done) for i, column in enumerate(given)])
+            self._fail([self._column(i, column, done) for i, column in enumerate(buffers)])
         return [
             result.reshape((rows, columns * count), order="F")
             for result, (rows, columns) in zip(results, self.shapes, strict=True)
@@ -194,42 +194,45 @@ class NativeColumns(Columns):
     def pieces(self) -> tuple[int, ...]:
         return getattr(self._loop, "pieces", ())
 
-    def _call(self, count: int, given: list[np.ndarray], results: list[np.ndarray]) -> int:
-        """How many columns are done; every call has its own memory, so that threads may call."""
-        begins = [
-            np.array([a.ctypes.data for a in part], dtype=np.uint64) for part in (given, results)
+    def _call(self, count: int, buffers: list[np.ndarray], results: list[np.ndarray]) -> int:
+        """Number of completed columns; each call has its own memory and is thread-safe."""
+        addresses = [
+            np.array([a.ctypes.data for a in arrays], dtype=np.uint64)
+            for arrays in (buffers, results)
         ]
         arg, res, iw, w = (np.empty(size, dtype=np.int64) for size in self._work)
-        memory = (begins[0], self._steps[0], begins[1], self._steps[1], arg, res, iw, w)
-        counts = count, len(given), len(results)
+        memory = (addresses[0], self._steps[0], addresses[1], self._steps[1], arg, res, iw, w)
+        counts = count, len(buffers), len(results)
         return self._loop(*counts, *(array.ctypes.data for array in memory))
 
-    def _column(self, i: int, given: np.ndarray, k: int) -> np.ndarray:
+    def _column(self, i: int, buffer: np.ndarray, k: int) -> np.ndarray:
         size = self.sizes[i]
-        return given if i in self.fixed else given[k * size : (k + 1) * size]
+        return buffer if i in self.fixed else buffer[k * size : (k + 1) * size]
 
     def _fail(self, arguments: list[np.ndarray]) -> None:
-        """Raise what the virtual machine says of the column that failed."""
+        """Raise the error of the virtual machine for the column that failed."""
         with suppress(ValueError):
             Kernel(self.function)(*arguments)
         raise SolverFailure(NO_SOLUTION)
 
 
 LONG = 6000
-"""Operations from which parts that occur several times are compiled once and called: steps of
-fewer are compiled quickly, and a tenth faster where nothing is called."""
+"""Operations above which repeated parts are compiled once and called; shorter steps compile quickly
+and run a tenth faster without calls."""
 
 
 def compiled_form(function: ca.Function, called: ca.Function | None) -> ca.Function:
-    """The form of a function that is compiled."""
+    """The function to compile: the form with calls if it is long."""
     long = called is not None and instructions(function) > LONG
     return dense(called if called is not None and long else function)
 
 
 def instructions(function: ca.Function) -> int:
-    """About how many operations a function does."""
-    inside = [function, *function.find_functions()]
-    return sum(f.n_instructions() for f in inside if f.is_a("SXFunction") or f.is_a("MXFunction"))
+    """Approximate number of operations of a function."""
+    functions = [function, *function.find_functions()]
+    return sum(
+        f.n_instructions() for f in functions if f.is_a("SXFunction") or f.is_a("MXFunction")
+    )
 
 
 def dense(function: ca.Function) -> ca.Function:
@@ -237,6 +240,6 @@ def dense(function: ca.Function) -> ca.Function:
     if all(function.sparsity_out(i).is_dense() for i in range(function.n_out())):
         return function
     symbolic = function.is_a("SXFunction")
-    given: Any = function.sx_in() if symbolic else function.mx_in()
-    out = [ca.densify(result) for result in function.call(given)]
-    return ca.Function(function.name(), given, out)
+    inputs: Any = function.sx_in() if symbolic else function.mx_in()
+    out = [ca.densify(result) for result in function.call(inputs)]
+    return ca.Function(function.name(), inputs, out)

@@ -1,8 +1,8 @@
-"""Changes of a state through many steps, along several directions side by side.
+"""Tangents of many steps, along several directions side by side.
 
 The tangent of a step is linear in the directions. Its entries depend on the step only: they are
-computed once for all directions, of several steps side by side, for all states are known. What is
-left is one substitution for each direction, and directions go side by side.
+computed once for all directions, and, as all states are known, for several steps side by side. One
+substitution per direction remains, with several directions side by side.
 """
 
 from __future__ import annotations
@@ -19,33 +19,33 @@ from dalembert.symbolic.evaluation.columns import LONG, instructions
 from dalembert.symbolic.evaluation.lanes import LaneColumns, SideBySide
 from dalembert.symbolic.once import once
 
-ROOM = 1 << 17
-"""Numbers of entries that are computed at once, so that they stay near the processor."""
+BLOCK = 1 << 17
+"""Block size: number of entries computed at once; chosen to fit the cache."""
 
 
 @dataclass(frozen=True, eq=False)
 class LinearStep:
-    """The tangent of a step as what is computed once, and what is done with each direction.
+    """The tangent of a step: entries computed once, and a substitution for each direction.
 
     Attributes
     ----------
     entries : ``(t, h, x, q) → e``
     along : SX function ``(dx, e, dq) → dx⁺``, linear in dx and dq
-    asked : operations of the virtual machine that were asked for so far
+    requested : operations of the virtual machine requested so far
     """
 
     entries: ca.Function
     along: ca.Function
-    asked: list[float] = field(default_factory=lambda: [0.0])
+    requested: list[float] = field(default_factory=lambda: [0.0])
 
     @cached_property
     def compiled_entries(self) -> ca.Function:
-        """The entries in the form that is fastest in lanes."""
+        """The entries in the form that runs fastest in lanes."""
         return self.entries.expand() if instructions(self.entries) <= LONG else self.entries
 
 
 class LaneTangents:
-    """Pushes directions through steps.
+    """Tangents of steps along several directions, in lanes.
 
     Parameters
     ----------
@@ -58,59 +58,60 @@ class LaneTangents:
 
     @classmethod
     def of(cls, step: LinearStep, backend: Backend, count: int, width: int) -> LaneTangents | None:
-        """For so many steps and directions more; None without lanes, or where they do not pay yet.
+        """For ``count`` more steps and ``width`` directions; None if lanes do not pay or exist.
 
-        Marches of an optimisation are many short ones, so that all of them count.
+        The work of all marches is summed, as an optimisation has many short ones.
         """
-        each = instructions(step.entries) + width * instructions(step.along) / 2
-        step.asked[0] += count * each  # a product and a sum are one operation of a substitution
+        # a product and a sum are one operation of a substitution
+        per_step = instructions(step.entries) + width * instructions(step.along) / 2
+        step.requested[0] += count * per_step
         compiled = step.compiled_entries, step.along
-        return _made(step) if backend.repays_lanes(step.asked[0], compiled) else None
+        return _compiled(step) if backend.repays_lanes(step.requested[0], compiled) else None
 
     def __call__(
-        self, changes: np.ndarray, given: Sequence[np.ndarray], q: np.ndarray, rates: np.ndarray
+        self, changes: np.ndarray, steps: Sequence[np.ndarray], q: np.ndarray, rates: np.ndarray
     ) -> np.ndarray:
         """Changes after each step.
 
         Parameters
         ----------
-        changes, rates : (n, c) and (m, c), what goes in along each direction
-        given : instants (1, K), lengths (1, K), and states (n, K) of the steps
-        q : what they take of the parameters
+        changes, rates : (n, c) and (m, c), initial changes and rates of q along each direction
+        steps : instants (1, K), lengths (1, K), and states (n, K) of the steps
+        q : inputs of the steps that depend on the parameters
 
         Returns
         -------
         (K, c, n)
         """
-        lanes, size, count, (n, width) = self.lanes, self._size, given[0].shape[1], changes.shape
-        wide = max(1, min(ROOM // (size * lanes), -(-count // lanes)))
-        filled = np.empty((wide, lanes, self._along.filled(size)))
-        made, carried = np.empty((wide, size, lanes)), np.empty((wide * lanes + 1, n, lanes))
-        found, last = np.empty((count, width, n)), changes
-        same = np.repeat(q, lanes)
+        lanes, size, count, (n, width) = self.lanes, self._size, steps[0].shape[1], changes.shape
+        wide = max(1, min(BLOCK // (size * lanes), -(-count // lanes)))
+        padded = np.empty((wide, lanes, self._along.padded(size)))
+        entries, carried = np.empty((wide, size, lanes)), np.empty((wide * lanes + 1, n, lanes))
+        results, last = np.empty((count, width, n)), changes
+        repeated_q = np.repeat(q, lanes)
         for begin in range(0, count, wide * lanes):
             end = min(begin + wide * lanes, count)
             columns = -(-(end - begin) // lanes)
-            every = np.minimum(np.arange(begin, begin + columns * lanes), count - 1)
-            laid = [
-                np.ascontiguousarray(g[:, every].reshape(-1, columns, lanes).transpose(1, 0, 2))
-                for g in given
+            indices = np.minimum(np.arange(begin, begin + columns * lanes), count - 1)
+            arguments = [
+                np.ascontiguousarray(g[:, indices].reshape(-1, columns, lanes).transpose(1, 0, 2))
+                for g in steps
             ]
-            self._entries.fill(columns, [*laid, same], [made])
-            filled[:columns, :, :size] = made[:columns].transpose(0, 2, 1)
+            self._entries.fill(columns, [*arguments, repeated_q], [entries])
+            padded[:columns, :, :size] = entries[:columns].transpose(0, 2, 1)
             for group in range(0, width, lanes):
                 here = np.minimum(np.arange(group, group + lanes), width - 1)
                 carried[0] = last[:, here]
                 along = np.ascontiguousarray(rates[:, here])
-                self._along.fill(end - begin, [carried, filled, along], [carried[1:]])
+                self._along.fill(end - begin, [carried, padded, along], [carried[1:]])
                 part = carried[1 : end - begin + 1, :, : width - group]
-                found[begin:end, group : group + lanes] = part.transpose(0, 2, 1)
-            last = found[end - 1].T
-        return found
+                results[begin:end, group : group + lanes] = part.transpose(0, 2, 1)
+            last = results[end - 1].T
+        return results
 
 
 @once
-def _made(step: LinearStep) -> LaneTangents | None:
+def _compiled(step: LinearStep) -> LaneTangents | None:
     entries = LaneColumns(step.compiled_entries, False, (3,)).side_by_side
     along = LaneColumns(step.along, True, (2,), (1,)).side_by_side
     return None if entries is None or along is None else LaneTangents(entries, along)

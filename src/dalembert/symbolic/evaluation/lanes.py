@@ -1,10 +1,9 @@
-"""A function of the graph called for several sets of arguments side by side.
+"""Evaluation of a graph function for several sets of arguments in lanes (SIMD).
 
 Machine code computes with as many numbers at once as the processor has lanes, one for each set.
-Each lane gets what it would get alone, to the last bit, but for sines and cosines, which are within
-a unit in the last place here and there; what is in other lanes changes nothing. Functions whose
-course depends on their numbers, such as equations solved by Newton's method, have no common course;
-they are called set by set.
+Results are identical to a scalar evaluation to the last bit, except for sines and cosines, which
+may differ by a unit in the last place; lanes do not affect each other. Functions with
+data-dependent control flow, such as equations solved by Newton's method, are called set by set.
 """
 
 from __future__ import annotations
@@ -20,21 +19,21 @@ from dalembert.errors import UnsupportedError
 from dalembert.symbolic.evaluation.backends import Automatic
 from dalembert.symbolic.evaluation.columns import Columns, NativeColumns, dense
 from dalembert.symbolic.evaluation.kernel import flattened
-from dalembert.symbolic.native.code_cache import made
+from dalembert.symbolic.native.code_cache import compiled_loop
 from dalembert.symbolic.native.llvm import find_llvm, lane_count
-from dalembert.symbolic.native.source import c_source, hindrance
+from dalembert.symbolic.native.source import c_source, obstacle
 
 
 class LaneColumns:
     """A function for many columns of each of several sets.
 
-    Calls have memory of their own, and let other threads run.
+    Calls have their own memory, and release the interpreter lock.
 
     Parameters
     ----------
     function, carried, fixed : as for ``Columns``
-    alike : numbers of the arguments that are the same in all lanes, which neither are carried nor
-        fixed; where there are some, ``SideBySide.fill`` calls it
+    uniform : indices of the arguments that are equal in all lanes, neither carried nor fixed; if
+        there are any, only ``SideBySide.fill`` may be called
     """
 
     def __init__(
@@ -42,93 +41,92 @@ class LaneColumns:
         function: ca.Function,
         carried: bool = False,
         fixed: Sequence[int] = (),
-        alike: Sequence[int] = (),
+        uniform: Sequence[int] = (),
     ):
         self.function, self.carried, self.fixed = dense(function), carried, tuple(fixed)
-        self.alike = tuple(alike)
+        self.uniform = tuple(uniform)
 
     @cached_property
     def side_by_side(self) -> SideBySide | None:
-        """The function in lanes; None where there are none for it."""
-        text, found = c_source(self.function), find_llvm()
-        if text is None or found is None or hindrance(text, found):
+        """The function in lanes; None if it cannot be compiled for them."""
+        text, scalar = c_source(self.function), find_llvm()
+        if text is None or scalar is None or obstacle(text, scalar):
             return None
-        toolchain = type(found)(lane_count(), alike=self.alike)
+        toolchain = type(scalar)(lane_count(), uniform=self.uniform)
         try:
-            loop = made(text, toolchain)
+            loop = compiled_loop(text, toolchain)
         except UnsupportedError:
             return None
-        made_for = self.function, loop, toolchain.name, self.carried, self.fixed
-        return SideBySide(toolchain.lanes, *made_for, alike=self.alike)
+        arguments = self.function, loop, toolchain.name, self.carried, self.fixed
+        return SideBySide(toolchain.lanes, *arguments, uniform=self.uniform)
 
     @cached_property
-    def alone(self) -> Columns:
+    def single(self) -> Columns:
         """The function for one set."""
         return Automatic().columns(self.function, self.carried, self.fixed)
 
     def __call__(self, count: int, *arguments: Any) -> list[np.ndarray]:
-        """Results for so many columns of each set.
+        """Results for ``count`` columns of each set.
 
         Parameters
         ----------
-        count : columns
-        arguments : (sets, …) what ``Columns`` takes, for each set; (1, …) for all sets alike
+        count : number of columns
+        arguments : (sets, …) arguments of ``Columns`` for each set; (1, …) equal for all sets
 
         Returns
         -------
         list
-            (sets, rows, columns) what ``Columns`` gives, for each set
+            (sets, rows, columns) results of ``Columns`` for each set
 
         Raises
         ------
         SolverFailure
-            A solver inside the function gives up for one of the sets.
+            A solver inside the function fails for one of the sets.
         """
-        given = [np.asarray(argument, dtype=float) for argument in arguments]
-        sets = max(argument.shape[0] for argument in given)
-        given = [np.broadcast_to(a, (sets, *a.shape[1:])) for a in given]
+        arrays = [np.asarray(argument, dtype=float) for argument in arguments]
+        sets = max(array.shape[0] for array in arrays)
+        arrays = [np.broadcast_to(a, (sets, *a.shape[1:])) for a in arrays]
         parts: list[list[np.ndarray]] = []
         begin = 0
         if sets > 1 and self.side_by_side is not None:
             width = self.side_by_side.lanes
             while begin < sets:
                 chosen = np.minimum(np.arange(begin, begin + width), sets - 1)
-                parts.append(self.side_by_side.group(count, [a[chosen] for a in given]))
+                parts.append(self.side_by_side.group(count, [a[chosen] for a in arrays]))
                 begin += width
         else:
             parts = [
-                [r[None] for r in self.alone(count, *(a[s] for a in given))] for s in range(sets)
+                [r[None] for r in self.single(count, *(a[s] for a in arrays))] for s in range(sets)
             ]
         return [np.concatenate(result)[:sets] for result in zip(*parts, strict=True)]
 
 
 class SideBySide(NativeColumns):
-    """Machine code in which every number is a row of as many numbers as there are lanes.
+    """Machine code in which every number is a vector with one entry per lane.
 
-    Columns of arguments that are the same in all lanes are single numbers, filled up to whole rows
-    of lanes.
+    Arguments that are uniform over the lanes are single numbers, padded to whole vectors.
     """
 
-    def __init__(self, lanes: int, *made_for: Any, alike: Sequence[int] = ()):
-        self.lanes, self.alike = lanes, frozenset(alike)
-        super().__init__(*made_for)
-        for i in alike:
-            self._steps[0][i] = self.filled(self.sizes[i]) // lanes
+    def __init__(self, lanes: int, *arguments: Any, uniform: Sequence[int] = ()):
+        self.lanes, self.uniform = lanes, frozenset(uniform)
+        super().__init__(*arguments)
+        for i in uniform:
+            self._steps[0][i] = self.padded(self.sizes[i]) // lanes
 
-    def filled(self, size: int) -> int:
-        """Numbers of whole rows that hold so many."""
+    def padded(self, size: int) -> int:
+        """The size, rounded up to whole vectors."""
         return -(-size // self.lanes) * self.lanes
 
-    def fill(self, count: int, given: list[np.ndarray], results: list[np.ndarray]) -> None:
-        """Results where they are wanted, of arguments as they are laid out, without copies.
+    def fill(self, count: int, arguments: list[np.ndarray], results: list[np.ndarray]) -> None:
+        """Write results of arguments in the layout of the lanes, without copies.
 
         Parameters
         ----------
-        given : (columns, rows, lanes) each, or (rows, lanes) of those given once; those that are
-            the same in all lanes (columns, filled size)
-        results : (columns, rows, lanes) each; of those carried the first has the argument before it
+        arguments : (columns, rows, lanes) each, or (rows, lanes) if passed once; uniform ones
+            (columns, padded size)
+        results : (columns, rows, lanes) each; memory before a carried result holds the argument
         """
-        self._call(count, given, results)  # what is in lanes does not fail
+        self._call(count, arguments, results)  # functions in lanes do not fail
 
     def group(
         self, count: int, arguments: Sequence[np.ndarray], chosen: np.ndarray | None = None
@@ -137,22 +135,22 @@ class SideBySide(NativeColumns):
 
         Parameters
         ----------
-        chosen : numbers of the columns that are wanted, where columns are no matrices; else all
+        chosen : indices of the columns to return, if columns are not matrices; default all
         """
-        wanted = [
+        sizes = [
             n * (1 if i in self.once else count) * self.lanes for i, n in enumerate(self.sizes)
         ]
-        given = [
+        buffers = [
             flattened(self.function.name(), i, a.T, n, "C")
-            for i, (a, n) in enumerate(zip(arguments, wanted, strict=True))
+            for i, (a, n) in enumerate(zip(arguments, sizes, strict=True))
         ]
         results = [np.empty(rows * columns * count * self.lanes) for rows, columns in self.shapes]
         if self.carried:
             first = self.sizes[0] * self.lanes
-            whole = np.empty(first * (count + 1))
-            whole[:first] = given[0]
-            given[0], results[0] = whole, whole[first:]
-        self.fill(count, given, results)
+            states = np.empty(first * (count + 1))
+            states[:first] = buffers[0]
+            buffers[0], results[0] = states, states[first:]
+        self.fill(count, buffers, results)
         if chosen is not None:
             return [
                 r.reshape(count, rows, self.lanes)[chosen].transpose(2, 1, 0)

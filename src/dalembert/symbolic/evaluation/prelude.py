@@ -1,11 +1,11 @@
-"""What a function computes of its parameters alone, done once for many calls.
+"""Subexpressions of the parameters alone, evaluated once for many calls.
 
-The largest sub-expressions that nothing but parameters enters are taken out of a function,
+The largest subexpressions that depend on parameters only are extracted from a function,
 
     f(x, p) = g(x, q),   q = h(p).
 
-In a tangent these are numbers q and rates ``q̇ = h'(p) ṗ``; a march that carries the adjoint of its
-steps gathers q̄ on the way and ends with ``p̄ = h'(p)ᵀ q̄``.
+In a tangent these are numbers q and rates ``q̇ = h'(p) ṗ``; an adjoint march accumulates q̄ and ends
+with ``p̄ = h'(p)ᵀ q̄``.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ import casadi as ca
 
 
 class Prelude:
-    """``q = h(p)`` and the rates ``q̇ = h'(p) ṗ`` that a tangent goes on with.
+    """``q = h(p)`` and the rates ``q̇ = h'(p) ṗ`` that enter a tangent.
 
-    Values and rates differ in number: a value that is never changed alone needs no rate.
+    Values and rates differ in number, as not every value enters the tangent by its rate.
 
     Parameters
     ----------
@@ -34,13 +34,13 @@ class Prelude:
 
     @classmethod
     def identity(cls, count: int) -> Prelude:
-        """Passes on so many parameters as they are."""
+        """Identity map of ``count`` parameters."""
         p, dp = ca.SX.sym("p", count), ca.SX.sym("dp", count)
         return cls(p, dp, p, dp)
 
     @classmethod
     def joined(cls, preludes: Sequence[Prelude]) -> Prelude:
-        """Those of several functions of the same parameters, one after the other."""
+        """The preludes of several functions of the same parameters, stacked."""
         p, dp = preludes[0]._p, preludes[0]._dp
         values = [prelude.values(p) for prelude in preludes]
         rates = [prelude.tangent(p, dp) for prelude in preludes]
@@ -60,7 +60,7 @@ class Prelude:
 
 
 def before(function: ca.Function, k: int) -> tuple[ca.Function, ca.Function]:
-    """``h`` and ``g`` of a function for its input ``k``; graphs of matrices are left as they are.
+    """``h`` and ``g`` of a function for its input ``k``; graphs of matrices are unchanged.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def before(function: ca.Function, k: int) -> tuple[ca.Function, ca.Function]:
         p = ca.SX.sym("p", function.numel_in(k))
         return ca.Function("prelude", [p], [p]), function
     inputs = function.sx_in()
-    outputs, symbols, parts = _taken_out(function.call(inputs), inputs[k])
+    outputs, symbols, parts = _extract(function.call(inputs), inputs[k])
     values = ca.Function("prelude", [inputs[k]], [_column(parts)], {"cse": True})
     inputs[k] = _column(symbols)
     return values, ca.Function(function.name(), inputs, outputs)
@@ -88,8 +88,8 @@ def before_tangent(
         Its ``q`` and ``q̇`` stand for p and ṗ in the tangent and the function.
     """
     inputs, last = tangent.sx_in(), function.n_in() - 1
-    p, dp, wanted = inputs[last], inputs[-1], function.call(inputs[: last + 1])
-    outputs, symbols, parts = _taken_out([*tangent.call(inputs), *wanted], ca.vertcat(p, dp))
+    p, dp, results = inputs[last], inputs[-1], function.call(inputs[: last + 1])
+    outputs, symbols, parts = _extract([*tangent.call(inputs), *results], ca.vertcat(p, dp))
     moves = ca.which_depends(_column(parts), dp, 1, True) if parts and dp.numel() else ()
     rated = [k for k, moving in enumerate(moves) if moving]
     fixed = sorted(set(range(len(parts))) - set(rated))
@@ -103,14 +103,14 @@ def before_tangent(
     )
 
 
-def _taken_out(expressions: list[ca.SX], p: ca.SX) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
-    """Expressions in new symbols, these, and what they stand for, each only once."""
+def _extract(expressions: list[ca.SX], p: ca.SX) -> tuple[list[ca.SX], list[ca.SX], list[ca.SX]]:
+    """Expressions in new symbols, the symbols, and their distinct subexpressions of p."""
     expressions, symbols, parts = ca.extract_parametric(expressions, p, {"extract_trivial": True})
     if not parts:
         return expressions, [], []
     column, first = ca.cse(ca.vertcat(*parts)), dict[int, int]()
-    same = [first.setdefault(column[k].element_hash(), k) for k in range(len(parts))]
-    expressions = ca.substitute(expressions, symbols, [symbols[k] for k in same])
+    representative = [first.setdefault(column[k].element_hash(), k) for k in range(len(parts))]
+    expressions = ca.substitute(expressions, symbols, [symbols[k] for k in representative])
     return expressions, [symbols[k] for k in first.values()], [column[k] for k in first.values()]
 
 

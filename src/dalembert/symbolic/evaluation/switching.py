@@ -1,9 +1,9 @@
-"""Columns that begin on the virtual machine and go over to machine code.
+"""Columns that start on the virtual machine and switch to machine code.
 
-What is in the cache is taken at once. Work that is announced and takes several times as long as
-compiling waits for it. Else it is not known how much is still to come: once the work has taken as
-long as compiling, that is done in a process of its own, and the virtual machine goes on until it
-has ended. Both give the same numbers, so that nobody sees when they change.
+Cached machine code is used immediately. Announced work that takes several times as long as
+compiling waits for the compilation. Otherwise, once the work has taken as long as compiling, a
+separate process compiles, and the virtual machine continues until it has finished. Both return the
+same numbers, so the switch does not affect results.
 """
 
 from __future__ import annotations
@@ -26,35 +26,35 @@ from dalembert.symbolic.evaluation.columns import (
 )
 from dalembert.symbolic.native.background import Compilation, possible
 from dalembert.symbolic.native.c_compiler import find_compiler
-from dalembert.symbolic.native.code_cache import kept, made
+from dalembert.symbolic.native.code_cache import cached_loop, compiled_loop
 from dalembert.symbolic.native.llvm import find_llvm
-from dalembert.symbolic.native.source import c_source, hindrance
+from dalembert.symbolic.native.source import c_source, obstacle
 from dalembert.symbolic.native.toolchain import Call, Toolchain
 from dalembert.symbolic.once import once
 
 VIRTUAL_RATE = 2e-9
 TEXT_RATE = 4e-6
-"""Rough: seconds for an instruction, to evaluate it and to write it as C."""
+"""Estimated cost per instruction: evaluation, C generation [s]."""
 WORTH_WAITING = 1.5
-"""Times the cost of compiling from which announced work waits for it."""
+"""Threshold for waiting: ratio of announced work to the cost of compiling."""
 LATEST = 1.0
-"""Seconds on the virtual machine after which compiling has begun."""
+"""Upper limit of the time on the virtual machine before compiling starts [s]."""
 
 
 @lru_cache
 def best_toolchain() -> Toolchain | None:
-    """LLVM, else a C compiler, else nothing."""
+    """LLVM, else a C compiler, else None."""
     return find_llvm() or find_compiler()
 
 
 class SwitchingColumns(Columns):
-    """On the virtual machine as long as that is cheaper.
+    """Evaluation by the virtual machine as long as that is cheaper, then by machine code.
 
     Parameters
     ----------
-    function, carried, fixed : as for all
-    toolchain : what compiles
-    called : the function in the form that is compiled, if there is another
+    function, carried, fixed : as in ``Columns``
+    toolchain : Toolchain
+    called : the function in the form to compile, if there is another
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class SwitchingColumns(Columns):
         self._native: NativeColumns | None = None
         self._text: str | None = None
         self._compilation: Compilation | None = None
-        self._ended = False
+        self._decided = False
         self._announced = 0
         self._seconds = 0.0
         self._columns = 0
@@ -79,18 +79,18 @@ class SwitchingColumns(Columns):
 
     def announce(self, count: int) -> None:
         self._announced = count
-        if not self._ended:
+        if not self._decided:
             self._decide(count)
 
     def prepare(self, count: int) -> None:
         if self._native is None:
             self._virtual.prepare(count)
-        else:  # what is said of this run is not said of the ones before
+        else:  # the report concerns this run only
             self._columns = 0
 
     @property
     def report(self) -> str:
-        """What evaluated the columns."""
+        """Evaluators of the columns so far."""
         if self._native is None:
             return "VM"
         name = self._toolchain.name
@@ -105,7 +105,7 @@ class SwitchingColumns(Columns):
         return () if self._native is None else self._native.pieces
 
     def __call__(self, count: int, *arguments: Any) -> list[np.ndarray]:
-        if not self._ended:
+        if not self._decided:
             self._decide(max(count, self._announced))
         if self._native is not None:
             return self._native(count, *arguments)
@@ -118,68 +118,68 @@ class SwitchingColumns(Columns):
             self._announced = max(0, self._announced - count)
 
     def _decide(self, ahead: int) -> None:
-        """Take what is compiled, or compile it, where the columns so far and ahead repay that."""
+        """Load or compile machine code if the columns so far and ahead justify it."""
         rate = self._seconds / self._columns if self._columns else VIRTUAL_RATE * self._instructions
-        coming = ahead * rate
+        remaining = ahead * rate
         if self._compilation is not None:
-            self._end()
+            self._poll()
             return
         if self._text is None:
-            if self._seconds + coming < TEXT_RATE * self._instructions / 2:
+            if self._seconds + remaining < TEXT_RATE * self._instructions / 2:
                 return
             self._text = c_source(self._called) or ""
-            if hindrance(self._text or None, self._toolchain):
-                self._ended = True
+            if obstacle(self._text or None, self._toolchain):
+                self._decided = True
                 return
-            self._take(kept(self._text, self._toolchain))
-        if not self._ended:
-            self._compile(coming)
+            self._use(cached_loop(self._text, self._toolchain))
+        if not self._decided:
+            self._compile(remaining)
 
-    def _compile(self, coming: float) -> None:
-        least = self._toolchain.least_effort(str(self._text))
-        known = coming >= WORTH_WAITING * least and coming >= WORTH_WAITING * self._effort
-        if not known and self._seconds + coming < min(least, LATEST):
+    def _compile(self, remaining: float) -> None:
+        least = self._toolchain.least_compile_time(str(self._text))
+        wait = remaining >= WORTH_WAITING * least and remaining >= WORTH_WAITING * self._time
+        if not wait and self._seconds + remaining < min(least, LATEST):
             return
-        if not known and possible():
+        if not wait and possible():
             self._compilation = Compilation(str(self._text), self._toolchain)
             return
         try:
-            self._take(made(str(self._text), self._toolchain))
-        except UnsupportedError:  # a run must not fail for what it did not ask for
-            self._ended = True
+            self._use(compiled_loop(str(self._text), self._toolchain))
+        except UnsupportedError:  # an optional optimisation must not make a run fail
+            self._decided = True
 
     @cached_property
-    def _effort(self) -> float:
-        return self._toolchain.effort(str(self._text))
+    def _time(self) -> float:
+        return self._toolchain.compile_time(str(self._text))
 
-    def _end(self) -> None:
-        """Take what another process has compiled, once it has."""
+    def _poll(self) -> None:
+        """Load the result of the compiling process once it has finished."""
         if self._compilation is not None and not self._compilation.running:
-            self._take(kept(str(self._text), self._toolchain))
-            self._ended = True
+            self._use(cached_loop(str(self._text), self._toolchain))
+            self._decided = True
 
-    def _take(self, loop: Call | None) -> None:
+    def _use(self, loop: Call | None) -> None:
         if loop is not None:
             self._native = NativeColumns(
                 self._called, loop, self._toolchain.name, self.carried, sorted(self.fixed)
             )
-            self._ended = True
+            self._decided = True
 
 
 def repays(operations: float, compiled: Sequence[ca.Function]) -> bool:
-    """Whether so many operations take longer than to compile functions by LLVM."""
-    coming = operations * VIRTUAL_RATE
-    if find_llvm() is None or coming < TEXT_RATE * sum(map(instructions, compiled)):
+    """Whether this many operations take longer than compiling functions by LLVM."""
+    work = operations * VIRTUAL_RATE
+    if find_llvm() is None or work < TEXT_RATE * sum(map(instructions, compiled)):
         return False
-    least, whole = zip(*map(_efforts, compiled), strict=True)
-    if coming < WORTH_WAITING * sum(least):
+    least, times = zip(*map(_compile_times, compiled), strict=True)
+    if work < WORTH_WAITING * sum(least):
         return False
-    return coming >= WORTH_WAITING * sum(effort() for effort in whole)
+    return work >= WORTH_WAITING * sum(time() for time in times)
 
 
 @once
-def _efforts(called: ca.Function) -> tuple[float, Callable[[], float]]:
-    """Seconds to compile a function by LLVM: the least, and by a closer look."""
+def _compile_times(called: ca.Function) -> tuple[float, Callable[[], float]]:
+    """Time to compile a function by LLVM [s]: a lower bound, and a better estimate."""
     text, toolchain = c_source(called) or "", find_llvm()
     assert toolchain is not None
-    return toolchain.least_effort(text), lru_cache(partial(toolchain.effort, text))
+    return toolchain.least_compile_time(text), lru_cache(partial(toolchain.compile_time, text))

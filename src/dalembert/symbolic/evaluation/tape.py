@@ -1,15 +1,15 @@
-"""The instructions of a tangent, replayed: what is done with directions, written as sums."""
+"""Replay of the instructions of a tangent as sums of multiples of its directions."""
 
 from __future__ import annotations
 
 import casadi as ca
 
 SHORT = 3
-"""Terms of a sum that is written into its only user even where that multiplies it by an entry."""
+"""Upper limit of terms of a sum that is merged into its only user if multiplied by an entry."""
 
 
 class Factor:
-    """``number · entry``, an entry of None being one; hundreds of thousands are made of a model."""
+    """``number · entry``, with None for an entry of one; a model has hundreds of thousands."""
 
     __slots__ = ("entry", "number")
 
@@ -30,10 +30,10 @@ class Factor:
     def __add__(self, other: Factor) -> Factor:
         if self.entry is None and other.entry is None:
             return Factor(self.number + other.number)
-        return Factor(1.0, self.written + other.written)
+        return Factor(1.0, self.expression + other.expression)
 
     @property
-    def written(self) -> ca.SX:
+    def expression(self) -> ca.SX:
         return ca.SX(self.number) if self.entry is None else self.number * self.entry
 
 
@@ -56,7 +56,7 @@ Terms = dict[int, Factor]
 
 
 class Tape:
-    """What a function that is linear in its last inputs does with them.
+    """A function that is linear in its last inputs, as sums of their multiples.
 
     Parameters
     ----------
@@ -65,66 +65,66 @@ class Tape:
     Attributes
     ----------
     point : symbols of the fixed inputs
-    sums : per direction nothing, then the terms of every sum, those of the outputs last; a term
-        refers to a place further up
+    sums : an empty entry per direction, then the terms of every sum, the outputs last; terms refer
+        to earlier entries
     input_count, output_count : stacked lengths of directions and outputs
     """
 
     def __init__(self, function: ca.Function, fixed: int):
         inputs = function.sx_in()
         self.point, directions = inputs[:fixed], ca.vertcat(*inputs[fixed:])
-        given, symbols, self._entries = ca.extract_parametric(
+        outputs, symbols, self._entries = ca.extract_parametric(
             ca.vertcat(*function.call(inputs)), self.point, {"extract_trivial": True}
         )
-        self.function = ca.Function("tape", [directions, ca.vertcat(*symbols)], [given])
-        self.input_count, self.output_count = directions.numel(), given.numel()
+        self.function = ca.Function("tape", [directions, ca.vertcat(*symbols)], [outputs])
+        self.input_count, self.output_count = directions.numel(), outputs.numel()
         self._instructions = _instructions(self.function)
         self._users = self._count_users()
-        self.sums = self._ordered(*self._replay())
+        self.sums = self._renumbered(*self._replay())
 
     def _count_users(self) -> list[int]:
-        """How many sums and outputs refer to each direction or sum, in the order they appear."""
-        users, at = [0] * self.input_count, dict[int, int | None]()
-        for operation, given, made in self._instructions:
+        """Number of sums and outputs that use each direction or sum, in order of appearance."""
+        users, source_at = [0] * self.input_count, dict[int, int | None]()
+        for operation, inputs, targets in self._instructions:
             if operation == ca.OP_INPUT:
-                at[made[0]] = given[1] if given[0] == 0 else None
+                source_at[targets[0]] = inputs[1] if inputs[0] == 0 else None
             elif operation == ca.OP_CONST:
-                at[made[0]] = None
+                source_at[targets[0]] = None
             else:
-                sources = [s for s in (at[i] for i in given) if s is not None]
+                sources = [s for s in (source_at[i] for i in inputs) if s is not None]
                 if operation == ca.OP_OUTPUT or operation in (ca.OP_ADD, ca.OP_SUB):
                     for source in sources:
                         users[source] += 1
                 if operation == ca.OP_OUTPUT:
                     continue
-                at[made[0]] = sources[0] if sources else None
+                source_at[targets[0]] = sources[0] if sources else None
                 if sources and operation in (ca.OP_ADD, ca.OP_SUB):
-                    at[made[0]] = len(users)
+                    source_at[targets[0]] = len(users)
                     users.append(0)
         return users
 
     def _replay(self) -> tuple[list[Terms | None], list[Terms]]:
-        """Terms of directions and sums, None where they were written into their user; outputs."""
-        made_sums: list[Terms | None] = [{} for _ in range(self.input_count)]
+        """Terms of directions and sums, None for merged sums; terms of the outputs."""
+        sums: list[Terms | None] = [{} for _ in range(self.input_count)]
         outputs: list[Terms] = [{} for _ in range(self.output_count)]
-        at: dict[int, Factor | Multiple] = {}
-        for k, (operation, given, made) in enumerate(self._instructions):
+        values_at: dict[int, Factor | Multiple] = {}
+        for k, (operation, inputs, targets) in enumerate(self._instructions):
             if operation == ca.OP_INPUT:
-                i, j = given
-                at[made[0]] = Multiple(j) if i == 0 else Factor(1.0, self._entries[j])
+                i, j = inputs
+                values_at[targets[0]] = Multiple(j) if i == 0 else Factor(1.0, self._entries[j])
             elif operation == ca.OP_CONST:
-                at[made[0]] = Factor(self.function.instruction_constant(k))
+                values_at[targets[0]] = Factor(self.function.instruction_constant(k))
             elif operation == ca.OP_OUTPUT:
-                value = at[given[0]]
+                value = values_at[inputs[0]]
                 if isinstance(value, Multiple):
-                    self._include(outputs[made[1]], value, made_sums)
+                    self._include(outputs[targets[1]], value, sums)
             else:
-                values = [at[i] for i in given]
+                values = [values_at[i] for i in inputs]
                 if operation in (ca.OP_ADD, ca.OP_SUB):
-                    at[made[0]] = self._sum(operation, values, made_sums)
+                    values_at[targets[0]] = self._sum(operation, values, sums)
                 else:
-                    at[made[0]] = _scaled(operation, values)
-        return made_sums, outputs
+                    values_at[targets[0]] = _scaled(operation, values)
+        return sums, outputs
 
     def _sum(self, operation: int, values: list, sums: list[Terms | None]) -> Multiple:
         terms: Terms = {}
@@ -138,7 +138,7 @@ class Tape:
         return Multiple(len(sums) - 1)
 
     def _include(self, terms: Terms, value: Multiple, sums: list[Terms | None]) -> None:
-        """Add a multiple to terms; a sum that nobody else needs by its own terms."""
+        """Add a multiple to terms; a sum without other users is merged by its own terms."""
         inner = sums[value.source] if value.source >= self.input_count else None
         cheap = value.factor.entry is None or (inner is not None and len(inner) <= SHORT)
         if inner is not None and self._users[value.source] == 1 and cheap:
@@ -152,42 +152,44 @@ class Tape:
         for source, factor in parts.items():
             terms[source] = terms[source] + factor if source in terms else factor
 
-    def _ordered(self, sums: list[Terms | None], outputs: list[Terms]) -> list[Terms]:
-        """Sums that are left, with terms that refer to their new places, then the outputs."""
-        place: dict[int, int] = {}
-        kept: list[Terms] = []
+    def _renumbered(self, sums: list[Terms | None], outputs: list[Terms]) -> list[Terms]:
+        """Remaining sums and then the outputs, with terms that refer to the new positions."""
+        position: dict[int, int] = {}
+        remaining: list[Terms] = []
         for k, terms in enumerate(sums):
             if terms is not None:
-                place[k] = len(kept)
-                kept.append(terms)
-        return [{place[k]: factor for k, factor in terms.items()} for terms in [*kept, *outputs]]
+                position[k] = len(remaining)
+                remaining.append(terms)
+        return [
+            {position[k]: factor for k, factor in terms.items()} for terms in [*remaining, *outputs]
+        ]
 
 
 def _instructions(function: ca.Function) -> list[tuple[int, tuple[int, ...], tuple[int, ...]]]:
-    """Operation, where it finds what it is given, and where it leaves what it makes.
+    """Operation, locations of its inputs and locations of its outputs.
 
-    As tuples, which unlike lists are not looked at by every round of the garbage collector.
+    Tuples, unlike lists, are not visited by every round of the garbage collector.
     """
     count = range(function.n_instructions())
-    which, given, made = (
+    operation, inputs, outputs = (
         function.instruction_id,
         function.instruction_input,
         function.instruction_output,
     )
-    return [(which(k), tuple(given(k)), tuple(made(k))) for k in count]
+    return [(operation(k), tuple(inputs(k)), tuple(outputs(k))) for k in count]
 
 
 def _scaled(operation: int, values: list) -> Multiple:
-    """What an operation other than a sum does with one multiple."""
+    """Result of an operation other than a sum on one multiple."""
     if operation == ca.OP_MUL:
-        value, other = values if isinstance(values[0], Multiple) else values[::-1]
-        return value.scaled(other)
+        value, factor = values if isinstance(values[0], Multiple) else values[::-1]
+        return value.scaled(factor)
     if operation == ca.OP_DIV:
-        return values[0].scaled(Factor(1.0, 1 / values[1].written))
+        return values[0].scaled(Factor(1.0, 1 / values[1].expression))
     if operation == ca.OP_NEG:
         return values[0].scaled(MINUS)
     if operation == ca.OP_TWICE:
         return values[0].scaled(Factor(2.0))
     if operation == ca.OP_IF_ELSE_ZERO:
-        return values[1].scaled(Factor(1.0, ca.if_else(values[0].written, 1.0, 0.0)))
+        return values[1].scaled(Factor(1.0, ca.if_else(values[0].expression, 1.0, 0.0)))
     raise NotImplementedError(f"operation {operation} on a direction")

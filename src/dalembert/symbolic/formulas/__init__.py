@@ -1,1 +1,1 @@
-"""What users write wherever a number is accepted."""
+"""Formulas: expressions, parameters, tables and their text grammar."""

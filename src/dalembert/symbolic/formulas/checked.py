@@ -1,4 +1,4 @@
-"""Checked numbers and formulas: finite, of the right size and dimension."""
+"""Validation of numbers and formulas: finite, of the right size and dimension."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dalembert.symbolic.formulas.expression import (
     Dimensioned,
     Expression,
     as_sx,
-    refuse_unusable,
+    check_magnitude,
     splines_of,
 )
 from dalembert.units.amounts import Amount, check_unit
@@ -27,8 +27,8 @@ def _amount(text: str, entity: str) -> Amount | float:
     try:
         return amount_of(text)
     except UnknownNameError:
-        told = f"expected a number, got {text!r:.60}; a text is a number with its unit"
-        raise ExpressionError(told, entity) from None
+        message = f"expected a number, got {text!r:.60}; a text is a number with its unit"
+        raise ExpressionError(message, entity) from None
     except ExpressionError as error:
         raise ExpressionError(error.message, entity) from None
 
@@ -44,8 +44,8 @@ def checked_expression(
 
     Parameters
     ----------
-    unit : of the number, or units with ``|`` between; None where any dimension may stand
-    read : ``(text, entity)`` → what a text means; by default a number with its unit
+    unit : of the number, or alternatives separated by ``|``; None for any dimension
+    read : ``(text, entity)`` → value of a text; by default a number with its unit
 
     Raises
     ------
@@ -63,8 +63,8 @@ def checked_expression(
             entity,
         )
     if unit is not None:
-        for one in value if isinstance(value, list) else [value]:
-            _check_unit(one, unit, entity)
+        for component in value if isinstance(value, list) else [value]:
+            _check_unit(component, unit, entity)
     try:
         sx = as_sx(value)
     except OverflowError:
@@ -78,7 +78,7 @@ def checked_expression(
     sx = ca.densify(ca.reshape(sx, size, 1))
     for i in range(size):
         if sx[i].is_constant():
-            refuse_unusable(float(sx[i]), entity)
+            check_magnitude(float(sx[i]), entity)
     if unit is None:
         unit = value.unit if isinstance(value, Expression) and sx.is_constant() else ""
     name = value.name if isinstance(value, Expression) else ""
@@ -86,10 +86,10 @@ def checked_expression(
 
 
 def _first_huge(value: Any) -> str:
-    """The first whole number that no float can hold."""
+    """The first integer too large for a float."""
     if isinstance(value, (list, tuple, np.ndarray)):
-        told = (_first_huge(item) for item in value)
-        return next((text for text in told if text), "")
+        texts = (_first_huge(item) for item in value)
+        return next((text for text in texts if text), "")
     try:
         as_sx(value)
     except OverflowError:
@@ -100,14 +100,14 @@ def _first_huge(value: Any) -> str:
 
 
 def _check_unit(value: Any, unit: str, entity: str) -> None:
-    """What is known to have a unit has one that fits: an amount, or a parameter."""
+    """Check the unit of an amount or a parameter against the expected one."""
     if isinstance(value, Amount):
         check_unit(value.si, unit, entity, str(value))
         return
     if not isinstance(value, Expression) or not value.unit:
         return
     if value.is_parameter or (not value.name and value.sx.is_constant()):
-        shown = f"{value.name} [{value.unit}]" if value.name else f"{value.sx} {value.unit}"
+        label = f"{value.name} [{value.unit}]" if value.name else f"{value.sx} {value.unit}"
         if isinstance(value, Dimensioned) and unit_of(value.unit).without_angle().fits(unit):
             return
-        check_unit(value.unit, unit, entity, shown)
+        check_unit(value.unit, unit, entity, label)

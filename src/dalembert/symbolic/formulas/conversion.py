@@ -1,4 +1,4 @@
-"""Numbers, texts and formulas that users give, as expressions."""
+"""Conversion of numbers, texts and formulas to expressions."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def as_expression(value: Any, entity: str, unit: str | None = None, size: int = 
 
     Parameters
     ----------
-    unit : of the number, or units with ``|`` between; None where any dimension may stand
+    unit : of the number, or alternatives separated by ``|``; None for any dimension
 
     Raises
     ------
@@ -39,11 +39,11 @@ def _read(text: str, entity: str) -> Amount | Expression | float:
     try:
         return parse_formula(text, {"t": t}.get)
     except UnknownNameError as unknown:
-        told = (
+        message = (
             f"expected a number or a formula, got {text!r:.60}; {unknown.name!r} is unknown: a "
             "text has numbers, units, t and functions, and formulas of parameters and measures are "
             "written without quotes"
         )
     except ExpressionError as fault:
-        told = fault.message
-    raise ExpressionError(told, entity)
+        message = fault.message
+    raise ExpressionError(message, entity)

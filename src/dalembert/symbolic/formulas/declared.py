@@ -1,4 +1,4 @@
-"""What is declared by name for formulas: parameters and tables of values."""
+"""Named declarations for formulas: parameters and tables of values."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from dalembert.text.spelling import spelled
 from dalembert.text.wording import check_length
 
 CONSTANTS = {"pi": "the number π"}
-"""Names that mean something else in every formula, and what."""
+"""Reserved names of all formulas, with their meaning."""
 VARIABLES = CONSTANTS | {
     "t": "the time",
     "time": "the time",
     **{f"{kind}energy": "a measure of the whole" for kind in ("", "kinetic_", "potential_")},
     **{f"{kind}_power": "a measure of the whole" for kind in ("dissipated", "input")},
 }
-"""The same of a mechanism."""
+"""Reserved names of formulas of a mechanism, with their meaning."""
 
 
 def check_free(name: str, meanings: Mapping[str, str], owner: str, kind: str = "formulas") -> None:
-    """Refuse a name that has a meaning of its own.
+    """Check that a name is not reserved.
 
     Raises
     ------
     ModelError
-        Names the meaning.
+        The name is reserved; the message states its meaning.
     """
     if name in meanings:
         raise ModelError(
@@ -38,14 +38,14 @@ def check_free(name: str, meanings: Mapping[str, str], owner: str, kind: str = "
 
 
 class Declared:
-    """A builder of something that depends on parameters.
+    """A builder of a parametric model.
 
-    Names that stand in formulas by themselves, of parameters and tables, are different from each
-    other; so are those of elements, whose quantities have a dot in formulas.
+    Names of parameters and tables, which formulas use without a dot, are unique; so are names of
+    elements, whose quantities follow a dot.
     """
 
     meanings: ClassVar[Mapping[str, str]] = CONSTANTS
-    """Names that parameters and tables cannot have, and what they mean."""
+    """Reserved names of parameters and tables, with their meaning."""
 
     name: str
     parameters: dict[str, Parameter]
@@ -65,9 +65,9 @@ class Declared:
         See ``Parameter``; value and bounds are in ``unit``, or texts such as ``"45 mm"``.
         """
         self._declare(name)
-        made = Parameter(name, value, unit, bounds, description)
-        self.parameters[name] = made
-        return made
+        parameter = Parameter(name, value, unit, bounds, description)
+        self.parameters[name] = parameter
+        return parameter
 
     @spelled
     def table(
@@ -80,37 +80,37 @@ class Declared:
         units: tuple[str, str] = ("", ""),
         ends: str = "not-a-knot",
     ) -> Interpolation:
-        """Declare a table of values, to be called like a function, see ``Interpolation``.
+        """Declare a table of values, called like a function; see ``Interpolation``.
 
-        Texts of formulas name it: ``interp(piston.x, gas)``.
+        In the text of a formula: ``interp(piston.x, gas)``.
         """
         self._declare(name)
-        made = Interpolation(x, y, kind, outside, units, name, ends)
-        self.tables[name] = made
-        return made
+        table = Interpolation(x, y, kind, outside, units, name, ends)
+        self.tables[name] = table
+        return table
 
     @property
     def _values(self) -> tuple[Mapping[str, Any], ...]:
-        """All that stands in formulas by its name alone."""
+        """Sections whose entries are used in formulas by name alone."""
         return self.parameters, self.tables
 
     @property
     def _parts(self) -> tuple[Mapping[str, Any], ...]:
-        """All whose quantities stand in formulas, after a dot."""
+        """Sections whose quantities are used in formulas after a dot."""
         raise NotImplementedError
 
     def _declare(self, name: str) -> None:
-        """Claim a name that stands in formulas by itself."""
+        """Claim a name that formulas use without a dot."""
         if isinstance(name, str):
             check_length(name, self.name)
         check_free(name, self.meanings, self.name)
-        _refuse_taken(name, self._values)
+        _check_unused(name, self._values)
 
     def _claim(self, name: str) -> None:
         """Claim the name of an element or node."""
-        _refuse_taken(name, self._parts)
+        _check_unused(name, self._parts)
 
 
-def _refuse_taken(name: str, sections: Sequence[Mapping[str, Any]]) -> None:
+def _check_unused(name: str, sections: Sequence[Mapping[str, Any]]) -> None:
     if any(name in section for section in sections):
         raise ModelError("the name is already used; choose a different one", name)

@@ -1,4 +1,4 @@
-"""Second derivatives of cubic splines at their knots, by the conditions at the ends.
+"""Second derivatives of cubic splines at their knots, for several end conditions.
 
 Continuity of the slope at the inner knots is a tridiagonal system (de Boor, *A practical guide to
 splines*, 1978, chapter IV). Numbers and formulas alike.
@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from typing import Any
 
-Scalar = Any  # a float where it is known, else a casadi.SX
+Scalar = Any  # float, or casadi.SX for a formula
 ENDS = ("not-a-knot", "clamped", "natural")
-"""End conditions: the cubics of the first two pieces are one, the slope is zero, or the second
-derivative is zero."""
+"""End conditions: one cubic across the first two pieces, zero slope, or zero second derivative."""
 
 
 def second_derivatives(h: list[Scalar], v: list[Scalar], ends: str) -> list[Scalar]:
@@ -23,8 +22,8 @@ def second_derivatives(h: list[Scalar], v: list[Scalar], ends: str) -> list[Scal
         diagonal = [(h[k - 1] + h[k]) / 3 for k in range(n)]
         upper = [h[k] / 6 for k in range(n)]  # of the last row: its first column
         change = [rise[k] - rise[k - 1] for k in range(n)]
-        found = _cyclic(lower, diagonal, upper, change)
-        return [*found, found[0]]
+        m = _cyclic(lower, diagonal, upper, change)
+        return [*m, m[0]]
     rows = range(1, n)
     a = [h[k - 1] / 6 for k in rows]
     b = [(h[k - 1] + h[k]) / 3 for k in rows]
@@ -45,7 +44,7 @@ def second_derivatives(h: list[Scalar], v: list[Scalar], ends: str) -> list[Scal
 def _not_a_knot(h: list, a: list, b: list, c: list, d: list) -> list[Scalar]:
     """The first two pieces are one cubic, and the last two: ``(m₁ − m₀)/h₀ = (m₂ − m₁)/h₁``.
 
-    Three knots have one parabola.
+    Three knots define one parabola.
     """
     if len(h) == 2:
         return [2 * d[0] / (h[0] + h[1])] * 3
@@ -72,16 +71,16 @@ def _tridiagonal(a: list[Scalar], b: list[Scalar], c: list[Scalar], d: list[Scal
 
 
 def _cyclic(a: list[Scalar], b: list[Scalar], c: list[Scalar], d: list[Scalar]) -> list:
-    """The same with ``a_0`` in the last column and ``c_{n−1}`` in the first (Sherman–Morrison)."""
+    """Cyclic system: ``a_0`` in the last column, ``c_{n−1}`` in the first (Sherman–Morrison)."""
     n = len(b)
     if n == 2:
         off0, off1 = a[0] + c[0], a[1] + c[1]
         size = b[0] * b[1] - off0 * off1
         return [(d[0] * b[1] - off0 * d[1]) / size, (b[0] * d[1] - off1 * d[0]) / size]
-    turned = list(b)
-    turned[0] = 2 * b[0]
-    turned[-1] = b[-1] + a[0] * c[-1] / b[0]
-    y = _tridiagonal(a, turned, c, d)
-    z = _tridiagonal(a, turned, c, [-b[0], *([0.0] * (n - 2)), c[-1]])
+    modified = list(b)
+    modified[0] = 2 * b[0]
+    modified[-1] = b[-1] + a[0] * c[-1] / b[0]
+    y = _tridiagonal(a, modified, c, d)
+    z = _tridiagonal(a, modified, c, [-b[0], *([0.0] * (n - 2)), c[-1]])
     share = (y[0] - a[0] / b[0] * y[-1]) / (1 + z[0] - a[0] / b[0] * z[-1])
     return [p - share * q for p, q in zip(y, z, strict=True)]

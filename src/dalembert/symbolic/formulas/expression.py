@@ -1,8 +1,9 @@
-"""Scalar and vector expressions: what users write wherever a number is accepted."""
+"""Scalar and vector expressions, accepted wherever a number is."""
 
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Iterable
 from typing import Any
 
@@ -11,7 +12,33 @@ import numpy as np
 
 from dalembert.budget import LARGEST
 from dalembert.errors import ExpressionError
-from dalembert.symbolic.formulas.ufuncs import FUNCTIONS, OPERATORS
+
+UFUNC_OPERATORS = {
+    "add": operator.add,
+    "subtract": operator.sub,
+    "multiply": operator.mul,
+    "divide": operator.truediv,
+    "true_divide": operator.truediv,
+    "power": operator.pow,
+    "less": operator.lt,
+    "less_equal": operator.le,
+    "greater": operator.gt,
+    "greater_equal": operator.ge,
+}
+"""NumPy's name of an operator → operator."""
+UFUNC_FUNCTIONS = {
+    **{name: getattr(ca, name) for name in "sin cos tan sinh cosh tanh exp log sqrt".split()},
+    **{f"arc{name}": getattr(ca, f"a{name}") for name in ("sin", "cos", "tan", "tan2")},
+    "hypot": ca.hypot,
+    "absolute": ca.fabs,
+    "fabs": ca.fabs,
+    "sign": ca.sign,
+    "floor": ca.floor,
+    "minimum": ca.fmin,
+    "maximum": ca.fmax,
+    "negative": operator.neg,
+}
+"""NumPy's name of a function → CasADi's function."""
 
 
 class Expression:
@@ -42,7 +69,7 @@ class Expression:
 
     __slots__ = ("name", "splines", "sx", "unit")
     is_parameter = False
-    """Its unit is known, and is checked where a number of another dimension is expected."""
+    """Whether its unit is checked where a number of another dimension is expected."""
 
     def __init__(self, sx, name: str = "", unit: str = "", splines: tuple = ()):
         self.sx = ca.SX(sx)
@@ -55,22 +82,23 @@ class Expression:
         return Expression(self.sx, name, unit, self.splines)
 
     def __array__(self, dtype=None, copy=None) -> np.ndarray:
-        """One entry of an array of formulas; NumPy would take its components apart."""
-        found = np.empty((), dtype=object)
-        found[()] = self
-        return found
+        """One entry of an array of formulas; NumPy would split it into components."""
+        entry = np.empty((), dtype=object)
+        entry[()] = self
+        return entry
 
     def __array_ufunc__(self, ufunc, method: str, *inputs, out=None, **options) -> Any:
-        """NumPy's operators are those below; its functions are those of CasADi."""
-        operate, function = OPERATORS.get(ufunc.__name__), FUNCTIONS.get(ufunc.__name__)
+        """NumPy's operators and functions, mapped to those of expressions and of CasADi."""
+        operate = UFUNC_OPERATORS.get(ufunc.__name__)
+        function = UFUNC_FUNCTIONS.get(ufunc.__name__)
         if method == "__call__" and not options:
             if operate is not None:
                 return _binary(inputs[0], inputs[1], operate)
             if function is not None:
-                return Expression(function(*(as_sx(one) for one in inputs)))
-        known = ", ".join(FUNCTIONS)
+                return Expression(function(*(as_sx(value) for value in inputs)))
+        supported = ", ".join(UFUNC_FUNCTIONS)
         raise ExpressionError(
-            f"np.{ufunc.__name__} takes numbers and no formulas; known of formulas: {known}",
+            f"np.{ufunc.__name__} does not accept formulas; supported functions: {supported}",
             self.name or None,
         )
 
@@ -171,7 +199,7 @@ class Expression:
 
 
 class Dimensioned(Expression):
-    """A formula in text whose parts have units, from which its own follows."""
+    """A formula in text with units, from which its own unit follows."""
 
     __slots__ = ()
     is_parameter = True
@@ -180,7 +208,7 @@ class Dimensioned(Expression):
 def _binary(a, b, operate) -> Any:
     try:
         return Expression(operate(as_sx(a), as_sx(b)), splines=splines_of(a, b))
-    except TypeError:  # what is no formula, such as a law, may know how
+    except TypeError:  # the other operand, such as a law, may define the operation
         return NotImplemented
 
 
@@ -196,25 +224,25 @@ def as_sx(value) -> ca.SX:
 
 
 def splines_of(*values: Any) -> tuple:
-    """The splines of tables from which formulas are made."""
+    """The splines of the tables that formulas evaluate."""
     return tuple(s for v in values if isinstance(v, Expression) for s in v.splines)
 
 
-def refuse_unusable(number: float, entity: str) -> None:
-    """NaN, infinity, and numbers whose products or quotients overflow.
+def check_magnitude(number: float, entity: str) -> None:
+    """Check that a number is finite and that products and quotients do not overflow.
 
     Raises
     ------
     ExpressionError
-        Names the entity and the number.
+        NaN, infinity, or a number outside the usable range; names the entity and the number.
     """
     if not math.isfinite(number):
         raise ExpressionError(f"{number} is not a finite number", entity)
     if number and not 1 / LARGEST <= abs(number) <= LARGEST:
-        reach = f"{1 / LARGEST:g} to {LARGEST:g}"
+        limits = f"{1 / LARGEST:g} to {LARGEST:g}"
         raise ExpressionError(
-            f"{number:g} is no number to compute with, products or quotients overflow; numbers "
-            f"are 0 or {reach} in size: check its unit",
+            f"{number:g} is out of range: products or quotients would overflow; numbers are 0 or "
+            f"{limits} in size: check its unit",
             entity,
         )
 
@@ -229,6 +257,6 @@ def free_symbols(sx: ca.SX) -> set[str]:
 
 
 def stack(columns: Iterable[ca.SX]) -> ca.SX:
-    """Vertical concatenation that keeps an empty result a column."""
+    """Vertical concatenation; an empty result is a column, too."""
     columns = list(columns)
     return ca.densify(ca.vertcat(*columns)) if columns else ca.SX(0, 1)

@@ -1,4 +1,4 @@
-"""The functions allowed in formulas, from Python and in model files."""
+"""Functions of formulas, in Python and in model files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import casadi as ca
 from dalembert.errors import ExpressionError
 from dalembert.symbolic.formulas.expression import Expression, as_sx
 
-TOLD = """{says}
+DOCSTRING = """{summary}
 
 Of numbers and formulas, with exact derivatives.
 
@@ -33,9 +33,9 @@ Examples
 
 
 def _lift(
-    name: str, function: Callable, names: str, says: str, example: str = "", value: float = 0.0
+    name: str, function: Callable, names: str, summary: str, example: str = "", value: float = 0.0
 ) -> Callable[..., Expression]:
-    """The function of formulas, with the docstring that an example belongs to."""
+    """A CasADi function as a documented function of formulas."""
     count = len(names.split(", "))
 
     def lifted(*arguments) -> Expression:
@@ -44,9 +44,13 @@ def _lift(
         return Expression(function(*(as_sx(a) for a in arguments)))
 
     lifted.__name__ = lifted.__qualname__ = name
-    lifted.__doc__ = TOLD.format(says=says, names=names, name=name, example=example, value=value)
-    listed = [inspect.Parameter(n, inspect.Parameter.POSITIONAL_ONLY) for n in names.split(", ")]
-    lifted.__signature__ = inspect.Signature(listed)  # type: ignore[attr-defined]
+    lifted.__doc__ = DOCSTRING.format(
+        summary=summary, names=names, name=name, example=example, value=value
+    )
+    parameters = [
+        inspect.Parameter(n, inspect.Parameter.POSITIONAL_ONLY) for n in names.split(", ")
+    ]
+    lifted.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     return lifted
 
 

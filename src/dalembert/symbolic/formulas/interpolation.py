@@ -1,4 +1,4 @@
-"""Tables as functions: a curve of measured values wherever a formula is."""
+"""Interpolation of tables, usable in formulas."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from dalembert.units.unit import unit
 KINDS = ("spline", "linear")
 OUTSIDE = ("error", "extrapolate", "clamp")
 TABLE_ENDS = (*ENDS, "periodic")
-MOST_ROWS = 1000
-"""Curves of more rows are noise, or a file taken by mistake."""
+MAX_ROWS = 1000
+"""Upper limit of rows; longer tables are usually noise or the wrong file."""
 
 
 class Interpolation(Spelled):
@@ -37,18 +37,18 @@ class Interpolation(Spelled):
     x : increasing numbers, with formulas or texts such as ``"10 mm"`` among them
     y : as many values
     kind : ``"spline"``, cubic, with two continuous derivatives, or ``"linear"``
-    outside : beyond the first and last row ``"error"``, the run ends there and says so;
+    outside : beyond the first and last row: ``"error"``, the run ends there with a message;
         ``"extrapolate"`` along the slopes at the ends; ``"clamp"``, the values at the ends
-    units : of x and y where they are plain numbers, such as ``("mm", "kN")``; SI units by default
+    units : of x and y given as plain numbers, such as ``("mm", "kN")``; SI units by default
     name : in messages
-    ends : of a spline: ``"not-a-knot"``, the cubics of the first two pieces are one;
-        ``"clamped"``, slopes of zero, for motions from rest to rest; ``"natural"``, second
-        derivatives of zero, which falsify accelerations near the ends; ``"periodic"``, it repeats
+    ends : of a spline: ``"not-a-knot"``, one cubic across the first two pieces; ``"clamped"``,
+        zero slopes, for motions from rest to rest; ``"natural"``, zero second derivatives, which
+        falsify accelerations near the ends; ``"periodic"``
 
     Raises
     ------
     ModelError
-        Rows that do not increase, too few or too many of them, numbers that are none, unknown
+        Rows that do not increase, too few or too many rows, entries that are not numbers, unknown
         units or choices.
 
     Examples
@@ -74,44 +74,47 @@ class Interpolation(Spelled):
         name: str = "",
         ends: str = "not-a-knot",
     ):
-        self.name, spoken = name, f"table {name}".rstrip()
+        self.name, entity = name, f"table {name}".rstrip()
         choices = {"kind": (kind, KINDS), "outside": (outside, OUTSIDE), "ends": (ends, TABLE_ENDS)}
-        for what, (given, known) in choices.items():
-            if given not in known:
-                raise ModelError(unknown(what, given, known), spoken)
+        for option, (choice, choices_of_option) in choices.items():
+            if choice not in choices_of_option:
+                raise ModelError(unknown(option, choice, choices_of_option), entity)
         self.kind, self.outside, self.ends = kind, outside, ends
         periodic = ends == "periodic"
-        meant = []
+        si_units = []
         for text in units:
             try:
-                meant.append(unit(text))
+                si_units.append(unit(text))
             except ExpressionError as error:
-                raise ModelError(error.message, spoken) from None
-        if len(x) > MOST_ROWS:
-            raise ModelError(f"has {len(x)} rows; thin it out to {MOST_ROWS} or fewer", spoken)
+                raise ModelError(error.message, entity) from None
+        if len(x) > MAX_ROWS:
+            raise ModelError(f"has {len(x)} rows; thin it out to {MAX_ROWS} or fewer", entity)
         knots, values = (
-            [_in_si(value, one.factor, f"{spoken}, row {k + 1}") for k, value in enumerate(listed)]
-            for listed, one in zip((x, y), meant, strict=True)
+            [
+                _in_si(value, si_unit.factor, f"{entity}, row {k + 1}")
+                for k, value in enumerate(column)
+            ]
+            for column, si_unit in zip((x, y), si_units, strict=True)
         )
-        self.units = (meant[0].si or _unit_of(x), meant[1].si or _unit_of(y))
+        self.units = (si_units[0].si or _unit_of(x), si_units[1].si or _unit_of(y))
         if kind == "linear":
-            self._curve: Any = Polyline(knots, values, periodic, spoken)
+            self._curve: Any = Polyline(knots, values, periodic, entity)
         else:
             condition = "not-a-knot" if periodic else ends
-            self._curve = CubicSpline(knots, values, periodic, spoken, condition)
+            self._curve = CubicSpline(knots, values, periodic, entity, condition)
         self.uses: list[ca.SX] = []
 
     @property
     def range(self) -> tuple[Any, Any]:
-        """First and last x, in SI units; formulas where they are some."""
+        """First and last x, in SI units; numbers or formulas."""
         return self._curve.knots[0], self._curve.knots[-1]
 
     def __call__(self, x: Any) -> Expression:
         """``y(x)``."""
-        spoken = f"table {self.name}".rstrip()
+        entity = f"table {self.name}".rstrip()
         if isinstance(x, Expression) and x.unit and self.units[0]:
-            check_unit(x.unit, self.units[0], spoken, f"{x.name or 'its argument'} [{x.unit}]")
-        at = checked_expression(x, spoken, self.units[0] or None).sx
+            check_unit(x.unit, self.units[0], entity, f"{x.name or 'its argument'} [{x.unit}]")
+        at = checked_expression(x, entity, self.units[0] or None).sx
         first, last = self.range
         slack, splines = SLACK * (last - first), (self._curve,)
         if self.ends == "periodic":
@@ -130,7 +133,7 @@ class Interpolation(Spelled):
         return ca.if_else(reached(x, first), ca.if_else(reached(last, x), x, last), first)
 
     def is_left_at(self, value: float) -> bool:
-        """Whether its range of numbers ends before a value."""
+        """Whether a value lies outside the range, if its ends are numbers."""
         ends = [end for end in self.range if isinstance(end, float)]
         return len(ends) == 2 and not ends[0] <= value <= ends[1]
 
@@ -139,19 +142,19 @@ class Interpolation(Spelled):
 
 
 class Polyline(CubicSpline):
-    """Straight lines from row to row; the slope jumps at each."""
+    """Piecewise linear curve; the slope jumps at each row."""
 
-    least = 2
+    min_rows = 2
 
-    def _made(self) -> Any:
+    def _curve(self) -> Any:
         slopes = [
             (b - a) / h
             for (a, b), h in zip(itertools.pairwise(self.values), self.steps, strict=True)
         ]
 
         ends = slopes[0], slopes[-1]
-        if found := self._looked_up(lambda: zip(self.values, slopes, strict=False)):
-            return found, ends
+        if lookup := self._lookup(lambda: zip(self.values, slopes, strict=False)):
+            return lookup, ends
 
         def inside(x: ca.SX) -> ca.SX:
             beyond = [reached(x, knot) for knot in self.knots[1:-1]]
@@ -177,7 +180,7 @@ def table(
 
     Parameters
     ----------
-    x, y, kind, outside, units, name, ends : as of ``Interpolation``
+    x, y, kind, outside, units, name, ends : as in ``Interpolation``
 
     Examples
     --------
@@ -196,10 +199,10 @@ def interp(x: Any, curve: Any) -> Expression:
     return curve(x)
 
 
-def _unit_of(listed: Sequence[Any] | np.ndarray) -> str:
-    """The unit of SI of the texts among the rows."""
-    found = (checked_expression(value, "row").unit for value in listed if isinstance(value, str))
-    return next(found, "")
+def _unit_of(column: Sequence[Any] | np.ndarray) -> str:
+    """The SI unit of the first text among the rows."""
+    units = (checked_expression(value, "row").unit for value in column if isinstance(value, str))
+    return next(units, "")
 
 
 def _in_si(value: Any, factor: float, entity: str) -> Any:
@@ -208,4 +211,4 @@ def _in_si(value: Any, factor: float, entity: str) -> Any:
     try:
         return float(value) * factor
     except (TypeError, ValueError):
-        return value  # told by the curve
+        return value  # the curve raises the error

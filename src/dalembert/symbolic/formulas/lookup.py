@@ -1,7 +1,7 @@
-"""Coefficients of the piece in which a number lies, looked up in a table of constants.
+"""Piecewise polynomials with constant coefficients, evaluated by table lookup.
 
 A graph of scalars has no arrays: written out, the choice of a piece costs operations for each row.
-Here it is one call, whose numbers are found by bisection.
+A lookup is one call, which finds the piece by bisection.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import casadi as ca
 import numpy as np
 
 SCALE = 2.0**600
-"""Coefficients have no derivative, yet CasADi 3.8 makes NaN of that of a call; of ``floor`` it
-knows that there is none. Numbers times this are whole, and ``floor`` leaves them as they are."""
+"""Scale that makes all coefficients integers, which ``floor`` does not change. Coefficients have no
+derivative, yet CasADi 3.8 returns NaN for that of a call; the derivative of ``floor`` is zero."""
 
 
 class Lookup:
@@ -22,7 +22,7 @@ class Lookup:
     Parameters
     ----------
     knots : n increasing numbers
-    rows : of each of n − 1 pieces the coefficients of its polynomial in ``x − left``, lowest first
+    rows : (n − 1, order) coefficients of the polynomials in ``x − left``, lowest order first
     """
 
     def __init__(self, knots: Sequence[float], rows: np.ndarray):
@@ -30,12 +30,12 @@ class Lookup:
         table = np.column_stack([knots[:-1], rows])
         count = table.shape[1]
         piece = ca.low(ca.DM(list(knots)), x, {"lookup_mode": "binary"})
-        found = ca.MX(ca.DM((table * SCALE).ravel()))[count * piece + ca.DM(range(count))]
-        self.function = ca.Function("lookup", [x], [found], {"never_inline": True})
+        row = ca.MX(ca.DM((table * SCALE).ravel()))[count * piece + ca.DM(range(count))]
+        self.function = ca.Function("lookup", [x], [row], {"never_inline": True})
 
     @staticmethod
     def holds(knots: Sequence[float], rows: np.ndarray) -> bool:
-        """Whether the numbers pass through a ``Lookup`` unchanged: all but absurd ones do."""
+        """Whether a ``Lookup`` reproduces the numbers exactly: all but extreme ones."""
         with np.errstate(over="ignore"):
             scaled = np.column_stack([knots[:-1], rows]) * SCALE
         return bool(np.all(np.isfinite(scaled)) and np.all(np.floor(scaled) == scaled))
@@ -47,9 +47,9 @@ class Lookup:
         return self.value(x, ca.floor(self.function(x)) * (1 / SCALE))
 
     @staticmethod
-    def value(x: ca.SX, found: ca.SX) -> ca.SX:
-        """By Horner's rule."""
-        left, *coefficients = ca.vertsplit(found)
+    def value(x: ca.SX, row: ca.SX) -> ca.SX:
+        """The polynomial by Horner's rule."""
+        left, *coefficients = ca.vertsplit(row)
         value = ca.SX(0)
         for coefficient in reversed(coefficients):
             value = coefficient + (x - left) * value

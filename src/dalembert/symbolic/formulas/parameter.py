@@ -1,4 +1,4 @@
-"""Parameters: the numbers a run may change without rebuilding anything."""
+"""Parameters: numbers that may change between runs without rebuilding the model."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from dalembert.budget import numeral
 from dalembert.errors import ExpressionError, ModelError
-from dalembert.symbolic.formulas.expression import Expression, refuse_unusable
+from dalembert.symbolic.formulas.expression import Expression, check_magnitude
 from dalembert.text.spelling import Spelled
 from dalembert.text.wording import plain_text, unknown
 from dalembert.units.amounts import Amount, check_unit
@@ -19,7 +19,7 @@ from dalembert.units.grammar import amount_of
 from dalembert.units.unit import Unit, unit
 
 Bounds = tuple[float | str | None, float | str | None] | None
-"""Lower and upper, with None where a side is open."""
+"""Lower and upper bound; None for no bound."""
 
 
 class Parameter(Spelled, Expression):
@@ -32,22 +32,22 @@ class Parameter(Spelled, Expression):
     value : float or str
         Nominal value, in ``unit``, or a text such as ``"45 mm"``.
     unit : str
-        What value and bounds are given in, ``"mm"``, ``"deg"``, ``"rpm"``; SI units where none is.
+        Unit of value and bounds, ``"mm"``, ``"deg"``, ``"rpm"``; SI units by default.
     bounds : (float or str, float or str), optional
-        Lower and upper bound for design; None leaves a side open.
+        Lower and upper bound for design; None for no bound.
     description : str
         Shown in results and reports.
 
     Attributes
     ----------
-    value, bounds : in SI units, as everything is inside
-    unit : the SI unit of these
-    given_unit : the one that they were given in, and are shown in
+    value, bounds : in SI units
+    unit : their SI unit
+    given_unit : the unit of the arguments, used for output
 
     Raises
     ------
     ModelError
-        A name that is no identifier, a value not finite or outside its bounds, bounds in the
+        A name that is not an identifier, a value not finite or outside its bounds, bounds in the
         wrong order, an unknown unit.
 
     Examples
@@ -77,13 +77,13 @@ class Parameter(Spelled, Expression):
                 f"{name!r} is not an identifier; use letters, digits and '_'", "parameter"
             )
         self.given_unit = plain_text(unit, f"{name}.unit") or _unit_in(value)
-        meant = _unit(self.given_unit, name)
-        super().__init__(ca.SX.sym(name), name, meant.si)
-        self.value = si_value(value, meant, name, "value")
+        si_unit = _unit(self.given_unit, name)
+        super().__init__(ca.SX.sym(name), name, si_unit.si)
+        self.value = si_value(value, si_unit, name, "value")
         lower, upper = bounds if bounds is not None else (None, None)
         self.bounds = (
-            -math.inf if lower is None else si_value(lower, meant, name, "lower bound", True),
-            math.inf if upper is None else si_value(upper, meant, name, "upper bound", True),
+            -math.inf if lower is None else si_value(lower, si_unit, name, "lower bound", True),
+            math.inf if upper is None else si_value(upper, si_unit, name, "upper bound", True),
         )
         self.description = plain_text(description, f"{name}.description")
         if math.isnan(self.bounds[0]) or math.isnan(self.bounds[1]):
@@ -98,17 +98,17 @@ class Parameter(Spelled, Expression):
         return si_value(value, _unit(self.given_unit, self.name), self.name, "value")
 
     def shown(self, value: float) -> float:
-        """A value in SI units, in the unit of the parameter."""
+        """A value in SI units, converted to the unit of the parameter."""
         return value / _unit(self.given_unit, self.name).factor
 
 
 def _unit_in(value: Any) -> str:
-    """The unit that a text has, if it has one."""
+    """The unit of a text, or an empty text."""
     if not isinstance(value, str):
         return ""
     try:
         amount = amount_of(value)
-    except ExpressionError:  # told where the value is read
+    except ExpressionError:  # raised where the value is read
         return ""
     return amount.unit.text if isinstance(amount, Amount) else ""
 
@@ -121,58 +121,62 @@ def _unit(text: str, name: str) -> Unit:
 
 
 def coherent(text: str, name: str) -> str:
-    """The unit of a formula, which is one of SI.
+    """Check that the unit of a formula is an SI unit.
 
     Raises
     ------
     ModelError
-        Another one, in which the formula's numbers are not.
+        Another unit.
     """
-    meant = _unit(plain_text(text, f"{name}.unit"), name)
-    if meant.factor != 1.0:
-        raise ModelError(f"a formula gives {meant.si}, not {text}; write unit = {meant.si!r}", name)
+    si_unit = _unit(plain_text(text, f"{name}.unit"), name)
+    if si_unit.factor != 1.0:
+        raise ModelError(
+            f"a formula gives {si_unit.si}, not {text}; write unit = {si_unit.si!r}", name
+        )
     return text
 
 
-def si_value(value: float | str, meant: Unit, name: str, what: str, endless: bool = False) -> float:
+def si_value(
+    value: float | str, si_unit: Unit, name: str, quantity: str, may_be_infinite: bool = False
+) -> float:
     """A number of units, or a text with a unit of the same dimension, in SI units.
 
     Raises
     ------
     ModelError
-        No finite number, or another dimension.
+        Not a finite number, or another dimension.
     """
     if isinstance(value, str):
         try:
             amount = amount_of(value)
             if isinstance(amount, Amount):
-                check_unit(amount.si, meant.text, name, repr(value))
-                return _finite(amount.value, name, what)
+                check_unit(amount.si, si_unit.text, name, repr(value))
+                return _finite(amount.value, name, quantity)
         except ExpressionError as error:
-            raise ModelError(f"{what}: {error.message}", name) from None
+            raise ModelError(f"{quantity}: {error.message}", name) from None
         value = amount
-    if endless and isinstance(value, float) and not math.isfinite(value):
+    if may_be_infinite and isinstance(value, float) and not math.isfinite(value):
         return value
-    return _finite(_finite(value, name, what) * meant.factor, name, what)
+    return _finite(_finite(value, name, quantity) * si_unit.factor, name, quantity)
 
 
-def _finite(value, name: str, what: str) -> float:
+def _finite(value, name: str, quantity: str) -> float:
     try:
         number = float(value)
     except OverflowError:
-        raise ModelError(f"{what} {numeral(value)} is not a finite number", name) from None
+        raise ModelError(f"{quantity} {numeral(value)} is not a finite number", name) from None
     except (TypeError, ValueError):
-        raise ModelError(f"{what} {value!r} is not a number", name) from None
+        raise ModelError(f"{quantity} {value!r} is not a number", name) from None
     if isinstance(value, bool) or not math.isfinite(number):
-        raise ModelError(f"{what} {value} is not a finite number", name)
-    refuse_unusable(number, name)
+        raise ModelError(f"{quantity} {value} is not a finite number", name)
+    check_magnitude(number, name)
     return number
 
 
 def parameter_vector(
-    parameters: Mapping[str, Parameter], given: Mapping[str, float | str] | None, owner: str
+    parameters: Mapping[str, Parameter], replaced: Mapping[str, float | str] | None, owner: str
 ) -> np.ndarray:
-    """Values of all parameters, some replaced by given ones.
+    """Values of all parameters, some of them replaced.
 
     Raises
     ------
@@ -180,11 +184,13 @@ def parameter_vector(
         Unknown parameter or a value that is not finite; names the owner or the parameter.
     """
     values = {name: parameter.value for name, parameter in parameters.items()}
-    for name, value in (given or {}).items():
+    for name, value in (replaced or {}).items():
         if name not in values:
             raise ModelError(unknown("parameter", name, values), owner)
-        known_as = parameters[name]
+        parameter_of_name = parameters[name]
         values[name] = (
-            known_as.in_si(value) if isinstance(value, str) else _finite(value, name, "value")
+            parameter_of_name.in_si(value)
+            if isinstance(value, str)
+            else _finite(value, name, "value")
         )
     return np.array(list(values.values()), dtype=float)

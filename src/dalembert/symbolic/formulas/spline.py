@@ -1,4 +1,4 @@
-"""Cubic splines in the expression graph: C², with a choice of end conditions."""
+"""Cubic splines in the expression graph, with a choice of end conditions."""
 
 from __future__ import annotations
 
@@ -15,26 +15,25 @@ from dalembert.symbolic.formulas.end_conditions import ENDS, second_derivatives
 from dalembert.symbolic.formulas.lookup import Lookup
 from dalembert.text.wording import unknown
 
-LARGE = 16
-"""Rows beyond which a table of constants is looked up instead of written out: about as many cost
-the virtual machine as much as a call."""
+LOOKUP_ROWS = 16
+"""Threshold for table lookup instead of a written-out sum, where both cost about the same."""
 
 SLACK = 1e-9
-"""Share of the range beyond its ends in which the first and last cubics go on."""
+"""Extension of the first and last cubic beyond the ends, relative to the range."""
 COARSE = 0.05
-"""Change of the second derivative at an end without every second row, relative to its largest,
-beyond which the rows do not determine it."""
-ENOUGH = 9
-"""Rows below which a table defines a curve rather than samples one."""
+"""Threshold for a warning: change of the second derivative at an end without every second row,
+relative to the largest one."""
+SAMPLED_ROWS = 9
+"""Rows below which a table defines a curve instead of sampling one."""
 
-Scalar = Any  # a float where it is known, else a casadi.SX
+Scalar = Any  # float, or casadi.SX for a formula
 Inside = Callable[[ca.SX], ca.SX]
 
 
 class CubicSpline:
     """Interpolating cubic spline; knots and values may be formulas.
 
-    Second derivatives at the knots solve a tridiagonal system, which stands in the graph where it
+    Second derivatives at the knots solve a tridiagonal system, which is part of the graph if it
     has formulas: the spline is differentiable by its knots and values.
 
     Parameters
@@ -44,18 +43,18 @@ class CubicSpline:
     periodic : the last value equals the first and the spline repeats
     entity : name used in messages
     ends : end conditions of a spline that is not periodic, one of ``ENDS``. ``"not-a-knot"``
-        reproduces cubics, its second derivative at an end is in error by ``O(h²)``, as between the
-        knots; ``"natural"`` is in error there by the whole second derivative.
+        reproduces cubics; its second derivative at an end has an error of ``O(h²)``, as between
+        the knots; with ``"natural"`` the error there is the whole second derivative.
 
     Raises
     ------
     ModelError
-        Fewer than three rows, numbers that are none, knots that do not increase, a periodic spline
-        that does not close, unknown end conditions.
+        Fewer than three rows, entries that are not numbers, knots that do not increase, a periodic
+        spline that does not close, unknown end conditions.
     """
 
-    least = 3
-    """Rows that it needs."""
+    min_rows = 3
+    """Smallest number of rows."""
 
     def __init__(
         self,
@@ -73,9 +72,9 @@ class CubicSpline:
         if len(self.knots) != len(self.values):
             text = f"{len(self.knots)} abscissae but {len(self.values)} values"
             raise ModelError(text, entity)
-        if len(self.knots) < self.least:
+        if len(self.knots) < self.min_rows:
             raise ModelError(
-                f"a curve needs at least {self.least} rows, got {len(self.knots)}", entity
+                f"a curve needs at least {self.min_rows} rows, got {len(self.knots)}", entity
             )
         self.steps = [b - a for a, b in zip(self.knots, self.knots[1:], strict=False)]
         for k, step in enumerate(self.steps):
@@ -87,9 +86,9 @@ class CubicSpline:
                 )
         if periodic:
             self._check_closed()
-        self._inside, self._slopes = self._made()
+        self._inside, self._slopes = self._curve()
 
-    def _made(self) -> tuple[Inside, tuple[Scalar, Scalar]]:
+    def _curve(self) -> tuple[Inside, tuple[Scalar, Scalar]]:
         """The curve between its ends, and its slopes there."""
         h, v = self.steps, self.values
         m = self.second_derivatives = second_derivatives(
@@ -103,19 +102,20 @@ class CubicSpline:
             for k, step in enumerate(h):
                 yield v[k], slope(k, -2, -1), m[k] / 2, (m[k + 1] - m[k]) / (6 * step)
 
-        inside = self._looked_up(rows) or self._written_out(m)
+        inside = self._lookup(rows) or self._sum_of_pieces(m)
         return inside, (slope(0, -2, -1), slope(len(h) - 1, 1, 2))
 
-    def _looked_up(self, rows: Callable[[], Iterator[tuple[float, ...]]]) -> Inside | None:
-        """The pieces looked up, where they are many and constant; else nothing."""
+    def _lookup(self, rows: Callable[[], Iterator[tuple[float, ...]]]) -> Inside | None:
+        """Table lookup, for many constant pieces; else None."""
         constant = all(isinstance(x, float) for x in (*self.knots, *self.values))
-        if not constant or len(self.knots) <= LARGE:
+        if not constant or len(self.knots) <= LOOKUP_ROWS:
             return None
-        found = np.array(list(rows()))
-        return Lookup(self.knots, found) if Lookup.holds(self.knots, found) else None
+        coefficients = np.array(list(rows()))
+        exact = Lookup.holds(self.knots, coefficients)
+        return Lookup(self.knots, coefficients) if exact else None
 
     def conditions(self) -> list[tuple[ca.SX, str]]:
-        """(formula that must not be negative, what is wrong if it is) of knots by formulas."""
+        """(formula that must not be negative, message otherwise) for knots given by formulas."""
         text = "abscissae must increase, but row {} does not follow row {} with these parameters"
         return [
             (step - 1e-12 * ca.fabs(self.knots[k + 1]) - 1e-100, text.format(k + 2, k + 1))
@@ -134,32 +134,32 @@ class CubicSpline:
         inside = self._inside(ca.if_else(begun, ca.if_else(over, last, x), first))
         return ca.if_else(begun, ca.if_else(over, after, inside), before)
 
-    def end_doubt(self) -> str:
-        """Why its second derivatives near the ends are not those of the sampled function.
+    def end_warning(self) -> str:
+        """Warning about second derivatives near the ends that differ from the sampled function.
 
-        Empty where there is no such reason, rows are formulas, or few rows define the curve.
+        Empty without a reason for one, for rows with formulas, and for few rows.
         """
         constant = all(isinstance(x, float) for x in (*self.knots, *self.values))
-        if self.periodic or self.least < 3 or not constant or len(self.knots) < 4:
+        if self.periodic or self.min_rows < 3 or not constant or len(self.knots) < 4:
             return ""
-        better = np.array(second_derivatives(self.steps, self.values, "not-a-knot"))
-        largest = float(np.abs(better).max())
+        reference = np.array(second_derivatives(self.steps, self.values, "not-a-knot"))
+        largest = float(np.abs(reference).max())
         if self.ends == "not-a-knot":
             return self._coarse(largest)
         first, last = np.array(self.second_derivatives)[[0, -1]]
-        off = max(abs(first - better[0]), abs(last - better[-1]))
+        off = max(abs(first - reference[0]), abs(last - reference[-1]))
         if off <= {"natural": COARSE, "clamped": 0.5}[self.ends] * largest:
             return ""
         cure = ", or 'clamped' for motions from rest to rest" if self.ends == "natural" else ""
         return (
             f"{self.entity} has {self.ends} ends with the second derivatives {first:.4g} and "
-            f"{last:.4g}; its rows suggest {better[0]:.4g} and {better[-1]:.4g}: use ends = "
+            f"{last:.4g}; its rows suggest {reference[0]:.4g} and {reference[-1]:.4g}: use ends = "
             f"'not-a-knot'{cure}"
         )
 
     def _coarse(self, largest: float) -> str:
-        """Doubt about a second derivative at an end that follows from too few rows."""
-        if len(self.knots) < ENOUGH:
+        """Warning about a second derivative at an end that is not resolved by the rows."""
+        if len(self.knots) < SAMPLED_ROWS:
             return ""
         for side, label in ((1, "first"), (-1, "last")):
             knots = np.array(self.knots)[::side][::2] * side
@@ -183,8 +183,8 @@ class CubicSpline:
                 f"a periodic spline must end where it begins; it misses by {gap}", self.entity
             )
 
-    def _written_out(self, m: list[Scalar]) -> Inside:
-        """The spline between its ends as a sum over its pieces."""
+    def _sum_of_pieces(self, m: list[Scalar]) -> Inside:
+        """The spline between its ends as a written-out sum over its pieces."""
 
         def inside(x: ca.SX) -> ca.SX:
             beyond = [reached(x, knot) for knot in self.knots[1:-1]]
@@ -202,7 +202,7 @@ class CubicSpline:
 
     @staticmethod
     def pick(rows: list[Scalar], beyond: list[ca.SX]) -> ca.SX:
-        """The row of the piece in which x lies, which is beyond some of the inner knots."""
+        """The row of the piece that contains x; ``beyond``: 1 for the inner knots below x."""
         if all(isinstance(r, float) and r == rows[0] for r in rows):
             return ca.SX(rows[0])
         jumps = [b - a for a, b in itertools.pairwise(rows)]
@@ -210,24 +210,24 @@ class CubicSpline:
 
 
 def reached(x: ca.SX, knot: Scalar) -> ca.SX:
-    """1 from the knot on, else 0; no comparison, for at knots the spline is smooth."""
+    """1 at and above the knot, else 0; without a switch, as the spline is smooth at knots."""
     return (1 + ca.copysign(1, x - knot)) / 2
 
 
-def _scalars(given: Sequence, entity: str, what: str) -> list[Scalar]:
-    """Floats, and formulas where there are some."""
+def _scalars(column: Sequence, entity: str, quantity: str) -> list[Scalar]:
+    """Constants of a column as floats, formulas as SX."""
     try:
-        listed = list(given)
+        rows = list(column)
     except TypeError:
-        raise ModelError(f"expected a list of numbers, got {given!r:.60}", entity) from None
-    found: list[Scalar] = []
-    for k, value in enumerate(listed):
+        raise ModelError(f"expected a list of numbers, got {column!r:.60}", entity) from None
+    scalars: list[Scalar] = []
+    for k, value in enumerate(rows):
         if isinstance(value, float) and 1e-100 < abs(value) < 1e100:
-            found.append(float(value))
+            scalars.append(float(value))
             continue
         try:
             sx = checked_expression(value, entity).sx
         except ExpressionError as error:
-            raise type(error)(f"{what} in row {k + 1}: {error.message}", entity) from None
-        found.append(float(sx) if sx.is_constant() else sx)
-    return found
+            raise type(error)(f"{quantity} in row {k + 1}: {error.message}", entity) from None
+        scalars.append(float(sx) if sx.is_constant() else sx)
+    return scalars

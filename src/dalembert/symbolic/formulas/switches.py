@@ -1,9 +1,10 @@
-"""Switches of formulas, comparisons, ``abs``, ``sign``, ``min`` and ``max``, held on one side.
+"""Frozen branches of formulas with comparisons, ``abs``, ``sign``, ``min`` and ``max``.
 
-A formula that is held follows, for each switch, the branch of a given *side*, whatever the sign of
-the switching function: it is smooth, also a little beyond the switch. So a step across it can be
-taken, the switch located in the step, and the step cut there. Powers and roots of numbers that turn
-negative only beyond a switch, as in ``where(x > 0, x**1.5, 0)``, go on as odd functions there.
+A formula with frozen branches follows, for each switch, the branch of a given *side*, whatever the
+sign of the switching function: it is smooth, also a little beyond the switch. So a step across the
+switch can be computed, the switch located within it, and the step cut there. Powers and roots of
+numbers that turn negative only beyond a switch, as in ``where(x > 0, x**1.5, 0)``, are continued as
+odd functions.
 """
 
 from __future__ import annotations
@@ -19,36 +20,36 @@ CHOOSING = (ca.OP_FMIN, ca.OP_FMAX)
 POWERS = (ca.OP_POW, ca.OP_CONSTPOW, ca.OP_SQRT)
 
 
-def _none() -> ca.SX:
+def _empty() -> ca.SX:
     return ca.SX(0, 1)
 
 
 @dataclass(frozen=True, eq=False)
 class Switches:
-    """Switches found in formulas.
+    """Switches of formulas.
 
     Attributes
     ----------
     functions : SX (s,), switching functions ``g``
-    sides : SX symbols (s,), 1 where the branch of ``g > 0`` is followed, 0 where that of ``g < 0``
-    actual : SX (s,), the sides that the signs of ``g`` choose
+    sides : SX symbols (s,), 1 for the branch of ``g > 0``, 0 for the branch of ``g < 0``
+    actual : SX (s,), the sides that follow from the signs of ``g``
     """
 
-    functions: ca.SX = field(default_factory=_none)
-    sides: ca.SX = field(default_factory=_none)
-    actual: ca.SX = field(default_factory=_none)
+    functions: ca.SX = field(default_factory=_empty)
+    sides: ca.SX = field(default_factory=_empty)
+    actual: ca.SX = field(default_factory=_empty)
 
     @property
     def count(self) -> int:
         return self.sides.numel()
 
 
-def hold(expressions: list[ca.SX], moving: ca.SX) -> tuple[list[ca.SX], Switches]:
-    """The expressions with every switch held on its side, and the switches.
+def freeze_branches(expressions: list[ca.SX], moving: ca.SX) -> tuple[list[ca.SX], Switches]:
+    """The expressions with frozen branches, and their switches.
 
     Parameters
     ----------
-    moving : symbols that change during a run; a comparison of others only is no switch
+    moving : symbols that change during a run; a comparison of other symbols is not a switch
     """
     symbols = ca.vertcat(*ca.symvar(ca.veccat(*expressions, moving)))
     function = ca.Function("held", [symbols], expressions, {"cse": True})
@@ -59,7 +60,7 @@ def hold(expressions: list[ca.SX], moving: ca.SX) -> tuple[list[ca.SX], Switches
 
 
 class _Replay:
-    """The instructions of a function, done again with switches that are held.
+    """Symbolic replay of the instructions of a function with frozen branches.
 
     Every value has a label, equal for equal values, so that equal comparisons are one switch.
     """
@@ -70,52 +71,52 @@ class _Replay:
         self.moving = [s.element_hash() in names for s in ca.vertsplit(self.symbols)]
         self.functions: list[ca.SX] = []
         self.sides: list[ca.SX] = []
-        self.known: dict[tuple, ca.SX] = {}
+        self.conditions: dict[tuple, ca.SX] = {}
         self.beyond = ca.SX.sym("beyond")
 
     def run(self, operations: list[int], expressions: list[ca.SX]) -> tuple[list[ca.SX], Switches]:
-        function, held = self.function, [ca.SX(e) for e in expressions]
-        at: dict[int, tuple[ca.SX, object, bool]] = {}  # value, label, whether it moves
+        function, frozen = self.function, [ca.SX(e) for e in expressions]
+        values_at: dict[int, tuple[ca.SX, object, bool]] = {}  # value, label, whether it changes
         for k, operation in enumerate(operations):
-            given, made = function.instruction_input(k), function.instruction_output(k)
+            sources, targets = function.instruction_input(k), function.instruction_output(k)
             if operation == ca.OP_OUTPUT:
-                held[made[0]].nz[made[1]] = at[given[0]][0]
+                frozen[targets[0]].nz[targets[1]] = values_at[sources[0]][0]
             elif operation == ca.OP_INPUT:
-                at[made[0]] = self.symbols[given[1]], k, self.moving[given[1]]
+                values_at[targets[0]] = self.symbols[sources[1]], k, self.moving[sources[1]]
             elif operation == ca.OP_CALL:
-                moves = any(at[i][2] for i in given)
-                found = self._called(k, [at[i][0] for i in given])
-                for place, i in enumerate(made):
-                    at[i] = found[place], (k, place), moves
+                moves = any(values_at[i][2] for i in sources)
+                results = self._call(k, [values_at[i][0] for i in sources])
+                for position, i in enumerate(targets):
+                    values_at[i] = results[position], (k, position), moves
             elif operation == ca.OP_CONST:
                 number = function.instruction_constant(k)
-                at[made[0]] = ca.SX(number), ("constant", number), False
+                values_at[targets[0]] = ca.SX(number), ("constant", number), False
             else:
-                values, labels, moving = zip(*(at[i] for i in given), strict=True)
-                value = self._done(operation, values, labels, any(moving))
-                at[made[0]] = value, k, any(moving)
+                values, labels, moving = zip(*(values_at[i] for i in sources), strict=True)
+                value = self._apply(operation, values, labels, any(moving))
+                values_at[targets[0]] = value, k, any(moving)
         if not self.functions:
             return expressions, Switches()
-        return self._finished(held)
+        return self._result(frozen)
 
-    def _called(self, k: int, given: list[ca.SX]) -> ca.SX:
-        """Numbers that the function called by an instruction makes of others."""
+    def _call(self, k: int, arguments: list[ca.SX]) -> ca.SX:
+        """Stacked results of the function called by an instruction."""
         called = self.function.instructions_sx().nz[k].which_function()
         ends = np.cumsum([0, *(called.nnz_in(i) for i in range(called.n_in()))])
-        found = called.call(ca.vertsplit(ca.vertcat(*given), ends.tolist()))
-        return ca.vertcat(*(ca.vec(one) for one in found))
+        results = called.call(ca.vertsplit(ca.vertcat(*arguments), ends.tolist()))
+        return ca.vertcat(*(ca.vec(result) for result in results))
 
-    def _finished(self, held: list[ca.SX]) -> tuple[list[ca.SX], Switches]:
+    def _result(self, frozen: list[ca.SX]) -> tuple[list[ca.SX], Switches]:
         sides, g = ca.vertcat(*self.sides), ca.vertcat(*self.functions)
         plain = ca.substitute(g, self.beyond, 0)  # a switch may have roots itself
         beyond = ca.mmax((sides > 0.5) != (plain > 0))
-        *held, g = ca.substitute([*held, g], [self.beyond], [beyond])
+        *frozen, g = ca.substitute([*frozen, g], [self.beyond], [beyond])
         actual = plain > 0
         for k in range(len(self.sides)):  # a switch may depend on the sides of those before it
             actual = ca.substitute(actual, sides[k], actual[k])
-        return held, Switches(g, sides, ca.densify(actual))
+        return frozen, Switches(g, sides, ca.densify(actual))
 
-    def _done(self, operation: int, values: tuple, labels: tuple, moving: bool) -> ca.SX:
+    def _apply(self, operation: int, values: tuple, labels: tuple, moving: bool) -> ca.SX:
         if not moving:
             return _plain(operation, values)
         if operation in SIGNED:
@@ -133,22 +134,22 @@ class _Replay:
         return _plain(operation, values)
 
     def _side(self, a: ca.SX, b: ca.SX, label_a: object, label_b: object) -> ca.SX:
-        """Whether ``a < b``, by the side of their switch."""
-        if (label_b, label_a) in self.known:
-            return ca.logic_not(self.known[label_b, label_a])
-        if (label_a, label_b) not in self.known:
+        """Whether ``a < b``, as a function of the side of their switch."""
+        if (label_b, label_a) in self.conditions:
+            return ca.logic_not(self.conditions[label_b, label_a])
+        if (label_a, label_b) not in self.conditions:
             side = ca.SX.sym(f"side{len(self.sides)}")
-            self.known[label_a, label_b] = side > 0.5  # a state is 1 to rounding only
+            self.conditions[label_a, label_b] = side > 0.5  # a state is 1 to rounding only
             self.sides.append(side)
             self.functions.append(b - a)
-        return self.known[label_a, label_b]
+        return self.conditions[label_a, label_b]
 
     def _extended(self, operation: int, values: tuple) -> ca.SX:
-        """A power that goes on oddly where its base is negative beyond a switch only."""
+        """A power, continued as an odd function if its base is negative beyond a switch only."""
         base, *exponent = values
         if exponent and exponent[0].is_constant() and float(exponent[0]).is_integer():
             return _plain(operation, values)
-        # a factor: in a sum of branches, derivatives of a power left out would be 0·NaN
+        # a factor: in a sum of branches, derivatives of an inactive power would be 0·NaN
         sense = 1 - 2 * ca.logic_and(self.beyond, base < 0)
         return sense * _plain(operation, (sense * base, *exponent))
 

@@ -1,1 +1,1 @@
-"""Functions of the graph as machine code: by LLVM in memory, or by a C compiler."""
+"""Compilation of graph functions to machine code, by LLVM in memory or by a C compiler."""

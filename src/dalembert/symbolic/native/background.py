@@ -1,6 +1,6 @@
-"""Compiling in a process of its own, while the virtual machine goes on.
+"""Compilation in a separate process, while the virtual machine continues.
 
-The file is left in the cache, so that nothing is lost where the run ends first.
+The result is written to the cache, so it is not lost if the run ends first.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 from dalembert.errors import UnsupportedError
-from dalembert.symbolic.native.code_cache import build, kept_path
+from dalembert.symbolic.native.code_cache import build, cache_path
 from dalembert.symbolic.native.toolchain import Toolchain
 
 SCRIPT = """
@@ -24,19 +24,19 @@ finish({maker}(), {target!r})
 
 
 def possible() -> bool:
-    """Python can be started again; not where it is part of another program."""
+    """Whether a Python process can be started; not if Python is embedded in another program."""
     return bool(sys.executable) and not getattr(sys, "frozen", False)
 
 
-class _Left(subprocess.Popen):
-    """A process that may outlive who asked for it: what it makes serves the next one."""
+class _DetachedProcess(subprocess.Popen):
+    """A process that may outlive its parent, as its result serves later runs."""
 
     def __del__(self) -> None:
         super().__del__(_warn=lambda *_, **__: None)  # type: ignore[call-arg]
 
 
 class Compilation:
-    """A text that is being compiled.
+    """A compilation in progress.
 
     Parameters
     ----------
@@ -45,15 +45,15 @@ class Compilation:
     """
 
     def __init__(self, text: str, toolchain: Toolchain):
-        target = str(kept_path(text, toolchain))
+        target = str(cache_path(text, toolchain))
         module, name = toolchain.maker
         script = SCRIPT.format(path=sys.path, module=module, maker=name, target=target)
-        with tempfile.TemporaryFile("w+", encoding="utf-8") as given:
-            given.write(text)
-            given.seek(0)
-            self._process = _Left(
+        with tempfile.TemporaryFile("w+", encoding="utf-8") as source:
+            source.write(text)
+            source.seek(0)
+            self._process = _DetachedProcess(
                 [sys.executable, "-c", script],
-                stdin=given,
+                stdin=source,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
@@ -65,7 +65,7 @@ class Compilation:
 
 
 def finish(toolchain: Toolchain, target: str) -> None:
-    """What the other process does: the text of its input becomes a file."""
+    """Entry point of the compiling process: compile standard input to a file."""
     try:
         build(sys.stdin.buffer.read().decode(), toolchain, Path(target))
     except UnsupportedError as error:

@@ -1,4 +1,4 @@
-"""Functions of the C that CasADi writes around straight lines, as LLVM IR."""
+"""Translation of C functions that are not straight-line code to LLVM IR."""
 
 from __future__ import annotations
 
@@ -8,73 +8,82 @@ from typing import Any
 from pycparser import c_ast, c_parser
 
 from dalembert.symbolic.native.c_expressions import Expressions
-from dalembert.symbolic.native.c_instructions import Surroundings
+from dalembert.symbolic.native.c_instructions import (
+    INT,
+    REAL,
+    SMALL,
+    VOID,
+    CType,
+    Declarations,
+    declared_type,
+    pointer,
+)
 from dalembert.symbolic.native.c_text import CFunction
-from dalembert.symbolic.native.c_types import INT, REAL, SMALL, VOID, CType, declared, pointer
 from dalembert.symbolic.native.toolchain import NotTranslated
 
 TYPES = "typedef double casadi_real; typedef long long int casadi_int;\n"
 EVALUATION = (SMALL, [pointer(pointer(REAL)), pointer(pointer(REAL)), pointer(INT), pointer(REAL)])
-"""Types of what evaluates a function of the graph, the number of its memory left out."""
+"""Result and argument types of a graph function, without the index of its memory."""
 
 
-def written_functions(
-    functions: Sequence[CFunction], structs: Sequence[str], around: Surroundings
+def function_lines(
+    functions: Sequence[CFunction], structs: Sequence[str], module: Declarations
 ) -> list[str]:
-    """IR of functions; ``around`` learns their types."""
+    """IR of functions; their types are added to the declarations of the module."""
     for function in functions:
         if function.straight:
-            around.functions[function.name] = (EVALUATION[0], [*EVALUATION[1], SMALL])
+            module.functions[function.name] = (EVALUATION[0], [*EVALUATION[1], SMALL])
     bodies = ["\n".join(f.lines) for f in functions if not f.straight]
-    definitions = [f for f in _parsed("\n".join([*structs, *bodies])) if not _known(f, around)]
-    return [line for node in definitions for line in _Function(node, around).text()]
+    definitions = [f for f in _parse("\n".join([*structs, *bodies])) if not _declare(f, module)]
+    return [line for node in definitions for line in _Function(node, module).text()]
 
 
-def struct_lines(around: Surroundings) -> list[str]:
+def struct_lines(module: Declarations) -> list[str]:
     """IR of the structs."""
-    made = []
-    for name, fields in around.structs.items():
-        inside = ", ".join(kind.ir(around.real) for _, kind in fields)
-        made.append(f"%struct.{name} = type {{ {inside} }}")
-    return made
+    lines = []
+    for name, fields in module.structs.items():
+        types = ", ".join(kind.ir(module.real) for _, kind in fields)
+        lines.append(f"%struct.{name} = type {{ {types} }}")
+    return lines
 
 
-def _parsed(text: str) -> list[Any]:
+def _parse(text: str) -> list[Any]:
     text = TYPES + text.replace("CASADI_CAST(casadi_real,", "((casadi_real)")
     try:
         return c_parser.CParser().parse(text.replace("CASADI_SYMBOL_EXPORT ", "")).ext
     except c_parser.ParseError as error:
-        raise NotTranslated(f"C that it cannot read ({error})") from None
+        raise NotTranslated(f"C that cannot be parsed ({error})") from None
 
 
-def _known(node: Any, around: Surroundings) -> bool:
-    """Note the types that a definition states; true for what is no function."""
+def _declare(node: Any, module: Declarations) -> bool:
+    """Add the types of a definition to the declarations; true unless it is a function."""
     if isinstance(node, c_ast.Typedef):
         return True
     if isinstance(node, c_ast.Decl) and isinstance(node.type, c_ast.Struct):
-        fields = [(part.name, declared(part.type)) for part in node.type.decls]
-        around.structs[node.type.name] = fields
+        fields = [(part.name, declared_type(part.type)) for part in node.type.decls]
+        module.structs[node.type.name] = fields
         return True
     if not isinstance(node, c_ast.FuncDef):
         raise NotTranslated(f"{type(node).__name__} outside of functions")
-    around.functions[node.decl.name] = (declared(node.decl.type.type), _given(node))
+    result = declared_type(node.decl.type.type)
+    module.functions[node.decl.name] = (result, _argument_types(node))
     return False
 
 
-def _given(node: Any) -> list[CType]:
-    """Types of the arguments; an array is given by its first element."""
+def _argument_types(node: Any) -> list[CType]:
+    """Types of the arguments; an array is passed as a pointer to its first element."""
     arguments = node.decl.type.args
-    kinds = [declared(argument) for argument in (arguments.params if arguments else ())]
+    kinds = [declared_type(argument) for argument in (arguments.params if arguments else ())]
     return [pointer(k.target) if k.kind == "array" else k for k in kinds if k is not VOID]
 
 
 class _Function(Expressions):
-    """One definition."""
+    """Writer of the definition of a function."""
 
-    def __init__(self, node: Any, around: Surroundings):
-        super().__init__(around)
+    def __init__(self, node: Any, module: Declarations):
+        super().__init__(module)
         self.node = node
-        self.result, self.kinds = around.functions[node.decl.name]
+        self.result, self.kinds = module.functions[node.decl.name]
         self.breaks: list[str] = []
         self.continues: list[str] = []
 
@@ -83,14 +92,20 @@ class _Function(Expressions):
         heads = []
         for number, kind in enumerate(self.kinds):
             name = self.node.decl.type.args.params[number].name
-            place = self.place(kind)
-            self.names[name] = (place, kind)
-            self.store((f"%g{number}", kind), place, kind)
+            address = self.allocate(kind)
+            self.names[name] = (address, kind)
+            self.store((f"%g{number}", kind), address, kind)
             heads.append(f"{kind.ir(self.real)} %g{number}")
         self.statement(self.node.body)
         head = f"define internal {self.result.ir(self.real)} @{self.node.decl.name}"
         last = "  ret void" if self.result is VOID else "  unreachable"
-        return [f"{head}({', '.join(heads)}) nounwind {{", *self.places, *self.lines, last, "}"]
+        return [
+            f"{head}({', '.join(heads)}) nounwind {{",
+            *self.allocations,
+            *self.lines,
+            last,
+            "}",
+        ]
 
     def statement(self, node: Any) -> None:
         """Write a statement."""
@@ -106,19 +121,19 @@ class _Function(Expressions):
         self.names = outer
 
     def _declaration(self, node: Any) -> None:
-        kind = declared(node.type)
-        place = self.place(kind)
-        self.names[node.name] = (place, kind)
+        kind = declared_type(node.type)
+        address = self.allocate(kind)
+        self.names[node.name] = (address, kind)
         if isinstance(node.init, c_ast.InitList):
             for number, expression in enumerate(node.init.exprs):
-                into = f"getelementptr {kind.ir(self.real)}, ptr {place}, i64 0, i64 {number}"
-                self.store(self.value(expression), self.new(into), kind.target)
+                element = f"getelementptr {kind.ir(self.real)}, ptr {address}, i64 0, i64 {number}"
+                self.store(self.value(expression), self.new(element), kind.target)
         elif node.init is not None:
-            self.store(self.value(node.init), place, kind)
+            self.store(self.value(node.init), address, kind)
 
     def _declarations(self, node: Any) -> None:
-        for one in node.decls:
-            self._declaration(one)
+        for declaration in node.decls:
+            self._declaration(declaration)
 
     def _if(self, node: Any) -> None:
         yes, no, end = self.label("yes"), self.label("no"), self.label("end")
@@ -159,20 +174,20 @@ class _Function(Expressions):
         self.names = outer
 
     def _switch(self, node: Any) -> None:
-        value = self.converted(self.value(node.cond), INT)
-        end, cases, other = self.label("end"), list[tuple[str, str]](), ""
+        value = self.convert(self.value(node.cond), INT)
+        end, cases, default = self.label("end"), list[tuple[str, str]](), ""
         parts = []
         for item in node.stmt.block_items or ():
             label = self.label("case")
             if isinstance(item, c_ast.Case):
-                cases.append((self.converted(self.value(item.expr), INT), label))
+                cases.append((self.convert(self.value(item.expr), INT), label))
             elif isinstance(item, c_ast.Default):
-                other = label
+                default = label
             else:
                 raise NotTranslated("a switch with statements before its cases")
             parts.append((label, item.stmts or ()))
         choices = " ".join(f"i64 {number}, label %{label}" for number, label in cases)
-        self.lines.append(f"  switch i64 {value}, label %{other or end} [ {choices} ]")
+        self.lines.append(f"  switch i64 {value}, label %{default or end} [ {choices} ]")
         self.lines.append(f"{self.label('dead')}:")
         self.breaks.append(end)
         for label, statements in parts:
@@ -186,8 +201,8 @@ class _Function(Expressions):
         if node.expr is None:
             self.lines.append("  ret void")
         else:
-            made = self.converted(self.value(node.expr), self.result)
-            self.lines.append(f"  ret {self.result.ir(self.real)} {made}")
+            value = self.convert(self.value(node.expr), self.result)
+            self.lines.append(f"  ret {self.result.ir(self.real)} {value}")
         self.lines.append(f"{self.label('dead')}:")
 
     def _break(self, node: Any) -> None:
@@ -197,7 +212,7 @@ class _Function(Expressions):
         self.jump(self.continues[-1])
 
     def _empty(self, node: Any) -> None:
-        """Nothing."""
+        """An empty statement writes no code."""
 
     _statements: dict[type, Callable[[Any, Any], None]] = {
         c_ast.Compound: _compound,

@@ -1,7 +1,7 @@
-"""The C text that CasADi writes for a function, taken apart into functions and constants.
+"""Parser of C text written by CasADi: functions, constants and structs.
 
-The text is regular: what begins in the first column is a preprocessor line, a constant array, a
-struct or a function. Names stand for themselves, for the macros only put a prefix before them.
+The text is regular: only preprocessor lines, constant arrays, structs and functions begin in the
+first column. Names are taken as they are, as the macros only add a prefix.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from dalembert.symbolic.native.calls import LONE, called_from
+from dalembert.symbolic.native.calls import SCALAR_SUFFIX, called_functions
 
 ARRAY = re.compile(r"static const casadi_(int|real) (\w+)\[(\d+)\] =")
 HEADER = re.compile(r"(?:static )?[\w *]*?(\w+)\((?!\()")
@@ -26,9 +26,9 @@ OLD_C = "#if __STDC_VERSION__ < 199901L"
 
 @dataclass
 class CFunction:
-    """A function: its lines, the first with its head.
+    """A function by its lines, the first of which is its head.
 
-    ``straight`` tells that its body is one list of assignments of scalars, as for ``SX`` graphs.
+    ``straight`` is true if its body is a list of scalar assignments, as for ``SX`` graphs.
     """
 
     name: str
@@ -37,15 +37,15 @@ class CFunction:
 
     @property
     def uses(self) -> set[str]:
-        """Names of CasADi's that are mentioned, of straight lines those that they call."""
+        """Names of CasADi used by the body; for straight-line code the called functions."""
         if self.straight:
-            return {name for name, _ in called_from(self.lines)}
+            return {name for name, _ in called_functions(self.lines)}
         return set(NAME.findall("\n".join(self.lines))) - {self.name}
 
 
 @dataclass
 class CText:
-    """Everything that a text defines.
+    """Definitions of a text.
 
     Attributes
     ----------
@@ -60,24 +60,24 @@ class CText:
 
     @classmethod
     def read(cls, text: str) -> CText:
-        """Take a text apart."""
-        made, lines = cls(), _relevant(text)
+        """Parse a text."""
+        parsed_text, lines = cls(), _relevant(text)
         for line in lines:
-            if found := ARRAY.match(line):
-                body = [line[found.end() :]]
+            if match := ARRAY.match(line):
+                body = [line[match.end() :]]
                 while ";" not in body[-1]:
                     body.append(next(lines))
                 numbers = " ".join(body).replace(";", "")
-                made.arrays[found[2]] = (found[1], int(found[3]), NUMBER.findall(numbers))
+                parsed_text.arrays[match[2]] = (match[1], int(match[3]), NUMBER.findall(numbers))
             elif line.startswith("struct"):
-                made.structs.append("\n".join(_block(line, lines)))
-            elif found := HEADER.match(line):
-                function = _function(found[1], _block(line, lines))
-                made.functions[function.name] = function
-        return made
+                parsed_text.structs.append("\n".join(_block(line, lines)))
+            elif match := HEADER.match(line):
+                function = _function(match[1], _block(line, lines))
+                parsed_text.functions[function.name] = function
+        return parsed_text
 
     def needed(self, entry: str) -> list[CFunction]:
-        """The functions that an entry calls, and itself, those called first."""
+        """The functions that an entry calls, and the entry, in the order of definition."""
         done: dict[str, CFunction] = {}
 
         def visit(name: str) -> None:
@@ -89,36 +89,39 @@ class CText:
         visit(entry)
         return list(done.values())
 
-    def parted(self, entry: str) -> tuple[list[CFunction], CText]:
-        """What an entry needs but for the calls of straight lines, and what these need, renamed."""
+    def split_for_lanes(self, entry: str) -> tuple[list[CFunction], CText]:
+        """Functions to evaluate in lanes, and a text of scalar functions, renamed.
+
+        Straight-line code in lanes calls scalar functions, one lane after the other.
+        """
         own: dict[str, CFunction] = {}
-        lone: dict[str, CFunction] = {}
+        scalar: dict[str, CFunction] = {}
         for function in reversed(self.needed(entry)):
             users = [f for f in own.values() if not f.straight]
             if function.name == entry or any(function.name in f.uses for f in users):
                 own[function.name] = function
         for function in own.values():
             for name in sorted(function.uses) if function.straight else ():
-                lone |= {one.name: one for one in self.needed(name)}
-        names = {*lone, *(n for f in lone.values() for n in f.uses if n in self.arrays)}
+                scalar |= {used.name: used for used in self.needed(name)}
+        names = {*scalar, *(n for f in scalar.values() for n in f.uses if n in self.arrays)}
         word = re.compile(rf"\b({'|'.join(sorted(names, key=len, reverse=True)) or '(?!)'})\b")
 
         def renamed(text: str) -> str:
-            return word.sub(rf"\1{LONE}", text)
+            return word.sub(rf"\1{SCALAR_SUFFIX}", text)
 
-        made = CText(
+        scalar_text = CText(
             {
                 renamed(f.name): CFunction(renamed(f.name), [*map(renamed, f.lines)], f.straight)
-                for f in lone.values()
+                for f in scalar.values()
             },
             {renamed(name): self.arrays[name] for name in sorted(names & set(self.arrays))},
             self.structs,
         )
-        return list(reversed(own.values())), made
+        return list(reversed(own.values())), scalar_text
 
 
 def _relevant(text: str) -> Iterator[str]:
-    """Lines without comments and preprocessor; of two ways to write a thing the newer C."""
+    """Lines without comments and preprocessor directives; of alternatives the newer C."""
     old = False
     for line in COMMENT.sub("", text).split("\n"):
         if line.startswith("#"):
@@ -128,15 +131,15 @@ def _relevant(text: str) -> Iterator[str]:
 
 
 def _block(line: str, lines: Iterator[str]) -> list[str]:
-    """Lines up to the brace that closes the first one opened."""
-    taken, depth, opened = [line], line.count("{") - line.count("}"), "{" in line
+    """Lines up to the brace that closes the first opened one."""
+    block, depth, opened = [line], line.count("{") - line.count("}"), "{" in line
     while depth or not opened:
         line = next(lines)
-        taken.append(line)
+        block.append(line)
         if not line.startswith(("  a", "  if (res")) or "{" in line:
             depth += line.count("{") - line.count("}")
             opened = opened or "{" in line
-    return taken
+    return block
 
 
 def _function(name: str, lines: list[str]) -> CFunction:

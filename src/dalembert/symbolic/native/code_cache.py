@@ -1,11 +1,10 @@
-"""Machine code kept on disk: made once, found again by its content, never loaded damaged.
+"""Cache of machine code on disk, addressed by content and verified by a checksum.
 
-A file is named by the hash of the C text it was made of and of all else that it depends on, so that
-a file found is the right one and a changed model makes a new one. Values of parameters are
-arguments of the function and no part of the text. The folder is ``$DALEMBERT_CACHE``, else
-``$XDG_CACHE_HOME/dalembert``, else ``~/.cache/dalembert``, else, without a home folder, one of the
-user among temporary files; ``clear_cache`` empties it. Machine code is loaded only from a folder in
-which nobody else may write.
+The name of a file is the hash of its C text and of everything else it depends on. Values of
+parameters are arguments of the function and not part of the text. The folder is
+``$DALEMBERT_CACHE``, else ``$XDG_CACHE_HOME/dalembert``, else ``~/.cache/dalembert``, else, without
+a home folder, a temporary folder of the user; ``clear_cache`` empties it. Machine code is loaded
+only from a folder that other users cannot write to.
 """
 
 from __future__ import annotations
@@ -22,50 +21,50 @@ from contextlib import suppress
 from pathlib import Path
 
 from dalembert.errors import FileError, UnsupportedError
-from dalembert.files.atomic import atomic_path
+from dalembert.files import atomic_path
 from dalembert.symbolic.native.toolchain import Call, Toolchain
 
-KEPT = 1 << 30
-"""Bytes of files kept; those unused for longest go first."""
+MAX_SIZE = 1 << 30
+"""Upper limit of the size of the cache [bytes]; the least recently used files are deleted."""
 SUFFIXES = (".so", ".dll", ".dylib", ".o")
 SEAL = ".sha256"
 REMEDY = "set DALEMBERT_CACHE to a folder of your own, or use backend='vm'"
 
 
 def cache_folder() -> Path:
-    """Where compiled functions are kept."""
-    if asked := os.environ.get("DALEMBERT_CACHE"):
-        with suppress(RuntimeError):  # a home folder that is not known stays as written
-            return Path(asked).expanduser()
-        return Path(asked)
+    """Folder of compiled functions."""
+    if configured := os.environ.get("DALEMBERT_CACHE"):
+        with suppress(RuntimeError):  # an unknown home folder stays as written
+            return Path(configured).expanduser()
+        return Path(configured)
     if base := os.environ.get("XDG_CACHE_HOME"):
         return Path(base) / "dalembert"
     try:
         return Path.home() / ".cache" / "dalembert"
-    except RuntimeError:  # there is none
+    except RuntimeError:  # no home folder
         user = os.getuid() if hasattr(os, "getuid") else "user"
         return Path(tempfile.gettempdir()) / f"dalembert-{user}"
 
 
 def check_folder(folder: Path) -> None:
-    """Refuse a folder in which others may put machine code.
+    """Check that other users cannot write to a folder of machine code.
 
     Raises
     ------
     UnsupportedError
-        It belongs to another user, or others may write in it.
+        The folder belongs to another user, or others may write to it.
     """
     if os.name != "posix":
         return
     try:
-        about = folder.stat()
+        status = folder.stat()
     except FileNotFoundError:
         return
     except OSError as error:
         reason = error.strerror or error
         raise UnsupportedError(f"the cache {folder} cannot be read ({reason}); {REMEDY}") from None
-    mode = stat.S_IMODE(about.st_mode)
-    if about.st_uid not in (os.geteuid(), 0):
+    mode = stat.S_IMODE(status.st_mode)
+    if status.st_uid not in (os.geteuid(), 0):
         raise UnsupportedError(f"the cache {folder} belongs to another user; {REMEDY}")
     if mode & (stat.S_IWGRP | stat.S_IWOTH):
         raise UnsupportedError(
@@ -75,62 +74,62 @@ def check_folder(folder: Path) -> None:
 
 
 def clear_cache() -> int:
-    """Delete all compiled functions; they are made again when needed.
+    """Delete all compiled functions; they are compiled again when needed.
 
     Returns
     -------
     int
-        How many were deleted.
+        Number of deleted functions.
 
     Examples
     --------
     >>> import os, tempfile
     >>> import dalembert as da
-    >>> kept = os.environ.get("DALEMBERT_CACHE", "")
+    >>> previous = os.environ.get("DALEMBERT_CACHE", "")
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     os.environ["DALEMBERT_CACHE"] = folder  # instead of what all programs of the user share
+    ...     os.environ["DALEMBERT_CACHE"] = folder  # instead of the folder shared by all programs
     ...     deleted = da.clear_cache()
-    >>> os.environ["DALEMBERT_CACHE"] = kept
+    >>> os.environ["DALEMBERT_CACHE"] = previous
     >>> deleted  # nothing had been compiled into it
     0
     """
-    found = list(_kept(cache_folder()))
-    for path in found:
+    paths = list(_cached_files(cache_folder()))
+    for path in paths:
         _delete(path)
-    return len(found)
+    return len(paths)
 
 
 def cache_size() -> tuple[int, int]:
-    """How many compiled functions are kept, and their bytes."""
+    """Number of compiled functions in the cache, and their size [bytes]."""
     sizes = []
-    for path in _kept(cache_folder()):
+    for path in _cached_files(cache_folder()):
         with suppress(OSError):  # another process may have deleted it
             sizes.append(path.stat().st_size)
     return len(sizes), sum(sizes)
 
 
-def kept_path(text: str, toolchain: Toolchain) -> Path:
-    """Where the machine code of this text belongs."""
-    import casadi as ca  # needed here only: who just builds does without
+def cache_path(text: str, toolchain: Toolchain) -> Path:
+    """File of the machine code of a text."""
+    import casadi as ca  # only here: the compiling process does not need it
 
-    about = (*toolchain.identity, ca.CasadiMeta.version(), sys.platform, platform.machine())
-    key = "\n".join([*about, text])
+    identity = (*toolchain.identity, ca.CasadiMeta.version(), sys.platform, platform.machine())
+    key = "\n".join([*identity, text])
     return cache_folder() / f"{hashlib.sha256(key.encode()).hexdigest()[:40]}{toolchain.suffix}"
 
 
 def is_whole(path: Path) -> bool:
-    """The file is there as it was written: loading a damaged one would end the process."""
+    """Whether the file is as it was written; loading a damaged one would kill the process."""
     try:
         if not all(stat.S_ISREG(os.stat(file).st_mode) for file in (path, _seal(path))):
-            return False  # reading a pipe would wait for who writes into it
+            return False  # reading a pipe would block
         return _seal(path).read_text() == hashlib.sha256(path.read_bytes()).hexdigest()
     except (OSError, UnicodeDecodeError):
         return False
 
 
-def kept(text: str, toolchain: Toolchain) -> Call | None:
-    """The loop of this text if it is in the cache, and nobody else may write there."""
-    path = kept_path(text, toolchain)
+def cached_loop(text: str, toolchain: Toolchain) -> Call | None:
+    """The loop of a text if it is cached in a folder that other users cannot write to."""
+    path = cache_path(text, toolchain)
     try:
         check_folder(path.parent)
     except UnsupportedError:
@@ -142,30 +141,30 @@ def kept(text: str, toolchain: Toolchain) -> Call | None:
     return None
 
 
-def made(text: str, toolchain: Toolchain) -> Call:
-    """The loop of this text, compiled now if it is not in the cache.
+def compiled_loop(text: str, toolchain: Toolchain) -> Call:
+    """The loop of a text, compiled now if it is not cached.
 
     Raises
     ------
     UnsupportedError
-        It cannot be compiled, or the cache cannot be written.
+        The text cannot be compiled, or the cache is not writable.
     """
-    found = kept(text, toolchain)
-    if found is None:
+    loop = cached_loop(text, toolchain)
+    if loop is None:
         build(text, toolchain)
-        found = toolchain.load(kept_path(text, toolchain))
-    return found
+        loop = toolchain.load(cache_path(text, toolchain))
+    return loop
 
 
 def build(text: str, toolchain: Toolchain, path: Path | None = None) -> None:
-    """Compile beside the target and move it there: two processes at once do no harm.
+    """Compile to a temporary file and move it to its target, safe for concurrent processes.
 
     Raises
     ------
     UnsupportedError
-        It cannot be compiled, or the cache cannot be written.
+        The text cannot be compiled, or the cache is not writable.
     """
-    path = path or kept_path(text, toolchain)
+    path = path or cache_path(text, toolchain)
     check_folder(path.parent)
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
@@ -180,31 +179,31 @@ def build(text: str, toolchain: Toolchain, path: Path | None = None) -> None:
             f"backend {toolchain.backend!r}: the cache {path.parent} cannot be written ({error}); "
             "set DALEMBERT_CACHE to another folder, or use backend='vm'"
         ) from None
-    _forget_oldest(path.parent)
+    _delete_oldest(path.parent)
 
 
-def _kept(folder: Path) -> Iterator[Path]:
+def _cached_files(folder: Path) -> Iterator[Path]:
     return (path for suffix in SUFFIXES for path in folder.glob(f"[!.]*{suffix}"))
 
 
 def _seal(path: Path) -> Path:
-    """File with the checksum of another."""
+    """File of the checksum of a file."""
     return path.with_suffix(SEAL)
 
 
-def _forget_oldest(folder: Path) -> None:
+def _delete_oldest(folder: Path) -> None:
     total, aged = 0, []
-    for path in _kept(folder):
+    for path in _cached_files(folder):
         with suppress(OSError):  # another process may have deleted it
             aged.append((path.stat().st_mtime, path.stat().st_size, path))
     for _, size, path in sorted(aged, reverse=True):
         total += size
-        if total > KEPT:
+        if total > MAX_SIZE:
             _delete(path)
 
 
 def _clear_place(path: Path) -> None:
-    """Remove what is no regular file where machine code and its checksum belong."""
+    """Remove anything that is not a regular file from the paths of machine code and checksum."""
     for file in (path, _seal(path)):
         if file.is_dir() and not file.is_symlink():
             shutil.rmtree(file)

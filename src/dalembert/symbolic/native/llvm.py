@@ -1,6 +1,6 @@
-"""LLVM, by the llvmlite package: no compiler has to be installed.
+"""Toolchain of LLVM by the llvmlite package, which needs no installed compiler.
 
-Machine code is that of this processor, so that it is filed under its name.
+Machine code is specific to the processor, whose name is part of its identity.
 """
 
 from __future__ import annotations
@@ -14,17 +14,23 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from dalembert.errors import UnsupportedError
-from dalembert.symbolic.native.loop import ENTRY, PIECES, SIGNATURE
 from dalembert.symbolic.native.real import LIBRARY
-from dalembert.symbolic.native.toolchain import Call, NotTranslated, Toolchain
+from dalembert.symbolic.native.toolchain import (
+    ENTRY,
+    PIECES,
+    SIGNATURE,
+    Call,
+    NotTranslated,
+    Toolchain,
+)
 
 VERSION = 5
-"""Raised when the same text makes other instructions."""
+"""Incremented when the same text yields other instructions."""
 OPTIMISED = 1
-"""Level of code generation; none changes how a number is rounded."""
+"""Optimisation level of code generation; no level changes rounding."""
 SHORT = 6000
 BEGIN, READING, COMPILING = 0.05, 0.1e-6, 45e-6
-"""Rough: seconds to begin, for a character, and for each of the operations that differ."""
+"""Estimated compile time: constant, per character, and per distinct operation [s]."""
 
 
 @dataclass(frozen=True)
@@ -33,20 +39,20 @@ class Llvm(Toolchain):
 
     Parameters
     ----------
-    lanes : numbers that are computed side by side, one for each of so many sets of arguments
-    short : operations up to which a body is compiled as a whole; in longer ones equal pieces are
-        compiled once
-    alike : numbers of arguments that are the same in all lanes and given once
+    lanes : sets of arguments evaluated side by side
+    short : upper limit of operations of a body that is compiled as a whole; in longer ones equal
+        pieces are compiled once
+    uniform : indices of arguments that are equal in all lanes and passed once
     """
 
     name: ClassVar[str] = "LLVM"
     backend: ClassVar[str] = "jit"
     suffix: ClassVar[str] = ".o"
-    maker: ClassVar[tuple[str, str]] = (__name__, "needed_llvm")
+    maker: ClassVar[tuple[str, str]] = (__name__, "require_llvm")
 
     lanes: int = 1
     short: int = SHORT
-    alike: tuple[int, ...] = ()
+    uniform: tuple[int, ...] = ()
 
     @cached_property
     def identity(self) -> tuple[str, ...]:
@@ -55,30 +61,31 @@ class Llvm(Toolchain):
 
         version = ".".join(map(str, llvm.llvm_version_info))
         features = llvm.get_host_cpu_features().flatten()
-        about: tuple[str, ...] = (llvmlite.__version__, version, llvm.get_host_cpu_name(), features)
-        about += (str(OPTIMISED), str(VERSION), str(self.lanes), str(self.short))
-        return (*about, str(self.alike)) if self.alike else about
+        identity: tuple[str, ...]
+        identity = (llvmlite.__version__, version, llvm.get_host_cpu_name(), features)
+        identity += (str(OPTIMISED), str(VERSION), str(self.lanes), str(self.short))
+        return (*identity, str(self.uniform)) if self.uniform else identity
 
-    def least_effort(self, text: str) -> float:
+    def least_compile_time(self, text: str) -> float:
         return BEGIN + READING * len(text)
 
-    def effort(self, text: str) -> float:
-        from dalembert.symbolic.native.translation import different_operations
+    def compile_time(self, text: str) -> float:
+        from dalembert.symbolic.native.translation import distinct_operations
 
         try:
-            different = different_operations(text, ENTRY, self.short)
-        except UnsupportedError:  # what it is will be told when it is compiled
-            different = 0
-        return self.least_effort(text) + COMPILING * different
+            distinct = distinct_operations(text, ENTRY, self.short)
+        except UnsupportedError:  # raised again when it is compiled
+            distinct = 0
+        return self.least_compile_time(text) + COMPILING * distinct
 
     def build(self, text: str, target: Path) -> None:
-        from dalembert.symbolic.native.translation import translated
+        from dalembert.symbolic.native.translation import translate
 
         try:
-            code = _object_code(translated(text, ENTRY, self.lanes, self.short, self.alike))
+            code = _object_code(translate(text, ENTRY, self.lanes, self.short, self.uniform))
         except NotTranslated:
             raise
-        except Exception as error:  # other versions of CasADi may write what nobody has seen
+        except Exception as error:  # other versions of CasADi may write unknown C
             raise NotTranslated(f"LLVM: {type(error).__name__}: {error}") from None
         target.write_bytes(code)
 
@@ -90,38 +97,38 @@ class Llvm(Toolchain):
 
 
 def find_llvm() -> Llvm | None:
-    """LLVM where its package is installed."""
+    """LLVM if its packages are installed, else None."""
     return Llvm() if find_spec("llvmlite") and find_spec("pycparser") else None
 
 
 @lru_cache
 def lane_count() -> int:
-    """Numbers that this processor computes with at once."""
+    """Number of doubles in a vector register of this processor."""
     import llvmlite.binding as llvm
 
     return 8 if llvm.get_host_cpu_features().get("avx512f") else 4
 
 
-def needed_llvm() -> Llvm:
+def require_llvm() -> Llvm:
     """LLVM.
 
     Raises
     ------
     UnsupportedError
-        It is not installed.
+        The packages are not installed.
     """
-    found = find_llvm()
-    if found is None:
+    toolchain = find_llvm()
+    if toolchain is None:
         raise UnsupportedError(
             "backend 'jit': the packages llvmlite and pycparser are not both installed; "
             "'pip install llvmlite pycparser', or use backend='c' or 'vm', which give the same "
             "results"
         )
-    return found
+    return toolchain
 
 
 def _machine() -> Any:
-    """This machine; an engine takes it over."""
+    """Target machine of this processor; an engine takes ownership of it."""
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
@@ -150,12 +157,12 @@ def _object_code(module: Any) -> bytes:
 
 
 class _Loaded:
-    """Machine code in memory, for as long as it is held."""
+    """Machine code in memory, as long as the object exists."""
 
     def __init__(self, code: bytes):
         import llvmlite.binding as llvm
 
-        _offer_library()
+        _register_library()
         self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
         self._engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         self._engine.finalize_object()
@@ -163,13 +170,13 @@ class _Loaded:
         counts = (ctypes.c_longlong * 2).from_address(self._engine.get_global_value_address(PIECES))
         self.pieces = tuple(counts)
 
-    def __call__(self, *given: Any) -> int:
-        return self._loop(*given)
+    def __call__(self, *arguments: Any) -> int:
+        return self._loop(*arguments)
 
 
 @lru_cache
-def _offer_library() -> None:
-    """Tell LLVM where the mathematical functions are that machine code calls."""
+def _register_library() -> None:
+    """Register the mathematical functions called by machine code with LLVM."""
     import llvmlite.binding as llvm
 
     names = {*LIBRARY.values(), "sin", "cos", "sincos", "exp", "log", "pow", "fmin", "fmax"}

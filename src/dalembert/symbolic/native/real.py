@@ -1,4 +1,4 @@
-"""What stands for a number of CasADi's text in LLVM IR: one double, or one for each lane."""
+"""Real numbers in LLVM IR: a double, or a vector of doubles with one entry per lane."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ INTRINSICS = {
     **{"fabs": "fabs", "casadi_fabs": "fabs", "copysign": "copysign"},
     **{"fmin": "minnum", "casadi_fmin": "minnum", "fmax": "maxnum", "casadi_fmax": "maxnum"},
 }
-"""C name → what LLVM calls it; these exist for lanes, too."""
+"""C name → name of LLVM's intrinsic, which exists for lanes, too."""
 LIBRARY = {
     **{name: name for name in ("tan", "asin", "acos", "atan", "sinh", "cosh", "tanh")},
     **{name: name for name in ("asinh", "acosh", "atanh", "erf", "fmod", "remainder", "atan2")},
     **{name: name for name in ("log1p", "expm1", "hypot")},
     **{f"casadi_{name}": name for name in ("log1p", "expm1", "hypot")},
 }
-"""C name → function of the mathematical library of the system."""
+"""C name → function of the system's mathematical library."""
 
 
 @dataclass(frozen=True)
 class Real:
-    """The type of a number."""
+    """Type of real numbers."""
 
     lanes: int = 1
 
@@ -34,7 +34,7 @@ class Real:
 
     @property
     def flag(self) -> str:
-        """The type of what a comparison tells."""
+        """Type of the result of a comparison."""
         return "i1" if self.lanes == 1 else f"<{self.lanes} x i1>"
 
     @property
@@ -43,18 +43,18 @@ class Real:
 
     @property
     def suffix(self) -> str:
-        """What ends the names of LLVM's functions of this type."""
+        """Suffix of the names of LLVM's functions of this type."""
         return "f64" if self.lanes == 1 else f"v{self.lanes}f64"
 
     def constant(self, number: str | float) -> str:
-        """A number of the text; exactly, thus in hexadecimals."""
+        """A constant, written exactly in hexadecimal."""
         (bits,) = struct.unpack("<Q", struct.pack("<d", float(number)))
-        one = f"0x{bits:016X}"
-        return one if self.lanes == 1 else f"<{', '.join([f'double {one}'] * self.lanes)}>"
+        text = f"0x{bits:016X}"
+        return text if self.lanes == 1 else f"<{', '.join([f'double {text}'] * self.lanes)}>"
 
-    def call(self, name: str, given: list[str]) -> str | None:
-        """The call of a mathematical function; None for one that is not known."""
-        if self.lanes > 1 and name in TURNING:
+    def call(self, name: str, arguments: list[str]) -> str | None:
+        """The call of a mathematical function; None for an unknown one."""
+        if self.lanes > 1 and name in SINE_COSINE:
             callee = f"{name}.{self.suffix}"
         elif name in INTRINSICS:
             callee = f"llvm.{INTRINSICS[name]}.{self.suffix}"
@@ -62,46 +62,48 @@ class Real:
             callee = LIBRARY[name] + ("" if self.lanes == 1 else f".{self.suffix}")
         else:
             return None
-        return f"call {self.ir} @{callee}({', '.join(f'{self.ir} {value}' for value in given)})"
+        values = ", ".join(f"{self.ir} {value}" for value in arguments)
+        return f"call {self.ir} @{callee}({values})"
 
     @property
-    def both(self) -> str:
-        """The type of a sine and a cosine."""
+    def pair(self) -> str:
+        """Type of a pair of sine and cosine."""
         return f"{{{self.ir}, {self.ir}}}"
 
-    def turned(self, value: str) -> str:
-        """The call that gives both of an angle in lanes."""
-        return f"call {self.both} @sincos.{self.suffix}({self.ir} {value})"
+    def sincos(self, value: str) -> str:
+        """The call that returns sine and cosine of an angle in lanes."""
+        return f"call {self.pair} @sincos.{self.suffix}({self.ir} {value})"
 
     def declarations(self, text: str) -> list[str]:
-        """Declarations of the mathematical functions that a text calls."""
-        made: list[str] = []
-        if any(f"@{name}.{self.suffix}(" in text for name in ("sincos", *TURNING)):
-            made = sines(self.ir, self.lanes, self.constant)
-            text = "\n".join([text, *made])
+        """Declarations of the mathematical functions called by a text."""
+        lines: list[str] = []
+        if any(f"@{name}.{self.suffix}(" in text for name in ("sincos", *SINE_COSINE)):
+            lines = sines(self.ir, self.lanes, self.constant)
+            text = "\n".join([text, *lines])
         for name in sorted(set(INTRINSICS.values())):
             if f"@llvm.{name}.{self.suffix}(" in text:
-                made.append(f"declare {self.ir} @llvm.{name}.{self.suffix}({self._given(name)})")
+                types = self._argument_types(name)
+                lines.append(f"declare {self.ir} @llvm.{name}.{self.suffix}({types})")
         for name in sorted(set(LIBRARY.values())):
             if f"@{name}(" in text or f"@{name}.{self.suffix}(" in text:
-                made.append(f"declare double @{name}({Real()._given(name)})")
+                lines.append(f"declare double @{name}({Real()._argument_types(name)})")
             if self.lanes > 1 and f"@{name}.{self.suffix}(" in text:
-                made += self._lane_by_lane(name)
-        return made
+                lines += self._lane_by_lane(name)
+        return lines
 
-    def _given(self, name: str) -> str:
-        return ", ".join([self.ir] * (2 if name in TWO else 1))
+    def _argument_types(self, name: str) -> str:
+        return ", ".join([self.ir] * (2 if name in BINARY_FUNCTIONS else 1))
 
     def _lane_by_lane(self, name: str) -> list[str]:
-        """A function of lanes that calls one of numbers."""
-        count = 2 if name in TWO else 1
+        """Definition of a function in lanes that calls the scalar function for each lane."""
+        count = 2 if name in BINARY_FUNCTIONS else 1
         head = ", ".join(f"{self.ir} %x{k}" for k in range(count))
         lines, last = [f"define internal {self.ir} @{name}.{self.suffix}({head}) {{"], "undef"
         for lane in range(self.lanes):
             for k in range(count):
                 lines.append(f"  %x{k}.{lane} = extractelement {self.ir} %x{k}, i32 {lane}")
-            given = ", ".join(f"double %x{k}.{lane}" for k in range(count))
-            lines.append(f"  %y{lane} = call double @{name}({given})")
+            arguments = ", ".join(f"double %x{k}.{lane}" for k in range(count))
+            lines.append(f"  %y{lane} = call double @{name}({arguments})")
             lines.append(
                 f"  %r{lane} = insertelement {self.ir} {last}, double %y{lane}, i32 {lane}"
             )
@@ -109,9 +111,9 @@ class Real:
         return [*lines, f"  ret {self.ir} {last}", "}"]
 
 
-TURNING = ("sin", "cos")
-"""Functions that lanes have of their own."""
-TWO = frozenset(
+SINE_COSINE = ("sin", "cos")
+"""Functions with their own implementation in lanes."""
+BINARY_FUNCTIONS = frozenset(
     ["pow", "copysign", "minnum", "maxnum", "fmod", "remainder", "atan2", "hypot"],
 )
-"""Functions of two numbers."""
+"""Functions of two arguments."""

@@ -1,9 +1,9 @@
-"""Parts of a straight body that are equal but for where their numbers are.
+"""Repeated pieces of straight-line code, which differ only in the locations of their values.
 
-Equal elements of a model leave equal sequences of operations. The body is cut where a hash of the
-last few operations says so (content-defined chunking, Muthitacharoen et al. 2001): equal sequences
-are cut at equal places, wherever they stand. Pieces that almost always follow each other are
-joined.
+Equal elements of a model yield equal sequences of operations. The body is cut where a hash of the
+last few operations meets a condition (content-defined chunking, Muthitacharoen et al. 2001): equal
+sequences are cut equally, independent of their position. Pieces that almost always follow each
+other are merged.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ import numpy as np
 from dalembert.symbolic.native.operations import Operations
 
 WINDOW = 6
-"""Operations that decide whether there is a cut after them."""
-ONE_IN, LEAST, MOST = 8, 20, 200
-"""A cut after one in so many windows, and the least and most operations of a piece at first."""
+"""Number of operations in the hash that decides on a cut."""
+ONE_IN, MIN_LENGTH, MAX_LENGTH = 8, 20, 200
+"""Average windows per cut, and limits of the operations of a piece before merging."""
 TOGETHER = 0.9
-"""Share of their occurrences from which two pieces that follow each other are joined."""
+"""Threshold for merging two pieces: share of their occurrences in sequence."""
 OFTEN = 8
-"""Occurrences of two together from which it is enough that one is hardly ever without the other."""
+"""Occurrences in sequence above which the share of one of the two pieces suffices."""
 OUTSIDE = 1 << 40
-"""From here on references count what comes from other pieces."""
+"""Offset of references to values from other pieces."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Pieces:
     Attributes
     ----------
     operations : Operations
-    cuts : where pieces begin, and the end
+    cuts : first operations of the pieces, and the end
     """
 
     operations: Operations
@@ -42,7 +42,7 @@ class Pieces:
 
     @classmethod
     def whole(cls, operations: Operations) -> Pieces:
-        """All in one."""
+        """The body as one piece."""
         return cls(operations, np.array([0, operations.count]))
 
     @property
@@ -55,22 +55,22 @@ class Pieces:
 
     @cached_property
     def piece(self) -> np.ndarray:
-        """The piece that each operation is in."""
+        """The piece of each operation."""
         return np.repeat(np.arange(self.count), self.lengths)
 
     @cached_property
-    def kept(self) -> np.ndarray:
+    def stored(self) -> np.ndarray:
         """Whether a later piece reads the value of each operation."""
         return self.operations.last_use >= self.cuts[self.piece + 1]
 
     @cached_property
     def outside(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Operands from other pieces, by twice the operation, and one more for the second.
+        """Operands from other pieces.
 
         Returns
         -------
-        use : where operands come from other pieces
-        number : which one of its piece it is, in the order of their first uses
+        use : twice the index of the operation, plus one for its second operand
+        number : number of the value in its piece, in the order of first uses
         new : whether it is the first use
         """
         o, begin = self.operations, self.cuts[self.piece]
@@ -89,18 +89,18 @@ class Pieces:
 
     @cached_property
     def _forms(self) -> np.ndarray:
-        """What each operation does and where its operands come from, seen from its piece."""
+        """Each operation with its operands relative to its piece."""
         o, here = self.operations, np.arange(self.operations.count)
         operands = np.column_stack([o.first, o.second])
         inside = 1 + here[:, None] - np.column_stack(o.sources)
         forms = np.where(operands >= 0, inside, operands).ravel()
         use, number, _ = self.outside
         forms[use] = OUTSIDE + number
-        return np.column_stack([o.what, forms.reshape(-1, 2), self.kept])
+        return np.column_stack([o.operation, forms.reshape(-1, 2), self.stored])
 
     @cached_property
     def labels(self) -> np.ndarray:
-        """A number for each piece, equal for equal ones: that of the first such piece."""
+        """A label for each piece, equal for equal pieces: the index of the first one."""
         if not self.operations.count:
             return np.arange(self.count)
         within = np.arange(self.operations.count) - self.cuts[self.piece]
@@ -111,21 +111,21 @@ class Pieces:
         like = self.cuts[labels[self.piece]] + within
         same = (like < self.operations.count) & (self.lengths == self.lengths[labels])[self.piece]
         same &= (self._forms == self._forms[np.where(same, like, 0)]).all(axis=1)
-        alone = np.unique(self.piece[~same])  # equal by hash alone
-        labels[alone] = alone
+        collisions = np.unique(self.piece[~same])  # equal by hash only
+        labels[collisions] = collisions
         return labels
 
     @property
-    def different(self) -> np.ndarray:
-        """The first of each kind."""
+    def distinct(self) -> np.ndarray:
+        """The first piece of each label."""
         return np.unique(self.labels)
 
     @property
-    def different_operations(self) -> int:
-        return int(self.lengths[self.different].sum())
+    def distinct_operations(self) -> int:
+        return int(self.lengths[self.distinct].sum())
 
-    def joined(self, longest: int) -> Pieces:
-        """Pieces that almost always follow each other as one, up to so many operations."""
+    def merged(self, longest: int) -> Pieces:
+        """Pieces that almost always follow each other merged, up to ``longest`` operations."""
         labels, lengths = self.labels, self.lengths
         if self.count < 2:
             return self
@@ -151,23 +151,23 @@ class Pieces:
 
 
 def pieces(operations: Operations, longest: int) -> Pieces:
-    """A body in pieces of at most about so many operations, cut alike where it is alike."""
+    """A body cut into pieces of about ``longest`` operations or less, equal parts equally."""
     hashed = np.zeros(operations.count, dtype=np.uint64)
     for k in range(WINDOW):
-        shifted = np.roll(operations.what, k).astype(np.uint64)
+        shifted = np.roll(operations.operation, k).astype(np.uint64)
         hashed = _mixed(hashed + shifted * _ODD[k])
-    wanted = np.flatnonzero((hashed % np.uint64(ONE_IN) == 0) & ~operations.tied)
+    candidates = np.flatnonzero((hashed % np.uint64(ONE_IN) == 0) & ~operations.tied)
     cuts, last = [0], 0
-    for cut in [*wanted.tolist(), operations.count]:
-        while cut - last > MOST:
-            last += MOST
+    for cut in [*candidates.tolist(), operations.count]:
+        while cut - last > MAX_LENGTH:
+            last += MAX_LENGTH
             while operations.tied[last]:
                 last -= 1
             cuts.append(last)
-        if cut - last >= LEAST or cut == operations.count > last:
+        if cut - last >= MIN_LENGTH or cut == operations.count > last:
             last = cut
             cuts.append(cut)
-    return Pieces(operations, np.array(cuts)).joined(longest)
+    return Pieces(operations, np.array(cuts)).merged(longest)
 
 
 _ODD = np.array(

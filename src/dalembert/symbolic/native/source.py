@@ -1,4 +1,4 @@
-"""C text of a function of the graph."""
+"""C text of graph functions, with their loop over columns."""
 
 from __future__ import annotations
 
@@ -8,21 +8,20 @@ from io import StringIO
 
 import casadi as ca
 
-from dalembert.symbolic.native.loop import LOOP
-from dalembert.symbolic.native.toolchain import Toolchain
+from dalembert.symbolic.native.toolchain import LOOP, Toolchain
 
 FACTORISED = re.compile(
     r"^  casadi_qr\(\w+, \w+, \w+, \w+, \w+, (\w+), (\w+), \w+, \w+, (\w+)\);$", re.MULTILINE
 )
 SINGULAR = r"  if (casadi_qr_singular(0, 0, \2, \1, \3, 1e-12)) return 1;"
-"""What the virtual machine asks of a factorisation and CasADi's texts leave out."""
+"""Singularity check of the virtual machine, which CasADi's texts omit."""
 
 
 def c_source(function: ca.Function) -> str | None:
-    """C text of a function and its loop; None where CasADi cannot write it, as for SUNDIALS."""
+    """C text of a function and its loop; None if CasADi cannot write it, as for SUNDIALS."""
     generator = ca.CodeGenerator("dalembert.c")
     try:
-        with redirect_stderr(StringIO()):  # CasADi warns of what is told here by the answer
+        with redirect_stderr(StringIO()):  # the result reports what CasADi warns of
             generator.add(function)
             text = generator.dump()
     except RuntimeError:
@@ -33,8 +32,8 @@ def c_source(function: ca.Function) -> str | None:
     return FACTORISED.sub(rf"\g<0>\n{SINGULAR}", text) + LOOP
 
 
-def hindrance(text: str | None, toolchain: Toolchain) -> str:
-    """Why a function stays on the virtual machine; nothing where machine code may pay."""
+def obstacle(text: str | None, toolchain: Toolchain) -> str:
+    """Reason not to compile a function; empty if machine code may pay."""
     if text is None:
         return "CasADi cannot write this integrator as C"
     if toolchain.longest is None or len(text) <= toolchain.longest:

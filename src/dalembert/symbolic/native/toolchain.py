@@ -1,7 +1,8 @@
-"""What turns C text into a function that can be called."""
+"""Interface of toolchains: C text of a function → callable loop over columns."""
 
 from __future__ import annotations
 
+import ctypes
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from pathlib import Path
@@ -11,25 +12,49 @@ from dalembert.errors import UnsupportedError
 
 
 class NotTranslated(UnsupportedError):
-    """A toolchain does not know something in a text; others may."""
+    """A text contains something unknown to a toolchain; others may support it."""
 
 
 Call = Callable[..., int]
-"""The loop over columns of ``source.py``, on addresses; it returns how many columns are done."""
+"""The loop over columns, on addresses; it returns the number of completed columns."""
+ENTRY = "dalembert_columns"
+"""Name of the loop in a library."""
+FIRST = "casadi_f0"
+"""Name of the function called by the loop."""
+PIECES = "dalembert_pieces"
+"""Name of two numbers in a library of LLVM: pieces of straight-line code, and distinct pieces."""
+SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_longlong, *[ctypes.c_longlong] * 3, *[ctypes.c_void_p] * 8)
+"""Type of the loop: three counts and eight addresses."""
+LOOP = f"""
+/* how many columns were done: all, or those before the first that fails */
+CASADI_SYMBOL_EXPORT casadi_int {ENTRY}(casadi_int count, casadi_int n_in, casadi_int n_out,
+    const casadi_real** from, const casadi_int* from_step, casadi_real** to,
+    const casadi_int* to_step, const casadi_real** arg, casadi_real** res, casadi_int* iw,
+    casadi_real* w) {{
+  casadi_int k, i;
+  for (k=0; k<count; ++k) {{
+    for (i=0; i<n_in; ++i) arg[i] = from[i]+k*from_step[i];
+    for (i=0; i<n_out; ++i) res[i] = to[i]+k*to_step[i];
+    if ({FIRST}(arg, res, iw, w, 0)) return k;
+  }}
+  return count;
+}}
+"""
+"""C text of the loop."""
 
 
 class Toolchain(ABC):
-    """A way to machine code.
+    """Compiler of C text to machine code.
 
     Attributes
     ----------
-    name : what it is called in a report
-    backend : what it is called where it is chosen
+    name : in reports
+    backend : name of the backend
     suffix : of its files
-    maker : module and name of the function that makes it, for another process
-    longest : characters of C from which its code gains little over the virtual machine, whose
-        instructions are shorter: code that does not fit the caches is read from memory in every
-        step; None where that is not seen from their number
+    maker : module and name of its constructor, for another process
+    longest : upper limit of characters of C, above which code that does not fit the cache gains
+        little over the virtual machine, whose instructions are shorter; None if the number of
+        characters is no measure
     """
 
     name: ClassVar[str]
@@ -39,34 +64,34 @@ class Toolchain(ABC):
     longest: ClassVar[int | None] = None
 
     @abstractmethod
-    def least_effort(self, text: str) -> float:
-        """Rough: the least seconds that compiling a text may take."""
+    def least_compile_time(self, text: str) -> float:
+        """Lower bound of the estimated compile time of a text [s]."""
 
-    def effort(self, text: str) -> float:
-        """Rough: seconds that compiling it takes, by a closer look."""
-        return self.least_effort(text)
+    def compile_time(self, text: str) -> float:
+        """Estimated compile time of a text [s], by a closer analysis."""
+        return self.least_compile_time(text)
 
     @property
     @abstractmethod
     def identity(self) -> tuple[str, ...]:
-        """What its files depend on, besides the text."""
+        """Everything that its files depend on, besides the text."""
 
     @abstractmethod
     def build(self, text: str, target: Path) -> None:
-        """Make a file of a text.
+        """Compile a text to a file.
 
         Raises
         ------
         UnsupportedError
-            That is not possible; with the reason. ``NotTranslated`` where the text is at fault.
+            The text cannot be compiled; ``NotTranslated`` if its content is not supported.
         """
 
     @abstractmethod
     def load(self, path: Path) -> Call:
-        """The loop of a whole file.
+        """The loop of a file.
 
         Raises
         ------
         OSError
-            It cannot be loaded.
+            The file cannot be loaded.
         """

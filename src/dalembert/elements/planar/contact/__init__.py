@@ -1,4 +1,4 @@
-"""Contact in the plane: shapes, and laws of how they press, rub and bounce."""
+"""Planar contact: shapes, normal force laws, friction and restitution."""
 
 from dalembert.elements.contact.friction import Coulomb, LuGre, Stribeck
 from dalembert.elements.contact.laws import (

@@ -1,4 +1,4 @@
-"""Convex shapes with edges and corners of the plane."""
+"""Planar convex polygons."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 
 
-class Cornered(Spotted):
-    """A convex shape of the plane with straight edges."""
+class ConvexShape(Spotted):
+    """A planar convex shape with straight edges."""
 
     space = 2
     mutual = True
@@ -33,46 +33,48 @@ class Cornered(Spotted):
         return [Spot(Point(self.carrier, corner), ca.SX(0)) for corner in self.corners()]
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
-        local, found = self.local(place), self.corners()
-        edges = list(zip(found, found[1:] + found[:1], strict=True))
-        beyond = [_beyond(local, *edge) for edge in edges]
-        deepest = functools.reduce(ca.fmax, beyond)
+        local, corners = self.local(place), self.corners()
+        edges = list(zip(corners, corners[1:] + corners[:1], strict=True))
+        heights = [_height(local, *edge) for edge in edges]
+        deepest = functools.reduce(ca.fmax, heights)
         if sharp:
             return deepest
-        nearest = functools.reduce(ca.fmin, [_square(local, *edge) for edge in edges])
+        nearest = functools.reduce(ca.fmin, [_squared_distance(local, *edge) for edge in edges])
         return ca.if_else(deepest > 0, ca.sqrt(nearest + NO_LENGTH**2), deepest)
 
     def look(self, near: ca.SX) -> list[Look]:
-        found = ca.horzcat(*self.corners())
-        return [Path(self.carrier, lambda u: _along(found, u), (0.0, float(found.shape[1])), True)]
+        corners = ca.horzcat(*self.corners())
+        return [
+            Path(self.carrier, lambda u: _outline(corners, u), (0.0, float(corners.shape[1])), True)
+        ]
 
 
-Cornered.feels = (Ball, Cornered)
+ConvexShape.feels = (Ball, ConvexShape)
 
 
-def _beyond(place: ca.SX, start: ca.SX, end: ca.SX) -> ca.SX:
-    """How far a place is on the right of an edge."""
-    edge, away = end - start, place - start
-    return (edge[1] * away[0] - edge[0] * away[1]) / ca.sqrt(ca.sumsqr(edge))
+def _height(place: ca.SX, start: ca.SX, end: ca.SX) -> ca.SX:
+    """Signed distance of a position to the right of an edge."""
+    edge, relative = end - start, place - start
+    return (edge[1] * relative[0] - edge[0] * relative[1]) / ca.sqrt(ca.sumsqr(edge))
 
 
-def _square(place: ca.SX, start: ca.SX, end: ca.SX) -> ca.SX:
-    """Square of its distance from an edge, or from the nearer end of it."""
-    edge, away = end - start, place - start
-    share = ca.fmin(1, ca.fmax(0, ca.dot(edge, away) / ca.sumsqr(edge)))
-    return ca.sumsqr(away - share * edge)
+def _squared_distance(place: ca.SX, start: ca.SX, end: ca.SX) -> ca.SX:
+    """Squared distance of a position from an edge, including its end points."""
+    edge, relative = end - start, place - start
+    fraction = ca.fmin(1, ca.fmax(0, ca.dot(edge, relative) / ca.sumsqr(edge)))
+    return ca.sumsqr(relative - fraction * edge)
 
 
-def _along(corners: ca.SX, u: ca.SX) -> ca.SX:
-    """The place on the outline that corner ``k`` begins at ``u = k``."""
+def _outline(corners: ca.SX, u: ca.SX) -> ca.SX:
+    """Position on the outline; corner ``k`` is at ``u = k``."""
     count = corners.shape[1]
-    share = [ca.fmax(0, 1 - ca.fabs(u - k)) for k in range(count + 1)]
-    return ca.mtimes(corners, ca.vertcat(share[0] + share[count], *share[1:count]))
+    weights = [ca.fmax(0, 1 - ca.fabs(u - k)) for k in range(count + 1)]
+    return ca.mtimes(corners, ca.vertcat(weights[0] + weights[count], *weights[1:count]))
 
 
 @dataclass(eq=False)
-class Polygon(Cornered):
-    """Convex polygon of the plane.
+class Polygon(ConvexShape):
+    """Planar convex polygon.
 
     Parameters
     ----------
@@ -91,7 +93,7 @@ class Polygon(Cornered):
     >>> law = contact.KelvinVoigt(stiffness=1e5)
     >>> touch = system.add(planar.Contact("touch", floor, shape, law=law))
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["touch.penetration"].item() * 1e3, 6)  # m g/(2 k) [mm]: it stands on two corners
+    >>> round(rest["touch.penetration"].item() * 1e3, 6)  # m g/(2 k) [mm] on two corners
     0.15
     """
 
@@ -115,21 +117,23 @@ class Polygon(Cornered):
         return [vertex.sx for vertex in self.vertices]
 
     def conditions(self) -> list[Condition]:
-        found = self.corners()
-        turns = []
-        for a, b, c in zip(found, found[1:] + found[:1], found[2:] + found[:2], strict=True):
-            turns.append((b - a)[0] * (c - b)[1] - (b - a)[1] * (c - b)[0])
+        corners = self.corners()
+        cross_products = []
+        for a, b, c in zip(
+            corners, corners[1:] + corners[:1], corners[2:] + corners[:2], strict=True
+        ):
+            cross_products.append((b - a)[0] * (c - b)[1] - (b - a)[1] * (c - b)[0])
         wrong = "its vertices are no convex polygon; give them anticlockwise, without dents"
-        return [*super().conditions(), (ca.vertcat(*turns), wrong)]
+        return [*super().conditions(), (ca.vertcat(*cross_products), wrong)]
 
 
 @dataclass(eq=False)
-class Rectangle(Cornered, Pointed):
-    """Rectangle of the plane along the axes of its body.
+class Rectangle(ConvexShape, Pointed):
+    """Planar rectangle along the axes of its body.
 
     Parameters
     ----------
-    point : its middle, point of a body
+    point : its centre, point of a body
     size : (2,) lengths along x and y [m]
 
     Examples
@@ -143,7 +147,7 @@ class Rectangle(Cornered, Pointed):
     >>> floor, law = contact.HalfPlane(system.ground.center), contact.KelvinVoigt(stiffness=1e5)
     >>> touch = system.add(planar.Contact("touch", floor, shape, law=law))
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["crate.y"].item(), 6)  # half the height less m g/(2 k)
+    >>> round(rest["crate.y"].item(), 6)  # half the height minus m g/(2 k)
     0.1498
     """
 

@@ -1,4 +1,4 @@
-"""Curves that touch: cams against rollers, points and flat followers."""
+"""Curved contact profiles: cams with rollers, points and flat followers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import casadi as ca
 
 from dalembert.elements.base import Constraint, Look, option
 from dalembert.elements.body import BodyElement
-from dalembert.elements.contact.meeting import Meeting
+from dalembert.elements.contact.contact_point import ContactPoint
 from dalembert.elements.contact.shapes import Ball, Flat, Shape, Spot
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.curves import Curve
@@ -20,16 +20,16 @@ from dalembert.errors import ModelError
 
 @dataclass(eq=False)
 class Profile(Shape):
-    """A smooth curve fixed in a body of the plane, with its matter on the left.
+    """A smooth curve fixed in a planar body, with the material on its left.
 
-    The place that comes nearest to another shape is a coordinate without mass, beside its distance;
-    it is found at the start and followed then. Where the curve is hollow, its radius of curvature
-    must be larger than that of what touches it; a straight line touches convex curves only.
+    The parameter of the point nearest to another shape, and its distance, are massless coordinates;
+    assembly finds the nearest point, which is then followed. The radius of curvature of a concave
+    curve must exceed that of the other shape; a straight line can touch convex curves only.
 
     Parameters
     ----------
     body : the body it is fixed in
-    curve : in the frame of the body; anticlockwise around its matter
+    curve : in the frame of the body; anticlockwise around its material
 
     Examples
     --------
@@ -44,7 +44,7 @@ class Profile(Shape):
     >>> touch = planar.Contact("touch", floor, contact.Profile(egg, oval), law=law)
     >>> contact = system.add(touch)
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["egg.y"].item(), 6)  # lies on its flat side, less m g/k
+    >>> round(rest["egg.y"].item(), 6)  # half the minor axis minus m g/k
     0.0999
     """
 
@@ -56,7 +56,7 @@ class Profile(Shape):
     def __post_init__(self) -> None:
         self.body = need_body(self.body, "Profile", "body")
         if not isinstance(self.curve, Curve) or self.curve.dimension != 2:
-            raise ModelError(f"curve must be a curve of the plane, got {self.curve!r}", "Profile")
+            raise ModelError(f"curve must be a planar curve, got {self.curve!r}", "Profile")
         super().__post_init__()
 
     @property
@@ -67,14 +67,14 @@ class Profile(Shape):
         curve = self.curve
         return [Path(self.body, curve.position, curve.interval(), curve.closed)]
 
-    def meet(self, other: Shape, owner: str) -> list[Meeting]:
+    def contact_points(self, other: Shape, owner: str) -> list[ContactPoint]:
         if isinstance(other, Flat):
-            return [Tangency(f"{owner}_foot", self, other).meeting()]
-        return [Foot(f"{owner}_foot", self, spot).meeting() for spot in other.spots()]
+            return [Tangency(f"{owner}_foot", self, other).contact_point()]
+        return [Foot(f"{owner}_foot", self, spot).contact_point() for spot in other.spots()]
 
 
-class NearestPlace(Coordinates):
-    """The place of a curve that is nearest to something, and its distance; both without mass."""
+class NearestPoint(Coordinates):
+    """Massless coordinates: curve parameter and distance of the nearest point."""
 
     def __init__(self, name: str, curve: Curve):
         self.name, self.interval = f"{name}.nearest", curve.interval()
@@ -82,13 +82,13 @@ class NearestPlace(Coordinates):
 
 
 @dataclass(eq=False)
-class Nearest(Constraint):
-    """Equations of the place of a curve that is nearest to another shape."""
+class NearestPointEquations(Constraint):
+    """Equations of the point of a curve nearest to another shape."""
 
     profile: Profile
 
     def __post_init__(self) -> None:
-        self.nearest = NearestPlace(self.name, self.profile.curve)
+        self.nearest = NearestPoint(self.name, self.profile.curve)
         self.u, self.distance = ca.vertsplit(self.nearest.pose)
         super().__post_init__()
 
@@ -96,13 +96,13 @@ class Nearest(Constraint):
         return [self.nearest]
 
     @property
-    def here(self) -> ca.SX:
-        """The place on the curve, inertial."""
+    def position(self) -> ca.SX:
+        """Inertial position of the nearest point."""
         return self.profile.body.locate(self.profile.curve.position(self.u))
 
     @property
     def outward(self) -> ca.SX:
-        """Normal of the curve there, inertial components."""
+        """Normal of the curve at the nearest point, inertial components."""
         curve = self.profile.curve
         return self.profile.body.turned(
             curve.offset_position(self.u, ca.SX(1)) - curve.position(self.u)
@@ -110,7 +110,7 @@ class Nearest(Constraint):
 
 
 @dataclass(eq=False)
-class Foot(Nearest):
+class Foot(NearestPointEquations):
     """Foot of the perpendicular from a point, ``A_iᵀ (r_P − r_i) − c(u) − g n(u) = 0``."""
 
     spot: Spot
@@ -122,14 +122,14 @@ class Foot(Nearest):
         place = self.profile.local(self.spot.point.position.sx)
         return place - self.profile.curve.offset_position(self.u, self.distance)
 
-    def meeting(self) -> Meeting:
+    def contact_point(self) -> ContactPoint:
         gap = self.distance - self.spot.radius
-        return Meeting(gap, self.outward, self.here + self.outward * gap / 2, self)
+        return ContactPoint(gap, self.outward, self.position + self.outward * gap / 2, self)
 
 
 @dataclass(eq=False)
-class Tangency(Nearest):
-    """Where the curve is parallel to a line, ``nᵀ (r_c(u) − r_P) − g = 0``, ``nᵀ r_c'(u) = 0``."""
+class Tangency(NearestPointEquations):
+    """Tangent point of curve and line, ``nᵀ (r_c(u) − r_P) − g = 0``, ``nᵀ r_c'(u) = 0``."""
 
     flat: Flat
 
@@ -137,9 +137,10 @@ class Tangency(Nearest):
         return [self.profile.body, self.flat.carrier, self.nearest]
 
     def residual(self) -> ca.SX:
-        height = self.flat.distance(self.here, sharp=True)
+        height = self.flat.distance(self.position, sharp=True)
         return ca.vertcat(height - self.distance, ca.jacobian(height, self.u))
 
-    def meeting(self) -> Meeting:
-        up = self.flat.outward
-        return Meeting(self.distance, -up, self.here - up * self.distance / 2, self)
+    def contact_point(self) -> ContactPoint:
+        normal = self.flat.outward
+        place = self.position - normal * self.distance / 2
+        return ContactPoint(self.distance, -normal, place, self)

@@ -1,4 +1,4 @@
-"""Round and straight shapes of the plane."""
+"""Planar circles, bores and half-planes, and the revolute joint with clearance."""
 
 from __future__ import annotations
 
@@ -7,14 +7,16 @@ from dataclasses import dataclass
 import casadi as ca
 
 from dalembert.elements.base import Look, Vector, quantity
+from dalembert.elements.contact.contact import ClearanceJoint
 from dalembert.elements.contact.shapes import Flat, Hollow, Round
-from dalembert.elements.look import Disc
+from dalembert.elements.look import Disc, Pin
+from dalembert.elements.planar.joint import InPlane
 from dalembert.elements.rotation import unit
 
 
 @dataclass(eq=False)
 class Circle(Round):
-    """Disc of the plane.
+    """Planar disc.
 
     Examples
     --------
@@ -28,7 +30,7 @@ class Circle(Round):
     >>> law = contact.Hertz(stiffness=1e7)
     >>> touch = system.add(planar.Contact("touch", *discs, law=law))
     >>> motion = da.solve_dynamics(system.build(), 0.2, integrator=da.DormandPrince(1e-9, 1e-9))
-    >>> round(motion["b.vx"][-1].item(), 5)  # all of the speed is handed over
+    >>> round(motion["b.vx"][-1].item(), 5)  # the whole speed is transferred
     1.0
     """
 
@@ -40,7 +42,7 @@ class Circle(Round):
 
 @dataclass(eq=False)
 class Bore(Hollow):
-    """Round hole of the plane, with what touches it inside.
+    """Planar round hole, touched from inside.
 
     Examples
     --------
@@ -65,12 +67,12 @@ class Bore(Hollow):
 
 @dataclass(eq=False)
 class HalfPlane(Flat):
-    """Matter on one side of a straight line of the plane.
+    """Material on one side of a straight line.
 
     Parameters
     ----------
     point : point of a body on the line
-    normal : (2,) out of the matter, in the axes of the body
+    normal : (2,) outward normal in the axes of the body
 
     Examples
     --------
@@ -88,7 +90,7 @@ class HalfPlane(Flat):
     """
 
     space = 2
-    normal: Vector = quantity("", "out of the matter, in body axes", default=(0.0, 1.0), size=2)
+    normal: Vector = quantity("", "outward normal in body axes", default=(0.0, 1.0), size=2)
 
     @property
     def outward(self) -> ca.SX:
@@ -98,3 +100,26 @@ class HalfPlane(Flat):
     def along(self) -> list[ca.SX]:
         x, y = ca.vertsplit(unit(self.normal.sx, "HalfPlane.normal"))
         return [ca.vertcat(y, -x)]
+
+
+@dataclass(eq=False)
+class ClearanceRevolute(InPlane, ClearanceJoint):
+    """A journal in a bearing with clearance, free while ``g = clearance − |r_j − r_i| > 0``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("play", gravity=(0, -10))
+    >>> shaft = system.add(planar.Particle("shaft", mass=4.0, position=(0, -0.00101)))
+    >>> bearing = system.add(planar.ClearanceRevolute("bearing", system.ground.center, shaft.center,
+    ...     radius=0.02, clearance=0.001, law=planar.contact.KelvinVoigt(stiffness=1e7)))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["shaft.y"].item() * 1e6, 3)  # clearance plus m g/k [µm]
+    -1004.0
+    """
+
+    hole, inside = Bore, Circle
+
+    def look(self) -> list[Look]:
+        return [Pin(self.point_j, self.point_i)]

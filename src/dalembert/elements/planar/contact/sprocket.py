@@ -1,4 +1,4 @@
-"""Toothed wheels of roller chains."""
+"""Sprockets of roller chains."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from dalembert.elements.look import Path
 from dalembert.errors import ModelError
 
 SEAT, FLANK = 0.505, 0.12
-"""Radius of the seats by the diameter of rollers; of the flanks, times (z + 2) (ISO 606)."""
+"""Radii over the roller diameter: of the seats; of the flanks, divided by z + 2 (ISO 606)."""
 DRAWN = 4
-"""Chords of a tooth's flank in pictures."""
+"""Number of chords per flank in pictures."""
 
 
 @dataclass(eq=False)
 class Sprocket(Pointed):
-    """Wheel with teeth for a roller chain, the first seat along the x axis of its body.
+    """Sprocket of a roller chain, with the first seat on the x axis of its body.
 
-    Rollers of the diameter d sit in ``z`` hollow arcs of radius ``0.505 d`` about points of the
-    pitch circle, ``R = p/(2 sin(π/z))``. Arcs of ``0.12 d (z + 2)``, which are the flanks of the
-    teeth, go on tangentially where a seat ends, up to where two of them meet (ISO 606, minimum
-    form). A place is turned back to the seat nearest to it, so that all teeth cost as much as one.
+    The ``z`` roller seats are concave arcs of radius ``0.505 d`` about points of the pitch circle,
+    ``R = p/(2 sin(π/z))``, for rollers of diameter d. Arcs of radius ``0.12 d (z + 2)``, the flanks
+    of the teeth, continue tangentially from a seat to the tip of a tooth (ISO 606, minimum form).
+    Positions are rotated to the nearest seat, so that the cost does not depend on z.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class Sprocket(Pointed):
     >>> seat = planar.Contact("seat", teeth, roller, law=contact.KelvinVoigt(stiffness=1e6))
     >>> contact = system.add(seat)
     >>> motion = da.solve_dynamics(system.build(), 1e-4, step=1e-4)
-    >>> round(motion["seat.gap"][0].item() / 0.00851, 6)  # play of a seat: 0.505 - 0.5
+    >>> round(motion["seat.gap"][0].item() / 0.00851, 6)  # seat clearance: 0.505 - 0.5
     0.005
     """
 
@@ -69,8 +69,8 @@ class Sprocket(Pointed):
         super().__post_init__()
 
     def conditions(self) -> list[Condition]:
-        room = self.pitch.sx - 2 * SEAT * self.roller.sx
-        return [(room, "the rollers of a chain are smaller than its pitch; check both")]
+        clearance = self.pitch.sx - 2 * SEAT * self.roller.sx
+        return [(clearance, "the rollers of a chain are smaller than its pitch; check both")]
 
     @property
     def pitch_radius(self) -> ca.SX:
@@ -79,59 +79,61 @@ class Sprocket(Pointed):
 
     @property
     def _arcs(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        """Seat: its middle, radius; where it ends, from there; radius of the flank."""
+        """Centre and radius of a seat, direction of its end, radius of the flank."""
         end = self.seating.sx / 2
-        middle = ca.vertcat(self.pitch_radius, 0)
-        toward = ca.vertcat(-ca.cos(end), ca.sin(end))
-        return middle, SEAT * self.roller.sx, toward, FLANK * self.roller.sx * (self.teeth + 2)
+        center = ca.vertcat(self.pitch_radius, 0)
+        direction = ca.vertcat(-ca.cos(end), ca.sin(end))
+        return center, SEAT * self.roller.sx, direction, FLANK * self.roller.sx * (self.teeth + 2)
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         local = self.local(place) - self.point.local.sx
-        turned = self.teeth * ca.atan2(local[1], local[0])
-        angle = ca.fabs(ca.atan2(ca.sin(turned), ca.cos(turned))) / self.teeth
+        seat_angle = self.teeth * ca.atan2(local[1], local[0])
+        angle = ca.fabs(ca.atan2(ca.sin(seat_angle), ca.cos(seat_angle))) / self.teeth
         radius = ca.sqrt(ca.sumsqr(local) + NO_LENGTH**2)
-        middle, seat, toward, flank = self._arcs
-        off = radius * ca.vertcat(ca.cos(angle), ca.sin(angle)) - middle
-        beyond = off - (seat + flank) * toward
-        on_seat = seat - ca.sqrt(ca.sumsqr(off) + NO_LENGTH**2)
-        on_flank = ca.sqrt(ca.sumsqr(beyond) + NO_LENGTH**2) - flank
-        side = off[0] * toward[1] - off[1] * toward[0]
+        center, seat, direction, flank = self._arcs
+        from_center = radius * ca.vertcat(ca.cos(angle), ca.sin(angle)) - center
+        from_flank = from_center - (seat + flank) * direction
+        on_seat = seat - ca.sqrt(ca.sumsqr(from_center) + NO_LENGTH**2)
+        on_flank = ca.sqrt(ca.sumsqr(from_flank) + NO_LENGTH**2) - flank
+        side = from_center[0] * direction[1] - from_center[1] * direction[0]
         return ca.if_else(side < 0, on_seat, on_flank)
 
     def look(self, near: ca.SX) -> list[Look]:
         corners = ca.horzcat(*self._outline())
-        turns = [2 * ca.pi * k / self.teeth for k in range(self.teeth)]
-        wheel = ca.horzcat(*(ca.mtimes(_turn(angle), corners) for angle in turns))
-        placed = wheel + self.point.local.sx
-        count = placed.shape[1]
+        angles = [2 * ca.pi * k / self.teeth for k in range(self.teeth)]
+        wheel = ca.horzcat(*(ca.mtimes(_rotation(angle), corners) for angle in angles))
+        corners_at_point = wheel + self.point.local.sx
+        count = corners_at_point.shape[1]
 
-        def along(u: ca.SX) -> ca.SX:
-            share = [ca.fmax(0, 1 - ca.fabs(u - k)) for k in range(count + 1)]
-            return ca.mtimes(placed, ca.vertcat(share[0] + share[count], *share[1:count]))
+        def outline(u: ca.SX) -> ca.SX:
+            weights = [ca.fmax(0, 1 - ca.fabs(u - k)) for k in range(count + 1)]
+            return ca.mtimes(
+                corners_at_point, ca.vertcat(weights[0] + weights[count], *weights[1:count])
+            )
 
-        return [Path(self.carrier, along, (0.0, float(count)), True)]
+        return [Path(self.carrier, outline, (0.0, float(count)), True)]
 
     def _outline(self) -> list[ca.SX]:
-        """Corners of half a tooth, a seat, half a tooth."""
-        middle, seat, toward, flank = self._arcs
+        """Corners of half a tooth, a seat and half a tooth."""
+        center, seat, direction, flank = self._arcs
         end, half = self.seating.sx / 2, ca.pi / self.teeth
-        centre = middle + (seat + flank) * toward
-        line = ca.vertcat(-ca.sin(half), ca.cos(half))  # across the middle of the tooth
-        across = ca.dot(centre, line)
-        height = ca.sqrt(flank**2 - across**2)
-        tip = centre - across * line + height * ca.vertcat(ca.cos(half), ca.sin(half))
-        begin = middle + seat * toward
+        flank_center = center + (seat + flank) * direction
+        normal = ca.vertcat(-ca.sin(half), ca.cos(half))  # of the centre line of a tooth
+        offset = ca.dot(flank_center, normal)
+        height = ca.sqrt(flank**2 - offset**2)
+        tip = flank_center - offset * normal + height * ca.vertcat(ca.cos(half), ca.sin(half))
+        begin = center + seat * direction
         flanks = []
         for k in range(DRAWN):
-            chord = tip + (begin - tip) * k / DRAWN - centre
-            flanks.append(centre + flank * chord / ca.sqrt(ca.sumsqr(chord)))
+            chord = tip + (begin - tip) * k / DRAWN - flank_center
+            flanks.append(flank_center + flank * chord / ca.sqrt(ca.sumsqr(chord)))
         arc = [end * (1 - k / DRAWN) for k in range(DRAWN + 1)]
-        upper = [middle + seat * ca.vertcat(-ca.cos(a), ca.sin(a)) for a in arc]
+        upper = [center + seat * ca.vertcat(-ca.cos(a), ca.sin(a)) for a in arc]
         half_seat = [*flanks, *upper]
         mirrored = [ca.vertcat(c[0], -c[1]) for c in half_seat]
         return [*mirrored[:-1], *half_seat[:0:-1]]
 
 
-def _turn(angle: float) -> ca.SX:
+def _rotation(angle: float) -> ca.SX:
     c, s = ca.SX(cos(angle)), ca.SX(sin(angle))
     return ca.vertcat(ca.horzcat(c, -s), ca.horzcat(s, c))

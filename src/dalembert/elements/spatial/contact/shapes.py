@@ -1,4 +1,4 @@
-"""Round and flat shapes in space."""
+"""Spatial balls, sockets and half-spaces, and the spherical joint with clearance."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ import casadi as ca
 
 from dalembert.elements.base import Condition, Look, option
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.contact import ClearanceJoint
 from dalembert.elements.contact.shapes import Ball, Flat, Hollow, Round
 from dalembert.elements.frame import Frame
+from dalembert.elements.look import Socket as BallJoint
 from dalembert.elements.spatial.contact.solids import Corners
-from dalembert.elements.spatial.solids import Orb
+from dalembert.elements.spatial.shape import Orb
 from dalembert.errors import ModelError
 
 
 @dataclass(eq=False)
 class Sphere(Round):
-    """Ball in space.
+    """Ball.
 
     Examples
     --------
@@ -30,7 +32,7 @@ class Sphere(Round):
     >>> balls = [contact.Sphere(ball.center, 0.03) for ball in (a, b)]
     >>> touch = system.add(spatial.Contact("touch", *balls, law=contact.Restitution(1.0)))
     >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.01)
-    >>> round(motion["b.vx"][-1].item(), 6)  # all of the speed is handed over
+    >>> round(motion["b.vx"][-1].item(), 6)  # the whole speed is transferred
     2.0
     """
 
@@ -43,7 +45,7 @@ class Sphere(Round):
 
 @dataclass(eq=False)
 class Socket(Hollow):
-    """Hollow ball, with what touches it inside.
+    """Spherical socket, touched from inside.
 
     Examples
     --------
@@ -56,7 +58,7 @@ class Socket(Hollow):
     >>> rim, law = contact.Sphere(ball.center, 0.1), contact.KelvinVoigt(stiffness=1e5)
     >>> touch = system.add(spatial.Contact("touch", bowl, rim, law=law))
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["ball.z"].item(), 6)  # deeper than the radii allow by m g/k
+    >>> round(rest["ball.z"].item(), 6)  # difference of the radii plus m g/k
     -0.4004
     """
 
@@ -68,11 +70,11 @@ class Socket(Hollow):
 
 @dataclass(eq=False)
 class HalfSpace(Flat):
-    """Matter below the x-y plane of a frame.
+    """Material below the x-y plane of a frame.
 
     Parameters
     ----------
-    point : frame of a body; its z axis points out of the matter
+    point : frame of a body; its z axis is the outward normal
 
     Examples
     --------
@@ -90,7 +92,7 @@ class HalfSpace(Flat):
     """
 
     space = 3
-    point: Frame = option("frame whose z axis points out of the matter")
+    point: Frame = option("frame whose z axis is the outward normal")
 
     def __post_init__(self) -> None:
         if isinstance(self.point, BodyElement):
@@ -112,3 +114,27 @@ class HalfSpace(Flat):
 
     def conditions(self) -> list[Condition]:
         return [*super().conditions(), *self.point.conditions()]
+
+
+@dataclass(eq=False)
+class ClearanceSpherical(ClearanceJoint):
+    """A ball in a socket with clearance, free while ``g = clearance − |r_j − r_i| > 0``.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import spatial
+    >>> system = da.System("ball joint", gravity=(0, 0, -10))
+    >>> ball = system.add(spatial.Particle("ball", mass=4.0, position=(0, 0, -0.00101)))
+    >>> socket, law = system.ground.point(0, 0, 0), spatial.contact.KelvinVoigt(stiffness=1e7)
+    >>> joint = system.add(spatial.ClearanceSpherical("joint", socket, ball.center,
+    ...     radius=0.02, clearance=0.001, law=law))
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["ball.z"].item() * 1e6, 3)  # clearance plus m g/k [µm]
+    -1004.0
+    """
+
+    hole, inside = Socket, Sphere
+
+    def look(self) -> list[Look]:
+        return [BallJoint(self.point_j, self.point_i)]

@@ -1,4 +1,4 @@
-"""Shapes of solids in space: boxes, capsules and clouds of corners."""
+"""Contact shapes of solids: boxes, capsules and corners of meshes."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Sp
 from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.mesh import Mesh
-from dalembert.elements.spatial.solids import Cuboid, Pill, Surface
+from dalembert.elements.spatial.shape import Cuboid, Pill, Surface
 from dalembert.errors import ModelError
 
 CORNERS = 200
-"""Of a mesh; each is a place where it may touch."""
+"""Upper limit of the corners of a mesh; each is a potential contact point."""
 
 
 @dataclass(eq=False)
@@ -26,7 +26,7 @@ class Box(Spotted, Pointed):
 
     Parameters
     ----------
-    point : its middle, point of a body
+    point : its centre, point of a body
     size : (3,) lengths along x, y and z [m]
 
     Examples
@@ -41,7 +41,7 @@ class Box(Spotted, Pointed):
     >>> floor, law = contact.HalfSpace(system.ground.frame()), contact.KelvinVoigt(stiffness=1e5)
     >>> touch = system.add(spatial.Contact("touch", floor, shape, law=law))
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["crate.z"].item(), 6)  # half the height less m g/(4 k)
+    >>> round(rest["crate.z"].item(), 6)  # half the height minus m g/(4 k)
     0.0999
     """
 
@@ -55,11 +55,11 @@ class Box(Spotted, Pointed):
         return [Spot(Point(self.carrier, corner), ca.SX(0)) for corner in corners]
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
-        beyond = ca.fabs(self.local(place) - self.point.local.sx) - self.size.sx / 2
-        deepest = ca.fmax(ca.fmax(beyond[0], beyond[1]), beyond[2])
+        heights = ca.fabs(self.local(place) - self.point.local.sx) - self.size.sx / 2
+        deepest = ca.fmax(ca.fmax(heights[0], heights[1]), heights[2])
         if sharp:
             return deepest
-        outside = ca.sqrt(ca.sumsqr(ca.fmax(beyond, 0)) + NO_LENGTH**2)
+        outside = ca.sqrt(ca.sumsqr(ca.fmax(heights, 0)) + NO_LENGTH**2)
         return ca.if_else(deepest > 0, outside, deepest)
 
     def look(self, near: ca.SX) -> list[Look]:
@@ -68,7 +68,7 @@ class Box(Spotted, Pointed):
 
 @dataclass(eq=False)
 class Capsule(Spotted):
-    """All places at a distance from the line between two points of a body.
+    """All points within a distance of the line between two points of a body.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ class Capsule(Spotted):
     >>> floor, law = contact.HalfSpace(system.ground.frame()), contact.KelvinVoigt(stiffness=1e5)
     >>> touch = system.add(spatial.Contact("touch", floor, shape, law=law))
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["pill.z"].item(), 6)  # the radius less m g/(2 k)
+    >>> round(rest["pill.z"].item(), 6)  # the radius minus m g/(2 k)
     0.0998
     """
 
@@ -120,9 +120,9 @@ class Capsule(Spotted):
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         start, end = self.point_i.position.sx, self.point_j.position.sx
-        axis, away = end - start, place - start
-        share = ca.fmin(1, ca.fmax(0, ca.dot(axis, away) / ca.sumsqr(axis)))
-        return ca.sqrt(ca.sumsqr(away - share * axis) + NO_LENGTH**2) - self.radius.sx
+        axis, relative = end - start, place - start
+        fraction = ca.fmin(1, ca.fmax(0, ca.dot(axis, relative) / ca.sumsqr(axis)))
+        return ca.sqrt(ca.sumsqr(relative - fraction * axis) + NO_LENGTH**2) - self.radius.sx
 
     def look(self, near: ca.SX) -> list[Look]:
         return [Pill(self.point_i, self.point_j, self.radius.sx)]
@@ -130,11 +130,11 @@ class Capsule(Spotted):
 
 @dataclass(eq=False)
 class Corners(Spotted):
-    """The corners of a mesh, each of which may touch; its edges and faces do not.
+    """The corners of a mesh as contact points; edges and faces are ignored.
 
     Parameters
     ----------
-    body : body with the form of a mesh
+    body : body of a mesh
 
     Examples
     --------
@@ -151,7 +151,7 @@ class Corners(Spotted):
     >>> floor, law = contact.HalfSpace(system.ground.frame()), contact.KelvinVoigt(stiffness=5e4)
     >>> touch = system.add(spatial.Contact("touch", floor, corners, law=law))
     >>> rest = da.solve_equilibrium(system.build())
-    >>> round(rest["brick.z"].item(), 6)  # half the height less m g/(4 k)
+    >>> round(rest["brick.z"].item(), 6)  # half the height minus m g/(4 k)
     0.0249
     """
 

@@ -1,0 +1,149 @@
+"""Gaps of rigid contacts: the interface of their sources, and gaps stated by formulas."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from dalembert.elements.base import Element, Rate
+from dalembert.elements.contact.unilateral import Unilateral
+from dalembert.elements.coordinates import rate_of
+from dalembert.errors import ModelError, UnsupportedError
+from dalembert.integrators.contact.contacts import Contacts
+from dalembert.model.model import Model
+from dalembert.symbolic.evaluation.kernel import Kernel, Patterned, dense_array
+from dalembert.symbolic.formulas.expression import t
+
+
+@dataclass(frozen=True, eq=False)
+class SymbolicGap:
+    """A gap as formulas of the model's ``t``, ``y``, ``v``, ``p``, the ground at rest.
+
+    Attributes
+    ----------
+    distance : ``g``
+    speeds : (k,) ``u``, the normal component first
+    restitution, tangential, friction : law of impact
+    """
+
+    distance: ca.SX
+    speeds: ca.SX
+    restitution: ca.SX
+    tangential: ca.SX
+    friction: ca.SX
+
+
+class GapSource(ABC):
+    """Source of the gaps of some elements; finds those within reach.
+
+    Attributes
+    ----------
+    elements : owners of the gaps
+    width : components of the relative velocity at a gap
+    """
+
+    elements: list[Element]
+    width: int
+
+    @abstractmethod
+    def near(
+        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+    ) -> Contacts:
+        """Gaps no wider than the largest motion by the displacements ``travels`` (n_v, m).
+
+        Gap velocities have ``width`` components, padded by zeros.
+        """
+
+    @abstractmethod
+    def symbolic(self, key: int) -> SymbolicGap:
+        """The gap with this key."""
+
+
+class FormulaGaps(GapSource):
+    """Gaps of elements that state them as formulas, evaluated in one function.
+
+    Parameters
+    ----------
+    model : Model
+    elements : its rigid ``Unilateral`` elements
+    """
+
+    def __init__(self, model: Model, elements: list[Unilateral]):
+        self.elements = list(elements)
+        _refuse_poisson(elements)
+        e = model.all_equations
+        gaps = [
+            (k, gap)
+            for k, element in enumerate(elements)
+            for gap in element.gaps(_rate(model, element))
+        ]
+        self.width = 1 + max(gap.slip.numel() for _, gap in gaps)
+        self.owner = np.array([k for k, _ in gaps])
+        velocities = []
+        for k, gap in gaps:
+            padding = ca.SX.zeros(self.width - 1 - gap.slip.numel())
+            velocities.append(
+                ca.vertcat(_rate(model, elements[k])(gap.distance), gap.slip, padding)
+            )
+        speeds = model.at_ground(ca.vertcat(*velocities))
+        directions = ca.jacobian(speeds, e.v)
+        if ca.depends_on(directions, e.v):
+            raise ModelError("velocities of a gap must be linear in speeds", elements[0].name)
+        drift = ca.substitute(speeds, e.v, ca.SX.zeros(e.speed_count))
+        distances = model.at_ground(ca.vertcat(*(gap.distance for _, gap in gaps)))
+        laws = [element.impact() for element in elements]
+        coefficients = ca.horzcat(
+            *(ca.vertcat(law.restitution, law.tangential, law.friction) for law in laws if law)
+        )
+        coefficients = model.at_ground(ca.densify(coefficients))
+        self._symbolic = distances, speeds, coefficients
+        inputs = [e.t, e.y, e.p]
+        outputs = [distances, directions, drift]
+        self._gaps = Patterned("gaps", inputs, outputs)
+        self._laws = Kernel(ca.Function("laws", inputs, [coefficients]))
+
+    def near(
+        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+    ) -> Contacts:
+        distance, directions, drift = self._gaps(time, y, p)
+        reach = np.abs(directions @ travels).max(initial=0.0)
+        count = self.owner.size
+        padding = ((0, 0), (0, width - self.width), (0, 0))
+        rows = np.pad(dense_array(directions).reshape(count, self.width, -1), padding)
+        restitution, tangential, friction = self._laws(time, y, p)[0][:, self.owner]
+        gaps = Contacts(
+            distance,
+            rows.reshape(count * width, -1),
+            np.pad(drift.reshape(count, self.width), padding[:2]),
+            restitution,
+            tangential,
+            friction,
+            np.arange(count),
+            self.owner,
+        )
+        return gaps.some(distance <= reach)
+
+    def symbolic(self, key: int) -> SymbolicGap:
+        distances, speeds, coefficients = self._symbolic
+        own = speeds[key * self.width : (key + 1) * self.width]
+        return SymbolicGap(
+            distances[key], own, *ca.vertsplit(coefficients[:, int(self.owner[key])])
+        )
+
+
+def _refuse_poisson(elements: list[Unilateral]) -> None:
+    for element in elements:
+        law = element.impact()
+        if law is not None and law.poisson:
+            raise UnsupportedError(
+                f"{element.name}: time stepping resolves no end of compression, which Poisson's "
+                "law requires; leave out poisson=True, or use solve_dynamics"
+            )
+
+
+def _rate(model: Model, element: Unilateral) -> Rate:
+    owners = element.parts() or model.coordinates
+    return lambda s: rate_of(s, owners, t.sx)

@@ -1,0 +1,82 @@
+"""Requirements of analyses on their model and their options.
+
+Mechanisms (few different elements) and structures (many equal elements) are evaluated differently,
+so that most analyses apply to one of them only.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.model.model import Model
+from dalembert.structures.model import StructuralModel
+
+
+def need_model(model: Any, verb: str) -> None:
+    """Raise unless the argument is a model.
+
+    Raises
+    ------
+    AnalysisError
+        Another type.
+    """
+    if not isinstance(model, (Model, StructuralModel)):
+        cure = "; build() it first" if hasattr(model, "build") else ""
+        raise AnalysisError(f"{verb} takes a model; got {model!r}{cure}")
+
+
+def need_mechanism(model: Any, verb: str, instead: str) -> None:
+    """Raise unless the model is a mechanism.
+
+    Raises
+    ------
+    AnalysisError
+        Another type, or a structure.
+    """
+    need_model(model, verb)
+    if isinstance(model, StructuralModel):
+        raise AnalysisError(f"{verb} is for mechanisms, {model.name!r} is a structure; {instead}")
+
+
+def need_structure(model: Any, verb: str, instead: str) -> None:
+    """Raise unless the model is a structure.
+
+    Raises
+    ------
+    AnalysisError
+        Another type, or a mechanism.
+    """
+    need_model(model, verb)
+    if isinstance(model, Model):
+        raise AnalysisError(f"{verb} is for structures, {model.name!r} is a mechanism; {instead}")
+
+
+def need_count(strategy: Any) -> None:
+    """Raise unless the number of modes is positive.
+
+    Raises
+    ------
+    UnsupportedError
+        The count is zero or less.
+    """
+    if not strategy.count > 0:
+        kind = type(strategy).__name__
+        raise UnsupportedError(f"{kind}: count is {strategy.count}; it must be positive")
+
+
+def need_positive(strategy: Any, names: tuple[str, ...], whole: tuple[str, ...] = ()) -> None:
+    """Raise unless options are positive, some of them whole numbers.
+
+    Raises
+    ------
+    UnsupportedError
+        Names the option and its value.
+    """
+    kind = type(strategy).__name__
+    for name in (*names, *whole):
+        value = getattr(strategy, name)
+        if not value > 0:
+            raise UnsupportedError(f"{kind}: {name} must be positive, it is {value}")
+        if name in whole and value != int(value):
+            raise UnsupportedError(f"{kind}: {name} must be a whole number, it is {value}")

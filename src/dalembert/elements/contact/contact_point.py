@@ -1,0 +1,69 @@
+"""Contact points of two shapes, of balls, and of a ball and a wall."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import casadi as ca
+
+from dalembert.elements.base import Constraint
+from dalembert.symbolic.rotation import across
+
+VelocityAt = Callable[[ca.SX], ca.SX]
+"""(3,) velocity of a body at an inertial position (3,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContactPoint:
+    """A potential contact point of two bodies.
+
+    Attributes
+    ----------
+    distance : gap, positive while separated [m]
+    normal : unit vector from the first body to the second, inertial components
+    place : position halfway between the two surfaces
+    foot : equations that determine it on a curve, or None
+    """
+
+    distance: ca.SX
+    normal: ca.SX
+    place: ca.SX
+    foot: Constraint | None = None
+
+    def reversed(self) -> ContactPoint:
+        """The contact point with the bodies exchanged."""
+        return replace(self, normal=-self.normal)
+
+    @property
+    def directions(self) -> ca.SX:
+        """(n, n) the normal and the tangents as columns."""
+        n = self.normal
+        return ca.horzcat(n, ca.vertcat(n[1], -n[0]) if n.numel() == 2 else across(n))
+
+    def speeds(self, at_i: VelocityAt, at_j: VelocityAt) -> ca.SX:
+        """(n,) velocity of the second body relative to the first, along the directions."""
+        n = self.normal.numel()
+        place = ca.vertcat(self.place, ca.SX.zeros(3 - n))
+        return ca.mtimes(self.directions.T, (at_j(place) - at_i(place))[:n])
+
+    def slip(self, body_i: Any, body_j: Any) -> ca.SX:
+        """(1,) or (2,) velocity of the second body along the surface of the first."""
+        return self.speeds(body_i.velocity_at, body_j.velocity_at)[1:]
+
+
+def contact_of_balls(
+    center_i: ca.SX, radius_i: ca.SX, center_j: ca.SX, radius_j: ca.SX
+) -> ContactPoint:
+    """``g = |r_j − r_i| − R_i − R_j``."""
+    between = center_j - center_i
+    length = ca.norm_2(between)
+    gap, normal = length - radius_i - radius_j, between / length
+    return ContactPoint(gap, normal, center_i + (radius_i + gap / 2) * normal)
+
+
+def contact_at_wall(point: ca.SX, normal: ca.SX, center: ca.SX, radius: ca.SX) -> ContactPoint:
+    """``g = n·(r − r_P) − R``."""
+    gap = ca.dot(normal, center - point) - radius
+    return ContactPoint(gap, normal, center - (radius + gap / 2) * normal)

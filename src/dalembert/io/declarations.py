@@ -1,0 +1,77 @@
+"""Declarations of a file: parameters, tables and histories, and the order of entries."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from graphlib import CycleError, TopologicalSorter
+from typing import Any
+
+from dalembert.design.inverse.history import History, history
+from dalembert.errors import ExpressionError
+from dalembert.io.curve_tables import read_curve
+from dalembert.io.formulas import Formulas
+from dalembert.io.location import Located
+from dalembert.io.messages import key_path
+from dalembert.io.schema import ModelDocument, ParameterTable
+
+_FIRST_NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
+
+
+def dependency_order(section: str, formulas: Mapping[str, Iterable[str]]) -> list[str]:
+    """Names of a section, each after the names that its formulas use.
+
+    Raises
+    ------
+    ExpressionError
+        Circular references; names the cycle.
+    """
+    needs = {
+        name: [n for text in texts for n in _FIRST_NAME.findall(text) if n in formulas]
+        for name, texts in formulas.items()
+    }
+    try:
+        return list(TopologicalSorter(needs).static_order())
+    except CycleError as error:
+        chain = error.args[1][::-1]
+        more = " → …" if len(chain) > 12 else ""
+        raise ExpressionError(
+            f"depends on itself in the cycle {' → '.join(chain[:12])}{more}; "
+            "define one of them without the others",
+            key_path(section, chain[0]),
+        ) from None
+
+
+def declare_parameters(target: Any, document: ModelDocument, located: Located) -> None:
+    """Declare all parameters of a document on a system or structure.
+
+    Raises
+    ------
+    ModelError
+        Invalid name or bounds; states the location.
+    """
+    entries: dict[str, Any] = document.parameters
+    for name, entry in entries.items():
+        table = entry if isinstance(entry, ParameterTable) else ParameterTable(value=entry)
+        with located("parameters", name):
+            target.parameter(name, table.value, table.unit, table.bounds, table.description)
+
+
+def declare_tables(
+    target: Any, document: ModelDocument, located: Located, formulas: Formulas
+) -> None:
+    """Declare all tables of a document on a system or structure.
+
+    Raises
+    ------
+    ModelError, FileError
+        Invalid rows or file; states the location.
+    """
+    for name, table in document.tables.items():
+        with located("tables", name):
+            target.table(name, **read_curve(table, located.source, formulas.read))
+
+
+def declare_history(system: Any, name: str, table: Any) -> History:
+    """Declare the parameters of a history on a system."""
+    return history(system, name, table.times(), table.value, table.unit, table.ends)
