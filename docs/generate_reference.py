@@ -29,6 +29,8 @@ from dalembert.elements.registry import (
     SHAPES,
     SPATIAL,
 )
+from dalembert.integrators.contact.contact_solver import ContactSolver
+from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.io.decisions import design_tables
 from dalembert.io.strategies import (
     ANALYSES,
@@ -37,6 +39,7 @@ from dalembert.io.strategies import (
     INTEGRATORS,
     RESPONSES,
     STABILIZATIONS,
+    STRATEGIES_OF,
 )
 
 DOCS = Path(__file__).parent
@@ -64,6 +67,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "formulations": lambda: records(FORMULATIONS),
     "stabilizations": lambda: records(STABILIZATIONS),
     "integrators": lambda: records(INTEGRATORS),
+    "contact_schemes": lambda: records(STRATEGIES_OF[ContactScheme] | STRATEGIES_OF[ContactSolver]),
     "responses": lambda: records(RESPONSES),
     "distributions": lambda: records(
         {n: design_tables.distribution(n) for n in design_tables.DISTRIBUTIONS}, "###"

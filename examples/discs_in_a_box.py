@@ -32,10 +32,14 @@ def model(count: int = 100) -> da.Model:
             angle=0.0,
             velocity=tuple(0.3 * rng.normal(size=2)),
         )
-        balls.append((system.add(disc), radius))
+        balls.append(planar.contact.Circle(system.add(disc), radius))
     left, right = (system.ground.point(x, 0.0) for x in (-WIDTH / 2, WIDTH / 2))
-    walls = [(left, (0.0, 1.0)), (left, (1.0, 0.0)), (right, (-1.0, 0.0))]
-    system.add(planar.Collisions("contacts", balls, walls, restitution=0.4, friction=0.3))
+    walls = [
+        planar.contact.HalfPlane(left, (0.0, 1.0)),
+        planar.contact.HalfPlane(left, (1.0, 0.0)),
+        planar.contact.HalfPlane(right, (-1.0, 0.0)),
+    ]
+    system.add(planar.Collisions("contacts", [*balls, *walls], restitution=0.4, friction=0.3))
     return system.build()
 
 

@@ -223,7 +223,7 @@ def test_a_page_has_signatures_parameters_and_examples(monkeypatch):
     text = pages.page("dalembert.planar", dalembert.planar)
     assert text.count("\n**Examples**\n\n```pycon\n>>> ") == len(dalembert.planar.__all__)
     assert "## `planar.Cable`\n\n```python\nplanar.Cable(\n    name: str," in text
-    assert "\n- `clearance`: by how much the hole has a larger radius [m]\n" in text  # of a base
+    assert "\n- `clearance`: radius of the hole minus that of the journal or ball [m]\n" in text
     text = pages.page("dalembert", dalembert)
     assert "\n- `AnalysisError`: The run fails at the starting design" in text
 

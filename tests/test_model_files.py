@@ -103,6 +103,7 @@ ELEMENTS = {
         "Contact": 'shape_j = "b"\nshape_i = { type = "Circle", point = "a", radius = "k/10" }\n'
         'law = { type = "Hertz", stiffness = "k" }\nfriction = { type = "Coulomb", dynamic = 0.3 }',
         "UnilateralConstraint": 'distance = "a.y + k"\nslip = "a.vx"\nrestitution = 0.5',
+        "Collisions": 'shapes = [{ type = "Circle", point = "a", radius = "k/9" }]\nfriction = 0.1',
     },
 }
 REGISTRIES = PLANAR.sections

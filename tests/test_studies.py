@@ -74,7 +74,7 @@ def test_designs():
         (lambda: da.Design.grid({}), "at least one parameter"),
         (lambda: da.Design.sobol({"a": (2, 1)}, 4), "a: a range"),
         (lambda: da.Design.sobol({"a": (1, 2)}, 0), "number of designs"),
-        (lambda: da.Design.table({"a": [1, 2], "b": [1]}), "one length"),
+        (lambda: da.Design.table({"a": [1, 2], "b": [1]}), "same length"),
         (lambda: da.Design.table({"a": [1, float("nan")]}), "design 1: a is nan"),
         (lambda: study(da.Design.grid({"lenght": [1]})), "length"),
         (lambda: study(da.Design.grid({"length": [1]}), workers=0), "workers"),

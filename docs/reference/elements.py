@@ -23,6 +23,8 @@ from dalembert.elements.springs import ForceLaw
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
+from dalembert.integrators.contact.contact_solver import ContactSolver
+from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.io import fields
 from dalembert.io.fields import FROM_FILE, connected_fields, keyed_fields
 from dalembert.model.coordinates import Coordinates
@@ -54,6 +56,7 @@ HOLDS: dict[object, str] = {
     Orientation: "orientation",
     Law: "law",
     Shape: "shape, or name of a point",
+    fields.Shapes: "list of shapes",
     NormalLaw: "contact law",
     Friction: "friction",
     fields.Places: "list of points",
@@ -63,6 +66,8 @@ HOLDS: dict[object, str] = {
     Formulation: "formulation",
     Stabilization: "stabilisation",
     Integrator: "integrator",
+    ContactScheme: "contact scheme",
+    ContactSolver: "contact solver",
     Events: "table of events",
     Distribution: "distribution",
 }

@@ -71,8 +71,10 @@ def rubbing():
     friction, stiffness = system.parameter("friction", 0.2), system.parameter("k", 3.0, "N/m")
     start = {"position": (0.0, 0.1 - 1e-7), "velocity": (2.0, 0.0), "angle": 0.0}
     block = system.add(planar.Body("block", mass=1.0, inertia=1e9, **start))
-    floor = [(system.ground.point(0.0, 0.0), (0.0, 1.0))]
-    system.add(planar.Collisions("floor", [(block, 0.1)], floor, friction=friction))
+    floor = [planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (0.0, 1.0))]
+    system.add(
+        planar.Collisions("floor", [planar.contact.Circle(block, 0.1), *floor], friction=friction)
+    )
     system.add(planar.Force("spring", block.center, (-stiffness * block.x, 0.0)))
     scheme = da.MoreauJean(projection=False)
     return da.solve_nonsmooth(system.build(), 0.4, step=0.01, integrator=scheme)

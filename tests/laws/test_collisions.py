@@ -28,11 +28,17 @@ def box_of_discs(count: int = 12, friction: float = 0.3, restitution: float = 0.
             angle=0.0,
             velocity=tuple(0.3 * rng.normal(size=2)),
         )
-        balls.append((system.add(disc), radius))
+        balls.append(planar.contact.Circle(system.add(disc), radius))
     corner = system.ground.point(-0.3, 0.0), system.ground.point(0.3, 0.0)
-    walls = [(corner[0], (0.0, 1.0)), (corner[0], (1.0, 0.0)), (corner[1], (-1.0, 0.0))]
+    walls = [
+        planar.contact.HalfPlane(corner[0], (0.0, 1.0)),
+        planar.contact.HalfPlane(corner[0], (1.0, 0.0)),
+        planar.contact.HalfPlane(corner[1], (-1.0, 0.0)),
+    ]
     system.add(
-        planar.Collisions("collisions", balls, walls, restitution=restitution, friction=friction_of)
+        planar.Collisions(
+            "collisions", [*balls, *walls], restitution=restitution, friction=friction_of
+        )
     )
     return system
 
@@ -112,9 +118,9 @@ def box_of_balls() -> da.System:
             position=tuple(place + 0.004 * rng.random(3)),
             angular_velocity=tuple(rng.normal(size=3)),
         )
-        balls.append((system.add(ball), RADIUS))
-    floor = (system.ground.point(0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-    system.add(spatial.Collisions("collisions", balls, [floor], restitution=0.3, friction=0.4))
+        balls.append(spatial.contact.Sphere(system.add(ball), RADIUS))
+    floor = spatial.contact.HalfSpace(system.ground.frame())
+    system.add(spatial.Collisions("collisions", [*balls, floor], restitution=0.3, friction=0.4))
     return system
 
 
@@ -144,22 +150,25 @@ def test_discs_are_drawn():
 @pytest.mark.parametrize(
     ("change", "wrong"),
     [
-        ({"balls": []}, "no balls"),
-        ({"balls": [("disc", 0.1)]}, r"balls\[0\] must be a point"),
-        ({"balls": [3]}, "give a pair"),
+        ({"balls": []}, "there is no ball"),
+        ({"balls": [("disc", 0.1)]}, r"shapes\[0\]: is \('disc', 0.1\); give shapes"),
+        ({"balls": [3]}, r"is 3; give shapes such as contact.Circle"),
         ({"radius": -0.1}, r"radius.*above 0"),
         ({"restitution": 1.2}, "restitution is 1.2"),
         ({"friction": -0.1}, "friction"),
-        ({"normal": (0.0, 0.0)}, "normal needs a length"),
+        ({"normal": (0.0, 0.0)}, "needs a length"),
     ],
 )
 def test_bad_input(change, wrong):
     system = da.System("bad")
     body = system.add(planar.Body("disc", mass=1.0, inertia=1.0))
-    balls = change.pop("balls", [(body, change.pop("radius", 0.1))])
-    walls = [(system.ground.point(0.0, 0.0), change.pop("normal", (0.0, 1.0)))]
+    ball = planar.contact.Circle(body, change.pop("radius", 0.1))
+    balls = change.pop("balls", [ball])
+    walls = [
+        planar.contact.HalfPlane(system.ground.point(0.0, 0.0), change.pop("normal", (0.0, 1.0)))
+    ]
     with pytest.raises(ModelError, match=wrong):
-        system.add(planar.Collisions("collisions", balls, walls, **change)) and system.build()
+        system.add(planar.Collisions("collisions", [*balls, *walls], **change)) and system.build()
 
 
 def test_nothing_to_touch_and_wrong_strategies():

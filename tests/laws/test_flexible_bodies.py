@@ -264,7 +264,7 @@ WRONG = [
     ({"reference": "mean", "stiffening": True}, "second-order displacements need a frame"),
     ({"parameters": {"F": 1.0}}, "F"),
     ({"modes": -1}, "modes must be a number of modes; got -1"),
-    ({"up_to": 0.0}, "up_to is a frequency"),
+    ({"up_to": 0.0}, "up_to must be a frequency"),
     ({"reference": 3}, "name of an interface or 'mean'"),
     ({"structure": "beam"}, "must be a built structural model"),
 ]

@@ -239,7 +239,7 @@ def test_advice_prefers_what_tells_more(oscillator):
         ({"time": [0, 1], "slider.x": [0, 1]}, {}, "2 sample.s. for 3 unknowns"),
         ({"time": [0, 9, 10], "slider.x": [0, 1, 2]}, {}, "outside the run"),
         ({"time": [0, 1, 2], "slider.position": [0, 1, 2]}, {}, "2 components"),
-        ("nowhere.csv", {}, "no such file"),
+        ("nowhere.csv", {}, "does not exist"),
         (3.0, {}, "give a DataFrame"),
     ],
 )

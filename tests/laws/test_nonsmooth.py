@@ -16,8 +16,12 @@ schemes = pytest.mark.parametrize("scheme", SCHEMES, ids=NAMES)
 def bouncing_ball(restitution: float, height: float = 1.0) -> da.Model:
     system = da.System("ball", gravity=(0.0, -G))
     ball = system.add(planar.Particle("ball", mass=2.0, position=(0.0, 0.1 + height)))
-    floor = (system.ground.point(0.0, 0.0), (0.0, 1.0))
-    system.add(planar.Collisions("floor", [(ball, 0.1)], [floor], restitution=restitution))
+    floor = planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (0.0, 1.0))
+    system.add(
+        planar.Collisions(
+            "floor", [planar.contact.Circle(ball, 0.1), floor], restitution=restitution
+        )
+    )
     return system.build()
 
 
@@ -57,7 +61,11 @@ def test_newtons_cradle_follows_newtons_law_at_once(scheme):
         system.add(planar.Body(f"b{k}", mass=1.0, inertia=1.0, position=(x, 0.0), velocity=(v, 0)))
         for k, (x, v) in enumerate([(-0.5, 1.0), (0.0, 0.0), (0.2, 0.0)])
     ]
-    system.add(planar.Collisions("collisions", [(b, 0.1) for b in balls], restitution=1.0))
+    system.add(
+        planar.Collisions(
+            "collisions", [planar.contact.Circle(b, 0.1) for b in balls], restitution=1.0
+        )
+    )
     motion = da.solve_nonsmooth(system.build(), 0.5, step=1e-3, integrator=scheme)
     after = [motion.values(f"b{k}.vx")[-1] for k in range(3)]
     assert after == pytest.approx([-1 / 3, 2 / 3, 2 / 3], abs=1e-9)
@@ -70,8 +78,10 @@ def test_disc_that_cannot_roll_sticks_or_slides_on_an_incline(friction):
     normal = np.array([-np.sin(angle), np.cos(angle)])
     system = da.System("incline", gravity=(0.0, -G))
     disc = system.add(planar.Particle("disc", mass=1.0, position=tuple(0.1 * normal)))
-    wall = (system.ground.point(0.0, 0.0), tuple(normal))
-    system.add(planar.Collisions("slope", [(disc, 0.1)], [wall], friction=friction))
+    wall = planar.contact.HalfPlane(system.ground.point(0.0, 0.0), tuple(normal))
+    system.add(
+        planar.Collisions("slope", [planar.contact.Circle(disc, 0.1), wall], friction=friction)
+    )
     motion = da.solve_nonsmooth(system.build(), 1.0, step=5e-3)
     gone = motion.data["position"].values[-1, 0] - 0.1 * normal
     expected = max(0.0, np.sin(angle) - friction * np.cos(angle)) * G / 2
@@ -85,8 +95,8 @@ def test_sliding_disc_begins_to_roll():
     system = da.System("bowling", gravity=(0.0, -G))
     disc = planar.Body("d", mass=1.0, inertia=0.005, position=(0.0, 0.1), velocity=(1.0, 0.0))
     system.add(disc)
-    wall = (system.ground.point(0.0, 0.0), (0.0, 1.0))
-    system.add(planar.Collisions("floor", [(disc, 0.1)], [wall], friction=0.2))
+    wall = planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (0.0, 1.0))
+    system.add(planar.Collisions("floor", [planar.contact.Circle(disc, 0.1), wall], friction=0.2))
     motion = da.solve_nonsmooth(system.build(), 0.5, step=1e-3)
     assert motion.values("d.vx")[-1] == pytest.approx(2 / 3, abs=1e-9)
     assert motion.values("d.angular_velocity")[-1] == pytest.approx(-20 / 3, abs=1e-8)
@@ -96,8 +106,10 @@ def pendulum_at_a_wall() -> da.System:
     system = da.System("pendulum", gravity=(0.0, -G))
     rod = system.add(planar.Bar("rod", length=1.0, mass=1.0, angle=0.0, position=(0.5, 0.0)))
     system.add(planar.Revolute("pin", system.ground.point(0.0, 0.0), rod.start))
-    wall = (system.ground.point(0.0, 0.0), (1.0, 0.0))
-    system.add(planar.Collisions("wall", [(rod.end, 0.1)], [wall], restitution=0.5))
+    wall = planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (1.0, 0.0))
+    system.add(
+        planar.Collisions("wall", [planar.contact.Circle(rod.end, 0.1), wall], restitution=0.5)
+    )
     return system
 
 
@@ -124,8 +136,8 @@ def test_reactions_are_those_of_a_turning_bar(scheme):
     wheel = system.add(planar.Body("wheel", mass=1.0, inertia=0.7))
     system.add(planar.Revolute("axle", system.ground.point(0.0, 5.0), wheel.center))
     system.add(planar.RotationalDriver("motor", system.ground, wheel, da.t**2 / 2))
-    floor = (system.ground.point(0.0, -9.0), (0.0, 1.0))
-    system.add(planar.Collisions("floor", [(bar.end, 0.01)], [floor]))
+    floor = planar.contact.HalfPlane(system.ground.point(0.0, -9.0), (0.0, 1.0))
+    system.add(planar.Collisions("floor", [planar.contact.Circle(bar.end, 0.01), floor]))
     motion = da.solve_nonsmooth(system.build(), 0.5, step=1e-2, integrator=scheme)
     assert motion.values("pin.force_norm")[-1] == pytest.approx(9.0, rel=1e-4)
     assert motion.values("motor.effort")[-1] == pytest.approx(0.7, rel=1e-9)
@@ -138,9 +150,9 @@ def test_a_stack_is_opened_all_at_once():
     discs = []
     for k in range(5):
         disc = planar.Body(f"d{k}", mass=1.0, inertia=0.001, position=(0.0, 0.07 + 0.105 * k))
-        discs.append((system.add(disc), 0.05))
-    floor = (system.ground.center, (0.0, 1.0))
-    system.add(planar.Collisions("stack", discs, [floor], restitution=0.3, friction=0.4))
+        discs.append(planar.contact.Circle(system.add(disc), 0.05))
+    floor = planar.contact.HalfPlane(system.ground.center, (0.0, 1.0))
+    system.add(planar.Collisions("stack", [*discs, floor], restitution=0.3, friction=0.4))
     motion = da.solve_nonsmooth(system.build(), 0.2, step=5e-4, integrator=da.MoreauJean())
     assert motion.status.success
     assert motion.data["penetration"].max() < 1e-12
@@ -185,8 +197,8 @@ def test_joints_that_cannot_be_closed_end_the_run():
     system.add(planar.Revolute("pin", system.ground.point(0.0, 0.0), rod.start))
     far = system.ground.point(2.0, 0.0)
     system.add(planar.DistanceDriver("rope", far, rod.end, 1.5 - 0.8 * da.t))
-    floor = (system.ground.point(0.0, -9.0), (0.0, 1.0))
-    system.add(planar.Collisions("floor", [(rod.end, 0.1)], [floor]))
+    floor = planar.contact.HalfPlane(system.ground.point(0.0, -9.0), (0.0, 1.0))
+    system.add(planar.Collisions("floor", [planar.contact.Circle(rod.end, 0.1), floor]))
     motion = da.solve_nonsmooth(system.build(), 1.0, step=0.01)
     assert motion.status.outcome is Outcome.NOT_CONVERGED
     assert motion.status.time == motion.time[-1] == pytest.approx(0.625, abs=0.01)

@@ -41,8 +41,10 @@ def bouncing() -> da.Model:
     bounce = system.parameter("bounce", 0.8)
     start = {"position": (0.0, height), "velocity": (0.0, speed)}
     ball = system.add(planar.Body("ball", mass=1.0, inertia=0.004, **start))
-    floor = [(system.ground.point(0.0, 0.0), (0.0, 1.0))]
-    system.add(planar.Collisions("floor", [(ball, 1e-9)], floor, restitution=bounce))
+    floor = [planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (0.0, 1.0))]
+    system.add(
+        planar.Collisions("floor", [planar.contact.Circle(ball, 1e-9), *floor], restitution=bounce)
+    )
     return system.build()
 
 
@@ -71,7 +73,7 @@ def test_two_elastic_discs():
     discs = []
     for name, x, speed in (("left", first, v), ("right", second, w)):
         like = {"mass": 1.0, "inertia": 0.1, "position": (x, 0.0), "velocity": (speed, 0.0)}
-        discs.append((system.add(planar.Body(name, **like)), 0.1))
+        discs.append(planar.contact.Circle(system.add(planar.Body(name, **like)), 0.1))
     system.add(planar.Collisions("discs", discs, restitution=1.0))
     found = both(run(system.build(), 1.0, 4e-3), da.final("right.x"))
     np.testing.assert_allclose(found, [[1.0, 0.0, 1.0, 0.0]], atol=8e-3)
@@ -87,8 +89,12 @@ def test_block_that_slides():
     start = {"position": (low * da.sin(slope), low * da.cos(slope)), "angle": 0.0}
     start |= {"velocity": (speed * along[0], speed * along[1])}
     block = system.add(planar.Body("block", mass=2.0, inertia=1e9, **start))
-    floor = [(system.ground.point(0.0, 0.0), (da.sin(slope), da.cos(slope)))]
-    system.add(planar.Collisions("floor", [(block, 0.1)], floor, friction=friction))
+    floor = [
+        planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (da.sin(slope), da.cos(slope)))
+    ]
+    system.add(
+        planar.Collisions("floor", [planar.contact.Circle(block, 0.1), *floor], friction=friction)
+    )
     motion = run(system.build(), 0.5, 1e-2, integrator=da.MoreauJean(projection=False))
     confirmed(motion, da.final("block.x"), da.final("block.vy"))
     way = both(motion, da.final("block.x"))[0] / np.cos(0.5)
@@ -104,8 +110,10 @@ def test_ball_that_slips_and_rolls_in_space():
     about = 0.4 * 2.0 * size**2
     ball = spatial.Body("ball", mass=2.0, inertia=(about,) * 3, rotation=np.eye(3), **start)
     system.add(ball)
-    floor = [(system.ground.point(0.0, 0.0, 0.0), (0.0, 0.0, 1.0))]
-    system.add(spatial.Collisions("floor", [(ball, size)], floor, friction=friction))
+    floor = [spatial.contact.HalfSpace(system.ground.frame())]
+    system.add(
+        spatial.Collisions("floor", [spatial.contact.Sphere(ball, size), *floor], friction=friction)
+    )
     model = system.build()
     slipping = run(model, 0.1, 1e-2)
     confirmed(slipping, da.final("ball.x"), da.final("ball.vy"))
@@ -134,9 +142,9 @@ def dropped_bar(tilt: float) -> da.Model:
     height = system.parameter("height", 0.3, "m")
     bar = planar.Body("bar", mass=1.0, inertia=0.05, position=(0.0, height), angle=tilt)
     system.add(bar)
-    ends = [(bar.point(x, 0.0), 0.02) for x in (-0.5, 0.5)]
-    floor = [(system.ground.point(0.0, 0.0), (0.0, 1.0))]
-    system.add(planar.Collisions("floor", ends, floor, restitution=0.5))
+    ends = [planar.contact.Circle(bar.point(x, 0.0), 0.02) for x in (-0.5, 0.5)]
+    floor = [planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (0.0, 1.0))]
+    system.add(planar.Collisions("floor", [*ends, *floor], restitution=0.5))
     return system.build()
 
 
@@ -167,9 +175,9 @@ def test_impacts_of_different_bodies_in_one_step():
     balls = []
     for x, height in enumerate(heights):
         like = {"mass": 1.0, "inertia": 0.1, "position": (float(x), height)}
-        balls.append((system.add(planar.Body(f"ball{x}", **like)), 0.1))
-    floor = [(system.ground.point(0.0, 0.0), (0.0, 1.0))]
-    system.add(planar.Collisions("floor", balls, floor, restitution=0.5))
+        balls.append(planar.contact.Circle(system.add(planar.Body(f"ball{x}", **like)), 0.1))
+    floor = [planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (0.0, 1.0))]
+    system.add(planar.Collisions("floor", [*balls, *floor], restitution=0.5))
     found = both(run(system.build(), 0.6, 4e-3), da.final("ball0.y"), da.final("ball1.y"))
     fall, e = np.sqrt(2 * 0.9 / 10), 0.5
     left = 0.6 - fall  # y = e g t* (T − t*) − g (T − t*)²/2 with dt*/dH = 1/(g t*)

@@ -157,7 +157,7 @@ def test_what_has_no_state_is_told():
         da.openmdao_implicit_component(vane(), analysis=da.Dynamics(1.0, step=0.1))
     with pytest.raises(AnalysisError, match=r"bar\.end\.vx: an assembled position has no speeds"):
         da.openmdao_implicit_component(vane(), ["bar.end.vx"])
-    with pytest.raises(AnalysisError, match="names of their own: k"):
+    with pytest.raises(AnalysisError, match="distinct names: k"):
         da.openmdao_implicit_component(vane(), {"k": "bar.x"}, analysis=da.Equilibrium())
     with pytest.raises(da.ModelError, match="unknown parameter 'kk'"):
         da.openmdao_implicit_component(vane(), analysis=da.Equilibrium(), vary=["kk"])

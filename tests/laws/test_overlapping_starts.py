@@ -82,8 +82,11 @@ def test_nonsmooth_contact_takes_a_rounded_start(kind: str) -> None:
     system = ball(kind, INSIDE, speed)
     if kind.endswith("collisions"):
         del system.elements["floor"]
-        balls, walls = [(system.elements["b"], R)], [(system.ground.center, (0.0, 1.0))]
-        system.add(planar.Collisions("floor", balls, walls, restitution=0.5))
+        balls, walls = (
+            [planar.contact.Circle(system.elements["b"], R)],
+            [planar.contact.HalfPlane(system.ground.center, (0.0, 1.0))],
+        )
+        system.add(planar.Collisions("floor", [*balls, *walls], restitution=0.5))
     motion = da.solve_nonsmooth(system.build(), 0.1, step=1e-3)
     name = "b.z" if kind.startswith("spatial") else "b.y"
     assert motion.status.success
@@ -97,8 +100,12 @@ def test_an_impact_at_the_start_bounces_by_its_restitution(restitution: float, g
     """Before the first step there is none that could slow down what touches already."""
     system = da.System("start", gravity=(0.0, -9.81))
     body = system.add(planar.Particle("b", mass=1.0, position=(0.5, R + gap), velocity=(0.0, -1.0)))
-    walls = [(system.ground.center, (0.0, 1.0))]
-    system.add(planar.Collisions("floor", [(body, R)], walls, restitution=restitution))
+    walls = [planar.contact.HalfPlane(system.ground.center, (0.0, 1.0))]
+    system.add(
+        planar.Collisions(
+            "floor", [planar.contact.Circle(body, R), *walls], restitution=restitution
+        )
+    )
     motion = da.solve_nonsmooth(system.build(), 0.01, step=1e-4)
     assert motion.status.success
     assert motion["b.vy"].values[1] == pytest.approx(restitution, abs=1e-3)

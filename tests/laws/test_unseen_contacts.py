@@ -12,8 +12,8 @@ def floor_of(system: da.System, kind: str, body: planar.Body) -> None:
     if kind == "constraint":
         system.add(planar.UnilateralConstraint("floor", body.y - 0.1, restitution=0.5))
     else:
-        wall = (system.ground.point(0.0, 0.0), (0.0, 1.0))
-        system.add(planar.Collisions("floor", [(body, 0.1)], [wall]))
+        wall = planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (0.0, 1.0))
+        system.add(planar.Collisions("floor", [planar.contact.Circle(body, 0.1), wall]))
 
 
 def hung(kind: str, peg: float) -> da.Model:

@@ -102,5 +102,5 @@ def test_fewer_poses_have_families(count):
 def test_wrong_poses():
     with pytest.raises(da.AnalysisError, match="two to five"):
         da.pose_linkages(np.zeros((6, 2)), np.arange(6))
-    with pytest.raises(da.AnalysisError, match="poses 1 and 2 are one"):
+    with pytest.raises(da.AnalysisError, match="poses 1 and 2 are equal"):
         da.pose_linkages([(0, 0), (0, 0), (1, 1)], [0, 0, 1])

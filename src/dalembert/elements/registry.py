@@ -88,6 +88,7 @@ PLANAR = Space(
             planar.ClearanceRevolute,
             planar.Cable,
             planar.UnilateralConstraint,
+            planar.Collisions,
         ),
     },
 )
@@ -152,6 +153,7 @@ SPATIAL = Space(
             spatial.ClearanceSpherical,
             spatial.Cable,
             spatial.UnilateralConstraint,
+            spatial.Collisions,
         ),
     },
 )

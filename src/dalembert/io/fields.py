@@ -37,6 +37,8 @@ from dalembert.elements.springs import ForceLaw
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
+from dalembert.integrators.contact.contact_solver import ContactSolver
+from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.model.coordinates import Coordinates
 from dalembert.results.structural.result import StructuralResult
 from dalembert.symbolic.formulas.expression import Expression
@@ -55,6 +57,7 @@ Names = tuple[str, ...]
 Nodes = tuple[Nodal, ...]
 Laws = tuple[Law, ...]
 Places = tuple[Point, ...]
+Shapes = tuple[Shape, ...]
 Interval = tuple[float, float]
 Measured = str | Expression
 CountOrTimes = int | Sequence[float]
@@ -65,9 +68,9 @@ FILE_TYPES: dict[Any, Any] = {
     for kind in (
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
         *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *CONNECTABLE),
-        *(Frames, Orientation, CountOrTimes, Shape, NormalLaw, Friction),
+        *(Frames, Orientation, CountOrTimes, Shape, Shapes, NormalLaw, Friction),
         *(FlexibleStructure, Interfaces, Numbers, Distribution),
-        *(Coordinates, Formulation, Stabilization, Integrator),
+        *(Coordinates, Formulation, Stabilization, Integrator, ContactScheme, ContactSolver),
     )
 } | {
     str | Event: Event,

@@ -7,6 +7,7 @@ from dalembert.analysis.equilibrium.equilibrium import Equilibrium
 from dalembert.analysis.equilibrium.linearization import Linearization
 from dalembert.analysis.kinematics.inverse_dynamics import InverseDynamics
 from dalembert.analysis.kinematics.kinematics import Kinematics
+from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
 from dalembert.analysis.structural.buckling import Buckling
 from dalembert.analysis.structural.load_path import ArcLength
 from dalembert.analysis.structural.modal import Modal
@@ -17,6 +18,8 @@ from dalembert.formulations.base import Formulation
 from dalembert.formulations.registry import FORMULATIONS, STABILIZATIONS
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
+from dalembert.integrators.contact.contact_solver import ContactSolver
+from dalembert.integrators.contact.schemes import AnticipatedImpacts, ContactScheme, MoreauJean
 from dalembert.integrators.registry import INTEGRATORS
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.registry import COORDINATES
@@ -31,15 +34,16 @@ STRATEGIES_OF: dict[type, dict[str, type]] = {
     Formulation: FORMULATIONS,
     Stabilization: STABILIZATIONS,
     Integrator: INTEGRATORS,
+    ContactScheme: {"AnticipatedImpacts": AnticipatedImpacts, "MoreauJean": MoreauJean},
+    ContactSolver: {"ContactSolver": ContactSolver},
 }
 """File type of a field → its registry."""
-STRATEGIES = dict(
-    zip(
-        ("coordinates", "formulation", "stabilization", "integrator"),
-        STRATEGIES_OF.values(),
-        strict=True,
-    )
-)
+STRATEGIES: dict[str, dict[str, type]] = {
+    "coordinates": COORDINATES,
+    "formulation": FORMULATIONS,
+    "stabilization": STABILIZATIONS,
+    "integrator": INTEGRATORS,
+}
 """Key of an analysis → the registry of its strategies."""
 
 ANALYSES: dict[str, type] = {
@@ -48,6 +52,7 @@ ANALYSES: dict[str, type] = {
     "InverseDynamics": InverseDynamics,
     "Equilibrium": Equilibrium,
     "Linearization": Linearization,
+    "Nonsmooth": Nonsmooth,
 }
 
 STRUCTURAL_ANALYSES: dict[str, type] = {

@@ -40,6 +40,7 @@ from dalembert.io.fields import (
     Points,
     Quantities,
     Quantity,
+    Shapes,
     connected_fields,
     keyed_fields,
 )
@@ -175,6 +176,7 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
         Laws: lambda: list[law_type(*COMBINED[COMBINED.index(field.owner) :])],  # type: ignore[misc]
         Curve: curve_type,
         Shape: lambda: shape_type(dimension),
+        Shapes: lambda: list[shape_type(dimension)],  # type: ignore[misc]
         NormalLaw: contact_law_type,
         Friction: friction_type,
     }

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 import scipy
 
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.driver import Driver
 from dalembert.errors import SingularityError
 from dalembert.model.assembly.closure import Closure
@@ -179,9 +180,10 @@ class Diagnosis:
 
 
 def _touched(d: Description) -> set[str]:
-    """Names of bodies that a constraint or force acts on, also by a formula of their positions."""
+    """Names of bodies that an element acts on, also by a formula of their positions."""
     acting = [*d.constraints, *(f for f in d.forces if f.name != "gravity" and not f.internal)]
-    names = {body.name for element in acting for body in element.parts()}
+    contacts = [e for e in d.elements.values() if isinstance(e, Collisions)]
+    names = {body.name for element in (*acting, *contacts) for body in element.parts()}
     symbols = [(body.name, ca.symvar(ca.vertcat(body.pose, body.twist))) for body in d.bodies]
     owners = {symbol.name(): name for name, listed in symbols for symbol in listed}
     for element in acting:

@@ -36,13 +36,13 @@ class CollisionGaps(GapSource):
     def __init__(self, model: Model, element: Collisions):
         self.elements, self.width = [element], element.dimension
         e, balls, walls = model.all_equations, element.balls, element.walls
-        points = [*(b.center for b in balls), *(w.point for w in walls)]
+        points = [shape.point for shape in (*balls, *walls)]
         positions = [_in_space(p.position.sx) for p in points]
         twists = [
             ca.vertcat(p.body.velocity_at(position), p.body.turning)
             for p, position in zip(points, positions, strict=True)
         ]
-        normals = [_in_space(w.point.body.turned(w.normal)) for w in walls]
+        normals = [_in_space(wall.outward) for wall in walls]
         radii = ca.vertcat(*(b.radius.sx for b in balls))
         coefficients = ca.vertcat(
             element.restitution.sx, element.tangential.sx, element.friction.sx

@@ -44,8 +44,9 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     >>> from dalembert import planar
     >>> system = da.System("landing", gravity=(0, -10))
     >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3)))
-    >>> floor = (system.ground.center, (0, 1))
-    >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor]))
+    >>> contact = planar.contact
+    >>> shapes = [contact.Circle(ball.center, 0.1), contact.HalfPlane(system.ground.center)]
+    >>> hits = system.add(planar.Collisions("hits", shapes))
     >>> analysis = da.Nonsmooth(duration=0.4, step=0.01, integrator=da.MoreauJean())
     >>> motion = analysis.run(system.build())
     >>> round(motion["ball.y"][-1].item(), 6)  # it lies on its radius
@@ -114,8 +115,9 @@ def solve_nonsmooth(
     >>> system = da.System("pile", gravity=(0, -10))
     >>> low = system.add(planar.Particle("low", mass=1.0, position=(0, 0.1)))
     >>> high = system.add(planar.Particle("high", mass=2.0, position=(0, 0.31)))
-    >>> balls, floor = [(low.center, 0.1), (high.center, 0.1)], (system.ground.center, (0, 1))
-    >>> pile = system.add(planar.Collisions("pile", balls, [floor]))
+    >>> balls = [planar.contact.Circle(ball.center, 0.1) for ball in (low, high)]
+    >>> floor = planar.contact.HalfPlane(system.ground.center)
+    >>> pile = system.add(planar.Collisions("pile", [*balls, floor]))
     >>> motion = da.solve_nonsmooth(system.build(), 0.5, step=0.01)
     >>> round(motion["high.y"][-1].item(), 4)  # on top of the other
     0.3

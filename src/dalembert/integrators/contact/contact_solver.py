@@ -194,8 +194,9 @@ class ContactSolver:
     >>> from dalembert import planar
     >>> system = da.System("landing", gravity=(0, -10))
     >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3)))
-    >>> floor = (system.ground.center, (0, 1))
-    >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor]))
+    >>> contact = planar.contact
+    >>> shapes = [contact.Circle(ball.center, 0.1), contact.HalfPlane(system.ground.center)]
+    >>> hits = system.add(planar.Collisions("hits", shapes))
     >>> solver = da.ContactSolver(tolerance=1e-12)
     >>> motion = da.solve_nonsmooth(system.build(), 0.5, step=0.01, solver=solver)
     >>> round(float(motion.impulse("hits").sum()), 6)  # m g t, the impulse of gravity

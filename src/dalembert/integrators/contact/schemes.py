@@ -90,8 +90,9 @@ class MoreauJean(ContactScheme):
     >>> from dalembert import planar
     >>> system = da.System("clack", gravity=(0, 0))
     >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3), velocity=(0, -2)))
-    >>> floor = (system.ground.center, (0, 1))
-    >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor], restitution=0.5))
+    >>> contact = planar.contact
+    >>> shapes = [contact.Circle(ball.center, 0.1), contact.HalfPlane(system.ground.center)]
+    >>> hits = system.add(planar.Collisions("hits", shapes, restitution=0.5))
     >>> scheme = da.MoreauJean(theta=0.5)
     >>> motion = da.solve_nonsmooth(system.build(), 0.2, step=0.01, integrator=scheme)
     >>> round(motion["ball.vy"][-1].item(), 9)  # e times as fast
@@ -144,8 +145,9 @@ class AnticipatedImpacts(ContactScheme):
     >>> from dalembert import planar
     >>> system = da.System("bounce", gravity=(0, -10))
     >>> ball = system.add(planar.Particle("ball", mass=1.0, position=(0, 0.3)))
-    >>> floor = (system.ground.center, (0, 1))
-    >>> hits = system.add(planar.Collisions("hits", [(ball.center, 0.1)], [floor], restitution=1.0))
+    >>> contact = planar.contact
+    >>> shapes = [contact.Circle(ball.center, 0.1), contact.HalfPlane(system.ground.center)]
+    >>> hits = system.add(planar.Collisions("hits", shapes, restitution=1.0))
     >>> scheme = da.AnticipatedImpacts()
     >>> motion = da.solve_nonsmooth(system.build(), 1.0, step=0.01, integrator=scheme)
     >>> bool(motion["ball.y"].min() > 0.1 - 1e-12), bool(abs(motion["energy"] - 3).max() < 1e-9)

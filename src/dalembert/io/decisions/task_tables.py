@@ -6,9 +6,11 @@ import numpy as np
 from pydantic import Field
 
 from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
+from dalembert.formulations.base import Formulation
+from dalembert.formulations.stabilization import Stabilization
+from dalembert.integrators.base import Integrator
 from dalembert.io.choices import Record, table_or
 from dalembert.io.decisions.design_tables import LIMITS, LimitTable, Method, Names
-from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.tables import name_or_table, strategy_type
 from dalembert.io.values import (
     Bound,
@@ -21,6 +23,7 @@ from dalembert.io.values import (
     list_of,
     one_name,
 )
+from dalembert.model.coordinates import Coordinates
 
 SAMPLINGS = ("Grid", "LatinHypercube", "MonteCarlo", "Sobol", "Table")
 """Sampling methods of designs."""
@@ -177,7 +180,9 @@ class TrajectoryTable(Record):
     method: name_or_table(TRAJECTORY_METHODS) = "DirectCollocation"  # type: ignore[valid-type]
 
 
-_COORDINATES, _FORMULATION, _STABILIZATION, _INTEGRATOR = map(strategy_type, STRATEGIES_OF)
+_COORDINATES, _FORMULATION, _STABILIZATION, _INTEGRATOR = map(
+    strategy_type, (Coordinates, Formulation, Stabilization, Integrator)
+)
 
 
 class CompareTable(Record):
