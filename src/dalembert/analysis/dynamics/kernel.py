@@ -75,10 +75,9 @@ class DynamicsKernel(StepOutputs):
     ):
         self.model, self.formulation, self.stabilization = model, formulation, stabilization
         self.coordinates, self.integrator = coordinates, integrator
-        explicit_allowed = formulation.gives_accelerations
-        self.methods = [m for m in integrator.methods if explicit_allowed or m.implicit] or [
-            integrator
-        ]
+        explicit = formulation.gives_accelerations
+        methods = [method for method in integrator.methods if explicit or method.implicit]
+        self.methods = methods or [integrator]
         self.backend = backend or VirtualMachine()
         stabilization.check(formulation)
         self.view = coordinates.view(model, formulation.every_equation)
@@ -162,11 +161,9 @@ class DynamicsKernel(StepOutputs):
 
     def by_other_method(self, mode: int) -> int:
         """The mode of the same equations with the other of two methods, if it is applicable."""
-        variant = self.variants[mode]
-        (other,) = (method for method in self.methods if method != variant.integrator)
-        following = self._mode(
-            variant.rows, variant.formulation, variant.phases, other, variant.bare
-        )
+        v = self.variants[mode]
+        (other,) = (method for method in self.methods if method != v.integrator)
+        following = self._mode(v.rows, v.formulation, v.phases, other, v.bare)
         try:
             other.check(self.variants[following].problem)
         except UnsupportedError:
@@ -178,12 +175,9 @@ class DynamicsKernel(StepOutputs):
         rows, whole = self.view.rows, self.view.whole
         if len(rows) == whole.constraint_count:
             return rows
-        share = ca.Function("W", [whole.t, whole.y, whole.p], [largest_coefficient(whole, rows)])
-        return (
-            rows
-            if float(share(t, y, p)) <= LARGEST_COEFFICIENT
-            else best_rows(whole, rows, t, y, p)
-        )
+        largest = ca.Function("W", [whole.t, whole.y, whole.p], [largest_coefficient(whole, rows)])
+        accurate = float(largest(t, y, p)) <= LARGEST_COEFFICIENT
+        return rows if accurate else best_rows(whole, rows, t, y, p)
 
     @cached_property
     def distances(self) -> ca.Function:
@@ -296,10 +290,9 @@ class DynamicsKernel(StepOutputs):
         energy = self.stabilization.reference_energy(e)
         sides = e.switches.actual
         energy = ca.substitute(energy, e.switches.sides, sides)
-        initial_memory = [ca.vertcat(ca.SX(0), ca.densify(energy), first_headings(e), sides)]
-        (memory,) = ca.substitute(
-            initial_memory, [ca.vertcat(e.t, e.y, e.v, e.p)], [ca.vertcat(t, q, u, p)]
-        )
+        initial = [ca.vertcat(ca.SX(0), ca.densify(energy), first_headings(e), sides)]
+        old, new = ca.vertcat(e.t, e.y, e.v, e.p), ca.vertcat(t, q, u, p)
+        (memory,) = ca.substitute(initial, [old], [new])
         return ImplicitFunction("start", reduce.inputs, [], [ca.vertcat(q, u, memory)])
 
     def initial(
