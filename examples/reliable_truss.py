@@ -67,7 +67,7 @@ def picture(folder, found: da.Reliability) -> None:
     side = found.point.u[2]  # the section held where failure is likeliest
     a, b = np.meshgrid(np.linspace(-1, 5, 31), np.linspace(-4, 2, 31))
     points = nataf.values(np.stack([a, b, np.full_like(a, side)], axis=-1).reshape(-1, 3))
-    g = found.searches[0].limits.many(points).reshape(*a.shape, 2)
+    g = found.searches[0].limits.values_at(points).reshape(*a.shape, 2)
     for k, name in enumerate(("deflection", "buckling")):
         left.contour(a, b, g[:, :, k], [0], colors=style.COLOURS[k])
         left.plot([], color=style.COLOURS[k], label=f"{name}, β = {found.points[k].beta:.3f}")
