@@ -46,7 +46,7 @@ def test_what_is_no_c3d(tmp_path):
     feet = written(tmp_path / "feet.c3d", {"A": np.zeros((3, 4))}, "ft")
     with pytest.raises(da.AnalysisError, match="points in 'ft'; known units: mm, cm, m"):
         read_table(feet)
-    with pytest.raises(da.AnalysisError, match="no such file"):
+    with pytest.raises(da.AnalysisError, match="does not exist"):
         read_table(tmp_path / "none.c3d")
 
 

@@ -59,13 +59,13 @@ def test_another_exception_in_its_place_is_an_interrupt():
 
 @pytest.mark.parametrize("method", ["slsqp", "ipopt", "mma", "multistart"])
 def test_after_the_last_iteration_the_optimum_is_kept(method, monkeypatch):
-    honest = optimization.judged
+    original = optimization.verified_optimum
 
     def pressed(*given):
         signal.raise_signal(signal.SIGINT)
-        return honest(*given)
+        return original(*given)
 
-    monkeypatch.setattr(optimization, "judged", pressed)
+    monkeypatch.setattr(optimization, "verified_optimum", pressed)
     best = da.optimize(**rod(), method=method)
     assert best.interrupted and best.success and best.fun == pytest.approx(7.85, rel=1e-6)
 

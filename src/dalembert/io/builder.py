@@ -215,7 +215,7 @@ class Builder:
             ForceLaw: lambda: self.force_law(entry, scope),
             Constraint: lambda: self.references.joint(entry),
             Shape: lambda: self.shape(entry, where),
-            Shapes: lambda: [self.shape(one, (*where, k)) for k, one in enumerate(entry)],
+            Shapes: lambda: [self.shape(shape, (*where, str(k))) for k, shape in enumerate(entry)],
             NormalLaw: lambda: self.component(CONTACT_LAWS, entry, where),
             Friction: lambda: self.component(FRICTIONS, entry, where),
             Rows: lambda: [self.vector(row, Scope.PARAMETERS) for row in entry],

@@ -17,7 +17,7 @@ from dalembert.analysis.dynamics.transition import MovingSide, Transition, cross
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation
-from dalembert.formulations.partition import best_rows, rows_determine
+from dalembert.formulations.partition import LARGEST_COEFFICIENT, best_rows, largest_coefficient
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator
 from dalembert.integrators.marching.adaptive import AdaptiveMarch
@@ -75,10 +75,9 @@ class DynamicsKernel(StepOutputs):
     ):
         self.model, self.formulation, self.stabilization = model, formulation, stabilization
         self.coordinates, self.integrator = coordinates, integrator
-        explicit_allowed = formulation.gives_accelerations
-        self.methods = [m for m in integrator.methods if explicit_allowed or m.implicit] or [
-            integrator
-        ]
+        explicit = formulation.gives_accelerations
+        methods = [method for method in integrator.methods if explicit or method.implicit]
+        self.methods = methods or [integrator]
         self.backend = backend or VirtualMachine()
         stabilization.check(formulation)
         self.view = coordinates.view(model, formulation.every_equation)
@@ -162,11 +161,9 @@ class DynamicsKernel(StepOutputs):
 
     def by_other_method(self, mode: int) -> int:
         """The mode of the same equations with the other of two methods, if it is applicable."""
-        variant = self.variants[mode]
-        (other,) = (method for method in self.methods if method != variant.integrator)
-        following = self._mode(
-            variant.rows, variant.formulation, variant.phases, other, variant.bare
-        )
+        v = self.variants[mode]
+        (other,) = (method for method in self.methods if method != v.integrator)
+        following = self._mode(v.rows, v.formulation, v.phases, other, v.bare)
         try:
             other.check(self.variants[following].problem)
         except UnsupportedError:
@@ -176,7 +173,10 @@ class DynamicsKernel(StepOutputs):
     def _rows(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
         """The rows of the start if the others follow accurately from them, else the best rows."""
         rows, whole = self.view.rows, self.view.whole
-        accurate = len(rows) == whole.constraint_count or rows_determine(whole, rows, t, y, p)
+        if len(rows) == whole.constraint_count:
+            return rows
+        largest = ca.Function("W", [whole.t, whole.y, whole.p], [largest_coefficient(whole, rows)])
+        accurate = float(largest(t, y, p)) <= LARGEST_COEFFICIENT
         return rows if accurate else best_rows(whole, rows, t, y, p)
 
     @cached_property
@@ -290,10 +290,9 @@ class DynamicsKernel(StepOutputs):
         energy = self.stabilization.reference_energy(e)
         sides = e.switches.actual
         energy = ca.substitute(energy, e.switches.sides, sides)
-        initial_memory = [ca.vertcat(ca.SX(0), ca.densify(energy), first_headings(e), sides)]
-        (memory,) = ca.substitute(
-            initial_memory, [ca.vertcat(e.t, e.y, e.v, e.p)], [ca.vertcat(t, q, u, p)]
-        )
+        initial = [ca.vertcat(ca.SX(0), ca.densify(energy), first_headings(e), sides)]
+        old, new = ca.vertcat(e.t, e.y, e.v, e.p), ca.vertcat(t, q, u, p)
+        (memory,) = ca.substitute(initial, [old], [new])
         return ImplicitFunction("start", reduce.inputs, [], [ca.vertcat(q, u, memory)])
 
     def initial(
