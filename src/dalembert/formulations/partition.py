@@ -107,6 +107,14 @@ def largest_coefficient(e: Equations, rows: tuple[int, ...]) -> ca.SX:
     return ca.norm_inf(ca.vec(factor.solve(ca.mtimes(solved, following.T))))
 
 
+def rows_determine(
+    e: Equations, rows: tuple[int, ...], t: float, y: np.ndarray, p: np.ndarray
+) -> bool:
+    """Whether the other rows follow accurately from these at a position."""
+    coefficient = ca.Function("W", [e.t, e.y, e.p], [largest_coefficient(e, rows)])
+    return float(coefficient(t, y, p)) <= LARGEST_COEFFICIENT
+
+
 def best_rows(
     e: Equations, rows: tuple[int, ...], t: float, y: np.ndarray, p: np.ndarray
 ) -> tuple[int, ...]:

@@ -202,7 +202,9 @@ class Builder:
             )
             self.system.add(construct(cls, name, *ties, **keys))
 
-    def value(self, field: FileField, entry: Any, scope: Scope, where: tuple[str, ...]) -> Any:
+    def value(
+        self, field: FileField, entry: Any, scope: Scope, where: tuple[str | int, ...]
+    ) -> Any:
         readers: dict[Any, Callable[[], Any]] = {
             Quantity: lambda: self.formulas.read(entry, scope),
             Quantities: lambda: self.vector(_as_list(entry), scope),
@@ -228,13 +230,13 @@ class Builder:
         }
         return readers[field.holds]() if field.holds in readers else entry
 
-    def shape(self, entry: Any, where: tuple[str, ...]) -> Any:
+    def shape(self, entry: Any, where: tuple[str | int, ...]) -> Any:
         """A contact shape, or the point or body that replaces it."""
         if isinstance(entry, str):
             return self.references.end(Point, entry)
         return self.component(SHAPES[self.document.space.dimension], entry, where)
 
-    def component(self, registry: dict[str, type], table: Any, where: tuple[str, ...]) -> Any:
+    def component(self, registry: dict[str, type], table: Any, where: tuple[str | int, ...]) -> Any:
         """Component object of an element, such as a contact law, from its table."""
         cls = registry[table.type]
         keys = read_fields(

@@ -162,7 +162,7 @@ def keyed_fields(cls: type, hidden: frozenset[str] = frozenset({"name"})) -> lis
 
 
 def read_fields(
-    cls: type, table: Any, located: Any, where: tuple[str, ...], value: Callable
+    cls: type, table: Any, located: Any, where: tuple[str | int, ...], value: Callable
 ) -> dict[str, Any]:
     """Values of the fields in a table, converted by ``value(field, entry, where)``."""
     values = {}

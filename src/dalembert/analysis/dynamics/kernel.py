@@ -17,7 +17,7 @@ from dalembert.analysis.dynamics.transition import MovingSide, Transition, cross
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation
-from dalembert.formulations.partition import LARGEST_COEFFICIENT, best_rows, largest_coefficient
+from dalembert.formulations.partition import best_rows, rows_determine
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator
 from dalembert.integrators.marching.adaptive import AdaptiveMarch
@@ -173,10 +173,7 @@ class DynamicsKernel(StepOutputs):
     def _rows(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[int, ...]:
         """The rows of the start if the others follow accurately from them, else the best rows."""
         rows, whole = self.view.rows, self.view.whole
-        if len(rows) == whole.constraint_count:
-            return rows
-        largest = ca.Function("W", [whole.t, whole.y, whole.p], [largest_coefficient(whole, rows)])
-        accurate = float(largest(t, y, p)) <= LARGEST_COEFFICIENT
+        accurate = len(rows) == whole.constraint_count or rows_determine(whole, rows, t, y, p)
         return rows if accurate else best_rows(whole, rows, t, y, p)
 
     @cached_property
