@@ -119,6 +119,8 @@ ELEMENTS = {
         "Contact": "shape_j = 'b'\nshape_i = { type = 'HalfSpace', point = 'ground.G' }\n"
         "law = { type = 'Hertz', stiffness = 'k' }\nfriction = { type = 'Coulomb', dynamic = 0.3 }",
         "UnilateralConstraint": "distance = 'a.z + k'\nslip = 'a.vx'\nrestitution = 0.5",
+        "Collisions": "shapes = [{ type = 'Sphere', point = 'a', radius = 'k' }, "
+        "{ type = 'HalfSpace', point = 'ground.G' }]",
     },
 }
 CASES = [(section, name) for section, table in SPATIAL.sections.items() for name in table]

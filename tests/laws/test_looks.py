@@ -47,6 +47,8 @@ def test_every_element_looks_like_something(name):
     ]
     if found is planar.UnilateralConstraint:  # no force, so among no forces
         made = [found("floor", planar.Particle("ball", mass=1.0).y, restitution=0)]
+    if found is planar.Collisions:
+        made = [found("contacts", [planar.contact.Circle(planar.Particle("ball", mass=1.0), 0.1)])]
     assert made or found is planar.FlexibleBody  # of a structure, see its own laws
     for element in made:
         shown = element.look()

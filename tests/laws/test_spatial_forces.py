@@ -14,8 +14,8 @@ from dalembert import spatial
 from dalembert.elements import registry
 
 CONSERVATIVE = [n for n, c in SPATIAL_CASES.items() if c.conservative]
-NOT_HERE = {"Mesh", "FlexibleBody", "Node", "PointNode", "UnilateralConstraint"}
-"""Bodies from files, of structures and of finite elements, and what is no force: they have laws of
+NOT_HERE = {"Mesh", "FlexibleBody", "Node", "PointNode", "UnilateralConstraint", "Collisions"}
+"""Bodies from files, of structures and of finite elements, and rigid contacts: they have laws of
 their own."""
 
 

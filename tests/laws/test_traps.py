@@ -267,7 +267,7 @@ def test_a_lock_is_found_and_what_was_reached_is_kept(choice):
     told = re.search(r"t = ([\d.]+)", motion.status.message)
     assert told and float(told[1]) == pytest.approx(lock, abs=0.02)
     assert motion.time[-1] > lock - 0.01
-    assert "solve_kinematics tells" in motion.status.message
+    assert "solve_kinematics shows" in motion.status.message
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ class Twin:
         carrier, near, far, kind = "ground", at_rest, at_rest, pin.JointModelFreeFlyer()
         if link.joint is not None:
             carrier = link.carrier.name
-            sides = link.joint.sides()
+            sides = link.joint.end_frames()
             sides = sides if link.joint.ends()[1] is body else sides[::-1]
             near, far = (in_body(point) for point in sides)
             kind = PEERS[type(link.joint)]()

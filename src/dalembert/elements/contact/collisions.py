@@ -11,7 +11,7 @@ from dalembert.elements.base import Condition, Element, Look, Scalar, option, qu
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.shapes import Flat, Round, Shape
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.look import Disc, Rail
+from dalembert.elements.look import Rail
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -107,10 +107,11 @@ class Collisions(Element):
         return list(bodies.values())
 
     def look(self) -> list[Look]:
-        if self.dimension != 2:
-            return []
-        discs: list[Look] = [Disc(ball.point, ball.radius.sx) for ball in self.balls]
-        return discs + [self._floor(wall) for wall in self.walls]
+        first = self.balls[0].point.position.sx
+        balls = [part for ball in self.balls for part in ball.look(first)]
+        if self.dimension == 2:
+            return balls + [self._floor(wall) for wall in self.walls]
+        return balls + [part for wall in self.walls for part in wall.look(first)]
 
     def _floor(self, wall: Flat) -> Rail:
         """A wall whose length follows from the motion of the balls along it."""
