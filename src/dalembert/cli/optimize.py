@@ -10,6 +10,7 @@ from cyclopts import Parameter
 
 from dalembert.cli.console import print_line
 from dalembert.cli.decision import NO_OPTIONS, DecisionCommand, Options, Run, iterations
+from dalembert.text.wording import counted
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -106,4 +107,5 @@ def _show(summary: dict[str, Any]) -> None:
         at = ", ".join(f"{name} = {value:.6g}" for name, value in limit["point"].items())
         print_line(f"  {limit['label']}: β {beta}, worst at {at}")
     failed = f", {summary['failed_runs']} failed" if summary["failed_runs"] else ""
-    print_line(f"  {summary['iterations']} iterations, {summary['runs']} runs{failed}")
+    iterations, runs = counted(summary["iterations"], "iteration"), counted(summary["runs"], "run")
+    print_line(f"  {iterations}, {runs}{failed}")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dalembert.cli.console import print_line
 from dalembert.cli.decision import NO_OPTIONS, DecisionCommand, Options, Run, iterations
+from dalembert.text.wording import counted
 
 if TYPE_CHECKING:
     from dalembert.io.model_file import ModelFile
@@ -55,4 +56,5 @@ def _show(summary: dict[str, Any]) -> None:
     for name, value in summary["x"].items():
         print_line(f"  {name:<10} {summary['start'][name]:.8g} → {value:.8g}")
     print_line(f"  defect {summary['defect']:.2g}, {summary['deviation']:.2g} from its forward run")
-    print_line(f"  {summary['iterations']} iterations, {summary['intervals']} intervals")
+    iterations = counted(summary["iterations"], "iteration")
+    print_line(f"  {iterations}, {counted(summary['intervals'], 'interval')}")

@@ -97,6 +97,11 @@ def unknown(kind: str, name: Any, known: Iterable[str]) -> str:
     return f"unknown {kind} {name!r}{nearest(name, names)}; known: {listed(names)}"
 
 
+def counted(count: int, noun: str) -> str:
+    """A count with its noun, such as ``1 iteration`` or ``3 iterations``."""
+    return f"{count} {noun}{'' if count == 1 else 's'}"
+
+
 def listed(names: Iterable[str]) -> str:
     """The first names, separated by commas."""
     names = list(names)

@@ -27,6 +27,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from dalembert.errors import SingularityError
+from dalembert.text.wording import counted
 
 X = TypeVar("X")
 ROUNDING = 16 * float(np.finfo(float).eps)
@@ -148,8 +149,8 @@ class Solution(Generic[X]):
     accepted: bool
 
     def __str__(self) -> str:
-        counted = f"{self.iterations} iteration{'s' if self.iterations != 1 else ''}"
-        return f"{self.ending.value} after {counted}, relative residual {self.residual:.3g}"
+        iterations = counted(self.iterations, "iteration")
+        return f"{self.ending.value} after {iterations}, relative residual {self.residual:.3g}"
 
 
 def solve(equations: Equations[X], x: X, settings: NewtonSettings) -> Solution[X]:
