@@ -1,4 +1,4 @@
-"""Which step a finite difference needs: example 8.10 of the book, its Tables 8.1 and 8.2.
+"""Step size of finite differences: example 8.10 of the book, its Tables 8.1 and 8.2.
 
 Two springs in a row carry 1 N and 2 N; the compliance is 9/k1 + 4/k2 = 11 J and its gradient by the
 stiffnesses (-9, -1). By k1 a forward difference of step h is -9/(1 + h), a central one

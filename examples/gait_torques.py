@@ -1,4 +1,4 @@
-"""Torques of hip and knee from where knee and ankle were seen: inverse dynamics of a leg.
+"""Torques of hip and knee from measured positions of knee and ankle: inverse dynamics of a leg.
 
 A leg swings in the sagittal plane. Cameras see its knee and ankle 60 times a second, with an error
 of 2 mm. Differences of that taken twice are half noise; splines of the joint angles, as stiff as

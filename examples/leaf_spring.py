@@ -1,4 +1,4 @@
-"""A leaf spring of least mass for its stiffness: thicknesses of its leaves by exact gradients.
+"""A leaf spring of minimum mass for its stiffness: thicknesses of its leaves by exact gradients.
 
 Of all cantilevers of a given width and deflection under a small load, that of thickness
 ``h ~ √x`` is the lightest (x from the tip): the strain energy per mass is the same everywhere.

@@ -1,4 +1,4 @@
-"""What reliability weighs: the lightest two-bar truss for every reliability index.
+"""The lightest two-bar truss for every reliability index: the weight of reliability.
 
 Section and height of a timber truss are chosen so that deflection and buckling are as improbable as
 asked for, each with an index β, while load, timber and the cut of the saw scatter.

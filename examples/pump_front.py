@@ -1,4 +1,4 @@
-"""What relieves a pump's motor and what spares its bearing: the designs between two aims.
+"""Pareto front of a plunger pump: smooth motor torque against small bearing load.
 
 The plunger pump of ``smooth_torque`` with its spring. One spring makes the motor's torque smooth,
 another the load of the crank's bearing small; between them lies a front of springs, each best for

@@ -1,4 +1,4 @@
-"""Book examples 4.3 and 4.5: slider and link, constraints told implicitly and explicitly.
+"""Book examples 4.3 and 4.5: slider and link, constraints stated implicitly and explicitly.
 
 Implicitly, Φ(y) = 0 names what the joints prohibit and its multipliers are their reactions:
 guide force and moment, two components of the pin force. Explicitly, y = g(s, φ) names what is

@@ -1,4 +1,4 @@
-"""Slider-crank with play in the slider's pin: the journal flies, strikes and slides in its bearing.
+"""Slider-crank with clearance (play) in the pin: the journal flies and strikes in its bearing.
 
 Data of Flores and Ambrosio (2004): crank 50 mm at 5000 rpm, connecting rod 120 mm, journal of
 10 mm, play of 0.5 mm in the radius, steel, restitution 0.9 by the law of Lankarani and Nikravesh.

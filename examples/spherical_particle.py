@@ -1,4 +1,4 @@
-"""Book example 4.1: a particle on a spring, its Cartesian equations told in spherical coordinates.
+"""Book example 4.1: a particle on a spring, its Cartesian equations in spherical coordinates.
 
 With y = g(r, θ, φ) the equations m ÿ = f become M' q̈ + d' = f', where M' = Bᵀ m B, d' = Bᵀ m γ and
 f' = Bᵀ f (4.8)-(4.11). A spring without free length draws an ellipse, known in closed form.

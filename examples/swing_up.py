@@ -1,4 +1,4 @@
-"""A pole swung up on a cart with the least force, and a four-bar moved from rest to rest.
+"""A pole swung up on a cart with minimum force, and a four-bar moved from rest to rest.
 
 Trajectory optimisation by direct collocation on the model itself: the force on the cart in time,
 for the problem of Kelly (SIAM Review 2017); then the torque at the crank of a four-bar, a closed

@@ -1,4 +1,4 @@
-"""What synthesis is asked for: six tasks, each with the mechanism that does it.
+"""Six synthesis tasks, each with a mechanism that solves it.
 
 A function (the logarithm from 1 to 2 by cranks of 60° and 90°), poses of a body, a crank–rocker of
 given swing between its dead centres, all four-bars through five points with given pivots, a six-bar
