@@ -276,5 +276,5 @@ def unit(vector: ca.SX, entity: str) -> ca.SX:
         The vector is zero.
     """
     if vector.is_constant() and float(ca.norm_2(vector)) == 0.0:
-        raise ModelError("a direction needs a length; (0, 0, 0) has none", entity)
+        raise ModelError("a direction needs a length: all its components are zero", entity)
     return vector / ca.sqrt(ca.sumsqr(vector))

@@ -42,7 +42,7 @@ class Candidate(ABC):
         return {}
 
     @abstractmethod
-    def told(self) -> dict[str, Any]:
+    def properties(self) -> dict[str, Any]:
         """Further properties, as plain data."""
 
     @abstractmethod
@@ -120,7 +120,7 @@ class Candidates(Decision):
                 {
                     "error": s.error,
                     "dimensions": s.numbers,
-                    **s.told(),
+                    **s.properties(),
                     "crank_angles": s.crank_angles.tolist(),
                     "distances": s.distances.tolist(),
                 }

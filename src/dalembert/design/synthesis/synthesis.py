@@ -66,7 +66,7 @@ class Solution(Candidate):
         turns = self.linkage.crank_turns
         return float(self.linkage.transmission(None if turns else self.crank_angles))
 
-    def told(self) -> dict[str, Any]:
+    def properties(self) -> dict[str, Any]:
         return {
             "branch": self.linkage.branch,
             "crank_turns": self.linkage.crank_turns,
@@ -167,7 +167,7 @@ class MechanismSolution(Candidate):
         parameters = self.motion.model.parameters
         return {name: parameters[name].unit for name in self.parameters}
 
-    def told(self) -> dict[str, Any]:
+    def properties(self) -> dict[str, Any]:
         return {"crank_turns": True}
 
     def _path(self, motion: Motion) -> np.ndarray:

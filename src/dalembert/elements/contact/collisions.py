@@ -73,7 +73,11 @@ class Collisions(Element):
                 f"{self.name}.shapes[{number}]",
             )
         if isinstance(shape, Flat):
-            _ = shape.outward  # raises an error for a zero normal
+            try:
+                _ = shape.outward
+            except ModelError as error:  # a zero normal
+                entity = f"{self.name}.shapes[{number}].normal"
+                raise ModelError(error.message, entity) from None
         return shape
 
     @property

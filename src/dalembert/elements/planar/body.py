@@ -46,7 +46,7 @@ def unit_vector(vector: ca.SX, entity: str) -> ca.SX:
         Both components zero.
     """
     if vector.is_constant() and float(ca.norm_2(vector)) < 1e-12:
-        raise ModelError("a direction needs a length; (0, 0) has none", entity)
+        raise ModelError("a direction needs a length: all its components are zero", entity)
     return vector / ca.sqrt(vector[0] ** 2 + vector[1] ** 2)
 
 
