@@ -167,7 +167,7 @@ class Mean(OverRun):
 
 
 @dataclass(frozen=True)
-class Rms(OverRun):
+class RMS(OverRun):
     """``√((1/T) ∫ m² dt)``, or the root mean square over modes and load cases.
 
     Examples
@@ -180,7 +180,7 @@ class Rms(OverRun):
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
     >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
     >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
-    >>> round(da.evaluate(motion, da.Rms("crank.end.y"))**2, 6)  # l²/2
+    >>> round(da.evaluate(motion, da.RMS("crank.end.y"))**2, 6)  # l²/2
     2.0
     """
 
@@ -260,7 +260,7 @@ def mean(measure: str | Expression, name: str = "") -> Mean:
 
 
 @spelled
-def rms(measure: str | Expression, name: str = "") -> Rms:
+def rms(measure: str | Expression, name: str = "") -> RMS:
     """Root mean square of a measure over the run.
 
     Parameters
@@ -278,7 +278,7 @@ def rms(measure: str | Expression, name: str = "") -> Rms:
     >>> round(da.evaluate(motion, da.rms("stone.vx")), 6)
     3.0
     """
-    return Rms(measure, name)
+    return RMS(measure, name)
 
 
 @spelled

@@ -150,8 +150,8 @@ def compare(
     by a second run with another formulation and tolerance; errors below the difference of the two
     are marked as insignificant. A combination that is not supported is listed with the reason.
 
-    The default takes about ten seconds: RangeSpace, Kkt, NullSpace and AugmentedLagrangian with
-    RK4 and DormandPrince, RangeSpace in joint coordinates too, and Dae(index=3) with Radau. All
+    The default takes about ten seconds: RangeSpace, KKT, NullSpace and AugmentedLagrangian with
+    RK4 and DormandPrince, RangeSpace in joint coordinates too, and DAE(index=3) with Radau. All
     choices that are named explicitly are combined.
 
     Parameters
