@@ -14,8 +14,11 @@ from dalembert.io.strategies import RESPONSES
 from dalembert.text.renamed_names import RENAMED
 
 KEYWORDS = {
+    "apart": lambda: da.Multistart(apart=1e-2),
+    "given": lambda: da.Case(None, da.Statics(), given={}),
     "least_crank": lambda: da.dead_centre_four_bar(0.7, least_crank=0.2),
     "least_radius": lambda: da.FlatFaceCam.smallest(da.Harmonic(0.01, 1.0), least_radius=0.003),
+    "rescued": lambda: da.SLSQP(rescued=False),
 }
 """Former keyword → a call with it."""
 BODY = "format = 1\n[bodies.a]\nmass = 1.0\ninertia = 0.1\n"

@@ -90,7 +90,7 @@ def measured_series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[st
 
     def put(name: str, variable: str, group: str, **where: Any) -> None:
         if variable in data:
-            unit = _unit(motion, str(data.about(variable).get("units", "")), name)
+            unit = _unit(motion, str(data.attributes_of(variable).get("units", "")), name)
             add(name, unit, group, data.at(variable, **where)[keep])
 
     def add(name: str, unit: str, group: str, values: np.ndarray) -> None:

@@ -116,7 +116,7 @@ class Result(Protocol):
 
     # output --------------------------------------------------------------------------------
     @property
-    def about(self) -> dict[str, str]:
+    def attributes(self) -> dict[str, str]:
         """Attributes of the dataset."""
         return {"model": self.model.name, "status": str(self.status)}
 
@@ -228,7 +228,7 @@ class Analysis(ABC, Generic[M, R]):
     time implements ``resample``, one with events ``at_event``.
     """
 
-    spoken: ClassVar[str] = ""
+    display_name: ClassVar[str] = ""
     """Name of the analysis in texts."""
     events: Mapping[str, Any] | None = None
     """Name → event, for analyses with events."""

@@ -37,9 +37,12 @@ RENAMED: dict[str, str] = {
     "history": "input_history",
     "table": "Interpolation",
     "u": "curves.u",
-    # keywords
+    # keywords and keys of files
+    "apart": "minimum_distance",
+    "given": "inputs",
     "least_crank": "minimum_crank_ratio",
     "least_radius": "minimum_radius",
+    "rescued": "ipopt_fallback",
 }
 """Former name → present name; each is unique among the names of its place."""
 

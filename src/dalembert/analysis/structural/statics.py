@@ -71,7 +71,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
     array([0.5, 2. ])
     """
 
-    spoken = "linear statics"
+    display_name = "linear statics"
     at_rest = True
 
     solver: str = "auto"

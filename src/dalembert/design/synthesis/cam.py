@@ -153,7 +153,7 @@ class RolledCam(Cam):
         """``p`` and its first two derivatives by the cam angle."""
 
     @abstractmethod
-    def way(self, theta: np.ndarray) -> np.ndarray:
+    def direction(self, theta: np.ndarray) -> np.ndarray:
         """Direction of motion of the roller centre for a rising follower."""
 
     def pitch(self, theta: Any = None) -> np.ndarray:
@@ -173,7 +173,7 @@ class RolledCam(Cam):
 
     def pressure_angle(self, theta: Any = None) -> np.ndarray:
         angles = self._angles(theta)
-        return np.angle(1j * self._tangent(angles) / self.way(angles))
+        return np.angle(1j * self._tangent(angles) / self.direction(angles))
 
     def pitch_radius(self, theta: Any = None) -> np.ndarray:
         """(n,) radius of curvature of the pitch curve [m]."""
@@ -235,7 +235,7 @@ class RollerCam(RolledCam):
         s, rate, second = self.lift(theta)
         return self.offset + 1j * (self._height + s), 1j * rate, 1j * second
 
-    def way(self, theta: np.ndarray) -> np.ndarray:
+    def direction(self, theta: np.ndarray) -> np.ndarray:
         return np.full(theta.shape, 1j)
 
     @classmethod

@@ -76,7 +76,7 @@ class SwingingRollerCam(RolledCam):
         arm = self.arm * np.exp(-1j * (self.start + s))
         return self.distance - arm, 1j * rate * arm, (1j * second + rate**2) * arm
 
-    def way(self, theta: np.ndarray) -> np.ndarray:
+    def direction(self, theta: np.ndarray) -> np.ndarray:
         return 1j * np.exp(-1j * (self.start + self.lift(theta)[0]))
 
     @classmethod

@@ -46,7 +46,7 @@ def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> d
         "format": 1,
         "kind": "structure",
         "title": model.name,
-        "subtitle": result.analysis.spoken,
+        "subtitle": result.analysis.display_name,
         "dimension": drawing.dimension,
         "cases": [result.state_names[k] for k in keep],
         "drawing": _drawing(drawing),
