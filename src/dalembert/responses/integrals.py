@@ -17,7 +17,7 @@ from dalembert.responses.base import Response
 from dalembert.responses.quadrature import Count, Quadrature, Rule, rule_over
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -215,7 +215,7 @@ class Total(Response):
         return np.ones(times.size)
 
 
-@spelled
+@check_arguments
 def integral(measure: str | Expression, name: str = "") -> Integral:
     """Integral of a measure over the run.
 
@@ -237,7 +237,7 @@ def integral(measure: str | Expression, name: str = "") -> Integral:
     return Integral(measure, name)
 
 
-@spelled
+@check_arguments
 def mean(measure: str | Expression, name: str = "") -> Mean:
     """Mean of a measure over the run.
 
@@ -259,7 +259,7 @@ def mean(measure: str | Expression, name: str = "") -> Mean:
     return Mean(measure, name)
 
 
-@spelled
+@check_arguments
 def rms(measure: str | Expression, name: str = "") -> RMS:
     """Root mean square of a measure over the run.
 
@@ -281,7 +281,7 @@ def rms(measure: str | Expression, name: str = "") -> RMS:
     return RMS(measure, name)
 
 
-@spelled
+@check_arguments
 def total(measure: str | Expression, name: str = "") -> Total:
     """Sum of a measure over the outputs, such as squared distances to points of a path.
 

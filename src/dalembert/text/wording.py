@@ -102,7 +102,7 @@ def unknown(kind: str, name: Any, known: Iterable[str]) -> str:
 
 
 def no_attribute(module: str, name: str, known: Iterable[str]) -> str:
-    """``module 'dalembert' has no attribute 'Kkt' (renamed: 'KKT')``."""
+    """``module 'dalembert' has no attribute 'KKT' (renamed: 'KKT')``."""
     return f"module {module!r} has no attribute {name!r}{nearest(name, known)}"
 
 

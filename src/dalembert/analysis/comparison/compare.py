@@ -30,7 +30,7 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.comparison.result import Comparison, comparison_of
 from dalembert.results.motion import Motion
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @options
@@ -125,7 +125,7 @@ class Comparing:
         return about
 
 
-@spelled
+@check_arguments
 def compare(
     model: Model,
     duration: float | None = None,

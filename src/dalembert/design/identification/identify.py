@@ -17,10 +17,10 @@ from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
-@spelled
+@check_arguments
 @interruptible
 def identify(
     model: ParametricModel,

@@ -29,13 +29,13 @@ from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 MAX_ROUNDS = 6
 """Upper limit of solutions until the selected smoothing no longer changes."""
 
 
-@spelled
+@check_arguments
 @interruptible
 def invert(
     model: ParametricModel,

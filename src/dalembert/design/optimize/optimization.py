@@ -27,11 +27,11 @@ from dalembert.interrupts import interruptible, searching
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 
 
-@spelled
+@check_arguments
 def optimize(
     model: ParametricModel | None = None,
     minimize: Any = None,

@@ -20,14 +20,14 @@ from dalembert.interrupts import interruptible
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 
 EVOLUTIONS = ("nsga2", "nsga3")
 METHODS = ("normal-constraint", "epsilon-constraint", *EVOLUTIONS)
 
 
-@spelled
+@check_arguments
 @interruptible
 def pareto(
     model: ParametricModel | None = None,

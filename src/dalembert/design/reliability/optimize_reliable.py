@@ -40,13 +40,13 @@ from dalembert.interrupts import interruptible, searching
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 CONVERGED = 1e-5
 """Threshold for convergence of the rounds: relative change of the design, margin of the limits."""
 
 
-@spelled
+@check_arguments
 @interruptible
 def optimize_reliable(
     model: ParametricModel,

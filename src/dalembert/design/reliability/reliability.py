@@ -19,7 +19,7 @@ from dalembert.interrupts import interruptible, searching
 from dalembert.options import is_whole, random_generator
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 
 SYSTEMS = ("series", "parallel")
@@ -32,7 +32,7 @@ LAYER_DEPTHS = (0.03, 0.1, 0.3, 1.0, 1.6)
 ``1/max(β, 1)`` that contains most of the probability."""
 
 
-@spelled
+@check_arguments
 @interruptible
 def reliability(
     model: ParametricModel | None,

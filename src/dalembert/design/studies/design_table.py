@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import random_generator
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 from dalembert.units.measured import measured
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ MAX_DESIGNS = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class DesignTable(Spelled):
+class DesignTable(CheckedArguments):
     """Table of parameter values, one row per design.
 
     Attributes

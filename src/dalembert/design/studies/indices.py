@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.design.studies.design_table import DesignTable, Ranges
 from dalembert.design.studies.sweep_result import SweepResult
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,7 +19,7 @@ Run = Callable[[DesignTable], SweepResult]
 """Function that runs designs, such as ``lambda design: da.sweep(model, design, ...)``."""
 
 
-@spelled
+@check_arguments
 def sobol_indices(
     run: Run, ranges: Ranges, samples: int = 256, rng: int | None = None
 ) -> xr.Dataset:
@@ -76,7 +76,7 @@ def sobol_indices(
     return _index_dataset(run, ranges, values, indices)
 
 
-@spelled
+@check_arguments
 def morris_indices(
     run: Run, ranges: Ranges, trajectories: int = 20, levels: int = 4, rng: int | None = None
 ) -> xr.Dataset:

@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.design.studies.sweep_result import SweepResult
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class Surface:
         return tuple(part.reshape(columns[0].shape)[()] for part in parts)
 
 
-@spelled
+@check_arguments
 def response_surface(study: SweepResult, response: str | None = None, degree: int = 2) -> Surface:
     """Polynomial response surface by least squares.
 
@@ -109,7 +109,7 @@ def response_surface(study: SweepResult, response: str | None = None, degree: in
     return _fit_surface(study, response, estimator, terms)
 
 
-@spelled
+@check_arguments
 def gaussian_process(study: SweepResult, response: str | None = None, rng: int = 0) -> Surface:
     """Gaussian process with an anisotropic squared exponential kernel and noise.
 

@@ -21,7 +21,7 @@ from dalembert.responses.evaluation import as_responses
 from dalembert.results.result import Analysis
 from dalembert.results.status import Warnings
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 ModelSource = ParametricModel | Callable[[], ParametricModel]
 MAX_CHUNK = 256
@@ -32,7 +32,7 @@ CHECKED = 4
 """Upper limit of the designs that are run again for their warnings."""
 
 
-@spelled
+@check_arguments
 def sweep(
     model: ModelSource,
     design: DesignTable,

@@ -18,7 +18,7 @@ import numpy as np
 
 from dalembert.elements.laws.base import as_law
 from dalembert.errors import AnalysisError
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 SAMPLES = 1441
 """Number of angles per revolution."""
@@ -128,7 +128,7 @@ class FlatFaceCam(Cam):
         return float(rate.min()), float(rate.max())
 
     @classmethod
-    @spelled
+    @check_arguments
     def smallest(cls, law: Any, minimum_radius: float) -> Self:
         """Cam with the smallest base circle for a minimum radius of curvature [m]."""
         unit = cls(law=law, base_radius=1.0)
@@ -239,7 +239,7 @@ class RollerCam(RolledCam):
         return np.full(theta.shape, 1j)
 
     @classmethod
-    @spelled
+    @check_arguments
     def smallest(
         cls,
         law: Any,

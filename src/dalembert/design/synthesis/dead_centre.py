@@ -11,10 +11,10 @@ import numpy as np
 from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage_fit import QUIET
 from dalembert.errors import AnalysisError
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
-@spelled
+@check_arguments
 def dead_centre_four_bar(
     swing: float, advance: float = 0.0, ground: float = 1.0, minimum_crank_ratio: float = 0.1
 ) -> FourBar:

@@ -17,7 +17,7 @@ import numpy as np
 
 from dalembert.design.synthesis.cam import Cam, RolledCam
 from dalembert.errors import AnalysisError
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -80,7 +80,7 @@ class SwingingRollerCam(RolledCam):
         return 1j * np.exp(-1j * (self.start + self.lift(theta)[0]))
 
     @classmethod
-    @spelled
+    @check_arguments
     def smallest(
         cls,
         law: Any,

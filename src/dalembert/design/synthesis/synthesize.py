@@ -17,14 +17,14 @@ from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching
 from dalembert.options import random_generator
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 
 CANDIDATES = 6
 """Number of compared starts per optimised start, for open paths."""
 
 
-@spelled
+@check_arguments
 @interruptible
 def synthesize(
     target: Target,

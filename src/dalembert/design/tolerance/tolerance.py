@@ -23,7 +23,7 @@ from dalembert.responses.base import Response
 from dalembert.responses.evaluation import as_responses
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 from dalembert.units.measured import check_measured, measured
 
@@ -100,7 +100,7 @@ class Box:
         return [np.where(sign * self.slope(np.zeros(size)) < 0, -1.0, 1.0)]
 
 
-@spelled
+@check_arguments
 @interruptible
 def tolerance(
     model: ParametricModel,
