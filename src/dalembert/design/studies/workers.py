@@ -20,7 +20,8 @@ from typing import Any, Protocol
 import numpy as np
 
 from dalembert.design.studies.task import Answer, StudyTask
-from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.errors import AnalysisError
+from dalembert.packages import optional_package
 
 DIED = "the process that computed it died"
 MAX_TRIES = 2
@@ -191,7 +192,7 @@ class Cluster:
     identity: str
 
     def answers(self, chunks: Sequence[Chunk]) -> Iterator[list[Answer]]:
-        distributed = _distributed()
+        distributed = optional_package("distributed", "a study on a cluster")
         try:
             client = distributed.Client(self.scheduler, timeout=WAIT, set_as_default=False)
         except (OSError, ValueError) as error:
@@ -226,13 +227,3 @@ class Cluster:
                 yield [self.task.failed(int(chunk.numbers[0]), DIED)]
             else:
                 running.update([submit(single) for single in chunk.split()])
-
-
-def _distributed() -> Any:
-    try:
-        import distributed
-    except ImportError:
-        raise UnsupportedError(
-            "a study on a cluster needs dask.distributed: pip install 'dalembert[cluster]'"
-        ) from None
-    return distributed
