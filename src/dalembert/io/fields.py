@@ -174,7 +174,7 @@ def read_fields(
     return values
 
 
-FROM_FILE = {
+FROM_FILE: dict[str, dict[str, tuple[str, ...]]] = {
     "Table": {"times": ("s",), "values": ("",)},
     "SplineCurve": {"points": ("m", "m")},
 }
