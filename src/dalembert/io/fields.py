@@ -174,5 +174,8 @@ def read_fields(
     return values
 
 
-FROM_FILE = {"Table": ("times", "values"), "SplineCurve": ("points",)}
-"""Classes whose rows may come from a file of two columns → the fields that it fills."""
+FROM_FILE: dict[str, dict[str, tuple[str, ...]]] = {
+    "Table": {"times": ("s",), "values": ("",)},
+    "SplineCurve": {"points": ("m", "m")},
+}
+"""Classes whose rows may come from a file of two columns → fields, with units of their columns."""

@@ -262,9 +262,11 @@ def table_of(
             f.name for f in connections
         )
         keys["connect"] = (_connection(connections, dimension), Field(description=text))
-    from_file = FROM_FILE.get(name, ())
+    from_file = FROM_FILE.get(name, {})
     if from_file:
-        text = f"CSV file with two columns, instead of {' and '.join(from_file)}"
+        text = (
+            f"CSV file with two columns, units in its heading, instead of {' and '.join(from_file)}"
+        )
         keys["file"] = (Text, Field(default=None, description=text))
     for field in keyed_fields(cls):
         if field.name in (more or {}):

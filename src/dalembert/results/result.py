@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
@@ -16,7 +15,7 @@ from dalembert.errors import AnalysisError, ExpressionError, UnsupportedError
 from dalembert.results.files.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.wording import card, messages, table
+from dalembert.text.wording import card, messages, table, unknown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -305,8 +304,5 @@ class Analysis(ABC, Generic[M, R]):
         names = [field.name for field in fields(cls)]  # type: ignore[arg-type]
         for name in options:
             if name not in names:
-                matches = difflib.get_close_matches(name, names, 1)
-                nearest = f" (did you mean {matches[0]!r}?)" if matches else ""
-                listed = ", ".join(names) or "none"
-                raise AnalysisError(f"{verb}: unknown option {name!r}{nearest}; known: {listed}")
+                raise AnalysisError(f"{verb}: {unknown('option', name, names)}")
         return cls(**options)

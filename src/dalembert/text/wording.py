@@ -85,14 +85,21 @@ def plain(data: Any) -> Any:
     return data if data is None or isinstance(data, (bool, int, str)) else str(data)
 
 
+SIMILAR = 0.5
+"""Minimum similarity of names that are suggested; it accepts one wrong letter of two."""
+
+
+def similar(name: Any, known: Iterable[str], count: int = 3) -> list[str]:
+    """The known names that are similar to a name, the nearest first."""
+    return difflib.get_close_matches(str(name)[:80], list(known), count, SIMILAR)
+
+
 def nearest(name: Any, known: Iterable[str]) -> str:
     """``(did you mean …?)`` with the nearest known name, if one is close; renamed ones first."""
     names = list(known)
     if new := successor(name, names):
         return f" (renamed: {new!r})"
-    # a cutoff of 0.5 accepts one wrong letter of two
-    close = difflib.get_close_matches(str(name)[:80], names, 1, 0.5)
-    return f" (did you mean {close[0]!r}?)" if close else ""
+    return "".join(f" (did you mean {close!r}?)" for close in similar(name, names, 1))
 
 
 def unknown(kind: str, name: Any, known: Iterable[str]) -> str:
@@ -102,7 +109,7 @@ def unknown(kind: str, name: Any, known: Iterable[str]) -> str:
 
 
 def no_attribute(module: str, name: str, known: Iterable[str]) -> str:
-    """``module 'dalembert' has no attribute 'KKT' (renamed: 'KKT')``."""
+    """``module 'dalembert' has no attribute 'Optimum' (renamed: 'OptimizationResult')``."""
     return f"module {module!r} has no attribute {name!r}{nearest(name, known)}"
 
 
