@@ -494,3 +494,25 @@ def test_checking_makes_no_step():
     analysis = make_analysis(file, model)
     variants = analysis.kernel(model).variants
     assert variants and not any({"step", "attempt"} & set(vars(v)) for v in variants)
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "by_ends"),
+    [
+        ("RotationalDriver", '"k*t"', 'connect = ["ground", "a"]'),
+        ("TranslationalDriver", '"0.1*t"', 'connect = ["a.P", "b"]\naxis = [1, 2]'),
+    ],
+)
+def test_a_driver_names_its_joint_or_its_ends(name, law, by_ends, tmp_path):
+    """Both forms state the same equation; a driver with neither is refused."""
+    slot = '[joints.S]\ntype = "PinInSlot"\nconnect = ["a.P", "b"]\naxis = [1, 2]\n'
+    joint = "J" if name == "RotationalDriver" else "S"
+    equations = []
+    for k, ends in enumerate((f'joint = "{joint}"', by_ends)):
+        text = f'{HEAD}{slot}[drivers.D]\ntype = "{name}"\n{ends}\nlaw = {law}\n'
+        model = load(written(tmp_path, text, f"{k}.toml")).build()
+        equations.append(str(model.constraints[-1].equations))
+    assert equations[0] == equations[1]
+    text = f'{HEAD}[drivers.D]\ntype = "{name}"\nlaw = {law}\n'
+    with pytest.raises(da.ModelError, match=r"drivers.D: .*give a joint that leaves a .* free, or"):
+        load(written(tmp_path, text))

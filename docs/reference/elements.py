@@ -132,7 +132,8 @@ def record(name: str, cls: type, heading: str = "###") -> str:
     ties = connected_fields(cls)
     if ties:
         listed = ", ".join(f.name for f in ties)
-        parts.append(f"`connect = [{listed}]`")
+        optional = not any(f.is_needed for f in ties)
+        parts.append(f"`connect = [{listed}]`{', or `joint`' if optional else ''}")
     texts, from_file, rows = field_texts(cls), FROM_FILE.get(name, ()), []
     for field in keyed_fields(cls):
         if field.name in REFUSED.get(name, ()):

@@ -261,7 +261,8 @@ def table_of(
         text = "connected bodies, points or frames, in order: " + ", ".join(
             f.name for f in connections
         )
-        keys["connect"] = (_connection(connections, dimension), Field(description=text))
+        default = ... if any(f.is_needed for f in connections) else None
+        keys["connect"] = (_connection(connections, dimension), Field(default, description=text))
     from_file = FROM_FILE.get(name, {})
     if from_file:
         text = (
