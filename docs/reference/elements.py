@@ -172,7 +172,7 @@ def held(field: fields.FileField) -> str:
     """What a key holds, in words."""
     if field.holds is not fields.Quantities:
         return HOLDS[field.holds]
-    fewer = f"{COUNTS[field.least]} or " if field.least else ""
+    fewer = f"{COUNTS[field.minimum_size]} or " if field.minimum_size else ""
     return f"{fewer}{COUNTS[field.size]} formulas"
 
 

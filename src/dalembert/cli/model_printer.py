@@ -115,7 +115,7 @@ class MechanismPrinter(ModelPrinter[Model]):
     def show(self, summary: dict[str, Any]) -> None:
         """Print energies, extremes, events and modes of a result."""
         energies = {f"{name} [J]": value for name, value in summary.get("final", {}).items()}
-        for name, value in (energies | summary.get("largest", {})).items():
+        for name, value in (energies | summary.get("maxima", {})).items():
             print_line(f"  {name.replace('_', ' '):<24} {format_value(value)}")
         for event in summary.get("events", [])[:20]:
             print_line(f"  event {event['name']} at t = {event['time']:.9g} s")

@@ -105,9 +105,9 @@ class FileField:
         return self.field.metadata.get("size", 1)
 
     @property
-    def least(self) -> int:
+    def minimum_size(self) -> int:
         """Minimum number of entries if the remaining ones have defaults; 0 if all are needed."""
-        return self.field.metadata.get("least", 0)
+        return self.field.metadata.get("minimum_size", 0)
 
     @property
     def is_needed(self) -> bool:

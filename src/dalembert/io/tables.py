@@ -152,8 +152,8 @@ TIMED: dict[Any, Any] = {
 
 def _quantities(field: FileField) -> Any:
     """Type of a list, or of a single entry where one is enough."""
-    listed = list_of(Entry, field.size, least=field.least)
-    return Entry | listed if field.least == 1 else listed
+    listed = list_of(Entry, field.size, least=field.minimum_size)
+    return Entry | listed if field.minimum_size == 1 else listed
 
 
 def value_type(field: FileField, dimension: int = 2) -> Any:
