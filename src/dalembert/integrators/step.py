@@ -16,6 +16,7 @@ from dalembert.symbolic.equations.linear_map import TriangularMap
 from dalembert.symbolic.evaluation.columns import LONG, instructions
 from dalembert.symbolic.evaluation.lane_tangents import LinearStep
 from dalembert.symbolic.evaluation.prelude import Prelude, before
+from dalembert.symbolic.once import CacheOwner
 
 WIDTH = 16
 """Maximum number of directions differentiated at once, which limits the size of the graph."""
@@ -47,7 +48,7 @@ class Marching:
         return self.called if instructions(self.function) > LONG else self.function
 
 
-class Step:
+class Step(CacheOwner):
     """One step of an integrator, as marches and gradients use it.
 
     ``x`` may be longer than the state of the system: multistep methods append their memory.

@@ -25,7 +25,7 @@ from dalembert.integrators.marching.steps import Crossing
 from dalembert.integrators.step import GraphStep, Step
 from dalembert.model.equations import Equations
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.once import once
+from dalembert.symbolic.once import CacheOwner, once
 
 SURFACE = 1e-13
 """Rounding of a switching function, relative to the state and its natural sizes."""
@@ -182,7 +182,7 @@ class MovingSide(Variant):
         return 1, self.change.step.state_size, self.change.step.parameter_count
 
 
-class MovingMeasure:
+class MovingMeasure(CacheOwner):
     """A function ``(t, x, p) → m`` with its tangent and adjoint functions."""
 
     def __init__(self, function: ca.Function):
@@ -202,6 +202,7 @@ class MovingMeasure:
         weights = self.function.reverse(1)(*inputs, self.function(*inputs), weight)
         return ca.Function("adjoint", [*inputs, weight], [ca.densify(part) for part in weights])
 
+    @once
     def tangents(self, count: int) -> ca.Function:
         """``(t, x, p, dx, dp) → dm`` in ``count`` columns."""
         inputs = self._symbols("")

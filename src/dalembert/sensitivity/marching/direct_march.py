@@ -15,7 +15,6 @@ from dalembert.integrators.step import Step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
 from dalembert.sensitivity.marching.walk import ForwardWalk
 from dalembert.sensitivity.samples import Sample
-from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.evaluation.lane_tangents import LaneTangents
 from dalembert.symbolic.evaluation.prelude import Prelude
@@ -253,7 +252,7 @@ class DirectMarch:
         states = sample.states_at(chosen)
         for mode, part in columns_by_mode(sample.modes[chosen], np.arange(chosen.size)):
             size = sample.step_of(mode).state_size
-            measured = _measured(sample.measured(sample.kernel.variants[mode]), self.width)
+            measured = sample.measured(sample.kernel.variants[mode]).tangents(self.width)
             rates = sample.kernel.over(measured, part.size)(
                 sample.motion.time[chosen[part]],
                 states[:size, part],
@@ -263,8 +262,3 @@ class DirectMarch:
             )[0]
             rows = rates.reshape(part.size, -1)
             yield from zip((int(chosen[j]) for j in part), rows, strict=True)
-
-
-@once
-def _measured(function: ImplicitFunction, columns: int) -> ca.Function:
-    return function.tangents(columns)
