@@ -13,7 +13,7 @@ import pytest
 import dalembert as da
 from dalembert import planar
 from dalembert.analysis import keywords
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
+from dalembert.analysis.equilibrium.load_steps import NonlinearStatics
 from dalembert.elements.registry import SPACES
 from dalembert.errors import KeywordError
 

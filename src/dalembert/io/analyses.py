@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.times import in_seconds
 from dalembert.errors import SingularityError

@@ -20,7 +20,7 @@ from typing import cast
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.equilibrium.linearization_kernel import Linearized
+from dalembert.analysis.modes.linearization_kernel import Linearized
 from dalembert.errors import SingularityError
 from dalembert.results.mechanism_modes import IMAG, REAL
 from dalembert.sensitivity.engine import RowEngine

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.equilibrium.linearization import Linearization
+from dalembert.analysis.equilibrium.load_path import ArcLength
+from dalembert.analysis.equilibrium.load_steps import NonlinearStatics
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.kinematics.kinematics import Kinematics
+from dalembert.analysis.modes.buckling import Buckling
+from dalembert.analysis.modes.linearization import Linearization
+from dalembert.analysis.modes.modal import Modal
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
-from dalembert.analysis.structural.buckling import Buckling
-from dalembert.analysis.structural.load_path import ArcLength
-from dalembert.analysis.structural.modal import Modal
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient import Transient
 from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response

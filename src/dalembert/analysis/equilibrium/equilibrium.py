@@ -17,6 +17,7 @@ from dalembert.analysis.batch.equilibrium_batch import EquilibriumBatch
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.contact.gap_checks import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_warnings
+from dalembert.analysis.equilibrium.load_steps import NonlinearStatics
 from dalembert.analysis.equilibrium.static_balance import (
     StaticBalance,
     StaticsKernel,
@@ -26,7 +27,6 @@ from dalembert.analysis.equilibrium.static_balance import (
 from dalembert.analysis.keywords import EquilibriumKeywords, NonlinearStaticsKeywords
 from dalembert.analysis.requirements import need_model
 from dalembert.analysis.residual_check import MOTION, ResidualCheck
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.formulations.base import Level

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from dalembert.analysis.equilibrium.load_steps import LoadPath, NonlinearStatics
+from dalembert.analysis.equilibrium.static_equations import StaticEquations, free_factors
 from dalembert.analysis.structural.instant import Instant, Unknown
-from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearStatics
-from dalembert.analysis.structural.static_equations import StaticEquations, free_factors
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions, factors
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.integrators.newmark.rule import Moving

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.statics import Statics
+from dalembert.analysis.equilibrium.load_steps import NonlinearStatics
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.design.ecosystem.mechanism_states import MechanismStates
 from dalembert.design.ecosystem.openmdao_component import openmdao_api, openmdao_names
 from dalembert.design.ecosystem.states import Measures, StateEquations, StateTangent, input_names

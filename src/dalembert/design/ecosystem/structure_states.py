@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.static_equations import StaticEquations
-from dalembert.analysis.structural.statics import Statics, StaticsRecord
+from dalembert.analysis.equilibrium.load_steps import NonlinearStatics
+from dalembert.analysis.equilibrium.static_equations import StaticEquations
+from dalembert.analysis.equilibrium.statics import Statics, StaticsRecord
 from dalembert.design.ecosystem.states import (
     Change,
     Measures,

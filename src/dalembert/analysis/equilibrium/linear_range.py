@@ -19,8 +19,8 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearStatics
-from dalembert.analysis.structural.static_equations import Balance, StaticEquations
+from dalembert.analysis.equilibrium.load_steps import LoadPath, NonlinearStatics
+from dalembert.analysis.equilibrium.static_equations import Balance, StaticEquations
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.sparse.solver import Factors
 from dalembert.structures.evaluation.assembly import Assembly

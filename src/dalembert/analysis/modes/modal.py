@@ -8,12 +8,12 @@ from typing import Any, Unpack
 
 import numpy as np
 
+from dalembert.analysis.equilibrium.static_equations import free_factors
 from dalembert.analysis.keywords import ModalKeywords
+from dalembert.analysis.modes.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
+from dalembert.analysis.modes.spectral import SpectralAnalysis
+from dalembert.analysis.modes.spectrum import Spectrum
 from dalembert.analysis.requirements import need_count, need_structure
-from dalembert.analysis.spectral import SpectralAnalysis
-from dalembert.analysis.structural.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
-from dalembert.analysis.structural.spectrum import Spectrum
-from dalembert.analysis.structural.static_equations import free_factors
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options

@@ -14,10 +14,10 @@ from typing import Any, Unpack
 import numpy as np
 
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.equilibrium.linearization_kernel import Linearized, linearization_kernel
 from dalembert.analysis.keywords import LinearizationKeywords
+from dalembert.analysis.modes.linearization_kernel import Linearized, linearization_kernel
+from dalembert.analysis.modes.spectral import SpectralAnalysis
 from dalembert.analysis.requirements import need_mechanism
-from dalembert.analysis.spectral import SpectralAnalysis
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates

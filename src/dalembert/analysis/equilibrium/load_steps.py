@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.requirements import need_positive
-from dalembert.analysis.structural.static_equations import (
+from dalembert.analysis.equilibrium.static_equations import (
     ForceResidual,
     StaticEquations,
     StaticsRecord,
     full_steps,
 )
+from dalembert.analysis.progress import progress_reporter
+from dalembert.analysis.requirements import need_positive
 from dalembert.options import options
 from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 import numpy as np
 
 from dalembert.analysis.batch.solve import run_analysis
-from dalembert.analysis.keywords import StaticsKeywords
-from dalembert.analysis.requirements import need_structure
-from dalembert.analysis.structural.linear_range import linear_range_warnings
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.static_equations import (
+from dalembert.analysis.equilibrium.linear_range import linear_range_warnings
+from dalembert.analysis.equilibrium.load_steps import NonlinearStatics
+from dalembert.analysis.equilibrium.static_equations import (
     StaticEquations,
     StaticsRecord,
     free_factors,
 )
+from dalembert.analysis.keywords import StaticsKeywords
+from dalembert.analysis.requirements import need_structure
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import UnsupportedError
 from dalembert.options import options

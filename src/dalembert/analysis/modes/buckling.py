@@ -7,13 +7,13 @@ from typing import Any, Unpack
 
 import numpy as np
 
+from dalembert.analysis.equilibrium.static_equations import free_factors
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.keywords import BucklingKeywords
+from dalembert.analysis.modes.pencil import Geometric, Loaded, Pencil, Tangent, Term
+from dalembert.analysis.modes.spectral import SpectralAnalysis
+from dalembert.analysis.modes.spectrum import Spectrum
 from dalembert.analysis.requirements import need_count, need_structure
-from dalembert.analysis.spectral import SpectralAnalysis
-from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
-from dalembert.analysis.structural.spectrum import Spectrum
-from dalembert.analysis.structural.static_equations import free_factors
-from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
