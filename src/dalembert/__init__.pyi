@@ -16,7 +16,6 @@ from dalembert.analysis.equilibrium.load_path import (
     ArcLength as ArcLength,
     solve_load_path as solve_load_path,
 )
-from dalembert.analysis.equilibrium.load_steps import NonlinearStatics as NonlinearStatics
 from dalembert.analysis.equilibrium.statics import (
     Statics as Statics,
     solve_statics as solve_statics,

@@ -13,7 +13,6 @@ import pytest
 import dalembert as da
 from dalembert import planar
 from dalembert.analysis import keywords
-from dalembert.analysis.equilibrium.load_steps import NonlinearStatics
 from dalembert.elements.registry import SPACES
 from dalembert.errors import KeywordError
 
@@ -162,8 +161,7 @@ ANALYSES = {
     keywords.EquilibriumKeywords: [da.Equilibrium],
     keywords.LinearizationKeywords: [da.Linearization],
     keywords.TransientKeywords: [da.Transient],
-    keywords.NonlinearStaticsKeywords: [NonlinearStatics],
-    keywords.StaticsKeywords: [da.Statics, NonlinearStatics],
+    keywords.StaticsKeywords: [da.Statics, da.Equilibrium],
     keywords.ModalKeywords: [da.Modal],
     keywords.BucklingKeywords: [da.Buckling],
     keywords.ArcLengthKeywords: [da.ArcLength],

@@ -58,7 +58,8 @@ class EquilibriumKeywords(TypedDict, total=False):
 
     time: Time
     tolerance: float
-    max_iterations: int
+    max_iterations: int | None
+    steps: int
 
 
 class LinearizationKeywords(TypedDict, total=False):
@@ -81,16 +82,8 @@ class TransientKeywords(TypedDict, total=False):
     start: str
 
 
-class NonlinearStaticsKeywords(TypedDict, total=False):
-    """Keywords of ``NonlinearStatics``."""
-
-    steps: int
-    tolerance: float
-    max_iterations: int
-
-
-class StaticsKeywords(NonlinearStaticsKeywords, total=False):
-    """Keywords of ``Statics``, and of ``NonlinearStatics`` with ``nonlinear=True``."""
+class StaticsKeywords(EquilibriumKeywords, total=False):
+    """Keywords of ``Statics``, and of ``Equilibrium`` with ``nonlinear=True``."""
 
     solver: str
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
 from dalembert.analysis.equilibrium.load_path import ArcLength
-from dalembert.analysis.equilibrium.load_steps import NonlinearStatics
 from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.kinematics.inverse_dynamics import InverseDynamics
 from dalembert.analysis.kinematics.kinematics import Kinematics
@@ -57,7 +56,7 @@ ANALYSES: dict[str, type] = {
 
 STRUCTURAL_ANALYSES: dict[str, type] = {
     "Statics": Statics,
-    "NonlinearStatics": NonlinearStatics,
+    "Equilibrium": Equilibrium,
     "ArcLength": ArcLength,
     "Modal": Modal,
     "Buckling": Buckling,

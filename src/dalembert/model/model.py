@@ -72,6 +72,8 @@ class Model(ParametricModel):
     True
     """
 
+    kind = "mechanism"
+
     def __init__(self, parts: Description, strict: bool = False):
         begin = perf_counter()
         self.parts = parts

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.results.analysis import Analysis
 from dalembert.results.files.contents import Contents
-from dalembert.results.result import Analysis, Instants, Result
+from dalembert.results.result import Instants, Result
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
 

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
 from dalembert.analysis.equilibrium.load_path import ArcLength
-from dalembert.analysis.equilibrium.load_steps import NonlinearStatics
 from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.modes.buckling import Buckling
@@ -32,20 +31,24 @@ from dalembert.sensitivity.structural.load_path import LoadPathEngine
 from dalembert.sensitivity.structural.statics import TwiceStaticsEngine
 from dalembert.sensitivity.structural.transient import TransientEngine
 
-ENGINES: dict[type, type[Engine]] = {
-    Dynamics: DynamicsEngine,
-    Nonsmooth: ContactEngine,
-    Kinematics: PointwiseEngine,
-    Equilibrium: PointwiseEngine,
-    Linearization: EigenvalueEngine,
-    Statics: TwiceStaticsEngine,
-    NonlinearStatics: TwiceStaticsEngine,
-    Modal: EigenpairEngine,
-    Buckling: EigenpairEngine,
-    ArcLength: LoadPathEngine,
-    Transient: TransientEngine,
+ENGINES: dict[str, dict[type, type[Engine]]] = {
+    "mechanism": {
+        Dynamics: DynamicsEngine,
+        Nonsmooth: ContactEngine,
+        Kinematics: PointwiseEngine,
+        Equilibrium: PointwiseEngine,
+        Linearization: EigenvalueEngine,
+    },
+    "structure": {
+        Statics: TwiceStaticsEngine,
+        Equilibrium: TwiceStaticsEngine,
+        Modal: EigenpairEngine,
+        Buckling: EigenpairEngine,
+        ArcLength: LoadPathEngine,
+        Transient: TransientEngine,
+    },
 }
-"""Analysis → engine; subclasses of an analysis use the same engine."""
+"""Kind of model → analysis → engine; subclasses of an analysis use the same engine."""
 
 
 def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
@@ -75,9 +78,10 @@ def engine_for(motion: Result) -> type[Engine]:
     UnsupportedError
         The analysis has no engine.
     """
+    engines = ENGINES[motion.model.kind]
     for kind in type(motion.analysis).__mro__:
-        if kind in ENGINES:
-            return ENGINES[kind]
+        if kind in engines:
+            return engines[kind]
     raise UnsupportedError(
         f"gradients of {type(motion.analysis).__name__} are not available; use "
         "method='finite-difference'"

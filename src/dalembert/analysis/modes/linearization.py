@@ -23,9 +23,9 @@ from dalembert.errors import AnalysisError
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.options import options
+from dalembert.results.analysis import ParameterValues
 from dalembert.results.mechanism_modes import Modes
 from dalembert.results.motion import Motion
-from dalembert.results.result import ParameterValues
 from dalembert.text.spelling import spelled
 
 ABSOLUTE = AbsoluteCoordinates()

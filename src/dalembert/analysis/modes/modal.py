@@ -17,7 +17,7 @@ from dalembert.analysis.requirements import need_count, need_structure
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
 from dalembert.options import options
-from dalembert.results.result import ParameterValues
+from dalembert.results.analysis import ParameterValues
 from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.factorise import indefinite_factors

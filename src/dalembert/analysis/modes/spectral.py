@@ -6,8 +6,8 @@ from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
+from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.numbered import Numbered
-from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import eigenpairs_status
 from dalembert.timing import Timing
 

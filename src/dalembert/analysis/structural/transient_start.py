@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dalembert.analysis.equilibrium.load_steps import LoadPath, NonlinearStatics
+from dalembert.analysis.equilibrium.load_steps import LoadSteps, StepControl
 from dalembert.analysis.equilibrium.static_equations import StaticEquations, free_factors
 from dalembert.analysis.structural.instant import Instant, Unknown
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions, factors
@@ -111,7 +111,7 @@ class TransientStart:
         e = self.equation
         u = np.zeros(e.assembly.size)
         if not e.linear:
-            path = LoadPath(NonlinearStatics(), StaticEquations(e.model, e.p, self.case))
+            path = LoadSteps(StepControl(), StaticEquations(e.model, e.p, self.case))
             for _ in path.follow():
                 u = path.u
             if path.failure:

@@ -12,7 +12,7 @@ from dalembert.design.optimize.optimization import design_problem
 from dalembert.design.optimize.problem import Evaluation
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import Spelled

@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.spelling import spelled
