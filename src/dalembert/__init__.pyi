@@ -33,11 +33,8 @@ from dalembert.analysis.modes.buckling import (
     Buckling as Buckling,
     solve_buckling as solve_buckling,
 )
-from dalembert.analysis.modes.linearization import (
-    Linearization as Linearization,
-    linearize as linearize,
-)
-from dalembert.analysis.modes.modal import Modal as Modal, solve_modes as solve_modes
+from dalembert.analysis.modes.modal import Modal as Modal
+from dalembert.analysis.modes.solve import linearize as linearize, solve_modes as solve_modes
 from dalembert.analysis.nonsmooth.nonsmooth import (
     Nonsmooth as Nonsmooth,
     solve_nonsmooth as solve_nonsmooth,

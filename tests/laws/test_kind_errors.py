@@ -159,14 +159,13 @@ ANALYSES = {
     keywords.OverTimeKeywords: [da.Kinematics],
     keywords.NonsmoothKeywords: [da.Nonsmooth],
     keywords.EquilibriumKeywords: [da.Equilibrium],
-    keywords.LinearizationKeywords: [da.Linearization],
     keywords.TransientKeywords: [da.Transient],
     keywords.StaticsKeywords: [da.Statics, da.Equilibrium],
     keywords.ModalKeywords: [da.Modal],
     keywords.BucklingKeywords: [da.Buckling],
     keywords.ArcLengthKeywords: [da.ArcLength],
 }
-SPOKEN = {"duration", "count", "case", "coordinates"}
+SPOKEN = {"duration", "count", "case", "coordinates", "about"}
 """Arguments that verbs name themselves."""
 
 

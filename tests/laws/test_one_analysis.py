@@ -109,3 +109,65 @@ def test_options_of_the_other_kind_are_refused(kind, analysis, option):
     many = {"k": np.array([9.0, 10.0])}
     with pytest.raises(da.UnsupportedError, match=text):
         da.solve_equilibrium(model, parameters=many, **{option: getattr(analysis, option)})
+
+
+@pytest.mark.parametrize("kind", TWINS)
+def test_modes(kind):
+    model = TWINS[kind][0]()
+    omega = np.sqrt(9 / 1.3)
+    for modes in (da.linearize(model), da.solve_modes(model, 1), da.Modal(count=1).run(model)):
+        assert type(modes.analysis) is da.Modal
+        assert modes.frequencies * 2 * np.pi == pytest.approx([omega], rel=1e-9)
+        assert modes.damping_ratios == pytest.approx([0.0], abs=1e-12)
+        assert modes.stable
+        assert modes.status.message == "modes: 1 mode(s)"
+    names = ("frequency", "angular_frequency", "damping_ratio", "eigenvalue_real")
+    values = [modes[name].item() for name in (*names, "eigenvalue_imag")]
+    assert values == pytest.approx([omega / 2 / np.pi, omega, 0, 0, omega], rel=1e-9, abs=1e-12)
+    (row,) = modes.summary()["states"]
+    assert row["mode"] == f"mode 1: {omega / 2 / np.pi:.5g} Hz"
+    slope = da.sensitivity(modes, da.at(1, "angular_frequency")).item()
+    assert slope == pytest.approx(omega / 18, rel=1e-9)
+    assert list(modes.to_dataframe()["frequency"]) == pytest.approx([omega / 2 / np.pi])
+
+
+@pytest.mark.parametrize("kind", TWINS)
+def test_modes_about_an_equilibrium(kind):
+    """A bar on its head grows away from it unless the spring is stiff enough."""
+    make = massive(kind)
+    for stiffness, stable in ((0.5, False), (1.5, True)):
+        rest = da.solve_equilibrium(make, parameters={"stiffness": stiffness})
+        modes = da.linearize(make, about=rest)
+        assert modes.stable is stable
+        lowest = int(np.argmax(modes["eigenvalue_real"].values)) if not stable else 0
+        growth = np.sqrt(max(0.0, 1.0 - stiffness))
+        assert modes["eigenvalue_real"][lowest].item() == pytest.approx(growth, abs=1e-5)
+        with pytest.raises(da.AnalysisError, match="stiffness cannot be given with about="):
+            da.linearize(make, about=rest, parameters={"stiffness": 1.0})
+        again = modes.analysis.replay(modes, np.array([stiffness + 1.0]))
+        assert again.stable
+        assert again.values("angular_frequency")[0] == pytest.approx(stiffness**0.5, rel=1e-5)
+
+
+def massive(kind):
+    """The bar on its head, light, with a mass of 1 kg on top."""
+    if kind == "mechanism":
+        system = da.System("bar on its head")
+        stiffness = system.parameter("stiffness", 0.5)
+        bar = system.add(planar.Bar("bar", length=1.0, mass=1e-9, angle=np.pi / 2))
+        head = system.add(planar.Particle("head", mass=1.0, position=(0.0, 1.0)))
+        system.add(planar.Revolute("O", system.ground.center, bar.start))
+        system.add(planar.Revolute("H", bar.end, head.center))
+        given = {"stiffness": stiffness, "free_angle": np.pi / 2}
+        system.add(planar.RotationalSpring("spring", system.ground, bar, **given))
+        system.add(planar.Force("push", bar.end, (0.0, -1.0)))
+        return system.build()
+    s = da.Structure("bar on its head")
+    stiffness = s.parameter("stiffness", 0.5)
+    foot, head = s.node("foot", 0, 0), s.node("head", 0, 1)
+    s.add(structures.Truss("bar", foot, head, area=1e-2, modulus=1e9))
+    s.add(structures.GroundSpring("spring", head, stiffness_x=stiffness))
+    s.add(structures.PointMass("mass", head, mass=1.0))
+    s.support(foot)
+    s.load(head, fy=-1.0)
+    return s.build()

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from dalembert.integrators.newmark.family import NewmarkFamily
     from dalembert.model.coordinates import Coordinates
     from dalembert.results.structural.load_path import LoadPathResult
-    from dalembert.results.structural.result import StructuralResult
 
 
 class OverTimeKeywords(TypedDict, total=False):
@@ -62,13 +61,6 @@ class EquilibriumKeywords(TypedDict, total=False):
     steps: int
 
 
-class LinearizationKeywords(TypedDict, total=False):
-    """Keywords of ``Linearization``."""
-
-    time: Time
-    equilibrium: bool
-
-
 class TransientKeywords(TypedDict, total=False):
     """Keywords of ``Transient``."""
 
@@ -91,9 +83,11 @@ class StaticsKeywords(EquilibriumKeywords, total=False):
 class ModalKeywords(TypedDict, total=False):
     """Keywords of ``Modal``."""
 
+    time: Time
+    equilibrium: bool
+    coordinates: Coordinates
     lumped: bool
     shift: float
-    about: StructuralResult | None
 
 
 class BucklingKeywords(TypedDict, total=False):

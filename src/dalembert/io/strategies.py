@@ -9,7 +9,6 @@ from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.kinematics.inverse_dynamics import InverseDynamics
 from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.modes.buckling import Buckling
-from dalembert.analysis.modes.linearization import Linearization
 from dalembert.analysis.modes.modal import Modal
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
 from dalembert.analysis.structural.transient import Transient
@@ -50,7 +49,7 @@ ANALYSES: dict[str, type] = {
     "Kinematics": Kinematics,
     "InverseDynamics": InverseDynamics,
     "Equilibrium": Equilibrium,
-    "Linearization": Linearization,
+    "Modal": Modal,
     "Nonsmooth": Nonsmooth,
 }
 

@@ -74,6 +74,11 @@ class Analysis(ABC, Generic[M, R]):
         for check in Analysis.checks(self, model).values():
             check()
 
+    @classmethod
+    def expression(cls, model: Any, measure: str | Expression) -> Expression:
+        """A measure of its results by name, a formula or an expression."""
+        return model.expression(measure)  # type: ignore[no-any-return]
+
     def replay(self, result: R, p: np.ndarray) -> R:
         """The result at other parameter values, with the same steps and branches."""
         return self.run(result.model, p)  # type: ignore[attr-defined]

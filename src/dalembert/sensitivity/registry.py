@@ -10,7 +10,6 @@ from dalembert.analysis.equilibrium.load_path import ArcLength
 from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.modes.buckling import Buckling
-from dalembert.analysis.modes.linearization import Linearization
 from dalembert.analysis.modes.modal import Modal
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
 from dalembert.analysis.structural.transient import Transient
@@ -37,7 +36,7 @@ ENGINES: dict[str, dict[type, type[Engine]]] = {
         Nonsmooth: ContactEngine,
         Kinematics: PointwiseEngine,
         Equilibrium: PointwiseEngine,
-        Linearization: EigenvalueEngine,
+        Modal: EigenvalueEngine,
     },
     "structure": {
         Statics: TwiceStaticsEngine,

@@ -63,7 +63,6 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     """
 
     spoken = "linear buckling"
-    modes_class = BucklingModes
 
     count: int = 3
     case: str = ""
@@ -72,6 +71,10 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
 
     def __post_init__(self) -> None:
         need_count(self)
+
+    @staticmethod
+    def modes_class(model: StructuralModel) -> type[BucklingModes]:
+        return BucklingModes
 
     def run(
         self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False

@@ -1,47 +1,66 @@
-"""Modes of vibration of structures: ``K φ = ω² M φ`` with the prescribed displacements at rest."""
+"""Modes of small motions about a state: frequencies, damping ratios, shapes.
+
+A mechanism is a first-order system ``ẋ = F(x)`` with accelerations from (5.7), linearised on the
+tangent space of ``Φ = 0, Ψ = 0``: with a basis ``T`` of it, ``A = T⁺ (∂F/∂x) T``. At rest this
+gives the usual modes of ``(ZᵀMZ, ZᵀDZ, ZᵀKZ)``; it holds in motion, too. A structure without
+damping has ``K φ = ω² M φ``.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any, Unpack
+from typing import Annotated, Any
 
 import numpy as np
 
-from dalembert.analysis.equilibrium.static_equations import free_factors
-from dalembert.analysis.keywords import ModalKeywords
-from dalembert.analysis.modes.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
+from dalembert.analysis.modes.linearized_states import linearized
 from dalembert.analysis.modes.spectral import SpectralAnalysis
-from dalembert.analysis.modes.spectrum import Spectrum
-from dalembert.analysis.requirements import need_count, need_structure
-from dalembert.analysis.times import analysis_of
-from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
-from dalembert.options import options
+from dalembert.analysis.modes.vibration import vibration
+from dalembert.analysis.requirements import need_count
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
+from dalembert.model.model import Model
+from dalembert.options import only_for, options
 from dalembert.results.analysis import ParameterValues
+from dalembert.results.mechanism_modes import MechanismModes
+from dalembert.results.modes import Modes
+from dalembert.results.result import Result
 from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
-from dalembert.sparse.factorise import indefinite_factors
-from dalembert.structures.evaluation.eigenpairs import nearest
 from dalembert.structures.model import StructuralModel
-from dalembert.text.spelling import spelled
+
+ABSOLUTE = AbsoluteCoordinates()
+"""Default coordinates."""
 
 
 @options
-class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
-    """Modes of vibration as a strategy object.
+class Modal(SpectralAnalysis[Any, Modes]):
+    """Modes of small motions as a strategy object.
+
+    Without ``about``, a mechanism moves about its static equilibrium, a structure about its
+    unloaded configuration.
 
     Parameters
     ----------
-    count : number of modes; one more is computed to detect coincidence with the last one
-    lumped : lumped instead of consistent mass matrix
-    shift : ``σ``: modes nearest to ``ω² = σ`` [rad²/s²]; negative for unsupported structures
-    about : statics with one load case (``result.at([0])`` selects it): modes of the loaded state,
-        with the tangent stiffness at large displacements, and ``K + K_g`` at small ones
+    count : number of modes, by default all of a mechanism and six of a structure
+    about : state about which the motions are small. Of a mechanism, an equilibrium, or a motion
+        whose last instant counts. Of a structure, statics with one load case (``result.at([0])``
+        selects it), with the tangent stiffness at large displacements, and ``K + K_g`` at small
+        ones
+    time : instant at which laws and forces of a mechanism are evaluated [s]
+    equilibrium : about the static equilibrium of a mechanism; otherwise about its assembled state
+    coordinates : coordinates of small motions of a mechanism. In a steady motion, such as that of a
+        rolling wheel or a spinning governor, eigenvalues are meaningful if only cyclic coordinates
+        change, as with ``JointCoordinates()``
+    lumped : lumped instead of consistent mass matrix of a structure
+    shift : ``σ``: modes of a structure nearest to ``ω² = σ`` [rad²/s²]; negative for unsupported
+        structures
 
     Raises
     ------
     UnsupportedError
         A count that is not positive; ``about`` with several load cases, or of another analysis.
+    AnalysisError
+        ``time`` or ``equilibrium`` together with ``about``.
 
     Examples
     --------
@@ -59,143 +78,83 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
     10.0
     """
 
-    spoken = "modes of vibration"
-    modes_class = VibrationModes
+    spoken = "modes"
 
-    count: int = 6
-    lumped: bool = False
-    shift: float = 0.0
-    about: StructuralResult | None = None
+    count: int | None = None
+    about: Annotated[Result | None, StructuralResult | None] = None
+    time: float = only_for("mechanism", default=0.0)
+    equilibrium: bool = only_for("mechanism", default=True)
+    coordinates: Coordinates = only_for("mechanism", default=ABSOLUTE)
+    lumped: bool = only_for("structure", default=False)
+    shift: float = only_for("structure", default=0.0)
 
     def __post_init__(self) -> None:
         need_count(self)
-        if self.about is None:
+        about: Any = self.about
+        if about is None:
             return
-        if not self.about.analysis.at_rest:
-            kind = type(self.about.analysis).__name__
+        if name := "time" if self.time else "" if self.equilibrium else "equilibrium":
+            raise AnalysisError(f"Modal: {name} cannot be given with about=, which has its own")
+        if about.model.kind == "structure" and not about.analysis.at_rest:
+            kind = type(about.analysis).__name__
             raise UnsupportedError(f"Modal: about is of {kind}; use a result of solve_statics")
-        if len(self.about.cases) != 1:
+        if about.model.kind == "structure" and len(about.cases) != 1:
             raise UnsupportedError(
-                f"Modal: about has the load cases {', '.join(map(repr, self.about.cases))}; "
+                f"Modal: about has the load cases {', '.join(map(repr, about.cases))}; "
                 "select one with about=result.at([number])"
             )
 
+    @staticmethod
+    def modes_class(model: Any) -> type[Modes]:
+        return VibrationModes if isinstance(model, StructuralModel) else MechanismModes
+
     def run(
-        self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False
-    ) -> VibrationModes:
-        """Modes of vibration at parameter values.
+        self,
+        model: Model | StructuralModel,
+        parameters: ParameterValues = None,
+        progress: Any = False,
+    ) -> Modes:
+        """Modes at parameter values, by default those of ``about``.
 
         Raises
         ------
         SingularityError
-            A part moves freely and the shift is zero.
+            A free motion has no mass; a part of a structure moves freely and the shift is zero.
         AnalysisError
-            No element has mass; ``about`` is of another structure, or failed.
+            No equilibrium was found, no element has mass; ``about`` is of another model, or failed.
         """
-        if self.about is not None:
-            parameters = self._loaded_parameters(self.about, model, parameters)
-        return super().run(model, parameters)
+        about: Any = self.about
+        if about is not None:
+            if _source(about.model) is not _source(model):
+                raise AnalysisError(f"about is a result of {about.model.name}, not of this model")
+            parameters = about.parameters if parameters is None else parameters
+        return super().run(model, parameters, progress)
 
-    def replay(self, result: VibrationModes, p: np.ndarray) -> VibrationModes:
-        """The same modes at other parameter values, by their order."""
-        if self.about is None:
-            return super().replay(result, p)
-        statics = self.about.analysis.replay(self.about, p)
-        self._loaded_parameters(statics, result.model, None)
-        analysis = replace(self, about=statics.at([statics.case(self.about.cases[0])]))
-        return super(Modal, analysis).replay(result, p)
+    def spectrum(self, model: Any, p: np.ndarray, near: np.ndarray | None = None) -> Any:
+        """Linearised system of a mechanism, or eigenpairs of a structure."""
+        about = self._about(p)
+        if isinstance(model, StructuralModel):
+            return vibration(self, model, p, about)
+        return linearized(self, model, p, about, near)
 
-    @staticmethod
-    def _loaded_parameters(
-        about: StructuralResult, model: StructuralModel, parameters
-    ) -> np.ndarray:
-        if about.model.structure is not model.structure:
-            raise AnalysisError(f"about is a result of {about.model.name}, not of this structure")
-        if parameters is not None:
-            raise AnalysisError("about has its own parameter values; solve its statics with others")
-        if not about.status.success:
+    def again(self, result: Modes, p: np.ndarray) -> Any:
+        at_equilibrium = isinstance(result.model, Model) and self.equilibrium and not self.about
+        count = result.model.equations.coordinate_count if at_equilibrium else 0
+        return self.spectrum(result.model, p, result.record.near[:count] if count else None)
+
+    def _about(self, p: np.ndarray) -> Any:
+        """The state about which motions are small, at parameter values."""
+        about: Any = self.about
+        if about is not None and not np.array_equal(p, about.parameters):
+            cases = getattr(about, "cases", None)
+            about = about.analysis.replay(about, p)
+            about = about if cases is None else about.at([about.case(cases[0])])
+        if isinstance(about, StructuralResult) and not about.status.success:
             raise AnalysisError(f"about is no equilibrium: {about.status}", about.status.residual)
-        return about.parameters
-
-    def pencil(self, model: StructuralModel, p: np.ndarray) -> Pencil:
-        unloaded = Loaded(model.linearized, p)
-        stiffness: list[Term] = [Tangent(unloaded)]
-        mass = Mass(unloaded, self.lumped)
-        if self.about is not None:
-            loaded = Loaded(self.about.model, p, self.about)
-            if self.about.model.linear:
-                stiffness.append(Geometric(loaded))
-            else:
-                stiffness, mass = [Tangent(loaded)], Mass(loaded, self.lumped)
-        return Pencil(model, stiffness, [mass])
-
-    def spectrum(self, model: StructuralModel, p: np.ndarray) -> Spectrum:
-        pencil = self.pencil(model, p)
-        a, b = pencil.matrices()
-        if not a.shape[0]:
-            raise AnalysisError("nothing in the structure can move; release a support")
-        values, vectors = nearest(a, b, self.count + 1, self.shift, self._solve(pencil, a, b))
-        return Spectrum(pencil, (a, b), values, vectors, self.count)
-
-    def _solve(self, pencil: Pencil, a, b):
-        matrix = a - self.shift * b
-        if self.shift > 0 or self.about is not None:  # may be indefinite
-            try:
-                return indefinite_factors(matrix).solve
-            except np.linalg.LinAlgError:
-                raise SingularityError(
-                    f"the stiffness is singular at the shift {self.shift:g}; give another one"
-                ) from None
-        try:
-            factor = free_factors(pencil.model, matrix)
-        except SingularityError as error:
-            raise SingularityError(
-                f"{error}; for an unsupported structure give a negative shift, of the size of the "
-                "lowest ω² of interest"
-            ) from None
-        return factor.solve  # type: ignore[union-attr]
+        return about
 
 
-@spelled
-def solve_modes(
-    model: StructuralModel,
-    count: int = 6,
-    *,
-    parameters: Mapping[str, float] | None = None,
-    **options: Unpack[ModalKeywords],
-) -> VibrationModes:
-    """Frequencies and shapes of free vibration, ``K φ = ω² M φ``.
-
-    Parameters
-    ----------
-    model : StructuralModel
-    count : of the modes
-    parameters : new values of parameters, without rebuilding
-    **options : fields of ``Modal``: lumped, shift, about
-
-    Raises
-    ------
-    AnalysisError
-        Wrong options, no mass; ``SingularityError`` where a part moves freely.
-
-    Examples
-    --------
-    >>> import math
-    >>> import dalembert as da
-    >>> from dalembert import structures
-    >>> chain = da.Structure("two masses")
-    >>> nodes = [chain.node(name, x) for name, x in (("a", 0), ("b", 1), ("c", 2), ("d", 3))]
-    >>> for k in range(3):
-    ...     ends = nodes[k], nodes[k + 1]
-    ...     spring = chain.add(structures.AxialSpring(f"k{k}", *ends, stiffness=9.0))
-    >>> for node in nodes[1:3]:
-    ...     mass = chain.add(structures.PointMass(f"m_{node.name}", node, mass=1.0))
-    >>> for end in (nodes[0], nodes[3]):
-    ...     chain.support(end)
-    >>> modes = da.solve_modes(chain.build(), 2)
-    >>> (modes.frequencies * 2 * math.pi)**2  # k/m and 3 k/m
-    array([ 9., 27.])
-    """
-    analysis = analysis_of(Modal, "solve_modes", model, parameters, count=count, **options)
-    need_structure(model, "solve_modes", "use linearize")
-    return analysis.run(model, parameters)
+def _source(model: Any) -> Any:
+    """The description of a structure, whose variants for small displacements share it; the model
+    of a mechanism."""
+    return getattr(model, "structure", model)
