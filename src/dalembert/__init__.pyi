@@ -12,9 +12,13 @@ from dalembert.analysis.equilibrium.equilibrium import (
     Equilibrium as Equilibrium,
     solve_equilibrium as solve_equilibrium,
 )
-from dalembert.analysis.equilibrium.linearization import (
-    Linearization as Linearization,
-    linearize as linearize,
+from dalembert.analysis.equilibrium.load_path import (
+    ArcLength as ArcLength,
+    solve_load_path as solve_load_path,
+)
+from dalembert.analysis.equilibrium.statics import (
+    Statics as Statics,
+    solve_statics as solve_statics,
 )
 from dalembert.analysis.events import Event as Event
 from dalembert.analysis.kinematics.inverse_dynamics import (
@@ -25,23 +29,15 @@ from dalembert.analysis.kinematics.kinematics import (
     Kinematics as Kinematics,
     solve_kinematics as solve_kinematics,
 )
-from dalembert.analysis.nonsmooth.nonsmooth import (
-    Nonsmooth as Nonsmooth,
-    solve_nonsmooth as solve_nonsmooth,
-)
-from dalembert.analysis.structural.buckling import (
+from dalembert.analysis.modes.buckling import (
     Buckling as Buckling,
     solve_buckling as solve_buckling,
 )
-from dalembert.analysis.structural.load_path import (
-    ArcLength as ArcLength,
-    solve_load_path as solve_load_path,
-)
-from dalembert.analysis.structural.modal import Modal as Modal, solve_modes as solve_modes
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics as NonlinearStatics
-from dalembert.analysis.structural.statics import (
-    Statics as Statics,
-    solve_statics as solve_statics,
+from dalembert.analysis.modes.modal import Modal as Modal
+from dalembert.analysis.modes.solve import linearize as linearize, solve_modes as solve_modes
+from dalembert.analysis.nonsmooth.nonsmooth import (
+    Nonsmooth as Nonsmooth,
+    solve_nonsmooth as solve_nonsmooth,
 )
 from dalembert.analysis.structural.transient import (
     Transient as Transient,

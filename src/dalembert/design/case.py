@@ -9,7 +9,7 @@ from typing import Any
 from dalembert.design.quantity import CaseResponse, Quantity
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import CheckedArguments
 from dalembert.text.wording import unknown

@@ -58,7 +58,7 @@ from dalembert.io.values import (
     list_of,
     short_repr,
 )
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.results.structural.result import StructuralResult
 from dalembert.text.wording import unknown
 

@@ -67,6 +67,8 @@ class StructuralModel(ParametricModel):
     (True, ['area'], 2)
     """
 
+    kind = "structure"
+
     def __init__(self, structure: StructureDescription, linear: bool = False):
         begin = perf_counter()
         self.structure, self.name, self.linear = structure, structure.name, linear

@@ -13,7 +13,7 @@ from dalembert.design.optimize.problem import Evaluation
 from dalembert.errors import AnalysisError
 from dalembert.packages import optional_package
 from dalembert.responses.base import Response
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import CheckedArguments

@@ -12,9 +12,10 @@ import numpy as np
 
 from dalembert.elements.fem.node import ROTATIONS
 from dalembert.errors import DalembertError
+from dalembert.results.analysis import Analysis
 from dalembert.results.files.contents import Contents
 from dalembert.results.files.tables import checked_units
-from dalembert.results.result import Analysis, Instants
+from dalembert.results.result import Instants
 from dalembert.results.sampling import checked_numbers
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates

@@ -11,15 +11,15 @@ from typing import Any, Unpack
 
 import numpy as np
 
+from dalembert.analysis.equilibrium.path_equations import PathEquations
+from dalembert.analysis.equilibrium.path_following import PathFollower
 from dalembert.analysis.keywords import ArcLengthKeywords
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.requirements import need_positive, need_structure
-from dalembert.analysis.structural.path_equations import PathEquations
-from dalembert.analysis.structural.path_following import PathFollower
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.options import options
-from dalembert.results.result import Analysis, ParameterValues
+from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult
 from dalembert.structures.model import StructuralModel

@@ -8,20 +8,22 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 import numpy as np
 
 from dalembert.analysis.batch.solve import run_analysis
-from dalembert.analysis.keywords import StaticsKeywords
-from dalembert.analysis.requirements import need_structure
-from dalembert.analysis.structural.linear_range import linear_range_warnings
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.static_equations import (
+from dalembert.analysis.equilibrium.equilibrium import Equilibrium
+from dalembert.analysis.equilibrium.linear_range import linear_range_warnings
+from dalembert.analysis.equilibrium.static_equations import (
     StaticEquations,
     StaticsRecord,
     free_factors,
 )
+from dalembert.analysis.keywords import StaticsKeywords
+from dalembert.analysis.requirements import need_model
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import UnsupportedError
+from dalembert.model.model import Model
 from dalembert.options import options
+from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.batch.batch import Batch
-from dalembert.results.result import Analysis, ParameterValues
+from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.multigrid import Multigrid
@@ -176,7 +178,16 @@ def solve_statics(
 
 @overload
 def solve_statics(
-    model: StructuralModel,
+    model: Model,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    **options: Unpack[StaticsKeywords],
+) -> Motion: ...
+
+
+@overload
+def solve_statics(
+    model: Model | StructuralModel,
     *,
     parameters: ManyDesigns,
     nonlinear: bool = False,
@@ -187,23 +198,25 @@ def solve_statics(
 
 @check_arguments
 def solve_statics(
-    model: StructuralModel,
+    model: Model | StructuralModel,
     *,
     parameters: Any = None,
     nonlinear: bool = False,
     workers: int | None = None,
     **options: Unpack[StaticsKeywords],
-) -> StructuralResult | Batch:
+) -> StructuralResult | Motion | Batch:
     """Statics of a structure, ``K U = P`` partitioned by (8.14).
+
+    At large displacements, and for mechanisms, it is ``solve_equilibrium``.
 
     Parameters
     ----------
-    model : StructuralModel
+    model : Model or StructuralModel
     parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
         of dicts for a batch
     nonlinear : for large displacements
     workers : of a batch; by default one for each core
-    **options : fields of ``Statics``: solver; of ``NonlinearStatics``: steps, tolerance,
+    **options : fields of ``Statics``: solver; of ``Equilibrium``: steps, tolerance,
         max_iterations
 
     Raises
@@ -223,7 +236,7 @@ def solve_statics(
     >>> round(result["b.ux"], 9), round(result["rod.stress"])
     (0.0005, 210000000)
     """
-    kind = NonlinearStatics if nonlinear else Statics
+    kind: type[Analysis] = Equilibrium if nonlinear or isinstance(model, Model) else Statics
     analysis = analysis_of(kind, "solve_statics", model, parameters, **options)
-    need_structure(model, "solve_statics", "use solve_equilibrium")
+    need_model(model, "solve_statics")
     return run_analysis(analysis, model, parameters, workers=workers)  # type: ignore[no-any-return]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from dalembert.analysis.structural.static_equations import (
+from dalembert.analysis.equilibrium.static_equations import (
     ForceResidual,
     StaticEquations,
     free_factors,

@@ -85,6 +85,11 @@ class StaticsRecord:
     factor: SparseSolver | None
     stiffness: Any
 
+    @property
+    def negative(self) -> int:
+        """Number of negative eigenvalues of ``K_ff``; zero where factors do not count them."""
+        return self.factor.negative if isinstance(self.factor, Factors) else 0
+
 
 def free_factors(model: StructuralModel, matrix: Any) -> Factors | None:
     """Sparse factors of the stiffness of the free displacements; None if all are prescribed.
@@ -143,6 +148,10 @@ class StaticEquations:
         terms = [share * self.applied, *(-part for part in self.internal_terms(u, share))]
         magnitudes = abs(stiffness) @ np.abs(u)
         return self.balance.residual(terms, magnitudes, self.free, stiffness)
+
+    def size(self, unbalanced: np.ndarray) -> float:
+        """Largest unbalanced force on a free displacement, moments at the arm of an element [N]."""
+        return float(np.abs(unbalanced / self.balance.arms)[self.free].max(initial=0.0))
 
     def factor(self, stiffness: Any) -> Factors | None:
         """Factors of the free part of the whole stiffness."""

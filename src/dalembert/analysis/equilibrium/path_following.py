@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.structural.path_equations import Crossing, PathEquations
-from dalembert.analysis.structural.static_equations import full_steps
+from dalembert.analysis.equilibrium.path_equations import Crossing, PathEquations
+from dalembert.analysis.equilibrium.static_equations import full_steps
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult, Plane

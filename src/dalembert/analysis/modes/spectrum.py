@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import scipy
 
-from dalembert.analysis.structural.pencil import Pencil
+from dalembert.analysis.modes.pencil import Pencil
 from dalembert.sparse.eigenvalues import coinciding, residual
 from dalembert.sparse.factorise import indefinite_factors
 from dalembert.structures.evaluation.eigenpairs import Solve

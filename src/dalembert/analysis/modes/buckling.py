@@ -7,17 +7,17 @@ from typing import Any, Unpack
 
 import numpy as np
 
+from dalembert.analysis.equilibrium.static_equations import free_factors
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.keywords import BucklingKeywords
+from dalembert.analysis.modes.pencil import Geometric, Loaded, Pencil, Tangent, Term
+from dalembert.analysis.modes.spectral import SpectralAnalysis
+from dalembert.analysis.modes.spectrum import Spectrum
 from dalembert.analysis.requirements import need_count, need_structure
-from dalembert.analysis.spectral import SpectralAnalysis
-from dalembert.analysis.structural.pencil import Geometric, Loaded, Pencil, Tangent, Term
-from dalembert.analysis.structural.spectrum import Spectrum
-from dalembert.analysis.structural.static_equations import free_factors
-from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.options import options
-from dalembert.results.result import ParameterValues
+from dalembert.results.analysis import ParameterValues
 from dalembert.results.structural.modes import BucklingModes
 from dalembert.structures.evaluation.eigenpairs import largest
 from dalembert.structures.model import StructuralModel
@@ -63,7 +63,6 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     """
 
     display_name = "linear buckling"
-    modes_class = BucklingModes
 
     count: int = 3
     case: str = ""
@@ -72,6 +71,10 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
 
     def __post_init__(self) -> None:
         need_count(self)
+
+    @staticmethod
+    def modes_class(model: StructuralModel) -> type[BucklingModes]:
+        return BucklingModes
 
     def run(
         self, model: StructuralModel, parameters: ParameterValues = None, progress: Any = False

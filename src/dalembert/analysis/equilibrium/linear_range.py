@@ -19,8 +19,8 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from dalembert.analysis.structural.nonlinear_statics import LoadPath, NonlinearStatics
-from dalembert.analysis.structural.static_equations import Balance, StaticEquations
+from dalembert.analysis.equilibrium.load_steps import LoadSteps, StepControl
+from dalembert.analysis.equilibrium.static_equations import Balance, StaticEquations
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.sparse.solver import Factors
 from dalembert.structures.evaluation.assembly import Assembly
@@ -35,7 +35,7 @@ SHORT = 1e-3
 """Rotation for second differences of internal forces [rad]."""
 QUIET = 0.02
 """Threshold of rotation [rad], and of relative stiffness change by stress, for a closer check."""
-MEASURED = NonlinearStatics(steps=4, tolerance=1e-6)
+MEASURED = StepControl(steps=4, tolerance=1e-6)
 
 
 class HeldStructure(StaticEquations):
@@ -145,14 +145,13 @@ class LinearRange:
 
         It is infinite without a stable equilibrium.
         """
-        path = LoadPath(MEASURED, HeldStructure(self.model, self.p, self.held, forces))
+        path = LoadSteps(MEASURED, HeldStructure(self.model, self.p, self.held, forces))
         try:
             for _ in path.follow():
                 pass
-            factor = path.record().factor
+            stable = path.record().negative == 0
         except (SingularityError, AnalysisError):
             return np.inf
-        stable = not isinstance(factor, Factors) or factor.negative == 0
         return self._error(path.u) if stable and not path.failure else np.inf
 
     def _positions(self, u: np.ndarray) -> np.ndarray:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
+from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.numbered import Numbered
-from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import eigenpairs_status
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.timing import Timing
 
 M = TypeVar("M")
@@ -22,8 +23,16 @@ class SpectralAnalysis(Analysis[M, E]):
     and those ``following`` an earlier spectrum, and the residual ``left`` of its equation.
     """
 
-    modes_class: ClassVar[type[Numbered]]
-    """Class of the modes."""
+    @staticmethod
+    def modes_class(model: M) -> type[E]:
+        """Class of the modes of a model."""
+        raise NotImplementedError
+
+    @classmethod
+    def expression(cls, model: Any, measure: str | Expression) -> Expression:
+        return cls.modes_class(model).formula(model, measure)
+
+    count: int | None
 
     def spectrum(self, model: M, p: np.ndarray) -> Any:
         """Eigenvalues and vectors at parameter values."""
@@ -35,6 +44,7 @@ class SpectralAnalysis(Analysis[M, E]):
 
     def run(self, model: M, parameters: ParameterValues = None, progress: Any = False) -> E:
         """The wanted modes at parameter values."""
+        self.check_options(model)
         timing, p = Timing(), model.values(parameters)  # type: ignore[attr-defined]
         modes = self.modes(self.spectrum(model, p))
         timing.lap("computation")
@@ -55,10 +65,10 @@ class SpectralAnalysis(Analysis[M, E]):
         numbers: np.ndarray | None = None,
     ) -> E:
         """Modes at positions of a spectrum, by default at all wanted ones."""
-        positions = spectrum.wanted() if positions is None else positions
+        positions = spectrum.wanted()[: self.count] if positions is None else positions
         numbers = np.arange(1, positions.size + 1) if numbers is None else numbers
         text = f"{self.display_name}: {positions.size} mode(s)"
-        return self.modes_class(  # type: ignore[return-value]
+        return self.modes_class(spectrum.model)(
             spectrum.model,
             self,
             spectrum.p,
