@@ -21,7 +21,7 @@ from dalembert.integrators.bdf.control import (
     ALPHA,
     GAMMA,
     Accuracy,
-    BdfControl,
+    BDFControl,
     by_order,
     reduction,
     rescaling,
@@ -34,7 +34,7 @@ EQUAL_LENGTH = 1e-8
 """Relative difference below which step lengths count as equal [-]."""
 
 
-class BdfStep(Step):
+class BDFStep(Step):
     """BDF step ``(t, h, x, p) → x⁺`` with the differences in x.
 
     Parameters
@@ -56,7 +56,7 @@ class BdfStep(Step):
         self.size = self.state_size * (self.top + 2) + 3
         self.corrects = corrected and problem.correction is not None
         self._finish = problem.correction if self.corrects else problem.upkeep
-        self.control = BdfControl(problem, accuracy)
+        self.control = BDFControl(problem, accuracy)
         self.equations = CorrectorEquations(problem, accuracy, self.control.weights)
 
     @cached_property
@@ -75,12 +75,12 @@ class BdfStep(Step):
         return GraphFunction(begin)
 
     @cached_property
-    def plain(self) -> BdfStep:
-        return BdfStep(self.problem, self.accuracy, corrected=False)
+    def plain(self) -> BDFStep:
+        return BDFStep(self.problem, self.accuracy, corrected=False)
 
     @property
-    def exact_in_h(self) -> BdfStep:
-        return BdfStep(self.problem, self.accuracy, self.corrects, reuse=False)
+    def exact_in_h(self) -> BDFStep:
+        return BDFStep(self.problem, self.accuracy, self.corrects, reuse=False)
 
     @cached_property
     def function(self) -> ca.Function:
