@@ -266,7 +266,7 @@ def rest_text(residual: float, iterations: int, stable: bool, conservative: bool
     """Message of the status of an equilibrium."""
     kind = "stable" if stable else "not a stable position"
     if stable and not conservative:
-        kind = "statically stable (loads without potential: linearize tells of flutter)"
+        kind = "statically stable (loads without potential: check flutter by linearize)"
     return f"residual {residual:.3g} N after {iterations} iterations, {kind}"
 
 

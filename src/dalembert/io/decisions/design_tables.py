@@ -46,7 +46,7 @@ class RobustTable(Record):
 
 
 class OptimizeTable(Record):
-    """What ``dalembert optimize`` minimises or maximises."""
+    """Objective, variables and limits of ``dalembert optimize``."""
 
     minimize: Text = None
     maximize: Text = None
