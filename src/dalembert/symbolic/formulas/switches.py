@@ -1,7 +1,7 @@
 """Frozen branches of formulas with comparisons, ``abs``, ``sign``, ``min`` and ``max``.
 
-A formula with frozen branches evaluates the branch of a given *side* of each switch, for any sign of
-the switching function: it is smooth, also slightly beyond the switch. A step across the switch can
+A formula with frozen branches evaluates a given *side* of each switch, for any sign of the
+switching function: it is smooth, also slightly beyond the switch. A step across the switch can
 therefore be computed, the switch located within it, and the step shortened. Powers and roots of
 numbers that become negative only beyond a switch, as in ``where(x > 0, x**1.5, 0)``, are continued
 as odd functions.
