@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 from dalembert.structures.description import StructureDescription
 from dalembert.structures.meshes.mesh import Classes, Mesh, add_mesh
 from dalembert.structures.model import StructuralModel
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 
 
-class Structure(Spelled, StructureDescription):
+class Structure(CheckedArguments, StructureDescription):
     """A structure under construction: nodes, elements between them, supports and loads.
 
     Every number may be a formula of parameters.

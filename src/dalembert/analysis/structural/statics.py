@@ -32,7 +32,7 @@ from dalembert.structures.evaluation.stiffness_solvers import (
     multigrid_of,
 )
 from dalembert.structures.model import StructuralModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.timing import Timing
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ def solve_statics(
 ) -> Batch: ...
 
 
-@spelled
+@check_arguments
 def solve_statics(
     model: StructuralModel,
     *,
