@@ -29,11 +29,11 @@ def angles(t) -> tuple[np.ndarray, np.ndarray]:
     return hip, knee
 
 
-def build(knots) -> tuple[da.System, list[da.History]]:
+def build(knots) -> tuple[da.System, list[da.InputHistory]]:
     system = da.System("leg", gravity=(0.0, -G))
     hip0, knee0 = angles(0.0)
-    hip = da.history(system, "hip", knots, float(hip0), "rad")
-    knee = da.history(system, "knee", knots, float(knee0), "rad")
+    hip = da.input_history(system, "hip", knots, float(hip0), "rad")
+    knee = da.input_history(system, "knee", knots, float(knee0), "rad")
     down = -np.pi / 2
     thigh = system.add(planar.Bar("thigh", angle=down + float(hip0), **THIGH))
     shank = system.add(planar.Bar("shank", angle=down + float(hip0 + knee0), **SHANK))

@@ -79,7 +79,7 @@ def main(folder=None) -> dict[str, float]:
     numbers = {f"smallest det W, {name}": float(det[once].min()) for name, det in found.items()}
     numbers |= {
         "largest det W, crank.angle": float(found["crank.angle"][once].max()),
-        "changes of partition": float(motion.statistics["changes of variant"]),
+        "changes of partition": float(motion.statistics["variant changes"]),
         "largest number watched": float(number.max()),
         "velocity violation [m/s]": float(motion.data.velocity_violation.max()),
         "energy error [J]": float(abs(motion["balance_error"]).max()),

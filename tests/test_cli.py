@@ -135,7 +135,7 @@ def test_run_as_json(model, tmp_path, capsys):
     made = told(capsys)
     assert made["ok"]
     assert made["time"] == pytest.approx(0.5)
-    assert made["largest"]["position_violation"] < 1e-10
+    assert made["maxima"]["position_violation"] < 1e-10
     assert all(Path(f).exists() for f in made["files"])
 
 

@@ -41,7 +41,7 @@ def test_dataset_and_measures_are_the_same(motion):
         (motion["crank.angle"], data["angle"].sel(body="crank")),
         (motion["crank.end.velocity"], data["point_velocity"].sel(point="crank.end")),
         (motion["pin.force"], data["reaction_force"].sel(joint="pin")),
-        (motion["motor.effort"], data["driver_effort"].sel(driver="motor")),
+        (motion["motor.effort"], data["effort"].sel(driver="motor")),
         (motion["spring.length"], data["element_length"].sel(element_length_of="spring")),
     ]
     for measure, variable in pairs:

@@ -132,7 +132,8 @@ def record(name: str, cls: type, heading: str = "###") -> str:
     ties = connected_fields(cls)
     if ties:
         listed = ", ".join(f.name for f in ties)
-        parts.append(f"`connect = [{listed}]`")
+        optional = not any(f.is_needed for f in ties)
+        parts.append(f"`connect = [{listed}]`{', or `joint`' if optional else ''}")
     texts, from_file, rows = field_texts(cls), FROM_FILE.get(name, ()), []
     for field in keyed_fields(cls):
         if field.name in REFUSED.get(name, ()):
@@ -171,7 +172,7 @@ def held(field: fields.FileField) -> str:
     """Description of the value of a key."""
     if field.holds is not fields.Quantities:
         return HOLDS[field.holds]
-    fewer = f"{COUNTS[field.least]} or " if field.least else ""
+    fewer = f"{COUNTS[field.minimum_size]} or " if field.minimum_size else ""
     return f"{fewer}{COUNTS[field.size]} formulas"
 
 

@@ -60,7 +60,10 @@ from dalembert.design.identification.identification_result import (
     IdentificationResult as IdentificationResult,
 )
 from dalembert.design.identification.identify import identify as identify
-from dalembert.design.inverse.history import History as History, history as history
+from dalembert.design.inverse.input_history import (
+    InputHistory as InputHistory,
+    input_history as input_history,
+)
 from dalembert.design.inverse.inversion_result import InversionResult as InversionResult
 from dalembert.design.inverse.invert import invert as invert
 from dalembert.design.limit import Limit as Limit
@@ -148,6 +151,7 @@ from dalembert.design.trajectory.shooting import MultipleShooting as MultipleSho
 from dalembert.design.trajectory.trajectory_result import TrajectoryResult as TrajectoryResult
 from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
 from dalembert.elements import (
+    curves as curves,
     laws as laws,
     planar as planar,
     rotation as rotation,
@@ -156,7 +160,6 @@ from dalembert.elements import (
 from dalembert.elements.curves import (
     FormulaCurve as FormulaCurve,
     SplineCurve as SplineCurve,
-    u as u,
 )
 from dalembert.elements.laws.base import (
     Formula as Formula,
@@ -295,7 +298,7 @@ from dalembert.symbolic.formulas.functions import (
     tanh as tanh,
     where as where,
 )
-from dalembert.symbolic.formulas.interpolation import Interpolation as Interpolation, table as table
+from dalembert.symbolic.formulas.interpolation import Interpolation as Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter as Parameter
 from dalembert.symbolic.native.code_cache import clear_cache as clear_cache
 

@@ -387,6 +387,17 @@ def test_a_derived_parameter_says_an_si_unit():
         system.derived("other", math.pi * bore**2 / 4, "mm^2")
 
 
+def test_a_stop_of_an_angle_measures_a_moment():
+    system = da.System("flap")
+    flap = system.add(planar.Bar("flap", length=1.0, mass=1.0))
+    system.add(planar.Revolute("O", system.ground.center, flap.start))
+    system.add(planar.Stop("stop", flap.angle, lower=-0.1, stiffness="10 N m/rad"))
+    system.add(planar.Stop("end", flap.y, lower=-9.0, stiffness="10 N/m"))
+    model = system.build()
+    names = ("stop.coordinate", "stop.force", "end.coordinate", "end.force")
+    assert [model[name].unit for name in names] == ["rad", "N m", "m", "N"]
+
+
 def test_pint_is_imported_where_it_is_needed_only():
     program = (
         "import sys, dalembert as da\n"

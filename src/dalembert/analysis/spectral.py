@@ -57,7 +57,7 @@ class SpectralAnalysis(Analysis[M, E]):
         """Modes at positions of a spectrum, by default at all wanted ones."""
         positions = spectrum.wanted() if positions is None else positions
         numbers = np.arange(1, positions.size + 1) if numbers is None else numbers
-        text = f"{self.spoken}: {positions.size} mode(s)"
+        text = f"{self.display_name}: {positions.size} mode(s)"
         return self.modes_class(  # type: ignore[return-value]
             spectrum.model,
             self,
@@ -69,5 +69,5 @@ class SpectralAnalysis(Analysis[M, E]):
             positions,
             spectrum,
             spectrum.statistics,
-            spectrum.doubts,
+            spectrum.warnings,
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, Generic, TypeVar
 
-from dalembert.cli.console import console, format_value, print_heading, print_line
+from dalembert.cli.console import aligned_table, console, format_value, print_heading, print_line
 from dalembert.model.model import Model
 from dalembert.structures.model import StructuralModel
 
@@ -115,7 +115,7 @@ class MechanismPrinter(ModelPrinter[Model]):
     def show(self, summary: dict[str, Any]) -> None:
         """Print energies, extremes, events and modes of a result."""
         energies = {f"{name} [J]": value for name, value in summary.get("final", {}).items()}
-        for name, value in (energies | summary.get("largest", {})).items():
+        for name, value in (energies | summary.get("maxima", {})).items():
             print_line(f"  {name.replace('_', ' '):<24} {format_value(value)}")
         for event in summary.get("events", [])[:20]:
             print_line(f"  event {event['name']} at t = {event['time']:.9g} s")
@@ -165,13 +165,10 @@ class StructurePrinter(ModelPrinter[StructuralModel]):
 
     def show(self, summary: dict[str, Any]) -> None:
         """Print the states of a result as a table."""
-        from rich import box
-        from rich.table import Table
-
         rows = summary.get("states", [])
         if not rows:
             return
-        table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, collapse_padding=True)
+        table = aligned_table()
         for k, heading in enumerate(rows[0]):
             side: Any = "right" if k else "left"
             table.add_column(heading.replace("_", " "), justify=side, no_wrap=True)

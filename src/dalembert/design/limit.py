@@ -49,7 +49,7 @@ class Limit:
             raise AnalysisError(f"limit on {label}: give lower or upper")
         if self.lower is not None and self.upper is not None and self.lower > self.upper:
             raise AnalysisError(f"limit on {label}: lower {self.lower} is above upper {self.upper}")
-        unit = self.response.known_unit if isinstance(self.response, Response) else ""
+        unit = self.response.declared_unit if isinstance(self.response, Response) else ""
         check_measured((self.lower, self.upper), unit, f"limit on {label}")
 
     @classmethod

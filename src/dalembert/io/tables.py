@@ -152,8 +152,8 @@ TIMED: dict[Any, Any] = {
 
 def _quantities(field: FileField) -> Any:
     """Type of a list, or of a single entry where one is enough."""
-    listed = list_of(Entry, field.size, least=field.least)
-    return Entry | listed if field.least == 1 else listed
+    listed = list_of(Entry, field.size, least=field.minimum_size)
+    return Entry | listed if field.minimum_size == 1 else listed
 
 
 def value_type(field: FileField, dimension: int = 2) -> Any:
@@ -261,10 +261,13 @@ def table_of(
         text = "connected bodies, points or frames, in order: " + ", ".join(
             f.name for f in connections
         )
-        keys["connect"] = (_connection(connections, dimension), Field(description=text))
-    from_file = FROM_FILE.get(name, ())
+        default = ... if any(f.is_needed for f in connections) else None
+        keys["connect"] = (_connection(connections, dimension), Field(default, description=text))
+    from_file = FROM_FILE.get(name, {})
     if from_file:
-        text = f"CSV file with two columns, instead of {' and '.join(from_file)}"
+        text = (
+            f"CSV file with two columns, units in its heading, instead of {' and '.join(from_file)}"
+        )
         keys["file"] = (Text, Field(default=None, description=text))
     for field in keyed_fields(cls):
         if field.name in (more or {}):

@@ -112,7 +112,7 @@ class Numbered(Result):
         for name in self.reported_measures:
             unit = self.expression(name).unit
             variables[name] = ("mode", self.values(name), {"units": unit, "long_name": name})
-        return Contents.from_arrays(variables, {"mode": self.numbers}, self.about)
+        return Contents.from_arrays(variables, {"mode": self.numbers}, self.attributes)
 
     def __getitem__(self, measure: str | Expression) -> xr.DataArray:
         """A measure by name, or a formula of measures, as a labelled array over the modes."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
@@ -16,7 +15,7 @@ from dalembert.errors import AnalysisError, ExpressionError, UnsupportedError
 from dalembert.results.files.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.wording import card, messages, table
+from dalembert.text.wording import card, messages, table, unknown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -116,7 +115,7 @@ class Result(Protocol):
 
     # output --------------------------------------------------------------------------------
     @property
-    def about(self) -> dict[str, str]:
+    def attributes(self) -> dict[str, str]:
         """Attributes of the dataset."""
         return {"model": self.model.name, "status": str(self.status)}
 
@@ -228,7 +227,7 @@ class Analysis(ABC, Generic[M, R]):
     time implements ``resample``, one with events ``at_event``.
     """
 
-    spoken: ClassVar[str] = ""
+    display_name: ClassVar[str] = ""
     """Name of the analysis in texts."""
     events: Mapping[str, Any] | None = None
     """Name → event, for analyses with events."""
@@ -305,8 +304,5 @@ class Analysis(ABC, Generic[M, R]):
         names = [field.name for field in fields(cls)]  # type: ignore[arg-type]
         for name in options:
             if name not in names:
-                matches = difflib.get_close_matches(name, names, 1)
-                nearest = f" (did you mean {matches[0]!r}?)" if matches else ""
-                listed = ", ".join(names) or "none"
-                raise AnalysisError(f"{verb}: unknown option {name!r}{nearest}; known: {listed}")
+                raise AnalysisError(f"{verb}: {unknown('option', name, names)}")
         return cls(**options)

@@ -62,7 +62,7 @@ def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
         return CombinedEngine(engine_of(motion, terms), weights)
     motion = with_stable_steps(motion)
     samples = [take_sample(motion, r) for r in responses]
-    if any(sample.moves_with for sample in samples):
+    if any(sample.final_event for sample in samples):
         return EventEngine(motion, kind, samples)
     return kind(samples)
 

@@ -11,7 +11,6 @@ import numpy as np
 
 from dalembert.analysis.batch.individual_runs import IndividualRuns
 from dalembert.analysis.batch.states import States
-from dalembert.analysis.batch.workers import checked_workers
 from dalembert.analysis.elastic_range import (
     coordinates_of,
     elastic_warnings as design_warnings,
@@ -19,6 +18,7 @@ from dalembert.analysis.elastic_range import (
 )
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.model.model import Model
+from dalembert.processes import checked_workers
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs, are_designs
 from dalembert.results.batch.samples import Gathered

@@ -96,7 +96,7 @@ class Dynamics(OverTime[Motion]):
     [10.0, 16.0]
     """
 
-    spoken = "dynamics"
+    display_name = "dynamics"
     integrates = True
     execution = DynamicsRun
 

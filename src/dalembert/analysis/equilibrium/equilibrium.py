@@ -81,7 +81,7 @@ class Equilibrium(Analysis[Model, Motion]):
     [-0.2, -0.4]
     """
 
-    spoken = "static equilibrium"
+    display_name = "static equilibrium"
     at_rest = True
     batched = EquilibriumBatch
 

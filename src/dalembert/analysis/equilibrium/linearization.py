@@ -57,7 +57,7 @@ class Linearization(SpectralAnalysis[Model, Modes]):
     array([3.162278])
     """
 
-    spoken = "modes"
+    display_name = "modes"
     modes_class = Modes
 
     time: float = 0.0
@@ -96,7 +96,7 @@ class MotionLinearization(SpectralAnalysis[Model, Modes]):
     coordinates : as in ``Linearization``
     """
 
-    spoken = "modes"
+    display_name = "modes"
     modes_class = Modes
 
     motion: Motion

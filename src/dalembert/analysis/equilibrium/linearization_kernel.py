@@ -168,7 +168,7 @@ class Linearized:
         return float(np.abs(later_matrix - matrix).max() / (SHORT * largest)) if largest else 0.0
 
     @property
-    def doubts(self) -> tuple[str, ...]:
+    def warnings(self) -> tuple[str, ...]:
         """Warnings about unsteady motion, and contacts that small motions open or close."""
         y, model = self.kernel.bodies(self.time, self.x, self.p)[:, None], self.model
         still, none = np.zeros((model.equations.speed_count, 1)), np.zeros((0, 1))

@@ -62,7 +62,7 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     1.0
     """
 
-    spoken = "linear buckling"
+    display_name = "linear buckling"
     modes_class = BucklingModes
 
     count: int = 3

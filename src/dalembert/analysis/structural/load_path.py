@@ -62,7 +62,7 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
     (1, True)
     """
 
-    spoken = "load path"
+    display_name = "load path"
 
     case: str = ""
     first: float = 0.1

@@ -59,7 +59,7 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
     10.0
     """
 
-    spoken = "modes of vibration"
+    display_name = "modes of vibration"
     modes_class = VibrationModes
 
     count: int = 6

@@ -63,7 +63,7 @@ class NonlinearStatics(Analysis[StructuralModel, StructuralResult]):
     True
     """
 
-    spoken = "nonlinear statics"
+    display_name = "nonlinear statics"
     at_rest = True
 
     steps: int = 10

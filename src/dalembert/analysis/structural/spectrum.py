@@ -39,7 +39,7 @@ class Spectrum:
     count: int
     time: ClassVar[float] = 0.0
     residual: ClassVar[float | None] = None
-    doubts: ClassVar[tuple[str, ...]] = ()
+    warnings: ClassVar[tuple[str, ...]] = ()
     _factors: dict[tuple[int, ...], tuple[np.ndarray, Solve]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

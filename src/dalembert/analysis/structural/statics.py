@@ -71,7 +71,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
     array([0.5, 2. ])
     """
 
-    spoken = "linear statics"
+    display_name = "linear statics"
     at_rest = True
 
     solver: str = "auto"
@@ -159,7 +159,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
             statistics["solver"] = factor.name
         if isinstance(factor, Multigrid):
             statistics["iterations"] = factor.iterations
-            statistics["residual of the solver"] = factor.residual
+            statistics["solver residual"] = factor.residual
         statistics["build time [s]"] = round(model.build_time, 6)
         return statistics | timing.statistics
 

@@ -63,7 +63,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     0.2
     """
 
-    spoken = "transient"
+    display_name = "transient"
 
     duration: float | None = None
     step: float | None = None

@@ -11,11 +11,12 @@ from dalembert.analysis.equilibrium.equilibrium import Equilibrium
 from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.structural.statics import Statics
 from dalembert.design.ecosystem.mechanism_states import MechanismStates
-from dalembert.design.ecosystem.openmdao_component import openmdao_api, openmdao_names
+from dalembert.design.ecosystem.openmdao_component import openmdao_names
 from dalembert.design.ecosystem.states import Measures, StateEquations, StateTangent, input_names
 from dalembert.design.ecosystem.structure_states import StructureStates
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.model.model import Model
+from dalembert.packages import optional_package
 from dalembert.results.result import Analysis
 from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -83,7 +84,7 @@ def openmdao_implicit_component(
     >>> problem.compute_totals(of="scale.low", wrt="scale.weight", return_format="array").round(6)
     array([[-0.1]])
     """
-    om = openmdao_api()
+    om = optional_package("openmdao.api", "an OpenMDAO component")
     equations = _equations(model, measures, analysis, time)
     names = input_names(model, vary)
     origin = model.values(start)

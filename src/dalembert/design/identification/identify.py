@@ -183,7 +183,7 @@ def _make_identification(
         message=fit.message,
         cost=fit.cost,
         noise=noise,
-        noise_given=not estimated,
+        noise_specified=not estimated,
         factor=factor,
         information=Information(unknowns.labels, jacobian, unknowns.sizes(x)),
         motions=motions,

@@ -120,7 +120,7 @@ def run_study(
                 report(len(answered) / len(design))
         study = _make_study(task, design, tuple(labels), answered, folder, reused)
         if storage:
-            study = replace(study, stored=storage.finish(study.columns))
+            study = replace(study, table_path=storage.finish(study.columns))
     finally:
         if storage:
             storage.close()

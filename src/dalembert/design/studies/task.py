@@ -159,7 +159,7 @@ class StudyTask:
                 )
         first_design = dict(zip(design.names, design.values[0], strict=True))
         parameter_vector(self.model.parameters, first_design, self.model.name)
-        for name, values in design.given.items():
+        for name, values in design.specified.items():
             measured_values = [] if isinstance(values, np.ndarray) else values
             check_measured(measured_values, self.model.parameters[name].unit, name)
 

@@ -189,8 +189,8 @@ class ToleranceResult(Decision):
         return {
             "mean": float(np.mean(values)),
             "std": float(np.std(values, ddof=1)) if values.size > 1 else float("nan"),
-            "least": float(np.min(values)),
-            "largest": float(np.max(values)),
+            "minimum": float(np.min(values)),
+            "maximum": float(np.max(values)),
         }
 
     @property

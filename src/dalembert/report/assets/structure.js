@@ -11,7 +11,7 @@ class Structure {
     const n = list(drawing.rest).length;
     this.count = n / 3;
     this.rest = floats(drawing.rest, n);
-    this.moved = list(payload.moved).map((m) => floats(m, n));
+    this.moved = list(payload.vertex_displacements).map((m) => floats(m, n));
     this.cases = list(payload.cases).map(String);
     this.shapes = (key) => list(drawing[key]).map((s) => ({ size: s.size, vertices: list(s.vertices), owners: list(s.owners) }));
     [this.lines, this.faces, this.points] = ["lines", "faces", "points"].map(this.shapes);
@@ -42,7 +42,7 @@ class Structure {
   }
 
   // Lines and edges of another design, at rest and displaced.
-  otherDesign({ drawing, moved }) {
+  otherDesign({ drawing, vertex_displacements: moved }) {
     const n = list(drawing.rest).length;
     return { rest: floats(drawing.rest, n), moved: list(moved).map((m) => floats(m, n)), lines: list(drawing.lines), outline: list(drawing.outline) };
   }

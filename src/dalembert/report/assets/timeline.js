@@ -34,7 +34,7 @@ class Timeline {
 
   has(name) { return name === "ground" || this.byName.has(String(name)); }
   find(name) { return this.byName.get(String(name)) || this.ground; }
-  told(item) { return { name: String(item.name ?? ""), what: String(item.what ?? item.symbol ?? ""), symbol: String(item.symbol ?? "") }; }
+  told(item) { return { name: String(item.name ?? ""), description: String(item.description ?? item.symbol ?? ""), symbol: String(item.symbol ?? "") }; }
 
   setTime(t) {
     this.now = t;

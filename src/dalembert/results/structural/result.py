@@ -98,7 +98,7 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
         for name, (elements, rows, unit) in element_variables(self).items():
             coords[f"{name}_of"] = elements
             variables[name] = ((f"{name}_of", along), np.array(rows), {"units": unit})
-        return Contents.from_arrays(variables, coords, self.about)
+        return Contents.from_arrays(variables, coords, self.attributes)
 
     @property
     def _labels(self) -> Any:

@@ -16,7 +16,7 @@ from dalembert.text.arguments import check_arguments
 
 
 @dataclass(frozen=True, eq=False)
-class History:
+class InputHistory:
     """A spline in time with unknown values at its knots.
 
     Attributes
@@ -31,8 +31,8 @@ class History:
     >>> import numpy as np
     >>> import dalembert as da
     >>> system = da.System("robot axis")
-    >>> turn = da.history(system, "turn", np.linspace(0, 1, 5), unit="rad")
-    >>> isinstance(turn, da.History), turn.names, len(turn.parameters)
+    >>> turn = da.input_history(system, "turn", np.linspace(0, 1, 5), unit="rad")
+    >>> isinstance(turn, da.InputHistory), turn.names, len(turn.parameters)
     (True, ['turn_0', 'turn_1', 'turn_2', 'turn_3', 'turn_4'], 5)
     >>> type(turn.law).__name__  # for drivers; turn.value is for forces
     'Table'
@@ -68,14 +68,14 @@ class History:
 
 
 @check_arguments
-def history(
+def input_history(
     system: Any,
     name: str,
     knots: Sequence[float] | np.ndarray,
     value: float | str = 0.0,
     unit: str = "",
     ends: str = "not-a-knot",
-) -> History:
+) -> InputHistory:
     """Add an unknown history to a system: parameters ``name_0``, ``name_1`` … at its knots.
 
     Parameters
@@ -97,7 +97,7 @@ def history(
     >>> from dalembert import planar
     >>> system = da.System("pushed mass")
     >>> mass = system.add(planar.Particle("mass", mass=2.0))
-    >>> push = da.history(system, "push", [0, 0.5, 1.0, 1.5], value=3.0, unit="N")
+    >>> push = da.input_history(system, "push", [0, 0.5, 1.0, 1.5], value=3.0, unit="N")
     >>> force = system.add(planar.Force("push", mass.center, (push.value, 0)))
     >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
     >>> list(system.parameters), round(motion["mass.vx"][-1].item(), 6)  # F t/m
@@ -107,4 +107,4 @@ def history(
     if times.ndim != 1 or times.size < 4 or not np.all(np.diff(times) > 0):
         raise ModelError("give at least four knots, increasing in time", name)
     parameters = tuple(system.parameter(f"{name}_{k}", value, unit) for k in range(times.size))
-    return History(name, times, parameters, Table(times.tolist(), list(parameters), ends=ends))
+    return InputHistory(name, times, parameters, Table(times.tolist(), list(parameters), ends=ends))
