@@ -68,6 +68,13 @@ def test_a_former_type_in_a_file_is_an_error_that_states_the_present_one(old, tm
         load(path)
 
 
+def test_a_former_key_of_a_file_is_an_error_that_states_the_present_one(tmp_path):
+    path = tmp_path / "model.toml"
+    path.write_text(f"{BODY}[cases.post]\ngiven = {{}}\n", encoding="utf-8")
+    with pytest.raises(da.ModelError, match=r"given: unknown key \(renamed: 'inputs'\)"):
+        load(path)
+
+
 def test_no_former_name_is_in_use_elsewhere():
     assert not RENAMED.keys() & {*RENAMED.values()}
     assert not RENAMED.keys() & {*da.__all__, *planar.__all__, *SECTIONS}

@@ -142,9 +142,9 @@ def test_units_that_do_not_fit_are_refused_by_name(given, message):
 def test_the_unit_of_a_parameter_is_meant():
     system = da.System("x")
     l = system.parameter("l", 45, unit="mm", bounds=(30, "6 cm"))
-    assert (l.value, l.unit, l.given_unit) == (0.045, "m", "mm")
+    assert (l.value, l.unit, l.declared_unit) == (0.045, "m", "mm")
     assert l.bounds == pytest.approx((0.03, 0.06), rel=1e-15)
-    assert l.shown(0.05) == pytest.approx(50)
+    assert l.in_declared_unit(0.05) == pytest.approx(50)
     speed = system.parameter("speed", "60 rpm")
     assert speed.value == pytest.approx(2 * math.pi) and speed.unit == "rad/s"
     with pytest.raises(da.ModelError, match=r"bar.mass: l .m. does not fit, expected kg"):

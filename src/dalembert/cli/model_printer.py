@@ -207,7 +207,9 @@ def _print_parameters(model: Any) -> None:
     """Print a line for each parameter, in the unit of its declaration."""
     for name, p in model.parameters.items():
         low, high = map(p.shown, p.bounds)
-        unit = p.given_unit or p.unit
+        unit = p.declared_unit or p.unit
         bounds = "" if low == -high == float("-inf") else f"  in [{low:g}, {high:g}]"
         about = f"  {p.description}" if p.description else ""
-        print_line(f"  parameter       {name} = {p.shown(p.value):g} {unit}{bounds}{about}")
+        print_line(
+            f"  parameter       {name} = {p.in_declared_unit(p.value):g} {unit}{bounds}{about}"
+        )
