@@ -182,4 +182,4 @@ class System(CheckedArguments, Declared, Description):
         check_membership(self)
         check_symbols(self)
         ValueChecks(self)([p.value for p in self.parameters.values()])
-        return Model(self.copy(), strict=strict)
+        return Model.assembled(self.copy(), strict)

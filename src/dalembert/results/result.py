@@ -15,6 +15,7 @@ from dalembert.errors import AnalysisError, ExpressionError, UnsupportedError
 from dalembert.results.files.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.once import CacheOwner
 from dalembert.text.wording import card, messages, table, unknown
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ Instants = float | Sequence[float] | np.ndarray
 """One or several instants; of load cases and modes, one or several numbers."""
 
 
-class Result(Protocol):
+class Result(CacheOwner, Protocol):
     """States at instants, or by number, and their measures.
 
     Attributes

@@ -10,9 +10,10 @@ import numpy as np
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parameter import Parameter, parameter_vector
 from dalembert.symbolic.formulas.parser import Names
+from dalembert.symbolic.once import CacheOwner
 
 
-class ParametricModel(ABC):
+class ParametricModel(CacheOwner, ABC):
     """A frozen model with parameters.
 
     Attributes

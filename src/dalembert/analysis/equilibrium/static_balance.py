@@ -15,7 +15,7 @@ from dalembert.results.recording import Trajectory
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.equations.newton import ROUNDING, Equations, NewtonSettings, Residual, solve
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.once import once
+from dalembert.symbolic.once import CacheOwner, once
 
 LONGEST = 0.5
 """Upper limit of a step, in characteristic lengths and radians."""
@@ -31,7 +31,7 @@ CLOSED = NewtonSettings(tolerance=1e-13, max_iterations=20)
 """Settings for the closure of the constraints."""
 
 
-class StaticsKernel:
+class StaticsKernel(CacheOwner):
     """Compiled static equations of a model."""
 
     def __init__(self, model: Model):

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError, SolverFailure
@@ -16,12 +14,11 @@ from dalembert.integrators.marching.checkpoints import (
     joined_states,
     recorder_like,
 )
+from dalembert.integrators.marching.marched_step import MarchedStep
 from dalembert.integrators.marching.steps import Schedule, Steps, Watch, even_length, run_length
-from dalembert.integrators.step import Marching, Step
+from dalembert.integrators.step import Step
 from dalembert.symbolic.evaluation.backends import Backend, VirtualMachine
 from dalembert.symbolic.evaluation.columns import Columns
-from dalembert.symbolic.evaluation.kernel import Kernel
-from dalembert.symbolic.evaluation.prelude import before
 
 CHUNK = 500
 """Maximum number of steps per call."""
@@ -47,9 +44,8 @@ class FixedMarch:
     ):
         self.step_of, self.period = step_of, period
         self.backend = backend or VirtualMachine()
-        self._singles: dict[int, Marching] = {}
+        self._marched: dict[int, MarchedStep] = {}
         self._columns: dict[int, Columns] = {}
-        self._chunks: dict[tuple[int, int], Kernel] = {}
         self._preludes: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def prepare(self, count: int, mode: int) -> None:
@@ -58,7 +54,7 @@ class FixedMarch:
         columns.announce(count)
         for length in (min(count, CHUNK), count % CHUNK):
             if length > 1 and self.at_once(mode):
-                self._chunk(length, mode)
+                self.marched(mode).chunk(length)
             elif length:
                 columns.prepare(length)
 
@@ -199,83 +195,30 @@ class FixedMarch:
     ) -> np.ndarray:
         """States after ``count`` steps."""
         if count > 1 and self.at_once(mode):
-            return self._chunk(count, mode)(x, *chunk, p)[0]
+            return self.marched(mode).chunk(count)(x, *chunk, p)[0]
         return self.columns(mode)(count, x, *chunk, self._prelude_values(mode, p))[0]
 
-    def _chunk(self, count: int, mode: int) -> Kernel:
-        """Kernel of ``count`` equal steps."""
-        if (mode, count) not in self._chunks:
-            self._chunks[mode, count] = Kernel(self.step_of(mode).chunk(count))
-        return self._chunks[mode, count]
-
     def columns(self, mode: int) -> Columns:
-        """Evaluator of ``single`` for many steps."""
+        """Evaluator of many steps."""
         if mode not in self._columns:
-            step = self.prepared(mode)
-            self._columns[mode] = self.backend.columns(step.function, True, (4,), step.called)
+            forms = self.marched(mode).forms
+            self._columns[mode] = self.backend.columns(forms.function, True, (4,), forms.called)
         return self._columns[mode]
 
     def _prelude_values(self, mode: int, p: np.ndarray) -> np.ndarray:
         """``q(p)``, cached for the next chunk."""
         cached = self._preludes.get(mode)
         if cached is None or not np.array_equal(cached[0], p):
-            cached = p.copy(), self.prepared(mode).values(p).full().ravel()
+            cached = p.copy(), self.marched(mode).forms.values(p).full().ravel()
             self._preludes[mode] = cached
         return cached[1]
 
     def at_once(self, mode: int) -> bool:
         """True if equal steps are taken as chunks."""
-        step = self.step_of(mode)
-        return step.chunked and not branches(step, self.period)
+        return self.marched(mode).at_once
 
-    def single(self, mode: int) -> ca.Function:
-        """``(x, t, h, flag, q) → x``; the flag says whether the step is corrected."""
-        return self.prepared(mode).function
-
-    def prepared(self, mode: int) -> Marching:
-        """Functions of a step with the argument order of a march."""
-        if mode not in self._singles:
-            step = self.step_of(mode)
-            if branches(step, self.period):
-                self._singles[mode] = _single_with_flag(step, self.period)
-            else:
-                m = step.marching
-                forms = (form and _single(form) for form in (m.called, m.lanes))
-                self._singles[mode] = Marching(m.values, _single(m.function), *forms)
-        return self._singles[mode]
-
-
-def _single(step: ca.Function) -> ca.Function:
-    """The step with the argument order of a march, for periods that need no flag."""
-    kind: Any = ca.SX if step.is_a("SXFunction") else ca.MX
-    t, h, x, q = (kind.sym(name, step.numel_in(i)) for i, name in enumerate("thxq"))
-    flag = kind.sym("flag")
-    return ca.Function("single", [x, t, h, flag, q], [step(t, h, x, q)])
-
-
-def _single_with_flag(step: Step, period: int) -> Marching:
-    """A step that is corrected if the flag is set."""
-    call, _ = with_flag(step, period, lambda step: step.function)
-    x, p = ca.MX.sym("x", step.size), ca.MX.sym("p", step.parameter_count)
-    t, h, flag = ca.MX.sym("t"), ca.MX.sym("h"), ca.MX.sym("flag")
-    single = ca.Function("single", [x, t, h, flag, p], [call(flag, t, h, x, p)])
-    return Marching(*before(single, 4))
-
-
-def branches(step: Step, period: int) -> bool:
-    """True if only some of the steps are corrected."""
-    return period != 1 and step.corrects
-
-
-def with_flag(
-    step: Step, period: int, function_of: Callable[[Step], ca.Function]
-) -> tuple[Callable[..., Any], bool]:
-    """``(flag, …)`` function of a step or of its derivative, and whether it is an SX function.
-
-    The flag selects the step with or without correction; only one of them is evaluated. It is
-    ignored if all steps are corrected, or none.
-    """
-    function = function_of(step)
-    if not branches(step, period):
-        return lambda flag, *arguments: function(*arguments), function.is_a("SXFunction")
-    return ca.Function.if_else("branch", function, function_of(step.plain)), False
+    def marched(self, mode: int) -> MarchedStep:
+        """The step of a mode in the order of arguments of marches."""
+        if mode not in self._marched:
+            self._marched[mode] = MarchedStep(self.step_of(mode), self.period)
+        return self._marched[mode]

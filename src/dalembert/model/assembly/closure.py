@@ -39,6 +39,7 @@ from dalembert.model.description import Description
 from dalembert.model.equations import Equations
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import stack
+from dalembert.symbolic.once import CacheOwner
 
 STAYS_CLOSED = 1e-9
 """Threshold for the violation of a redundant equation, in natural sizes."""
@@ -48,7 +49,7 @@ NEARBY = 1e-3
 """Threshold for displacements after which coordinates must be checked to be free, natural sizes."""
 
 
-class Closure:
+class Closure(CacheOwner):
     """Assembly of a mechanism.
 
     Parameters
