@@ -195,7 +195,7 @@ class ElasticStructure(ForceElement):
         """
         meshes = getattr(self.structure, "meshes", {})
         if len(meshes) != 1:
-            raise ModelError(f"has {len(meshes)} meshes; ask its structure for nodes", self.name)
+            raise ModelError(f"has {len(meshes)} meshes; get nodes from its structure", self.name)
         return next(iter(meshes.values()))
 
     @property
