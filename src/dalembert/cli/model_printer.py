@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 from typing import Any, Generic, TypeVar
 
 from dalembert.cli.console import console, format_value, print_heading, print_line
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
-from dalembert.structures.model import StructuralModel
 
 MAX_ROWS = 20
 """Upper limit of rows of a printed table."""

@@ -30,6 +30,7 @@ from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.formulations.base import Level
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
@@ -38,7 +39,6 @@ from dalembert.results.recording import Trajectory
 from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.equations.newton import NewtonSettings, Solution, solve
 from dalembert.text.spelling import spelled
 

@@ -16,11 +16,11 @@ from dalembert.analysis.structural.static_equations import free_factors
 from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
+from dalembert.model.assembled.evaluation.eigenpairs import largest
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import options
 from dalembert.results.result import ParameterValues
 from dalembert.results.structural.modes import BucklingModes
-from dalembert.structures.evaluation.eigenpairs import largest
-from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled
 
 

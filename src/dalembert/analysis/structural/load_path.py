@@ -18,11 +18,11 @@ from dalembert.analysis.structural.path_equations import PathEquations
 from dalembert.analysis.structural.path_following import PathFollower
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import options
 from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult
-from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled
 
 

@@ -16,13 +16,13 @@ from dalembert.analysis.structural.spectrum import Spectrum
 from dalembert.analysis.structural.static_equations import free_factors
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError, UnsupportedError
+from dalembert.model.assembled.evaluation.eigenpairs import nearest
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import options
 from dalembert.results.result import ParameterValues
 from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.factorise import indefinite_factors
-from dalembert.structures.evaluation.eigenpairs import nearest
-from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled
 
 

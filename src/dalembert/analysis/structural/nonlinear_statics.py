@@ -16,12 +16,12 @@ from dalembert.analysis.structural.static_equations import (
     StaticsRecord,
     full_steps,
 )
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import options
 from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.solver import Factors
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.equations.newton import Ending, Equations, Residual, solve
 from dalembert.timing import Timing
 

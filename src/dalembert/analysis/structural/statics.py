@@ -19,6 +19,12 @@ from dalembert.analysis.structural.static_equations import (
 )
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import UnsupportedError
+from dalembert.model.assembled.evaluation.stiffness_solvers import (
+    better_iterative,
+    free_displacements,
+    multigrid_of,
+)
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
 from dalembert.results.result import Analysis, ParameterValues
@@ -26,12 +32,6 @@ from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.multigrid import Multigrid
 from dalembert.sparse.solver import SparseSolver
-from dalembert.structures.evaluation.stiffness_solvers import (
-    better_iterative,
-    free_displacements,
-    multigrid_of,
-)
-from dalembert.structures.model import StructuralModel
 from dalembert.text.spelling import spelled
 from dalembert.timing import Timing
 
