@@ -1,4 +1,4 @@
-"""Structures: nodes, elements between them, supports and loads; finite-element assembly."""
+"""Finite elements, cross-sections, meshes and the builder of structures."""
 
 from dalembert.elements.fem.attached import (
     GroundRotationSpring,
