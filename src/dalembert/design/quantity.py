@@ -110,7 +110,7 @@ class Combined(Quantity):
     formula: str
     parts: Mapping[str, Any]
     name: str = ""
-    given_unit: str = ""
+    declared_unit: str = ""
 
     @property
     def label(self) -> str:  # type: ignore[override]
@@ -145,17 +145,17 @@ class Combined(Quantity):
         return np.concatenate([o * part.slope(v) for o, part, v in split])
 
     def unit(self, units: Sequence[str]) -> str:
-        return self.given_unit
+        return self.declared_unit
 
     def of(self, case: Any) -> Quantity:
         parts = {name: with_case(part, case) for name, part in self.parts.items()}
-        combination = Combined(self.formula, parts, self.name, self.given_unit)
+        combination = Combined(self.formula, parts, self.name, self.declared_unit)
         combination.function  # noqa: B018 - refuses unknown names
         return combination
 
     def varying(self, names: Sequence[str]) -> Quantity:
         parts = {name: part.varying(names) for name, part in self.parts.items()}
-        return Combined(self.formula, parts, self.name, self.given_unit)
+        return Combined(self.formula, parts, self.name, self.declared_unit)
 
 
 @check_arguments

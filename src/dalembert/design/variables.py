@@ -112,7 +112,7 @@ class Variables:
     ----------
     names : of the variables
     lower, upper, start : (n,)
-    units, given_units : SI units, and units in which the parameters were declared
+    units, declared_units : SI units, and units in which the parameters were declared
     sizes : index of a variable → its discrete values
     followers : (parameter, index of its variable, interpolant)
     """
@@ -122,7 +122,7 @@ class Variables:
     upper: np.ndarray
     start: np.ndarray
     units: list[str]
-    given_units: list[str]
+    declared_units: list[str]
     sizes: dict[int, np.ndarray] = field(default_factory=dict)
     followers: list[tuple[str, int, Any]] = field(default_factory=list)
 
@@ -179,7 +179,7 @@ def make_variables(
     bounds = np.array([parameters[n].bounds for n in names], dtype=float)
     values = [start.get(n, parameters[n].value) for n in names]
     units = [parameters[n].unit for n in names]
-    declared = [parameters[n].given_unit for n in names]
+    declared = [parameters[n].declared_unit for n in names]
     columns = bounds[:, 0].copy(), bounds[:, 1].copy()
     variables = Variables(names, *columns, np.array(values, float), units, declared)
     for k, entry in enumerate(entries):

@@ -57,10 +57,10 @@ class Motion(LabelledRecording):
             "warnings": list(self.warnings),
             "events": [event.row for event in self.events],
             "final": {name: float(data[name][-1]) for name in FINAL if has_outputs},
-            "largest": {name: float(data[name].max()) for name in LARGEST if has_outputs},
+            "maxima": {name: float(data[name].max()) for name in LARGEST if has_outputs},
         }
         if (estimate := self.error_estimate) is not None:
-            summary["largest"]["estimated_error"] = estimate.share
+            summary["maxima"]["estimated_error"] = estimate.share
         if self.impacts:
             summary["impacts"] = [impact.row for impact in self.impacts]
         return summary
@@ -191,7 +191,7 @@ class Motion(LabelledRecording):
         rows: list[tuple[str, Any]] = [("status", summary["status"])]
         rows += [("instants", f"{self.time.size}, {span}"), *self.statistics.items()]
         rows += [(f"final {n.replace('_', ' ')} [J]", v) for n, v in summary["final"].items()]
-        rows += [(f"largest {n.replace('_', ' ')}", v) for n, v in summary["largest"].items()]
+        rows += [(f"largest {n.replace('_', ' ')}", v) for n, v in summary["maxima"].items()]
         rows += [(event["name"], f"t = {event['time']:.6g} s") for event in summary["events"][:12]]
         warnings = messages(("warning", text) for text in self.warnings)
         data = folded("all data", self.data._repr_html_())

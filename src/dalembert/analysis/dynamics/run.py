@@ -204,7 +204,7 @@ class DynamicsRun:
         if self.contacts:
             motion.statistics |= self.contacts.statistics(steps.end)
             if self.closed_gaps:
-                motion.statistics["overlaps closed at the start"] = self.closed_gaps
+                motion.statistics["initial overlaps removed"] = self.closed_gaps
             motion.impacts = [i for i in self.contacts.impacts if i.time <= steps.end]
         warnings = self.warnings(motion, check)
         motion.warnings = Warnings(warnings, lambda: self.accuracy_warnings(motion))

@@ -9,9 +9,10 @@ import numpy as np
 
 from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
-from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.errors import AnalysisError
 from dalembert.interrupts import searching
-from dalembert.results.result import Analysis
+from dalembert.packages import optional_package
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments
 
@@ -68,10 +69,7 @@ def pymoo_problem(
 
 def make_problem(functions: DesignFunctions, senses: Sequence[float] | None = None) -> Any:
     """Problem of design functions; senses are 1 to minimise and −1 to maximise."""
-    try:
-        from pymoo.core.problem import ElementwiseProblem
-    except ImportError:
-        raise UnsupportedError("pymoo is missing: pip install dalembert[design]") from None
+    problem = optional_package("pymoo.core.problem", "an evolutionary search")
     low, high = functions.bounds.T
     if not np.all(np.isfinite(functions.bounds)):
         name = functions.names[int(np.flatnonzero(~np.isfinite(low + high))[0])]
@@ -80,7 +78,7 @@ def make_problem(functions: DesignFunctions, senses: Sequence[float] | None = No
     if senses is not None:
         signs = np.asarray(senses, dtype=float)
 
-    class Problem(ElementwiseProblem):
+    class Problem(problem.ElementwiseProblem):  # type: ignore[misc, name-defined]
         """Responses of a design for pymoo."""
 
         def __init__(self) -> None:

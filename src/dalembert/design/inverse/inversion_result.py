@@ -9,9 +9,10 @@ import numpy as np
 
 from dalembert.design.decision import Decision
 from dalembert.design.identification.misfit import Misfit
-from dalembert.design.inverse.history import History
+from dalembert.design.inverse.input_history import InputHistory
 from dalembert.design.inverse.smoothing import Curve
-from dalembert.results.result import Analysis, Result
+from dalembert.results.analysis import Analysis
+from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import history_gradients
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ class InversionResult(Decision):
     >>> from dalembert import planar
     >>> system = da.System("pushed mass")
     >>> mass = system.add(planar.Particle("mass", mass=2.0))
-    >>> push = da.history(system, "push", np.linspace(0, 1, 5), unit="N")
+    >>> push = da.input_history(system, "push", np.linspace(0, 1, 5), unit="N")
     >>> force = system.add(planar.Force("push", mass.center, (push.value, 0)))
     >>> t = np.linspace(0, 1, 21)
     >>> seen = {"time": t, "mass.x": t**3}  # under a force of 12 t
@@ -89,7 +90,7 @@ class InversionResult(Decision):
     roughness_norm: float
     motions: list[Result] = field(repr=False)
     predicted: list[np.ndarray] = field(repr=False)
-    histories: list[History] = field(repr=False)
+    histories: list[InputHistory] = field(repr=False)
     misfit: Misfit = field(repr=False)
     interrupted: bool = False
 

@@ -74,7 +74,7 @@ class DesignProblem:
             self.terms: list[tuple[Case, Response]] = self.source.terms
             self.cases = self.source.cases
             return
-        needed = [q for case in self.cases for q in case.given.values()]
+        needed = [q for case in self.cases for q in case.inputs.values()]
         self.terms = list(
             dict.fromkeys(
                 (t.case, t.response) for q in (*self.quantities, *needed) for t in q.terms
@@ -157,7 +157,7 @@ class DesignProblem:
         """Parameter values of a case: design variables and quantities of other cases."""
         varied = self.variables.parameters(x)
         values = {n: v for n, v in varied.items() if n in case.model.parameters}
-        return values | {n: q.value(terms[self.term_indices(q)]) for n, q in case.given.items()}
+        return values | {n: q.value(terms[self.term_indices(q)]) for n, q in case.inputs.items()}
 
     def _run(self, x: np.ndarray) -> Evaluation | None:
         """Run all cases at ``x``."""
@@ -199,15 +199,15 @@ class DesignProblem:
         slopes, varied = self.variables.slopes(x), self.variables.parameter_names
         for case in self.cases:
             own_columns = [k for k, n in enumerate(varied) if n in case.model.parameters]
-            names = [varied[k] for k in own_columns if varied[k] not in case.given]
-            columns = [k for k in own_columns if varied[k] not in case.given]
+            names = [varied[k] for k in own_columns if varied[k] not in case.inputs]
+            columns = [k for k in own_columns if varied[k] not in case.inputs]
             rows, responses = self.responses(case)
-            arguments = [*names, *case.given]
+            arguments = [*names, *case.inputs]
             if not arguments or not rows:
                 continue
             slope = gradient_values(results[case], responses, arguments, self.gradient)
             gradient[rows] = slope[:, : len(names)] @ slopes[columns]
-            for k, quantity in enumerate(case.given.values(), len(names)):
+            for k, quantity in enumerate(case.inputs.values(), len(names)):
                 indices = self.term_indices(quantity)
                 inner = quantity.slope(evaluation.terms[indices]) @ gradient[indices]
                 gradient[rows] += np.outer(slope[:, k], inner)
@@ -227,7 +227,7 @@ class DesignProblem:
         for term in self.quantities[row].terms:
             result: Any = results.get(term.case)
             has_result = result is not None
-            units.append(term.response.over(result).unit_of(result) if has_result else "")
+            units.append(term.response.adapted_to(result).unit_of(result) if has_result else "")
         return self.quantities[row].unit(units)
 
 
@@ -242,7 +242,7 @@ def common_parameters(cases: Sequence[Case]) -> dict[str, Parameter]:
     parameters: dict[str, Parameter] = {}
     for case in evaluation_order(list(cases)):
         for name, parameter in case.model.parameters.items():
-            if name in case.given:
+            if name in case.inputs:
                 continue
             first = parameters.setdefault(name, parameter)
             if first.bounds != parameter.bounds:

@@ -14,7 +14,15 @@ MIN_FRAMES = 61
 CHANGING = {
     "mechanism": ("time", "scene", "series", "events"),
     "spatial": ("time", "scene", "series", "events"),
-    "structure": ("drawing", "moved", "scales", "displacements", "fields", "loads", "reactions"),
+    "structure": (
+        "drawing",
+        "vertex_displacements",
+        "scales",
+        "displacements",
+        "fields",
+        "loads",
+        "reactions",
+    ),
 }
 """Kind of page → keys that depend on the design."""
 

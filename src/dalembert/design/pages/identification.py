@@ -62,7 +62,7 @@ def identification_views(identification: Any) -> list[dict[str, Any]]:
         square = covariance[np.ix_(shown, shown)]
         units = [units[k] for k in shown]
         payload.append(views.ellipses("Confidence ellipses", names, units, centre, square, note))
-    kind = "specified" if identification.noise_given else "estimated"
+    kind = "specified" if identification.noise_specified else "estimated"
     numbers = [("samples", identification.samples), ("runs", identification.runs)]
     numbers += [(f"noise of {c} ({kind})", f"{s:.3g}") for c, s in identification.noise.items()]
     payload.append(views.facts("Fit", numbers))

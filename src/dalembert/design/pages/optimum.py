@@ -36,7 +36,10 @@ def optimum_page(optimum: Any, **first_view: Any) -> dict[str, Any]:
     if "scene" in page and page.get("time"):
         page["scene"]["ghosts"] = _ghosts(first, np.array(page["time"]))
     elif page.get("kind") == "structure" and first:
-        page["ghost"] = {"drawing": first["drawing"], "moved": first["moved"]}
+        page["ghost"] = {
+            "drawing": first["drawing"],
+            "vertex_displacements": first["vertex_displacements"],
+        }
     return page
 
 

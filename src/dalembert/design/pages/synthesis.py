@@ -31,7 +31,7 @@ def synthesis_page(candidates: Any, **first_view: Any) -> dict[str, Any]:
         for other in pages
     ]
     series_names = {series["name"] for series in page["series"]}
-    page["default_plots"] = [[m] for m in candidates.best.watched if m in series_names]
+    page["default_plots"] = [[m] for m in candidates.best.plotted_measures if m in series_names]
     return page
 
 
@@ -55,7 +55,7 @@ def synthesis_designs(candidates: Any) -> dict[str, Any]:
     columns = [("error", "", "aim", [solution.error for solution in solutions])]
     worst = [float(np.max(solution.distances, initial=0.0)) for solution in solutions]
     columns.append(("largest distance", "", "aim", worst))
-    criteria = [solution.judged() for solution in solutions]
+    criteria = [solution.criteria() for solution in solutions]
     for name, (unit, _) in criteria[0].items():
         columns.append((name, unit, "aim", [row[name][1] for row in criteria]))
     numbers = [solution.numbers for solution in solutions]
@@ -78,7 +78,7 @@ def synthesis_views(candidates: Any) -> list[dict[str, Any]]:
         for k, solution in enumerate(solutions):
             path = solution.curve()
             lines.append(views.line("obtained", path[:, 0], path[:, 1], design=k))
-            points = solution.passed()
+            points = solution.points()
             lines.append(
                 views.line(
                     "at the entries", points[:, 0], points[:, 1], "dots", design=k, open=True
@@ -109,7 +109,7 @@ def _function_view(target: Any, solutions: list[Any]) -> dict[str, Any]:
     abscissa = np.arange(len(target)) if crank_angles is None else np.asarray(crank_angles)
     lines = [views.line("target", abscissa, target.outputs - np.mean(target.outputs), "dots")]
     for k, solution in enumerate(solutions):
-        output = solution.reached()
+        output = solution.outputs()
         lines.append(views.line("obtained", abscissa, output - output.mean(), design=k))
     x = "entry" if crank_angles is None else "crank angle [rad]"
     curves = views.curves("Target and output", x, "output from its mean", lines, follows="design")

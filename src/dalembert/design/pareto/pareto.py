@@ -17,7 +17,7 @@ from dalembert.design.pareto.front_search import FrontSearch
 from dalembert.design.pareto.pareto_result import ParetoResult, make_front
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments

@@ -37,7 +37,7 @@ from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
 from dalembert.design.variables import varied_names
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments
@@ -137,7 +137,7 @@ class _Rounds:
     best: OptimizationResult | None = None
     limits: list[ReliableLimit] = field(default_factory=list)
     rounds: list[Round] = field(default_factory=list)
-    settled: bool = False
+    converged: bool = False
     stopped: bool = False
     sizes: np.ndarray | None = None
 
@@ -169,8 +169,8 @@ class _Rounds:
             previous = self.start = dict(best.x)
             margin = min(limit.margin for limit in self.limits)
             self.rounds.append(Round(number, best.fun, best.x, margin, best.runs))
-            self.settled = change <= CONVERGED and margin >= -CONVERGED
-            if self.settled:
+            self.converged = change <= CONVERGED and margin >= -CONVERGED
+            if self.converged:
                 break
         assert self.best is not None
         self.limits = self.task.with_indices(self.best, self.points, self.limits)
@@ -195,7 +195,7 @@ class _Rounds:
         limits = self.limits or self.task.unknown()
         runs = self.task.states.problem.runs + best.runs
         return ReliableOptimizationResult(
-            best, self.task.beta, limits, self.rounds, self.settled, runs, self.stopped
+            best, self.task.beta, limits, self.rounds, self.converged, runs, self.stopped
         )
 
 

@@ -30,7 +30,7 @@ class DesignTable(CheckedArguments):
     ----------
     names : of the k parameters
     values : (n, k)
-    given : parameter → its values as specified, with units
+    specified : parameter → its values as specified, with units
 
     Examples
     --------
@@ -45,7 +45,7 @@ class DesignTable(CheckedArguments):
 
     names: tuple[str, ...]
     values: np.ndarray
-    given: Mapping[str, Sequence[Any]] = field(default_factory=dict, repr=False)
+    specified: Mapping[str, Sequence[Any]] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         if not self.names:

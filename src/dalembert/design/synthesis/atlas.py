@@ -179,7 +179,7 @@ def descriptors(curves: np.ndarray) -> np.ndarray:
 def linkage_atlas(kind: type[Linkage]) -> Atlas:
     """The atlas of a class of linkages, built on first use."""
     rng = np.random.default_rng(0)
-    q, branch = kind.drawn(rng, COUNT), rng.choice([-1, 1], COUNT)
+    q, branch = kind.random_dimensions(rng, COUNT), rng.choice([-1, 1], COUNT)
     theta = np.arange(SAMPLES) * 2 * np.pi / SAMPLES
     columns = {name: values[:, None] for name, values in q.items()}
     curves = kind.points(columns, branch[:, None], theta[None, :])

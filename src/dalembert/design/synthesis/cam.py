@@ -18,6 +18,7 @@ import numpy as np
 
 from dalembert.elements.laws.base import as_law
 from dalembert.errors import AnalysisError
+from dalembert.text.arguments import check_arguments
 
 SAMPLES = 1441
 """Number of angles per revolution."""
@@ -127,12 +128,13 @@ class FlatFaceCam(Cam):
         return float(rate.min()), float(rate.max())
 
     @classmethod
-    def smallest(cls, law: Any, least_radius: float) -> Self:
+    @check_arguments
+    def smallest(cls, law: Any, minimum_radius: float) -> Self:
         """Cam with the smallest base circle for a minimum radius of curvature [m]."""
         unit = cls(law=law, base_radius=1.0)
-        curvature_limit = 1.0 + least_radius - float(unit.radius().min())
-        lift_limit = -float(unit.lift(unit.turn)[0].min()) + least_radius
-        return cls(law=law, base_radius=max(curvature_limit, lift_limit, least_radius))
+        curvature_limit = 1.0 + minimum_radius - float(unit.radius().min())
+        lift_limit = -float(unit.lift(unit.turn)[0].min()) + minimum_radius
+        return cls(law=law, base_radius=max(curvature_limit, lift_limit, minimum_radius))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -151,7 +153,7 @@ class RolledCam(Cam):
         """``p`` and its first two derivatives by the cam angle."""
 
     @abstractmethod
-    def way(self, theta: np.ndarray) -> np.ndarray:
+    def direction(self, theta: np.ndarray) -> np.ndarray:
         """Direction of motion of the roller centre for a rising follower."""
 
     def pitch(self, theta: Any = None) -> np.ndarray:
@@ -171,7 +173,7 @@ class RolledCam(Cam):
 
     def pressure_angle(self, theta: Any = None) -> np.ndarray:
         angles = self._angles(theta)
-        return np.angle(1j * self._tangent(angles) / self.way(angles))
+        return np.angle(1j * self._tangent(angles) / self.direction(angles))
 
     def pitch_radius(self, theta: Any = None) -> np.ndarray:
         """(n,) radius of curvature of the pitch curve [m]."""
@@ -233,15 +235,20 @@ class RollerCam(RolledCam):
         s, rate, second = self.lift(theta)
         return self.offset + 1j * (self._height + s), 1j * rate, 1j * second
 
-    def way(self, theta: np.ndarray) -> np.ndarray:
+    def direction(self, theta: np.ndarray) -> np.ndarray:
         return np.full(theta.shape, 1j)
 
     @classmethod
+    @check_arguments
     def smallest(
-        cls, law: Any, pressure_angle: float, roller_radius: float = 0.0, least_radius: float = 0.0
+        cls,
+        law: Any,
+        pressure_angle: float,
+        roller_radius: float = 0.0,
+        minimum_radius: float = 0.0,
     ) -> Self:
         """Cam with the smallest base circle, and its offset, for a maximum pressure angle [rad] and
-        a minimum radius of curvature ``least_radius`` of convex parts of the profile [m].
+        a minimum radius of curvature ``minimum_radius`` of convex parts of the profile [m].
 
         Raises
         ------
@@ -268,7 +275,7 @@ class RollerCam(RolledCam):
             for _ in range(200):
                 pitched = cam.pitch_radius()
                 convex = pitched[pitched > 0]
-                if not convex.size or convex.min() >= roller_radius + least_radius:
+                if not convex.size or convex.min() >= roller_radius + minimum_radius:
                     break
                 cam = replace(
                     cam, base_radius=(cam.base_radius + roller_radius) * 1.02 - roller_radius

@@ -50,11 +50,11 @@ class Candidate(ABC):
         """(m, 2) path of the point over one revolution."""
 
     @abstractmethod
-    def passed(self) -> np.ndarray:
+    def points(self) -> np.ndarray:
         """(n, 2) positions of the point at the entries."""
 
     @abstractmethod
-    def reached(self) -> np.ndarray:
+    def outputs(self) -> np.ndarray:
         """(n,) unwrapped outputs at the entries."""
 
     @abstractmethod
@@ -63,10 +63,10 @@ class Candidate(ABC):
 
     @property
     @abstractmethod
-    def watched(self) -> list[str]:
+    def plotted_measures(self) -> list[str]:
         """Measures plotted initially on its page, if available."""
 
-    def judged(self) -> dict[str, tuple[str, float]]:
+    def criteria(self) -> dict[str, tuple[str, float]]:
         """Further criteria: name → unit, value."""
         return {}
 

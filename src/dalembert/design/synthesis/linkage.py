@@ -78,7 +78,7 @@ class Linkage(ABC):
 
     @staticmethod
     @abstractmethod
-    def closes(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
+    def closure_conditions(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
         """Nonnegative if the loop closes with a transmission angle of at least ``least`` [rad]."""
 
     @staticmethod
@@ -88,7 +88,7 @@ class Linkage(ABC):
 
     @staticmethod
     @abstractmethod
-    def turns(q: Numbers, least: float) -> list[ca.SX]:
+    def rotation_conditions(q: Numbers, least: float) -> list[ca.SX]:
         """Nonnegative if the crank rotates fully with a transmission angle of at least ``least``
         [rad]."""
 
@@ -99,7 +99,7 @@ class Linkage(ABC):
 
     @classmethod
     @abstractmethod
-    def fitted(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
+    def fitted_dimensions(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
         """Dimensions (k,) for unit frame from outputs (k, n) at crank angles (k, n).
 
         Least squares of the loop equation with the coupler angle eliminated, which is linear in
@@ -108,7 +108,7 @@ class Linkage(ABC):
 
     @classmethod
     @abstractmethod
-    def drawn(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
+    def random_dimensions(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
         """Random linkages of unit size with fully rotating cranks."""
 
     @staticmethod
@@ -158,7 +158,7 @@ class Linkage(ABC):
     @property
     def crank_turns(self) -> bool:
         """Whether the crank rotates fully."""
-        return all(float(ca.DM(g)) >= -1e-12 for g in self.turns(self.numbers, 0.0))
+        return all(float(ca.DM(g)) >= -1e-12 for g in self.rotation_conditions(self.numbers, 0.0))
 
     def transmission(self, theta: Any = None) -> float:
         """Minimum transmission angle [rad] at crank angles, by default over one revolution."""

@@ -17,6 +17,7 @@ import numpy as np
 
 from dalembert.design.synthesis.cam import Cam, RolledCam
 from dalembert.errors import AnalysisError
+from dalembert.text.arguments import check_arguments
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -75,20 +76,21 @@ class SwingingRollerCam(RolledCam):
         arm = self.arm * np.exp(-1j * (self.start + s))
         return self.distance - arm, 1j * rate * arm, (1j * second + rate**2) * arm
 
-    def way(self, theta: np.ndarray) -> np.ndarray:
+    def direction(self, theta: np.ndarray) -> np.ndarray:
         return 1j * np.exp(-1j * (self.start + self.lift(theta)[0]))
 
     @classmethod
+    @check_arguments
     def smallest(
         cls,
         law: Any,
         pressure_angle: float,
         arm: float,
         roller_radius: float = 0.0,
-        least_radius: float = 0.0,
+        minimum_radius: float = 0.0,
     ) -> Self:
         """Cam with the smallest base circle, and its pivot distance, for a maximum pressure angle
-        [rad] and a minimum radius of curvature ``least_radius`` of convex parts of the profile.
+        [rad] and a minimum radius of curvature ``minimum_radius`` of convex parts of the profile.
 
         Raises
         ------
@@ -99,13 +101,13 @@ class SwingingRollerCam(RolledCam):
 
         if not 0 < pressure_angle < math.pi / 2:
             raise AnalysisError(f"the pressure angle is between 0 and π/2, got {pressure_angle:g}")
-        limits = _Limits(cls, law, pressure_angle, arm, roller_radius, least_radius)
+        limits = _Limits(cls, law, pressure_angle, arm, roller_radius, minimum_radius)
         distances = np.linspace(0.4, 2.5, 64) * arm
         sizes = [limits.size(c) for c in distances]
         k = int(np.argmin(sizes))
         if not np.isfinite(sizes[k]):
             raise AnalysisError(
-                f"no cam keeps a pressure angle of {pressure_angle:g} with an arm of {arm:g}; "
+                f"no cam has a pressure angle below {pressure_angle:g} with an arm of {arm:g}; "
                 "give a longer arm or a larger angle"
             )
         ends = distances[max(k - 1, 0)], distances[min(k + 1, distances.size - 1)]

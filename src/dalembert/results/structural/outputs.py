@@ -91,16 +91,14 @@ def structural_summary(result: StructuralStates) -> dict[str, Any]:
         "statistics": result.statistics,
         "warnings": list(result.warnings),
     }
-    numbers = {name: result.values(name) for name in result.named}
-    rows = []
-    for k, label in enumerate(result.state_names):
-        row: dict[str, Any] = {result.kind_of_state: label}
-        row |= {name: float(values[k]) for name, values in numbers.items()}
-        if not result.of_any_size:
-            row["largest displacement"] = _largest(result, k)
-            row["sum of reactions"] = _reactions(result, k)
-        rows.append(row)
-    summary["states"] = rows
+    summary["states"] = rows = [
+        {
+            result.kind_of_state: label,
+            "largest displacement": _largest(result, k),
+            "sum of reactions": _reactions(result, k),
+        }
+        for k, label in enumerate(result.state_names)
+    ]
     if len(rows) == 1:
         totals = {name: result.values(name) for name in result.totals}
         summary["totals"] = {name: float(value[0]) for name, value in totals.items()}

@@ -51,7 +51,7 @@ class BatchGradients(ABC):
             return False
         for sample in self.samples:
             marched = MarchedSample(sample)
-            if marched.within.any() or sample.moves_with is not None:
+            if marched.within.any() or sample.final_event is not None:
                 return False
         return True
 

@@ -188,7 +188,7 @@ def _weight_function(sample: Sample) -> Callable[[int, int], float]:
             return response.jump_weight(times, values, values[before], values[after])
 
         return jump
-    if motion.analysis.outputs is not None or response.stays(motion):
+    if motion.analysis.outputs is not None or response.has_fixed_times(motion):
         return lambda first, last: 0.0
     branches = motion.record.branches
     active = (sample.weights != 0) | (sample.time_weights != 0)
