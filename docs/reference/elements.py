@@ -28,6 +28,7 @@ from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.io import fields
 from dalembert.io.fields import FROM_FILE, connected_fields, keyed_fields
 from dalembert.model.coordinates import Coordinates
+from dalembert.results.structural.result import StructuralResult
 from reference.markdown import field_texts, summary, table
 
 HOLDS: dict[object, str] = {
@@ -45,6 +46,7 @@ HOLDS: dict[object, str] = {
     Frame: "frame",
     Constraint: "name of a joint",
     FlexibleStructure: "file of a structure",
+    StructuralResult: "table of an analysis",
     Interfaces: "name of a section: nodes; or list of nodes",
     Numbers: "table of formulas",
     Rows: "list",
