@@ -1,6 +1,6 @@
-"""A hundred discs fall into a box: contacts by the hundred, none of which lets anything through.
+"""A hundred discs fall into a box: hundreds of contacts without penetration.
 
-Nonsmooth steps keep every gap open to round-off, and contacts only ever take energy.
+Nonsmooth steps keep every gap nonnegative to round-off, and contacts only dissipate energy.
 """
 
 import sys

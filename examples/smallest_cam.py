@@ -1,8 +1,8 @@
 """The smallest cams for one law: a roller with pressure angles up to 30°, and a flat face.
 
-The follower rises by a cycloidal law, dwells and returns. A roller asks for a base circle by the
-pressure angle and by the curvature of the pitch curve, a flat face by the curvature alone, as its
-profile must not be hollow: ρ = R + s + s''.
+The follower rises by a cycloidal law, dwells and returns. The base circle for a roller is limited
+by the pressure angle and by the curvature of the pitch curve, that for a flat face only by the
+curvature, because its profile must be convex: ρ = R + s + s''.
 """
 
 import math

@@ -224,9 +224,11 @@ from dalembert.integrators.runge_kutta.implicit import (
 )
 from dalembert.integrators.sundials import CVODES as CVODES, IDA as IDA
 from dalembert.io.model_file import load_model as load_model
+from dalembert.model.assembled.model import StructuralModel as StructuralModel
 from dalembert.model.automatic_coordinates import AutomaticCoordinates as AutomaticCoordinates
 from dalembert.model.coordinates import AbsoluteCoordinates as AbsoluteCoordinates
 from dalembert.model.model import Model as Model
+from dalembert.model.structure import Structure as Structure
 from dalembert.model.system import System as System
 from dalembert.model.tree.joint_coordinates import JointCoordinates as JointCoordinates
 from dalembert.responses.base import Response as Response
@@ -269,8 +271,6 @@ from dalembert.sensitivity.second_order import hessian_product as hessian_produc
 from dalembert.sensitivity.structural.eigenvalue_slopes import (
     eigenvalue_slopes as eigenvalue_slopes,
 )
-from dalembert.structures.model import StructuralModel as StructuralModel
-from dalembert.structures.structure import Structure as Structure
 from dalembert.symbolic.formulas.expression import Expression as Expression, t as t
 from dalembert.symbolic.formulas.functions import (
     absolute as absolute,

@@ -9,9 +9,9 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, structures
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.sensitivity.checks.certificate import certify
 from dalembert.sensitivity.registry import ENGINES, engine_for
-from dalembert.structures.model import StructuralModel
 
 PLACES = {"a": (0.0, 0.0), "b": (1.0, -0.1), "c": (2.0, 0.0)}
 

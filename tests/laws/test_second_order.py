@@ -13,8 +13,8 @@ from test_structures import CASES as STRUCTURES, model_of as structure_of, trian
 
 import dalembert as da
 from dalembert import planar, structures
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.responses.base import Response
-from dalembert.structures.model import StructuralModel
 
 TIMES = (0.0, 0.033, 0.05, 0.12)
 """Outputs at the beginning, inside and at the end of steps of 0.01 s."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
-from dalembert.structures.model import StructuralModel
 
 
 def need_model(model: Any, verb: str) -> None:

@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 from typing import Any, Generic, TypeVar
 
 from dalembert.cli.console import aligned_table, console, format_value, print_heading, print_line
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
-from dalembert.structures.model import StructuralModel
 
 MAX_ROWS = 20
 """Upper limit of rows of a printed table."""
@@ -198,7 +198,7 @@ def _parameters(model: Any) -> dict[str, dict[str, Any]]:
 def _print_parameters(model: Any) -> None:
     """Print a line for each parameter, in the unit of its declaration."""
     for name, p in model.parameters.items():
-        low, high = map(p.shown, p.bounds)
+        low, high = map(p.in_declared_unit, p.bounds)
         unit = p.declared_unit or p.unit
         bounds = "" if low == -high == float("-inf") else f"  in [{low:g}, {high:g}]"
         about = f"  {p.description}" if p.description else ""

@@ -38,7 +38,7 @@ class Decision(ABC):
     ----------
     success : whether the task reached its goal
     message : how it ended
-    interrupted : ended by Ctrl-C; the results until then are kept
+    interrupted : ended by Ctrl-C, with the results so far
     name : of the model
     warnings : reasons to doubt the result, each with the number that shows it
     """
@@ -82,7 +82,7 @@ class Decision(ABC):
         """All results with names and units."""
 
     def views(self) -> list[dict[str, Any]]:
-        """Views of its page beside the mechanism or structure."""
+        """Views of the page in addition to the mechanism or structure."""
         views: list[dict[str, Any]] = self._page_function("views")(self)
         return views
 

@@ -94,7 +94,7 @@ class SplineCurve(Curve):
             if np.any(chords <= 0):
                 k = int(np.argmax(chords <= 0))
                 raise ModelError(f"points {k + 1} and {k + 2} coincide", "SplineCurve")
-        else:  # knots must be constants: equal spacing, whatever the formulas
+        else:  # knots must be constants: equal spacing for all formulas
             chords = np.ones(len(columns) - 1)
         knots = np.concatenate([[0.0], np.cumsum(chords)])
         self._range = (0.0, float(knots[-1]))

@@ -38,7 +38,7 @@ class VelocityPartitioning(Formulation):
 
     Parameters
     ----------
-    independent : names of the coordinates whose speeds are independent; None to let the run choose
+    independent : names of the coordinates with independent speeds; None for an automatic choice
         the best conditioned ones, monitor them and exchange them
     limit : largest dependent speed per independent one, in units of energy, ``√(m_ii/m_jj)
         |W⁻¹U|_ij``, before the run chooses others (None: 1.5), or upper limit for named ones
@@ -236,5 +236,5 @@ def check_independent(
         reason = f"{chosen} do not determine the other speeds, det W = 0"
     raise SingularityError(
         f"VelocityPartitioning: at t = {t:.9g} s {reason}; name other coordinates, or leave "
-        "independent=None and let the run choose"
+        "independent=None for an automatic choice"
     )

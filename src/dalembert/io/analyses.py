@@ -20,9 +20,9 @@ from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.tables import EventTable
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.model import StructuralModel
 from dalembert.text.wording import unknown
 
 

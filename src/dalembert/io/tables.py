@@ -248,7 +248,7 @@ def table_of(
 
     Parameters
     ----------
-    optional_type : the type may be left out
+    optional_type : the type is optional
     dimension : number of coordinates of a point
     also : alias of its type
     title : its name in the schema, the type by default

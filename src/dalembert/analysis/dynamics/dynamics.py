@@ -34,11 +34,11 @@ from dalembert.integrators.automatic import AutomaticIntegrator
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.newmark.family import Newmark
 from dalembert.integrators.runge_kutta.explicit import RK4
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.options import only_for, options
 from dalembert.results.motion import Motion
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.evaluation.backends import BACKENDS
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -82,8 +82,7 @@ class Dynamics(OverTime[Any]):
     backend : ``"auto"``, CasADi's virtual machine, and machine code when the run is long enough to
         benefit; ``"vm"``, the virtual machine; ``"jit"``, machine code by LLVM; ``"c"``, by the
         system's C compiler. Compiled code is cached on disk
-    balance : largest error of the energy balance, over the energy that took part in the motion,
-        up to which a run counts as completed
+    balance : upper limit of the error of the energy balance, relative to the energy of the motion
     memory : upper limit of the memory for states that gradients and later evaluations need [bytes];
         a longer run stores checkpoints and computes other states again when needed, which costs
         another run. Without ``outputs`` all states are stored

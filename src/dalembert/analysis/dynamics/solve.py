@@ -11,11 +11,11 @@ from dalembert.analysis.keywords import DynamicsKeywords
 from dalembert.analysis.progress import Reported
 from dalembert.analysis.requirements import need_model
 from dalembert.analysis.times import Time, analysis_of
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.structures.model import StructuralModel
 from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:

@@ -15,13 +15,13 @@ from dalembert.analysis.keywords import EquilibriumKeywords
 from dalembert.analysis.requirements import need_model, need_positive
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
 from dalembert.options import only_for, options
 from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.model import StructuralModel
 from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:

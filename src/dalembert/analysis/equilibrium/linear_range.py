@@ -22,12 +22,12 @@ import scipy
 from dalembert.analysis.equilibrium.load_steps import LoadSteps, StepControl
 from dalembert.analysis.equilibrium.static_equations import Balance, StaticEquations
 from dalembert.errors import AnalysisError, SingularityError
+from dalembert.model.assembled.evaluation.assembly import Assembly
+from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of
+from dalembert.model.assembled.loads.load_case import ConfigurationLoad
+from dalembert.model.assembled.model import StructuralModel
+from dalembert.model.assembled.reduction.rigid import node_positions, rigid_motions
 from dalembert.sparse.solver import Factors
-from dalembert.structures.evaluation.assembly import Assembly
-from dalembert.structures.evaluation.stiffness_solvers import factors_of
-from dalembert.structures.loads.load_case import ConfigurationLoad
-from dalembert.structures.model import StructuralModel
-from dalembert.structures.reduction.rigid import node_positions, rigid_motions
 
 RELATIVE = 0.05
 """Error relative to the largest displacement above which a result carries a warning."""

@@ -18,11 +18,11 @@ from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.requirements import need_positive, need_structure
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import options
 from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult
-from dalembert.structures.model import StructuralModel
 from dalembert.text.arguments import check_arguments
 
 

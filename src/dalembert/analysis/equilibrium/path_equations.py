@@ -13,10 +13,10 @@ from dalembert.analysis.equilibrium.static_equations import (
     free_factors,
 )
 from dalembert.errors import AnalysisError, SingularityError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.structural.load_path import Plane
 from dalembert.sparse.factorise import general_factors, symmetric_factors
 from dalembert.sparse.solver import Factors
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.equations.newton import ROUNDING, Equations, Residual
 
 

@@ -273,6 +273,14 @@ class _Closure(Equations[np.ndarray]):
         return -unit * np.linalg.lstsq(scaled, residual.value / row, rcond=None)[0]
 
 
+def rest_text(residual: float, iterations: int, stable: bool, conservative: bool = True) -> str:
+    """Message of the status of an equilibrium."""
+    kind = "stable" if stable else "not a stable position"
+    if stable and not conservative:
+        kind = "statically stable (loads without potential: check flutter by linearize)"
+    return f"residual {residual:.3g} N after {iterations} iterations, {kind}"
+
+
 def _spectrum(stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues and eigenvectors of the symmetric part."""
     if not np.all(np.isfinite(stiffness)):

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.sparse.solver import Factors, SparseSolver
-from dalembert.structures.evaluation.stiffness_solvers import factors_of
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.equations.newton import NewtonSettings, Residual
 
 ROUNDING = 1e-13

@@ -19,6 +19,12 @@ from dalembert.analysis.keywords import StaticsKeywords
 from dalembert.analysis.requirements import need_model
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import UnsupportedError
+from dalembert.model.assembled.evaluation.stiffness_solvers import (
+    better_iterative,
+    free_displacements,
+    multigrid_of,
+)
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.analysis import Analysis, ParameterValues
@@ -28,12 +34,6 @@ from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.multigrid import Multigrid
 from dalembert.sparse.solver import SparseSolver
-from dalembert.structures.evaluation.stiffness_solvers import (
-    better_iterative,
-    free_displacements,
-    multigrid_of,
-)
-from dalembert.structures.model import StructuralModel
 from dalembert.text.arguments import check_arguments
 from dalembert.timing import Timing
 

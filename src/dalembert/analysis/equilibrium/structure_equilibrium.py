@@ -10,9 +10,9 @@ from dalembert.analysis.equilibrium.load_steps import LoadSteps, StepControl
 from dalembert.analysis.equilibrium.stability import equilibrium_text, instability_warnings
 from dalembert.analysis.equilibrium.static_equations import StaticEquations, StaticsRecord
 from dalembert.analysis.progress import Reported, progress_reporter
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.model import StructuralModel
 from dalembert.timing import Timing
 
 BEYOND = (

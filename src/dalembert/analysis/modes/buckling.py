@@ -16,11 +16,11 @@ from dalembert.analysis.modes.spectrum import Spectrum
 from dalembert.analysis.requirements import need_count, need_structure
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
+from dalembert.model.assembled.evaluation.eigenpairs import largest
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import options
 from dalembert.results.analysis import ParameterValues
 from dalembert.results.structural.modes import BucklingModes
-from dalembert.structures.evaluation.eigenpairs import largest
-from dalembert.structures.model import StructuralModel
 from dalembert.text.arguments import check_arguments
 
 

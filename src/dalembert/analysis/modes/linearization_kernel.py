@@ -19,10 +19,10 @@ from dalembert.elements.flexible.nodes import Noded
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import KKT
 from dalembert.model.coordinates import Coordinates
+from dalembert.model.elastic_structure import ElasticStructure
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.sparse.eigenvalues import coinciding, error_sizes, leading, residual
-from dalembert.structures.elastic_structure import ElasticStructure
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.once import once
 

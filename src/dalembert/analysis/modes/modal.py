@@ -17,6 +17,7 @@ from dalembert.analysis.modes.spectral import SpectralAnalysis
 from dalembert.analysis.modes.vibration import vibration
 from dalembert.analysis.requirements import need_count
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
 from dalembert.options import only_for, options
@@ -26,7 +27,6 @@ from dalembert.results.modes import Modes
 from dalembert.results.result import Result
 from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.model import StructuralModel
 
 ABSOLUTE = AbsoluteCoordinates()
 """Default coordinates."""

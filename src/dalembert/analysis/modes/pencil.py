@@ -13,11 +13,11 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from dalembert.model.assembled.evaluation.assembly import Assembly
+from dalembert.model.assembled.evaluation.inertia import from_rest
+from dalembert.model.assembled.evaluation.pattern import combine
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.evaluation.assembly import Assembly
-from dalembert.structures.evaluation.inertia import from_rest
-from dalembert.structures.evaluation.pattern import combine
-from dalembert.structures.model import StructuralModel
 
 
 @dataclass(frozen=True, eq=False)

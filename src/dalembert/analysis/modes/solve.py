@@ -10,13 +10,13 @@ from dalembert.analysis.modes.modal import Modal
 from dalembert.analysis.requirements import need_model
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
 from dalembert.results.mechanism_modes import MechanismModes
 from dalembert.results.modes import Modes
 from dalembert.results.motion import Motion
 from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.model import StructuralModel
 from dalembert.text.arguments import check_arguments
 
 

@@ -10,10 +10,10 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.modes.pencil import Pencil
+from dalembert.model.assembled.evaluation.eigenpairs import Solve
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.sparse.eigenvalues import coinciding, residual
 from dalembert.sparse.factorise import indefinite_factors
-from dalembert.structures.evaluation.eigenpairs import Solve
-from dalembert.structures.model import StructuralModel
 
 VANISHES = 1e-13
 """Threshold of an eigenvalue, relative to the magnitude of its terms, below which it is zero."""

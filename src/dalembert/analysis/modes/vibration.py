@@ -10,10 +10,10 @@ from dalembert.analysis.equilibrium.static_equations import free_factors
 from dalembert.analysis.modes.pencil import Geometric, Loaded, Mass, Pencil, Tangent, Term
 from dalembert.analysis.modes.spectrum import Spectrum
 from dalembert.errors import AnalysisError, SingularityError
+from dalembert.model.assembled.evaluation.eigenpairs import Solve, nearest
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.factorise import indefinite_factors
-from dalembert.structures.evaluation.eigenpairs import Solve, nearest
-from dalembert.structures.model import StructuralModel
 
 COUNT = 6
 """Default number of modes."""

@@ -16,8 +16,8 @@ from dalembert.analysis.transient.step import TransientStep
 from dalembert.integrators.marching.checkpoints import Recorder
 from dalembert.integrators.marching.steps import Schedule, Steps
 from dalembert.integrators.newmark.rule import Moving
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
-from dalembert.structures.model import StructuralModel
 
 
 class March:

@@ -24,11 +24,11 @@ from dalembert.budget import check_budget
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.marching.steps import Steps, halving_warnings
 from dalembert.integrators.newmark.family import NewmarkFamily
+from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of, free_displacements
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.analysis import ParameterValues
 from dalembert.results.status import Status
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.structures.evaluation.stiffness_solvers import factors_of, free_displacements
-from dalembert.structures.model import StructuralModel
 from dalembert.timing import Timing
 
 ROUNDS = 3

@@ -25,8 +25,8 @@ from dalembert.analysis.transient.equation import (
 from dalembert.analysis.transient.instant import Instant, Unknown
 from dalembert.integrators.newmark.family import NewmarkFamily
 from dalembert.integrators.newmark.rule import Course, Moving, StepRule
+from dalembert.model.assembled.evaluation.pattern import combine
 from dalembert.sparse.solver import Factors
-from dalembert.structures.evaluation.pattern import combine
 from dalembert.symbolic.equations.newton import Equations, Residual, solve
 
 SINGULAR = (

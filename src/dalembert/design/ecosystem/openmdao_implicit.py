@@ -14,10 +14,10 @@ from dalembert.design.ecosystem.openmdao_component import openmdao_names
 from dalembert.design.ecosystem.states import Measures, StateEquations, StateTangent, input_names
 from dalembert.design.ecosystem.structure_states import StructureStates
 from dalembert.errors import AnalysisError, ModelError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
 from dalembert.packages import optional_package
 from dalembert.results.analysis import Analysis
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments
 

@@ -20,9 +20,9 @@ from dalembert.design.ecosystem.states import (
     labelled_measures,
 )
 from dalembert.errors import AnalysisError, SingularityError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.model import StructuralModel
 
 PRESCRIBED = Status(Outcome.COMPLETED, "prescribed displacements", 0.0, 0.0)
 """Status of results at displacements set by another package."""

@@ -135,7 +135,7 @@ class IdentificationResult(Decision):
 
     @property
     def combinations(self) -> list[Combination]:
-        """Combinations of the unknowns, the least certain first."""
+        """Combinations of the unknowns, the most uncertain first."""
         return self.information.combinations(self.factor)
 
     @property

@@ -39,7 +39,7 @@ class ParetoResult(Decision):
     designs : (points, parameters)
     message : method and remarks
     runs : number of runs of the analysis
-    interrupted : ended by Ctrl-C; the points until then are kept
+    interrupted : ended by Ctrl-C, with the points so far
 
     Examples
     --------

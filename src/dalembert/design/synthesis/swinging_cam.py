@@ -107,7 +107,7 @@ class SwingingRollerCam(RolledCam):
         k = int(np.argmin(sizes))
         if not np.isfinite(sizes[k]):
             raise AnalysisError(
-                f"no cam keeps a pressure angle of {pressure_angle:g} with an arm of {arm:g}; "
+                f"no cam has a pressure angle below {pressure_angle:g} with an arm of {arm:g}; "
                 "give a longer arm or a larger angle"
             )
         ends = distances[max(k - 1, 0)], distances[min(k + 1, distances.size - 1)]

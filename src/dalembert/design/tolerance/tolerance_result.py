@@ -26,7 +26,7 @@ class ToleranceResult(Decision):
     hessian : (n, n) second derivatives, scaled by the tolerances, or None
     worst : minimum and maximum response within all tolerances, or None
     sampled : responses of the Monte Carlo samples, or None
-    interrupted : ended by Ctrl-C; the results until then are kept
+    interrupted : ended by Ctrl-C, with the results so far
 
     Examples
     --------

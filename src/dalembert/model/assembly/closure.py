@@ -281,7 +281,7 @@ class Closure(CacheOwner):
         if self.lost:
             raise SingularityError(
                 "the start is a singular position (dead centre or branch point): "
-                f"{self.lost} lose their independence there; start a little beside it{cure}"
+                f"{self.lost} lose their independence there; start near it{cure}"
             )
 
     def _changes(self, given: list[bool], change: np.ndarray) -> dict[str, float]:

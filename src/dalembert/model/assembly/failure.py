@@ -185,7 +185,7 @@ class _Failure:
             if not np.isfinite(reached):
                 wish = _amount(wanted, demand.unit)
                 return f"{wish} wanted", (
-                    f"{name} asks for {wish}, but what it measures is undefined ({reached:g}) at "
+                    f"{name} requires {wish}, but its measure is undefined ({reached:g}) at "
                     "the given poses, where axes are perpendicular or points coincide"
                 )
             bound = "at most" if reached < wanted else "at least"
@@ -193,7 +193,7 @@ class _Failure:
             short = (
                 f"{_amount(wanted, demand.unit)} wanted, {bound} {_amount(reached, demand.unit)}"
             )
-            return short, f"{name} asks for {_amount(wanted, demand.unit)}, {limit}"
+            return short, f"{name} requires {_amount(wanted, demand.unit)}, {limit}"
         assert demand.joint is not None
         left, units = np.abs(self.number(demand.joint.equations, y)), demand.joint.units()
         gap = float(np.linalg.norm(left[[unit == "m" for unit in units]]))

@@ -125,7 +125,7 @@ def batch_dataset(batch: BatchData) -> xr.Dataset:
     check_budget(
         f"{rows} variables of {len(batch)} designs at {batch.samples.time.size} times",
         memory=16.0 * rows * size,
-        cure="take batch['measure'], or ask for fewer outputs",
+        cure="take batch['measure'], or request fewer outputs",
     )
     table, row = batch.samples.table(columns), 0
     data: dict[str, Any] = {"status": batch.status}

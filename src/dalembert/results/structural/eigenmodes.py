@@ -10,18 +10,18 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.results.files.contents import Contents
-from dalembert.results.numbered import Numbered
-from dalembert.results.structural.measured_states import MeasuredStates
-from dalembert.results.structural.outputs import StructuralOutputs
-from dalembert.structures.measuring.measures import (
+from dalembert.model.assembled.measuring.measures import (
     Compliance,
     ExternalForce,
     Measure,
     State,
     Weights,
 )
-from dalembert.structures.model import StructuralModel
+from dalembert.model.assembled.model import StructuralModel
+from dalembert.results.files.contents import Contents
+from dalembert.results.numbered import Numbered
+from dalembert.results.structural.measured_states import MeasuredStates
+from dalembert.results.structural.outputs import StructuralOutputs
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.formulas.parser import Names
 

@@ -8,11 +8,11 @@ from typing import ClassVar
 import casadi as ca
 import numpy as np
 
+from dalembert.model.assembled.evaluation.inertia import from_rest
+from dalembert.model.assembled.measuring.measures import Measure, State, Weights
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.modes import Modes
 from dalembert.results.structural.eigenmodes import EIGENVALUE, EigenModes
-from dalembert.structures.evaluation.inertia import from_rest
-from dalembert.structures.measuring.measures import Measure, State, Weights
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression
 
 OMEGA = ca.sign(EIGENVALUE) * ca.sqrt(ca.fabs(EIGENVALUE))

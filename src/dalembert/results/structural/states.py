@@ -7,12 +7,12 @@ from typing import ClassVar
 import numpy as np
 
 from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.sets import Nodes
 from dalembert.errors import AnalysisError
+from dalembert.model.assembled.measuring.measures import State
+from dalembert.model.assembled.model import StructuralModel
+from dalembert.model.meshes.mesh import Mesh
 from dalembert.results.result import Result
-from dalembert.structures.measuring.measures import State
-from dalembert.structures.meshes.mesh import Mesh
-from dalembert.structures.model import StructuralModel
-from dalembert.structures.sets import Nodes
 
 
 class StructuralStates(Result):

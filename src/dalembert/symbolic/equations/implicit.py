@@ -132,7 +132,7 @@ class ImplicitFunction(CacheOwner):
 
     @cached_property
     def linear(self) -> LinearMap:
-        """The tangent at a point and fixed time, with the outputs there beside its entries."""
+        """The tangent at a point and fixed time, with its entries and the outputs there."""
         return LinearMap(self._tangent_at_fixed_time, len(self.inputs), [self.function])
 
     @cached_property
