@@ -22,6 +22,7 @@ from dalembert.results.result import Result
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 MIN_SAMPLES = 20
 """Lower limit of the samples for testing the autocorrelation of residuals."""
@@ -202,7 +203,7 @@ class IdentificationResult(Decision):
                     suffix = f" of experiment {number}" if len(self.residuals) > 1 else ""
                     yield f"{column}{suffix}", correlation
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """Data, model and residuals of every column; returns the figure."""
         from dalembert.design.pages.identification import plot_fit
 

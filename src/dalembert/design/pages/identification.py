@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from dalembert.design.decision import axis_label
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.pages.decision import plain_page, with_views
 from dalembert.report import views
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MAX_SAMPLES = 1500
 """Upper limit of the drawn samples of one column."""
@@ -133,7 +136,7 @@ def fits(misfit: Any, predicted: list[np.ndarray]) -> list[dict[str, Any]]:
     return payload
 
 
-def plot_fit(misfit: Misfit, predicted: Sequence[np.ndarray]) -> Any:
+def plot_fit(misfit: Misfit, predicted: Sequence[np.ndarray]) -> Figure:
     """Figure of data and model, with residuals in standard deviations below, per column."""
     import matplotlib.pyplot as plt
 

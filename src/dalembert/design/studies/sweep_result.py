@@ -16,6 +16,7 @@ from dalembert.errors import AnalysisError
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
 
 CSV_NOTE = "the table is CSV, because pyarrow is not installed: pip install 'dalembert[study]'"
 
@@ -158,7 +159,7 @@ class SweepResult(Decision):
 
         return study_designs(self)
 
-    def plot(self, x: str, response: str | None = None, ax: Any = None) -> Any:
+    def plot(self, x: str, response: str | None = None, ax: Axes | None = None) -> Axes:
         """Plot a response over a parameter; returns the axes."""
         ax = plot_axes(ax, (5, 3.6))
         if x not in self.design.names:
