@@ -152,9 +152,7 @@ class OptimizationResult(Decision):
         return self.table_html() + InlinePage(self.page())._repr_html_()
 
     def table_html(self) -> str:
-        from dalembert.design.pages.optimum import optimum_table
-
-        return optimum_table(self)
+        return str(self._page_function("table")(self))
 
     def __repr__(self) -> str:
         listed = ", ".join(f"{n} = {v:.6g}" for n, v in self.x.items())

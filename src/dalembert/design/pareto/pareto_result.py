@@ -147,9 +147,8 @@ class ParetoResult(Decision):
 
     def table_of_designs(self) -> dict[str, Any]:
         """Table of aims and parameters for the page."""
-        from dalembert.design.pages.front import front_designs
-
-        return front_designs(self)
+        designs: dict[str, Any] = self._page_function("designs")(self)
+        return designs
 
     def to_dataframe(self) -> pd.DataFrame:
         """One row per point: aims, then parameters."""

@@ -155,9 +155,8 @@ class SweepResult(Decision):
         return self.table
 
     def table_of_designs(self) -> dict[str, Any]:
-        from dalembert.design.pages.study import study_designs
-
-        return study_designs(self)
+        designs: dict[str, Any] = self._page_function("designs")(self)
+        return designs
 
     def plot(self, x: str, response: str | None = None, ax: Axes | None = None) -> Axes:
         """Plot a response over a parameter; returns the axes."""

@@ -158,9 +158,8 @@ class Candidates(Decision, Generic[CandidateT]):
         return pd.DataFrame([{"error": s.error, **s.numbers} for s in self.solutions])
 
     def table_of_designs(self) -> dict[str, Any]:
-        from dalembert.design.pages.synthesis import synthesis_designs
-
-        return synthesis_designs(self)
+        designs: dict[str, Any] = self._page_function("designs")(self)
+        return designs
 
     def __repr__(self) -> str:
         count, error = f"{len(self.solutions)} {self.noun}", self.best.error
