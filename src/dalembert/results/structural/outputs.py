@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -77,10 +77,12 @@ class StructuralOutputs(StructuralStates):
         """Status, and maximum displacement and sum of the reactions of each state."""
         return structural_summary(self)
 
-    def page(self, units: Sequence[str] = ()) -> dict[str, Any]:
+    def page(
+        self, units: Sequence[str] = (), views: Sequence[Mapping[str, Any]] = ()
+    ) -> dict[str, Any]:
         from dalembert.results.structural.payload import structural_payload
 
-        return structural_payload(self, units)
+        return structural_payload(self, units) | {"views": list(views)}
 
 
 def structural_summary(result: StructuralStates) -> dict[str, Any]:
