@@ -146,9 +146,9 @@ class Dynamics(OverTime[Any]):
     def for_model(self, model: Model | StructuralModel) -> Dynamics:
         super().for_model(model)
         default = self.integrator is DEFAULT_WITH_STEP or self.integrator == DEFAULT_INTEGRATOR
-        return (
-            replace(self, integrator=Newmark()) if default and model.kind != "mechanism" else self
-        )
+        if default and model.kind == "structure":
+            return replace(self, integrator=Newmark())
+        return self
 
     def case_of(self, model: StructuralModel) -> str:
         """Name of the load case that acts.
