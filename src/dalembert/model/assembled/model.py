@@ -23,7 +23,8 @@ from dalembert.model.assembled.reduction.basis import MEAN
 from dalembert.model.assembled.reduction.craig_bampton import CraigBampton, craig_bampton
 from dalembert.model.assembled.reduction.following import FollowingShapes
 from dalembert.model.assembled.reduction.rigid import GivenInterfaces, interfaces_of, node_positions
-from dalembert.model.supports_and_loads import StructureDescription
+from dalembert.model.supports_and_loads import SupportsAndLoads
+from dalembert.symbolic.formulas.declared import declared
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.parametric_array import ArrayEntries
@@ -36,7 +37,7 @@ class StructuralModel(ParametricModel):
 
     Parameters
     ----------
-    structure : StructureDescription
+    structure : SupportsAndLoads
     linear : for small displacements
 
     Attributes
@@ -67,10 +68,13 @@ class StructuralModel(ParametricModel):
     (True, ['area'], 2)
     """
 
-    def __init__(self, structure: StructureDescription, linear: bool = False):
+    def __init__(self, structure: SupportsAndLoads, linear: bool = False):
         begin = perf_counter()
+        _refuse_motions(structure)
         self.structure, self.name, self.linear = structure, structure.name, linear
         self.parameters = dict(structure.parameters)
+        self.derived_parameters = dict(structure.derived_parameters)
+        self.tables = dict(structure.tables)
         self.p = stack(q.sx for q in self.parameters.values())
         self.nominal = np.array([q.value for q in self.parameters.values()], dtype=float)
         maker = BlockMaker(structure, self.p, linear)
@@ -222,15 +226,33 @@ class StructuralModel(ParametricModel):
     # access ---------------------------------------------------------------------------------
     @cached_property
     def names(self) -> Names:
-        return Names(self._find, lambda: [*self.measures.names(), *self.parameters])
+        return Names(self._find, self._all_names)
+
+    def _all_names(self) -> list[str]:
+        return [*self.measures.names(), *self.parameters, *self.derived_parameters]
 
     def _find(self, name: str) -> Expression | None:
-        own = self.parameters.get(name, t if name == "t" else None)
+        own = declared(self, name)
         return self.measures.find(name) if own is None else own
 
     def measure(self, symbol: str) -> Measure:
         """The measure of a symbol in a formula."""
         return self.measures.of(symbol)
+
+
+def _refuse_motions(structure: SupportsAndLoads) -> None:
+    """Refuse initial conditions that belong to mechanisms."""
+    if structure.initial_conditions:
+        raise ModelError(
+            "initial(measure, value) is for mechanisms; give initial(node, ux=…, vx=…)",
+            structure.name,
+        )
+    for nodes in structure.nodes.values():
+        if nodes.motion is not None:
+            raise ModelError(
+                "the initial velocity of a mesh is for mechanisms; give initial(nodes, vx=…)",
+                nodes.name,
+            )
 
 
 def _check_block(block: ElementBlock, p: np.ndarray) -> None:
