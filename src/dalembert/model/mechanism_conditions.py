@@ -85,21 +85,29 @@ class MechanismConditions:
         ModelError
             A displacement that the node does not have, or rotations in space prescribed alone.
         """
-        values: Values = {name: {} for name in self.system.fixed}
-        for (name, direction), value in self.system.supports.items():
+        values: Values = {}
+        for (name, direction), value in self.system.prescribed(self._directions).items():
             values.setdefault(name, {})[direction] = value
         for name, displacements in values.items():
-            node = self.system.node_body(name)
-            directions = _directions(node)
-            _check_directions(f"support {name}", displacements, directions)
-            if name in self.system.fixed:
-                _check_fixed(name, displacements)
-                displacements = dict.fromkeys(directions, Expression(0.0))
-            yield from self._support(node, displacements, directions)
+            yield from self._support(self.system.node_body(name), displacements)
 
-    def _support(
-        self, node: Any, values: dict[str, Expression], directions: tuple[str, ...]
-    ) -> Iterator[Element]:
+    def _directions(self, name: str) -> tuple[str, ...]:
+        """Directions of the displacements of a node."""
+        node = self.system.node_body(name)
+        return TRANSLATIONS[: node.dimension] + (ROTATIONS[node.dimension] if node.rotates else ())
+
+    def _nodes(self, section: str, values: Values) -> Iterator[tuple[Any, dict[str, Expression]]]:
+        """Nodes with their values, which they must have directions for."""
+        for name, directed in values.items():
+            for direction in directed:
+                if direction not in self._directions(name):
+                    raise ModelError(
+                        f"{direction}: no element turns this node", f"{section} {name}"
+                    )
+            yield self.system.node_body(name), directed
+
+    def _support(self, node: Any, values: dict[str, Expression]) -> Iterator[Element]:
+        directions = self._directions(node.name)
         name = f"{identifier(node.name)}_support"
         fixed = set(values) == set(directions) and all(v.sx.is_zero() for v in values.values())
         ground, d = self.system.ground, node.dimension
@@ -135,10 +143,8 @@ class MechanismConditions:
     # loads -----------------------------------------------------------------------------------
     def loads(self) -> Iterator[Element]:
         """A force and a moment for each loaded node, about fixed axes."""
-        for name, forces in self._sums(self.system.loads.get("", [])).items():
-            node = self.system.node_body(name)
-            _check_directions(f"load {name}", forces, _directions(node))
-            kind, label = (planar if node.dimension == 2 else spatial), identifier(name)
+        for node, forces in self._nodes("load", self._sums(self.system.loads.get("", []))):
+            kind, label = (planar if node.dimension == 2 else spatial), identifier(node.name)
             force, moment = (
                 tuple(forces.get(f"{letter}{axis}", Expression(0.0)) for axis in "xyz")
                 for letter in "ur"
@@ -172,9 +178,7 @@ class MechanismConditions:
         """
         conditions = list(self.system.initial_conditions)
         for kind, loads in self.system.initials.items():
-            for name, motions in self._sums(loads).items():
-                node = self.system.node_body(name)
-                _check_directions(f"initial {name}", motions, _directions(node))
+            for node, motions in self._nodes("initial", self._sums(loads)):
                 for direction, value in motions.items():
                     conditions.append((_motion(node, kind, direction), value))
         return conditions
@@ -213,26 +217,6 @@ def _sum(values: Any, changes: Any) -> Any:
     columns = ([x] * count if isinstance(x, Expression) else list(x) for x in (values, changes))
     sums = [value + change for value, change in zip(*columns, strict=True)]
     return np.fromiter(sums, dtype=object, count=count)
-
-
-def _check_fixed(name: str, displacements: dict[str, Expression]) -> None:
-    for direction, value in displacements.items():
-        if not value.sx.is_zero():
-            raise ModelError(
-                f"is fixed, and {direction} is prescribed as {value.sx}; give one of them",
-                f"support {name}",
-            )
-
-
-def _check_directions(entity: str, values: dict[str, Any], directions: tuple[str, ...]) -> None:
-    for direction in values:
-        if direction not in directions:
-            raise ModelError(f"{direction}: no element turns this node", entity)
-
-
-def _directions(node: Any) -> tuple[str, ...]:
-    """Directions of the displacements of a node."""
-    return TRANSLATIONS[: node.dimension] + (ROTATIONS[node.dimension] if node.rotates else ())
 
 
 def identifier(name: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import casadi as ca
@@ -138,6 +138,34 @@ class NodalConditions(Parts):
                 kind = "velocity" if name in velocities else "displacement"
                 direction = velocities.get(name, name)
                 self.initials[kind].append(Load(self._numbers(node), direction, values, entity))
+
+    def prescribed(
+        self, directions: Callable[[str], Sequence[str]]
+    ) -> dict[tuple[str, str], Expression]:
+        """Prescribed displacements by node and direction.
+
+        Parameters
+        ----------
+        directions : directions of the displacements that a node has
+
+        Raises
+        ------
+        ModelError
+            A displacement that a node does not have, or of a fixed node another than zero.
+        """
+        supports = dict(self.supports)
+        for name, direction in supports:
+            if direction not in directions(name):
+                raise ModelError(f"{direction}: no element turns this node", f"support {name}")
+        for name in self.fixed:
+            for direction in directions(name):
+                value = supports.setdefault((name, direction), Expression(0.0))
+                if not value.sx.is_zero():
+                    raise ModelError(
+                        f"is fixed, and {direction} is prescribed as {value.sx}; give one of them",
+                        f"support {name}",
+                    )
+        return supports
 
     def node_body(self, name: str) -> Any:
         """The node of this name as a body."""

@@ -80,7 +80,7 @@ class StructuralModel(ParametricModel):
         maker = BlockMaker(structure, self.p, linear)
         self._refuse_loose_nodes(maker.tied)
         self.degrees = Numbering(structure.numbers, maker.turning, structure.dimension)
-        self.supports = self._supports()
+        self.supports = structure.prescribed(self.degrees.directions_of)
         self._check_formulas()
         self.blocks = maker.blocks(self.degrees)
         self.check_values(self.nominal)
@@ -118,23 +118,6 @@ class StructuralModel(ParametricModel):
                 "is not connected to any element; connect or remove it",
                 self.structure.numbers.name(int(np.argmin(tied))),
             )
-
-    def _supports(self) -> dict[tuple[str, str], Expression]:
-        supports = dict(self.structure.supports)
-        for key in supports:
-            if key not in self.degrees:
-                raise ModelError(f"{key[1]}: no element turns this node", f"support {key[0]}")
-        for name in self.structure.fixed:
-            for direction in self.degrees.directions:
-                if (name, direction) not in self.degrees:
-                    continue
-                value = supports.setdefault((name, direction), Expression(0.0))
-                if not value.sx.is_zero():
-                    raise ModelError(
-                        f"is fixed, and {direction} is prescribed as {value.sx}; give one of them",
-                        f"support {name}",
-                    )
-        return supports
 
     def _check_formulas(self) -> None:
         """Formulas of supports and loads contain parameters and time only."""

@@ -42,6 +42,10 @@ class Numbering(Mapping[tuple[str, str], int]):
         """Node and direction of a displacement."""
         return self.nodes.name(int(self._owner[degree])), self.directions[self._direction[degree]]
 
+    def directions_of(self, name: str) -> list[str]:
+        """Directions of the displacements that a node has."""
+        return [direction for direction in self.directions if (name, direction) in self]
+
     def of_nodes(self, nodes: np.ndarray, direction: str) -> np.ndarray:
         """Numbers of a displacement of many nodes, -1 where a node has none."""
         return self.table[nodes, self.directions.index(direction)]
