@@ -51,7 +51,7 @@ def build() -> da.System:
     )
     load = system.add(planar.Particle("load", mass=LOAD, position=(0.45, -1.19), velocity=(0, 0)))
     system.add(planar.Revolute("O", system.ground.center, bar.point("O")))
-    system.add(planar.Translational("guide", bar.point("O"), slider.point("A")))
+    system.add(planar.Prismatic("guide", bar.point("O"), slider.point("A")))
     system.add(planar.RigidLink("string", slider.point("B"), load.center, length=STRING))
     spring = planar.Spring(
         "spring", bar.point("O"), slider.point("A"), stiffness=90.0, free_length=0.5

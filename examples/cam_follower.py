@@ -62,9 +62,7 @@ def build() -> da.System:
         )
     )
     system.add(planar.Revolute("shaft", system.ground.center, cam.center))
-    system.add(
-        planar.Translational("guide", system.ground.center, follower.point("stem"), axis=(0, 1))
-    )
+    system.add(planar.Prismatic("guide", system.ground.center, follower.point("stem"), axis=(0, 1)))
     system.add(
         planar.PointOnCurve(
             "contact", cam, follower.center, curve=da.SplineCurve(profile()), radius=roller

@@ -40,7 +40,7 @@ def build() -> da.System:
     )
     system.add(planar.Revolute("shaft", system.ground.center, cam.center))
     stem = follower.point("stem")
-    system.add(planar.Translational("guide", system.ground.center, stem, axis=(0, 1)))
+    system.add(planar.Prismatic("guide", system.ground.center, stem, axis=(0, 1)))
     system.add(planar.RotationalDriver("motor", system.ground, cam, speed * da.t))
     top, above = follower.point("top"), system.ground.point(0, 0.16)
     system.add(planar.Spring("spring", top, above, stiffness=k, free_length=0.075))

@@ -86,7 +86,7 @@ def build() -> da.System:
     for k, link in enumerate(links):
         system.add(planar.Revolute(f"pin{k}", links[k - 1].end, link.start))
         bend = {"stiffness": 0.0, "damping": BENDING}
-        system.add(planar.RotationalSpring(f"bend{k}", links[k - 1], link, **bend))
+        system.add(planar.TorsionSpring(f"bend{k}", links[k - 1], link, **bend))
     law = speed * (da.t + RAMP * (da.exp(-da.t / RAMP) - 1))
     press = planar.contact.KelvinVoigt(stiffness=2e6, damping=400.0)
     for name, x, teeth, radius in zip(NAMES, (0.0, apart), TEETH, RADII, strict=True):
@@ -99,7 +99,7 @@ def build() -> da.System:
         if name == "driver":
             system.add(planar.RotationalDriver("motor", system.ground, wheel, angle + law))
         else:
-            system.add(planar.Moment("resistance", wheel, -load))
+            system.add(planar.Torque("resistance", wheel, -load))
         sprocket = planar.contact.Sprocket(wheel.center, teeth, PITCH, ROLLER)
         for k, link in enumerate(links):
             roller = planar.contact.Circle(link.start, ROLLER / 2)

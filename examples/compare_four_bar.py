@@ -18,7 +18,7 @@ import style
 import dalembert as da
 from dalembert import planar
 
-FORMULATIONS = ("RangeSpace", "Kkt", "NullSpace", "AugmentedLagrangian", "Penalty")
+FORMULATIONS = ("RangeSpace", "KKT", "NullSpace", "AugmentedLagrangian", "Penalty")
 STABILIZATIONS = ("Stabilization", "Baumgarte", "Projection", "EnergyProjection")
 STEPS = (0.01, 0.005, 0.0025)
 
@@ -57,7 +57,7 @@ def main(folder=None) -> dict[str, float]:
     if folder:
         figure, axes = plt.subplots(1, 2, figsize=(11, 4.6), layout="none")
         figure.subplots_adjust(0.07, 0.11, 0.99, 0.94, wspace=0.2)
-        costs.sel(formulation=["RangeSpace", "Kkt", "Penalty"]).plot(ax=axes[0])
+        costs.sel(formulation=["RangeSpace", "KKT", "Penalty"]).plot(ax=axes[0])
         kept.plot("energy", ax=axes[1])
         style.save(figure, folder, "compare_four_bar")
     return numbers

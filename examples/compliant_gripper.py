@@ -68,7 +68,7 @@ def pseudo_rigid() -> da.Model:
         for name, place, end, body in ends:
             system.add(planar.Revolute(f"{name}{k + 1}", place, end))
             system.add(
-                planar.RotationalSpring(
+                planar.TorsionSpring(
                     f"{name}_spring{k + 1}", body, link, stiffness=spring, free_angle=np.pi / 2
                 )
             )

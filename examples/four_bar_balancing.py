@@ -83,7 +83,7 @@ def main(folder=None) -> dict[str, float]:
     return numbers
 
 
-def picture(folder, still: da.Optimum, compromise: da.Optimum) -> None:
+def picture(folder, still: da.OptimizationResult, compromise: da.OptimizationResult) -> None:
     figure, axes = plt.subplots(1, 3, figsize=(11, 3.6))
     style.draw(axes[0], still.motion, 0.0)
     for name in ARMS:

@@ -42,15 +42,15 @@ def main(folder=None) -> dict[str, float]:
     ]
     study = da.sweep(
         build(),
-        da.Design.sobol(RANGES, 128, rng=1),
+        da.DesignTable.sobol(RANGES, 128, rng=1),
         analysis=da.Kinematics(duration=1.0, outputs=73),
         responses=responses,
     )
     surface = da.gaussian_process(study, "transmission angle [deg]")
 
-    def run(design: da.Design) -> da.Study:
+    def run(design: da.DesignTable) -> da.SweepResult:
         values = surface(**dict(zip(design.names, design.values.T, strict=True)))
-        return da.Study(
+        return da.SweepResult(
             "surface", design, (surface.response,), values[:, None], ("",) * len(design)
         )
 

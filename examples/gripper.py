@@ -44,7 +44,7 @@ def build() -> da.System:
         )
     )
     ground = system.ground
-    system.add(planar.Translational("guide", ground.point(0, 0), slider.center, axis=(1, 0)))
+    system.add(planar.Prismatic("guide", ground.point(0, 0), slider.center, axis=(1, 0)))
     system.add(planar.Revolute("pivot", ground.point(px, py), finger.center))
     system.add(planar.Revolute("ear", slider.point(0.0, value["slider_y"]), link.center))
     system.add(planar.Revolute("pin", link.points["end"], finger.points["pin"]))
@@ -81,7 +81,7 @@ def main(folder=None) -> dict[str, float]:
     return numbers
 
 
-def picture(folder, best: da.Optimum) -> None:
+def picture(folder, best: da.OptimizationResult) -> None:
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(11, 3.6))
     motion = best.motion
     for k, alpha in ((0, 1.0), (20, 0.5), (40, 0.3)):

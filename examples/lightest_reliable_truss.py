@@ -91,7 +91,12 @@ def main(folder=None) -> dict[str, float]:
     return numbers
 
 
-def picture(folder, plain: da.Optimum, sure: list[da.ReliableOptimum], steady: da.Optimum) -> None:
+def picture(
+    folder,
+    plain: da.OptimizationResult,
+    sure: list[da.ReliableOptimizationResult],
+    steady: da.OptimizationResult,
+) -> None:
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.8), width_ratios=(1, 1.25))
     left.plot(
         INDICES, [best.optimum.fun for best in sure], "o-", color=style.BLUE, label="reliable"

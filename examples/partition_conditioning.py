@@ -30,7 +30,7 @@ def build() -> da.System:
     link = system.add(planar.Bar("link", length=L2, mass=1.0, angle=0.6))
     slider = system.add(planar.Body("slider", mass=2.0, inertia=0.1, position=(1.2, 0.4), angle=0))
     foot = slider.point(0, -0.4)
-    system.add(planar.Translational("A", system.ground.center, foot))
+    system.add(planar.Prismatic("A", system.ground.center, foot))
     system.add(planar.Revolute("B", slider.point(0, L1 - 0.4), link.start))
     system.add(planar.Revolute("D", link.end, crank.end))
     system.add(planar.Revolute("E", system.ground.point(A, B), crank.start))

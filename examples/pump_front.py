@@ -17,7 +17,7 @@ TORQUE = da.rms("motor.effort", name="motor torque, rms")
 LOAD = da.rms("O.force_norm", name="bearing load, rms")
 
 
-def front(model: da.Model, points: int = 7) -> da.Front:
+def front(model: da.Model, points: int = 7) -> da.ParetoResult:
     """Springs between the smoothest torque and the smallest bearing load."""
     return da.pareto(
         model,

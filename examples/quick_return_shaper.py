@@ -51,7 +51,7 @@ def build() -> da.System:
     system.add(planar.PinInSlot("slot", lever.start, crank.end))
     system.add(planar.Revolute("A", lever.end, link.start))
     system.add(planar.Revolute("B", link.end, ram.center))
-    system.add(planar.Translational("guide", system.ground.point(0, HEIGHT), ram.center))
+    system.add(planar.Prismatic("guide", system.ground.point(0, HEIGHT), ram.center))
     system.add(planar.RotationalDriver("motor", system.ground, crank, speed * da.t))
     cutting = (1 - da.tanh(ram.velocity[0] / 0.02)) / 2  # while the ram moves to the left
     system.add(planar.Force("chip", ram.point("tool"), (cut * cutting, 0.0)))

@@ -61,7 +61,7 @@ def main(folder=None) -> dict[str, float]:
     return numbers
 
 
-def picture(folder, found: da.Reliability) -> None:
+def picture(folder, found: da.ReliabilityResult) -> None:
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.8), width_ratios=(1.25, 1))
     nataf = found.nataf
     side = found.point.u[2]  # the section held where failure is likeliest

@@ -49,7 +49,7 @@ def main(folder=None) -> dict[str, float]:
     return numbers
 
 
-def picture(folder, found: da.Toleranced, chosen: dict[str, float]) -> None:
+def picture(folder, found: da.ToleranceResult, chosen: dict[str, float]) -> None:
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6))
     off = 1e3 * (found.sampled - found.nominal)
     left.hist(off, bins=18, density=True, color=style.SKY, alpha=0.6, label="Monte Carlo")

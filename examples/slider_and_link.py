@@ -28,7 +28,7 @@ def build() -> da.System:
         planar.Body("slider", mass=M1, inertia=J1, position=(A1, 0), angle=0.0, velocity=(0, 0))
     )
     link = system.add(planar.Body("link", mass=M2, inertia=J2, angle=0.0, angular_velocity=0.0))
-    system.add(planar.Translational("A", system.ground.center, slider.point(-A1, 0)))
+    system.add(planar.Prismatic("A", system.ground.center, slider.point(-A1, 0)))
     system.add(planar.Revolute("B", slider.point(B1, 0), link.point(-A2, 0)))
     return system
 

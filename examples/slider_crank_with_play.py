@@ -46,7 +46,7 @@ def build(ideal: bool = False, play: float = PLAY) -> da.System:
     slider = system.add(planar.Body("slider", mass=0.14, inertia=1e-4, position=(0.17, 0)))
     system.add(planar.Revolute("O", system.ground.center, crank.point("O")))
     system.add(planar.Revolute("A", crank.point("A"), rod.point("A")))
-    system.add(planar.Translational("guide", system.ground.center, slider.center, axis=(1, 0)))
+    system.add(planar.Prismatic("guide", system.ground.center, slider.center, axis=(1, 0)))
     system.add(planar.RotationalDriver("motor", system.ground, crank, SPEED * da.t))
     pin = rod.point("B"), slider.center
     if ideal:

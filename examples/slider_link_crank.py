@@ -38,7 +38,7 @@ def build() -> da.System:
     crank = system.add(
         planar.Bar("crank", length=L3, mass=0.6, angle=ANGLE, angular_velocity=SPEED)
     )
-    system.add(planar.Translational("A", system.ground.center, slider.point("A")))
+    system.add(planar.Prismatic("A", system.ground.center, slider.point("A")))
     system.add(planar.Revolute("B", slider.point("B"), link.start))
     system.add(planar.Revolute("D", crank.end, link.end))
     system.add(planar.Revolute("E", system.ground.point(A, B), crank.start))

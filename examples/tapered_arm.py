@@ -69,7 +69,7 @@ LAG = da.mean("(1e3*arm.tip.deflection.y)**2", name="mean square lag [mm^2]")
 MASS = da.final("mass")
 
 
-def best_profile(model: da.Model) -> da.Optimum:
+def best_profile(model: da.Model) -> da.OptimizationResult:
     """Least lag at constant mass."""
     mass = DENSITY * WIDTH * LENGTH * HEIGHT
     return da.optimize(

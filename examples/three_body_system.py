@@ -50,7 +50,7 @@ def build() -> da.System:
     )
     pin = system.ground.center
     system.add(planar.Revolute("O", pin, bar.point("O")))
-    system.add(planar.Translational("guide", bar.point("O"), slider.center))
+    system.add(planar.Prismatic("guide", bar.point("O"), slider.center))
     system.add(planar.Revolute("A", slider.point(A2, 0), rod.point("A")))
     system.add(planar.Spring("spring", pin, slider.center, stiffness=K, free_length=FREE))
     return system

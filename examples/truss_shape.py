@@ -79,7 +79,7 @@ def places(x: dict[str, float]) -> dict[int, tuple[float, float]]:
     return {**upper, **{k: (x[f"x{k}"], x[f"y{k}"]) for k in LOWER}, 11: (0.0, 0.0)}
 
 
-def picture(folder, best: da.Optimum) -> None:
+def picture(folder, best: da.OptimizationResult) -> None:
     figure, ax = plt.subplots(figsize=(9.5, 2.9))
     colours = dict(zip(GROUPS, style.COLOURS, strict=False))
     first = places(best.history[0].parameters)

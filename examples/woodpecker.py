@@ -47,7 +47,7 @@ def build() -> da.System:
     system.add(planar.UserConstraint("plane", bird.x))
     arm = sleeve.y + PIVOT * sleeve.angle + HANG * bird.angle
     system.add(planar.UserConstraint("arm", bird.y - arm))
-    system.add(planar.RotationalSpring("spring", sleeve, bird, stiffness=stiffness))
+    system.add(planar.TorsionSpring("spring", sleeve, bird, stiffness=stiffness))
     play, tip = INNER - POLE, PIVOT + HANG - BEAK_AT - POLE
     edge = sleeve.vy + INNER * sleeve.angular_velocity
     beak = sleeve.vy + PIVOT * sleeve.angular_velocity + (HANG - BEAK_AT) * bird.angular_velocity

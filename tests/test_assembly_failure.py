@@ -61,7 +61,7 @@ def blocked() -> da.System:
     system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, piston.center))
-    system.add(planar.Translational("rail", system.ground.point(0, 1), piston.center))
+    system.add(planar.Prismatic("rail", system.ground.point(0, 1), piston.center))
     return system
 
 

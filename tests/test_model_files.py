@@ -67,7 +67,7 @@ ELEMENTS = {
     },
     "joints": {
         "Revolute": TWO_POINTS,
-        "Translational": TWO_POINTS + 'axis = ["k", 1]\nangle = 0.1',
+        "Prismatic": TWO_POINTS + 'axis = ["k", 1]\nangle = 0.1',
         "PinInSlot": TWO_POINTS,
         "Weld": TWO_POINTS,
         "RigidLink": TWO_POINTS + "length = 1.0",
@@ -87,10 +87,10 @@ ELEMENTS = {
     },
     "forces": {
         "Force": 'connect = ["a.P"]\nvector = ["k*sin(t)", "-b.vx"]\nfollowing = true',
-        "Moment": 'connect = ["a"]\nvalue = "-0.1*a.angular_velocity"\nreaction_on = "b"',
+        "Torque": 'connect = ["a"]\nvalue = "-0.1*a.angular_velocity"\nreaction_on = "b"',
         "Spring": TWO_POINTS
         + 'stiffness = "k"\nfree_length = 0.5\nlaw = "k*extension**3 + 0*rate"',
-        "RotationalSpring": TWO_BODIES + "stiffness = 1\ndamping = 0.1",
+        "TorsionSpring": TWO_BODIES + "stiffness = 1\ndamping = 0.1",
         "Actuator": TWO_POINTS + 'force = "t"',
         "Bushing": TWO_POINTS + "stiffness = [1, 2]\nrotational_stiffness = 3",
         "JointFriction": 'joint = "J"\ncoulomb = "0.1*J.force_norm"\nviscous = 0.1',
@@ -222,7 +222,7 @@ NAMED = [(key, name) for key, registry in STRATEGIES.items() for name in registr
 @pytest.mark.parametrize("form", ["{!r}", "{{ type = {!r} }}"])
 def test_every_strategy_can_be_named(key, name, form, tmp_path, schema):
     text = f'{HEAD}[analysis]\ntype = "Dynamics"\nduration = 1\n{key} = {form.format(name)}\n'
-    if name == "Dae":  # refused with the default, which is explicit
+    if name == "DAE":  # refused with the default, which is explicit
         text += 'integrator = "Radau"\n'
     file = load_model_file(written(tmp_path, text))
     analysis = make_analysis(file, file.model())
@@ -326,7 +326,7 @@ def test_a_thousand_derived(tmp_path):
 
 def test_forces_may_name_later_ones(tmp_path):
     text = HEAD + (
-        '[forces.first]\ntype = "Moment"\nconnect = ["a"]\nvalue = "0.1*Spring.force"\n'
+        '[forces.first]\ntype = "Torque"\nconnect = ["a"]\nvalue = "0.1*Spring.force"\n'
         '[forces.Spring]\ntype = "Spring"\n' + TWO_POINTS + "stiffness = 1\n"
     )
     assert set(load(written(tmp_path, text)).elements) >= {"first", "Spring"}

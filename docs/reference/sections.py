@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dalembert.io import orientations, schema, tables
+from dalembert.io import documents, orientations, schema, tables
 from dalembert.io.decisions import design_tables, task_tables
 from reference.markdown import table
 
@@ -10,7 +10,7 @@ ABOUT = "text for people"
 UNIT = "coherent unit of the formula, such as `m^3/s`"
 FIXED = {
     "document": (
-        schema.Document,
+        documents.Document,
         {
             "schema_location": "address of a schema, for editors",
             "format": "version of the format: `1`",
@@ -23,7 +23,7 @@ FIXED = {
             "joints": "name → joint",
             "drivers": "name → driver",
             "forces": "name → force",
-            "initial": "measure → number or formula that it has at the start, exactly",
+            "initial": "measure → number or formula that it has at the start, exactly; or tables of motions of nodes",
             "analysis": "what `dalembert run` computes",
             "compare": "what `dalembert compare` combines",
             "responses": "name → response",
@@ -127,7 +127,7 @@ FIXED = {
             "name": "in results; its number by default",
         },
     ),
-    "case": (schema.CaseTable, {}),
+    "case": (documents.CaseTable, {}),
     "combined": (design_tables.CombinedTable, {}),
     "robust": (design_tables.RobustTable, {"response": "name of a response of this run"}),
     "pareto": (

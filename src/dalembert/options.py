@@ -12,7 +12,7 @@ import numpy as np
 
 from dalembert.budget import LARGEST, check_budget, numeral
 from dalembert.errors import ExpressionError, UnsupportedError
-from dalembert.text.spelling import OfInit, spelled_fields
+from dalembert.text.arguments import ConstructorSignature, check_constructor
 from dalembert.units.measured import measured
 
 Class = TypeVar("Class", bound=type)
@@ -51,8 +51,8 @@ def options(cls: Class | None = None, /, **settings: bool) -> Any:
             check_fields(self)
 
     cls.__post_init__ = __post_init__  # type: ignore[attr-defined]
-    setattr(cls, "__new__", spelled_fields)  # noqa: B010
-    setattr(cls, "__signature__", OfInit())  # noqa: B010
+    setattr(cls, "__new__", check_constructor)  # noqa: B010
+    setattr(cls, "__signature__", ConstructorSignature())  # noqa: B010
     return dataclasses.dataclass(frozen=True, **settings)(cls)  # type: ignore[call-overload]
 
 

@@ -101,10 +101,10 @@ RESULTS = {
         (da.event_time("low"), da.final("bar.end.vx"), da.integral("kinetic_energy")),
     ),
     "index 3": (
-        lambda: dynamics(formulation=da.Dae(index=3), integrator=da.Radau()),
+        lambda: dynamics(formulation=da.DAE(index=3), integrator=da.Radau()),
         MECHANICAL,
     ),
-    "sundials": (lambda: dynamics(integrator=da.Cvodes()), MECHANICAL[:1]),
+    "sundials": (lambda: dynamics(integrator=da.CVODES()), MECHANICAL[:1]),
     "many contacts": (lambda: rubbing(), (da.final("block.x"), da.rms("block.vx"))),
     "modes": (lambda: da.linearize(propped_bar()), (da.final("frequency", name="f"),)),
     "vibration": (lambda: da.solve_modes(cable(), 2), (da.at(1, "frequency"),)),

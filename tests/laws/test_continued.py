@@ -92,7 +92,7 @@ def test_contacts_keep_their_phases() -> None:
 
 def test_error_control_goes_on() -> None:
     """Both halves within the tolerance; the memory of BDF and the sides of switches stay."""
-    for integrator in (da.DormandPrince(), da.Bdf()):
+    for integrator in (da.DormandPrince(), da.BDF()):
         model = stopped()
         whole = da.solve_dynamics(model, 1.0, integrator=integrator)
         made = da.solve_dynamics(model, 0.05, integrator=integrator).continued(0.95)

@@ -41,8 +41,8 @@ def names() -> dict[str, Any]:
 
 NAMES = names()
 NEEDS = {
-    "da.CmaEs": "cma",
-    "da.Ccsaq": "nlopt",
+    "da.CMAES": "cma",
+    "da.CCSAQ": "nlopt",
     "da.gaussian_process": "sklearn",
     "da.morris_indices": "SALib",
     "da.openmdao_component": "openmdao",
@@ -74,8 +74,20 @@ def test_a_public_name_shows_an_example(name):
 
 
 MADE = {
-    *("da.Front", "da.Identification", "da.Inversion", "da.OptimalTrajectory", "da.Optimum"),
-    *("da.Outcome", "da.Reliability", "da.Surface", "da.Synthesis", "da.Toleranced"),
+    *(
+        "da.ParetoResult",
+        "da.IdentificationResult",
+        "da.InversionResult",
+        "da.TrajectoryResult",
+        "da.OptimizationResult",
+    ),
+    *(
+        "da.Outcome",
+        "da.ReliabilityResult",
+        "da.Surface",
+        "da.SynthesisResult",
+        "da.ToleranceResult",
+    ),
 }
 """Results, which verbs make: their attributes are told."""
 ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*) : ", re.MULTILINE)

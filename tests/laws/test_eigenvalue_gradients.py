@@ -287,7 +287,7 @@ def test_slow_modes_beside_fast_ones_have_gradients():
     for name, mass, k in (("a", 1.0, slow), ("b", 1e-7, fast)):
         body = system.add(planar.Body(name, mass=mass, inertia=mass, position=(1.0, 0.0)))
         ground = system.ground.center
-        system.add(planar.Translational(f"rail_{name}", ground, body.center))
+        system.add(planar.Prismatic(f"rail_{name}", ground, body.center))
         system.add(planar.Spring(f"s_{name}", ground, body.center, stiffness=k, free_length=1.0))
     modes = da.linearize(system.build())
     gradient = da.sensitivity(modes, [da.at(1, "frequency", name="1"), da.at(2, "frequency", "2")])

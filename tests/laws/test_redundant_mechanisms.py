@@ -70,7 +70,7 @@ def test_gradients_pass_through_a_change_of_equations():
     system.add(planar.RigidLink("crank", centre, bar.center, length=a))
     system.add(planar.PinInSlot("x", centre, bar.start, axis=(1.0, 0.0)))
     system.add(planar.PinInSlot("y", centre, bar.end, axis=(0.0, 1.0)))
-    system.add(planar.Moment("motor", bar, moment))
+    system.add(planar.Torque("motor", bar, moment))
     motion = da.solve_dynamics(system.build(), 2.0, step=0.01)
     assert motion.status.success and motion.statistics["changes of variant"] >= 1
     direct, adjoint = (

@@ -37,7 +37,7 @@ def four_bars(count: int) -> da.Model:
         crank = system.add(planar.Bar(f"c{i}", length=1.0, mass=mass, angle=1.4))
         ground = system.ground.point(float(i), 0.0)
         system.add(planar.Revolute(f"O{i}", ground, crank.start))
-        system.add(planar.RotationalSpring(f"S{i}", system.ground, crank, damping=0.1 + 0.01 * i))
+        system.add(planar.TorsionSpring(f"S{i}", system.ground, crank, damping=0.1 + 0.01 * i))
         if last is not None:
             bar = system.add(planar.Bar(f"b{i}", length=1.0, mass=0.5, angle=0.0))
             system.add(planar.Revolute(f"A{i}", last.end, bar.start))

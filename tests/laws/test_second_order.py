@@ -146,7 +146,7 @@ def test_formulations(name):
         0.05,
         step=0.01,
         formulation=FORMULATIONS[name],
-        integrator=da.Trapezoidal() if name == "Dae" else da.RK4(),
+        integrator=da.Trapezoidal() if name == "DAE" else da.RK4(),
     )
     checked(motion, [da.final("b.angle")])
 
@@ -161,7 +161,7 @@ def test_stabilizations(name):
         checked(motion, [da.final("b.angle")])
 
 
-@pytest.mark.parametrize("name", [n for n in INTEGRATORS if n not in ("Cvodes", "Ida")])
+@pytest.mark.parametrize("name", [n for n in INTEGRATORS if n not in ("CVODES", "IDA")])
 def test_integrators(name):
     """Explicit or implicit, with or without memory and step control: the steps that were taken."""
     integrator = INTEGRATORS[name]
@@ -297,6 +297,6 @@ def test_what_is_refused():
     modes = da.linearize(propped_bar())
     with pytest.raises(da.UnsupportedError, match="second derivatives of Linearization"):
         da.hessian_product(modes, da.at(1.0, "frequency"), {"length": 1.0})
-    sundials = da.solve_dynamics(model, 0.02, step=0.01, integrator=da.Cvodes())
-    with pytest.raises(da.UnsupportedError, match="Cvodes"):
+    sundials = da.solve_dynamics(model, 0.02, step=0.01, integrator=da.CVODES())
+    with pytest.raises(da.UnsupportedError, match="CVODES"):
         da.hessian_product(sundials, da.final("b.angle"), {"la": 1.0})

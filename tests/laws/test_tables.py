@@ -118,7 +118,7 @@ def pendulum(rows=30, kind="spline", outside="error", top=4.0, angle=0.5, consta
     x = np.linspace(-top, top, rows)
     values = [*np.sin(3 * x[:-1]), 0.3 if constant else level]
     torque = system.table("torque", x, values, kind=kind, outside=outside)
-    system.add(planar.Moment("M", bob, size * torque(bob.angle)))
+    system.add(planar.Torque("M", bob, size * torque(bob.angle)))
     return system.build()
 
 
@@ -243,7 +243,7 @@ def test_a_driven_motion_that_leaves_a_table_names_it():
     system.add(planar.Revolute("O", system.ground.center, bob.start))
     system.add(planar.RotationalDriver("motor", system.ground, bob, law=2 * da.t))
     torque = system.table("torque", [-0.5, 0, 0.5], [1, 2, 3])
-    system.add(planar.Moment("M", bob, torque(bob.angle)))
+    system.add(planar.Torque("M", bob, torque(bob.angle)))
     motion = da.solve_inverse_dynamics(system.build(), 1.0, step=0.01)
     assert not motion.status.success and motion.time[-1] == pytest.approx(0.25)
     assert "after t = 0.25 s the table 'torque' goes from -0.5 to 0.5" in motion.status.message
@@ -282,7 +282,7 @@ inertia = 0
 pin = ["10 mm", 0]
 
 [joints.guide]
-type = "Translational"
+type = "Prismatic"
 connect = [{ body = "ground", at = [0, 0] }, "piston.pin"]
 
 [forces.push]
@@ -370,7 +370,7 @@ def test_a_table_within_a_switch_is_held_with_it():
     system.add(planar.Revolute("O", system.ground.center, bob.start))
     x = np.linspace(0, 4, 60)
     torque = system.table("torque", x, x**2)
-    system.add(planar.Moment("M", bob, da.where(torque(bob.angle) > 0.25, torque(bob.angle), 0)))
+    system.add(planar.Torque("M", bob, da.where(torque(bob.angle) > 0.25, torque(bob.angle), 0)))
     for integrator in (da.DormandPrince(rtol=1e-10, atol=1e-12), da.Radau(rtol=1e-10, atol=1e-12)):
         motion = da.solve_dynamics(system.build(), 1.0, outputs=3, integrator=integrator)
         assert motion.values("bob.angle")[1] == pytest.approx(0.5, abs=1e-9)  # at 0.5 s

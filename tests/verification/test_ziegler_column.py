@@ -30,7 +30,7 @@ def column() -> da.Model:
         system.add(link)
         system.add(planar.Revolute(f"hinge_{name}", at, link.point(-1.0, 0.0)))
         on = below or system.ground
-        system.add(planar.RotationalSpring(f"spring_{name}", on, link, stiffness=1.0))
+        system.add(planar.TorsionSpring(f"spring_{name}", on, link, stiffness=1.0))
         below, at = link, link.center
     system.add(planar.Force("load", at, (-load, 0.0), following=True))
     return system.build()

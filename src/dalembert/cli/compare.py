@@ -62,10 +62,10 @@ def compare(
     duration
         Length of the runs [s].
     formulations
-        Comma-separated names; RangeSpace,Kkt,NullSpace,AugmentedLagrangian,Dae by
+        Comma-separated names; RangeSpace,KKT,NullSpace,AugmentedLagrangian,DAE by
         default. Options of a strategy are written in the file, under [compare].
     integrators
-        Names; RK4,DormandPrince by default, and Radau for Dae.
+        Names; RK4,DormandPrince by default, and Radau for DAE.
     stabilizations
         Names; Projection by default.
     coordinates

@@ -11,12 +11,12 @@ from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 from dalembert.text.wording import unknown
 
 
 @dataclass(frozen=True, eq=False)
-class Case(Spelled):
+class Case(CheckedArguments):
     """A model and an analysis: ``case[response]`` is an objective or a limit of a design.
 
     Parameters of the same name in several cases are one variable.

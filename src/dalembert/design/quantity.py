@@ -15,7 +15,7 @@ from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import parse_formula
-from dalembert.text.spelling import Spelled, spelled
+from dalembert.text.arguments import CheckedArguments, check_arguments
 
 
 class Quantity(ABC):
@@ -158,7 +158,7 @@ class Combined(Quantity):
         return Combined(self.formula, parts, self.name, self.given_unit)
 
 
-@spelled
+@check_arguments
 def combined(formula: str, name: str = "", unit: str = "", **parts: Any) -> Combined:
     """Combine responses by a formula into one objective or constraint.
 
@@ -186,7 +186,7 @@ def combined(formula: str, name: str = "", unit: str = "", **parts: Any) -> Comb
 
 
 @dataclass(frozen=True, eq=False)
-class SumOfSquares(Spelled, Quantity):
+class SumOfSquares(CheckedArguments, Quantity):
     """``Σ ((r_i − target_i) / scale_i)²``; ``method="least-squares"`` uses its residuals.
 
     Parameters

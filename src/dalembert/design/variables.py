@@ -11,13 +11,13 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.symbolic.formulas.parameter import Parameter
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 from dalembert.text.wording import nearest
 from dalembert.units.measured import check_measured, measured
 
 
 @dataclass(frozen=True)
-class Integer(Spelled):
+class Integer(CheckedArguments):
     """Integer parameter within its bounds, such as a number of teeth.
 
     Examples
@@ -50,7 +50,7 @@ class Integer(Spelled):
 
 
 @dataclass(frozen=True)
-class Catalogue(Spelled):
+class Catalogue(CheckedArguments):
     """Catalogue of standard sizes: values of one parameter, or of several that belong together.
 
     Between two sizes the relaxed problem interpolates the other parameters over the first by a

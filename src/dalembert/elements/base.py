@@ -29,7 +29,7 @@ from dalembert.elements.representation import brief, fields_of
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, stack
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 from dalembert.text.wording import check_length
 
 Scalar = Any  # number or Expression
@@ -89,7 +89,7 @@ class Look:
 
 
 @dataclass(eq=False)
-class Element(Spelled):
+class Element(CheckedArguments):
     """A named part that can be added to a system."""
 
     name: str

@@ -18,13 +18,13 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, as_sx
 from dalembert.symbolic.formulas.spline import CubicSpline
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 
 u = Expression(ca.SX.sym("u (of curves)"), "u", "")
 """Curve parameter, for curves written as formulas."""
 
 
-class Curve(Spelled):
+class Curve(CheckedArguments):
     """Point ``c(u)`` of a curve in the frame of its body."""
 
     closed: bool

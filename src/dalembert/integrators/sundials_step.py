@@ -48,7 +48,7 @@ class SundialsStep(GraphStep):
             return (
                 "IDAS cannot solve for accelerations and multipliers to its tolerance: the "
                 "mechanism is at a singular position, or rounding alone is larger, as with a "
-                "large factor of Penalty. Use a larger rtol, Cvodes() or Radau()"
+                "large factor of Penalty. Use a larger rtol, CVODES() or Radau()"
             )
         if "TOO_MUCH_WORK" not in reason:
             return ""

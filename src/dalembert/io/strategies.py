@@ -26,7 +26,7 @@ from dalembert.model.registry import COORDINATES
 from dalembert.responses.base import Response
 from dalembert.responses.events import AtEvent
 from dalembert.responses.extremes import Maximum, Minimum
-from dalembert.responses.integrals import Integral, Mean, Rms, Total
+from dalembert.responses.integrals import RMS, Integral, Mean, Total
 from dalembert.responses.values import At, Final
 
 STRATEGIES_OF: dict[type, dict[str, type]] = {
@@ -70,7 +70,7 @@ RESPONSES: dict[str, type[Response]] = {
     "AtEvent": AtEvent,
     "Integral": Integral,
     "Mean": Mean,
-    "Rms": Rms,
+    "RMS": RMS,
     "Total": Total,
     "Maximum": Maximum,
     "Minimum": Minimum,

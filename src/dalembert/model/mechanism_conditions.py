@@ -152,7 +152,7 @@ class MechanismConditions:
             if not all(component.sx.is_zero() for component in force):
                 yield kind.Force(f"{label}_load", node.center, force[: node.dimension])
             if "rz" in forces and node.dimension == 2:
-                yield planar.Moment(f"{label}_moment", node, moment[2])
+                yield planar.Torque(f"{label}_moment", node, moment[2])
             elif not all(component.sx.is_zero() for component in moment):
                 yield spatial.Torque(f"{label}_moment", node, moment)
 

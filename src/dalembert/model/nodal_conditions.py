@@ -17,7 +17,7 @@ from dalembert.model.load_records import Load
 from dalembert.model.parts import Parts
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 UNITS = {"u": "m", "r": "rad", "v": "m/s", "vr": "rad/s", "f": "N", "m": "N m"}
 """First letters of a direction → unit of the prescribed quantity."""
@@ -111,7 +111,7 @@ class NodalConditions(Parts):
                 load = Load(self._numbers(node), motion, values, entity, fixed)
                 self.loads.setdefault(case, []).append(load)
 
-    @spelled
+    @check_arguments
     def initial(self, what: AnyNodes | Expression, value: Any = None, **motion: Any) -> None:
         """Prescribe the start of a motion, exactly.
 

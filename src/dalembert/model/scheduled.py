@@ -114,5 +114,5 @@ def check_controls(model: Model, names: list[str]) -> None:
             if ca.depends_on(formula, model.parameters[name].sx):
                 raise UnsupportedError(
                     f"the control {name!r} would change {affected}; a control is a parameter of "
-                    "forces and moments alone, such as planar.Moment(..., value) or a JointActuator"
+                    "forces and moments alone, such as planar.Torque(..., value) or a JointActuator"
                 )

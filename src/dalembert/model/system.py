@@ -16,10 +16,10 @@ from dalembert.model.mechanism_parts import MechanismParts
 from dalembert.model.model import Model
 from dalembert.model.supports_and_loads import SupportsAndLoads
 from dalembert.symbolic.formulas.declared import VARIABLES
-from dalembert.text.spelling import Spelled, spelled
+from dalembert.text.arguments import CheckedArguments, check_arguments
 
 
-class System(Spelled, SupportsAndLoads, MechanismParts):
+class System(CheckedArguments, SupportsAndLoads, MechanismParts):
     """A mechanism or structure under construction.
 
     Bodies, joints, drivers and forces, nodes and finite elements, supports and loads; every number
@@ -110,7 +110,7 @@ class System(Spelled, SupportsAndLoads, MechanismParts):
         moving |= any(nodes.motion is not None for nodes in self.nodes.values())
         return moving or bool(self.initial_conditions) or not self.nodes
 
-    @spelled
+    @check_arguments
     def build(self, strict: bool = False) -> Model:
         """Check and freeze.
 

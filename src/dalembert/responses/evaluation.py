@@ -16,7 +16,7 @@ from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.samples import match_instants
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +33,7 @@ def evaluate(result: Batch, response: Response) -> xr.DataArray: ...
 def evaluate(result: Batch, response: Sequence[Response]) -> xr.Dataset: ...
 
 
-@spelled
+@check_arguments
 def evaluate(
     result: Result | Batch, response: Response | Sequence[Response]
 ) -> float | xr.DataArray | xr.Dataset:

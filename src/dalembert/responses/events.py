@@ -11,7 +11,7 @@ from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression, t
 from dalembert.symbolic.once import once
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @options
@@ -80,7 +80,7 @@ def _at_event(motion: Result, occurrence: Occurrence) -> Result:
     return motion.analysis.at_event(motion, occurrence)
 
 
-@spelled
+@check_arguments
 def at_event(
     event: str | Event, measure: str | Expression, occurrence: int = 1, name: str = ""
 ) -> AtEvent:
@@ -111,7 +111,7 @@ def at_event(
     return AtEvent(measure, name, event, occurrence)
 
 
-@spelled
+@check_arguments
 def event_time(event: str | Event, occurrence: int = 1, name: str = "") -> AtEvent:
     """Time of the n-th occurrence of an event [s].
 

@@ -16,7 +16,7 @@ from dalembert.responses.quadrature import rule_over
 from dalembert.responses.smooth_extreme import SmoothExtreme
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.units.measured import Measured, check_measured
 
 
@@ -159,7 +159,7 @@ class Minimum(Maximum):
     sign = -1.0
 
 
-@spelled
+@check_arguments
 def maximum(
     measure: str | Expression, smooth: float | str | None = None, name: str = ""
 ) -> Maximum:
@@ -185,7 +185,7 @@ def maximum(
     return Maximum(measure, name, smooth)  # type: ignore[arg-type]  # texts are parsed
 
 
-@spelled
+@check_arguments
 def minimum(
     measure: str | Expression, smooth: float | str | None = None, name: str = ""
 ) -> Minimum:

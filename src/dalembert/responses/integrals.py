@@ -17,7 +17,7 @@ from dalembert.responses.base import Response
 from dalembert.responses.quadrature import Count, Quadrature, Rule, rule_over
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,7 +167,7 @@ class Mean(OverRun):
 
 
 @dataclass(frozen=True)
-class Rms(OverRun):
+class RMS(OverRun):
     """``√((1/T) ∫ m² dt)``, or the root mean square over modes and load cases.
 
     Examples
@@ -180,7 +180,7 @@ class Rms(OverRun):
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
     >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
     >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
-    >>> round(da.evaluate(motion, da.Rms("crank.end.y"))**2, 6)  # l²/2
+    >>> round(da.evaluate(motion, da.RMS("crank.end.y"))**2, 6)  # l²/2
     2.0
     """
 
@@ -215,7 +215,7 @@ class Total(Response):
         return np.ones(times.size)
 
 
-@spelled
+@check_arguments
 def integral(measure: str | Expression, name: str = "") -> Integral:
     """Integral of a measure over the run.
 
@@ -237,7 +237,7 @@ def integral(measure: str | Expression, name: str = "") -> Integral:
     return Integral(measure, name)
 
 
-@spelled
+@check_arguments
 def mean(measure: str | Expression, name: str = "") -> Mean:
     """Mean of a measure over the run.
 
@@ -259,8 +259,8 @@ def mean(measure: str | Expression, name: str = "") -> Mean:
     return Mean(measure, name)
 
 
-@spelled
-def rms(measure: str | Expression, name: str = "") -> Rms:
+@check_arguments
+def rms(measure: str | Expression, name: str = "") -> RMS:
     """Root mean square of a measure over the run.
 
     Parameters
@@ -278,10 +278,10 @@ def rms(measure: str | Expression, name: str = "") -> Rms:
     >>> round(da.evaluate(motion, da.rms("stone.vx")), 6)
     3.0
     """
-    return Rms(measure, name)
+    return RMS(measure, name)
 
 
-@spelled
+@check_arguments
 def total(measure: str | Expression, name: str = "") -> Total:
     """Sum of a measure over the outputs, such as squared distances to points of a path.
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import card, folded, messages, table
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ class Motion(LabelledRecording):
             summary["impacts"] = [impact.row for impact in self.impacts]
         return summary
 
-    @spelled
+    @check_arguments
     def continued(
         self,
         duration: float | str,

@@ -19,13 +19,13 @@ from dalembert.sensitivity.gradient import (
     refuse_unknown_values,
 )
 from dalembert.sensitivity.registry import engine_of
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-@spelled
+@check_arguments
 def hessian_product(
     result: Result,
     response: Response,

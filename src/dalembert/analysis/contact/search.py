@@ -263,7 +263,7 @@ class ContactSearch:
         except (SingularityError, UnsupportedError) as error:  # closed gaps are constraints as well
             pairs = zip(self.kernel.equations.contacts, phases, strict=True)
             closed = ", ".join(gap.name for gap, phase in pairs if phase is not Phase.APART)
-            self.trouble = f"with {closed} closed at t = {t:.9g} s: {error}; use formulation=Kkt()"
+            self.trouble = f"with {closed} closed at t = {t:.9g} s: {error}; use formulation=KKT()"
             return mode
 
     def _record(self, time: float, active_set: ActiveSet, impulse: np.ndarray) -> None:

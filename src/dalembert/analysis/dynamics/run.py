@@ -111,7 +111,7 @@ class DynamicsRun:
             names = ", ".join(self.model.guesses.speed_names[k] for k in sorted(lost))
             raise SingularityError(
                 f"the inertia of {names} is zero with these parameters but was not when the model "
-                "was built; build it with this value, or use formulation=Kkt()"
+                "was built; build it with this value, or use formulation=KKT()"
             )
 
     def initial_state(self) -> tuple[np.ndarray, int]:

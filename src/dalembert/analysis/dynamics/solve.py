@@ -16,7 +16,7 @@ from dalembert.model.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     from dalembert.results.batch.designs import ManyDesigns
@@ -68,7 +68,7 @@ def solve_dynamics(
 ) -> Batch: ...
 
 
-@spelled
+@check_arguments
 def solve_dynamics(
     model: Model | StructuralModel,
     duration: Time | None = None,

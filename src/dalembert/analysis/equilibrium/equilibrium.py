@@ -40,7 +40,7 @@ from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.symbolic.equations.newton import NewtonSettings, Solution, solve
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     from dalembert.results.batch.designs import ManyDesigns
@@ -219,7 +219,7 @@ def solve_equilibrium(
 ) -> Batch: ...
 
 
-@spelled
+@check_arguments
 def solve_equilibrium(
     model: Model | StructuralModel,
     *,

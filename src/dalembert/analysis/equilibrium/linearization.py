@@ -26,7 +26,7 @@ from dalembert.options import options
 from dalembert.results.mechanism_modes import Modes
 from dalembert.results.motion import Motion
 from dalembert.results.result import ParameterValues
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 ABSOLUTE = AbsoluteCoordinates()
 """Default coordinates."""
@@ -136,7 +136,7 @@ def last_instant(motion: Motion, coordinates: Coordinates) -> Linearized:
     return Linearized(kernel, float(s.t[-1]), x, motion.parameters)
 
 
-@spelled
+@check_arguments
 def linearize(
     model: Model,
     at: Motion | None = None,

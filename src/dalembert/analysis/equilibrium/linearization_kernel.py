@@ -18,7 +18,7 @@ from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.elements.fem.elastic_element import ElasticElement
 from dalembert.elements.flexible.nodes import Noded
 from dalembert.formulations.base import state_rate
-from dalembert.formulations.kkt import Kkt
+from dalembert.formulations.kkt import KKT
 from dalembert.model.coordinates import Coordinates
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
@@ -68,7 +68,7 @@ class LinearizationKernel:
         rate = state_rate(e)[: e.coordinate_count + e.speed_count]
         position_constraints = e.constraints[list(e.holds), :]
         level = ca.vertcat(position_constraints, e.manifold.bounds, e.velocity_constraints)
-        accelerations = Kkt().acceleration(e, e.constraint_acceleration, [rate, level])
+        accelerations = KKT().acceleration(e, e.constraint_acceleration, [rate, level])
         inputs = [e.t, ca.vertcat(e.y, e.v), e.p]
         return ImplicitFunction("linearized", inputs, accelerations.stages, accelerations.outputs)
 

@@ -21,7 +21,7 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import options
 from dalembert.results.result import ParameterValues
 from dalembert.results.structural.modes import BucklingModes
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @options
@@ -117,7 +117,7 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
         return Spectrum(pencil, (a, b), values, vectors, self.count)
 
 
-@spelled
+@check_arguments
 def solve_buckling(
     model: StructuralModel,
     count: int = 3,

@@ -23,7 +23,7 @@ from dalembert.options import options
 from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.load_path import LoadPathResult
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @options
@@ -135,7 +135,7 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
         return path.result(result.status)
 
 
-@spelled
+@check_arguments
 def solve_load_path(
     model: StructuralModel,
     *,

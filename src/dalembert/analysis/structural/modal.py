@@ -23,7 +23,7 @@ from dalembert.results.result import ParameterValues
 from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.factorise import indefinite_factors
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @options
@@ -156,7 +156,7 @@ class Modal(SpectralAnalysis[StructuralModel, VibrationModes]):
         return factor.solve  # type: ignore[union-attr]
 
 
-@spelled
+@check_arguments
 def solve_modes(
     model: StructuralModel,
     count: int = 6,

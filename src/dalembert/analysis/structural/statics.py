@@ -32,7 +32,7 @@ from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.multigrid import Multigrid
 from dalembert.sparse.solver import SparseSolver
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.timing import Timing
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ def solve_statics(
 ) -> Batch: ...
 
 
-@spelled
+@check_arguments
 def solve_statics(
     model: StructuralModel,
     *,

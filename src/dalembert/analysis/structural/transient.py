@@ -22,7 +22,7 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import options
 from dalembert.results.result import Analysis, ParameterValues
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @options(eq=False)
@@ -145,7 +145,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
         return TransientRun(self, motion.model, p).execute(False).at(motion.time)
 
 
-@spelled
+@check_arguments
 def solve_transient(
     model: StructuralModel,
     duration: Time | None = None,

@@ -23,11 +23,11 @@ from dalembert.sparse.solver import Factors
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 
 
 @dataclass(frozen=True, eq=False)
-class Rayleigh(Spelled):
+class Rayleigh(CheckedArguments):
     """Proportional damping, ``C = α M + β K`` with the stiffness ``K`` at rest (Rayleigh 1877).
 
     A mode of angular frequency ``ω`` has the damping ratio ``(α/ω + β ω)/2``.

@@ -15,7 +15,7 @@ from dalembert.responses.base import Response
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 
 if TYPE_CHECKING:
     from scipy.optimize import NonlinearConstraint
@@ -99,7 +99,7 @@ def torch_function(values: Numbers, jacobian: Numbers) -> Callable[[Any], Any]:
     return Values.apply  # type: ignore[no-any-return]
 
 
-class DesignFunctions(Spelled):
+class DesignFunctions(CheckedArguments):
     """``fun(x), jac(x)`` of the first response, ``values(x), jacobian(x)`` of all.
 
     Values and gradients of a design share one run. If the run fails, ``fun`` and ``values`` are

@@ -13,10 +13,10 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
-@spelled
+@check_arguments
 def openmdao_component(
     model: ParametricModel | None,
     responses: Any,

@@ -19,13 +19,13 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 STEP = 1e-6
 """Step of the differences by which OpenMDAO checks partials, relative to the scales [-]."""
 
 
-@spelled
+@check_arguments
 def openmdao_implicit_component(
     model: ParametricModel,
     measures: Measures = (),

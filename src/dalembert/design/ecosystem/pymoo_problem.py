@@ -13,13 +13,13 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import searching
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 PENALTY = 1e12
 """Objective and violation of a design whose run fails."""
 
 
-@spelled
+@check_arguments
 def pymoo_problem(
     model: ParametricModel | None,
     minimize: Sequence[Any],

@@ -134,7 +134,7 @@ def rank_experiments(
     factor: float,
     candidates: Mapping[str, Mapping[str, float]],
 ) -> list[dict[str, Any]]:
-    """Rank candidate experiments; see ``Identification.advise``."""
+    """Rank candidate experiments; see ``IdentificationResult.advise``."""
     rows = []
     for name, parameters in candidates.items():
         jacobian = _candidate_jacobian(misfit, x, name, parameters)

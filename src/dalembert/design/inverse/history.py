@@ -12,7 +12,7 @@ from dalembert.elements.laws.table import Table
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression, t
 from dalembert.symbolic.formulas.parameter import Parameter
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ class History:
         return rows * np.sqrt((x[order:] - x[:-order]) / order)[:, None]
 
 
-@spelled
+@check_arguments
 def history(
     system: Any,
     name: str,

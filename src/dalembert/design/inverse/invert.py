@@ -17,7 +17,7 @@ from dalembert.design.identification.identify import check_start, make_misfit
 from dalembert.design.identification.least_squares import Fit, LeastSquaresSolver
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.inverse.history import History
-from dalembert.design.inverse.inversion import Inversion
+from dalembert.design.inverse.inversion_result import InversionResult
 from dalembert.design.inverse.smoothing import (
     Curve,
     curve,
@@ -29,13 +29,13 @@ from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 MAX_ROUNDS = 6
 """Upper limit of solutions until the selected smoothing no longer changes."""
 
 
-@spelled
+@check_arguments
 @interruptible
 def invert(
     model: ParametricModel,
@@ -53,7 +53,7 @@ def invert(
     max_iterations: int = 50,
     tolerance: float = 1e-8,
     progress: bool | Callable[[int, float], None] = False,
-) -> Inversion:
+) -> InversionResult:
     """Identify unknown histories from measured motion; Ctrl-C returns the best so far.
 
     Parameters
@@ -194,7 +194,7 @@ def _inversion(
     mu: float,
     l_curve: Curve,
     problem: _RegularisedProblem,
-) -> Inversion:
+) -> InversionResult:
     x, labels, rows = fit.x, misfit.unknowns.labels, problem.rows
     residual = misfit.residual(x)
     covariance = _covariance(misfit.jacobian(x), residual, x, mu, problem)
@@ -202,7 +202,7 @@ def _inversion(
     motions = misfit.motions(x)
     assert motions is not None
     columns = {h.name: [labels.index(name) for name in h.names] for h in histories}
-    return Inversion(
+    return InversionResult(
         values={name: x[index] for name, index in columns.items()},
         deviation={name: spread[index] for name, index in columns.items()},
         x=dict(zip(labels, map(float, x), strict=True)),

@@ -6,7 +6,7 @@ import numpy as np
 
 from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.methods.search_options import sobol_designs
-from dalembert.design.methods.slsqp import Slsqp
+from dalembert.design.methods.slsqp import SLSQP
 from dalembert.design.optimize.program import Program
 from dalembert.options import options
 
@@ -37,7 +37,7 @@ class Multistart(Optimizer):
     """
 
     starts: int = 20
-    local: Optimizer = Slsqp()
+    local: Optimizer = SLSQP()
     rng: int = 0
     apart: float = 1e-3
 

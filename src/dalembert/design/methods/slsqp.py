@@ -13,7 +13,7 @@ from dalembert.options import options
 
 
 @options
-class Slsqp(Optimizer):
+class SLSQP(Optimizer):
     """Sequential quadratic programming; fast up to about a hundred variables.
 
     Parameters
@@ -31,7 +31,7 @@ class Slsqp(Optimizer):
     >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
     >>> spring.load(end, fx=100.0)
     >>> cost = da.final("k + 4*100*end.ux")
-    >>> best = da.optimize(spring.build(), cost, analysis=da.Statics(), method=da.Slsqp())
+    >>> best = da.optimize(spring.build(), cost, analysis=da.Statics(), method=da.SLSQP())
     >>> round(best.x["k"])  # of k + 4e4/k
     200
     """

@@ -16,7 +16,7 @@ from dalembert.design.methods.registry import make_optimizer
 from dalembert.design.methods.search_options import OnIteration, iteration_callback
 from dalembert.design.optimize.evaluation_log import EvaluationLog
 from dalembert.design.optimize.optimality import solve_to_stationarity
-from dalembert.design.optimize.optimum import Optimum
+from dalembert.design.optimize.optimization_result import OptimizationResult
 from dalembert.design.optimize.problem import DesignProblem, common_parameters
 from dalembert.design.optimize.program import Program
 from dalembert.design.optimize.verified_optimum import verified_optimum
@@ -27,11 +27,11 @@ from dalembert.interrupts import interruptible, searching
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 
 
-@spelled
+@check_arguments
 def optimize(
     model: ParametricModel | None = None,
     minimize: Any = None,
@@ -47,7 +47,7 @@ def optimize(
     tolerance: float = 1e-8,
     history: str | Path | None = None,
     progress: bool | OnIteration = False,
-) -> Optimum:
+) -> OptimizationResult:
     """Optimise parameters for responses of one analysis or several.
 
     Parameters
@@ -122,7 +122,7 @@ class OptimizerSettings:
         """Optimiser for a problem."""
         return make_optimizer(self.method, bool(problem.variables.sizes))
 
-    def best(self, program: Program) -> Optimum:
+    def best(self, program: Program) -> OptimizationResult:
         """Solve a program."""
         return solve(program, self.optimizer(program.problem), self.stop)
 
@@ -194,7 +194,7 @@ def fingerprint(problem: DesignProblem) -> dict[str, Any]:
 
 
 @interruptible
-def solve(program: Program, method: Optimizer, stop: Stop) -> Optimum:
+def solve(program: Program, method: Optimizer, stop: Stop) -> OptimizationResult:
     """Solve a program; Ctrl-C ends with the best design so far."""
     z, interrupted = program.scaled(program.origin), False
     try:

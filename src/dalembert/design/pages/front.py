@@ -14,7 +14,7 @@ MAX_MATRIX = 6
 
 
 def front_page(front: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of a ``Front``."""
+    """Page of a ``ParetoResult``."""
     first = front.result(0) if len(front) else None
     if first is None or not getattr(first, "has_page", False):
         return plain_page(front)

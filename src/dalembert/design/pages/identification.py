@@ -20,12 +20,12 @@ MAX_UNKNOWNS = 6
 
 
 def identification_page(identification: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of an ``Identification``."""
+    """Page of an ``IdentificationResult``."""
     return _motion_page(identification, "identification", first_view)
 
 
 def inversion_page(inversion: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of an ``Inversion``."""
+    """Page of an ``InversionResult``."""
     return _motion_page(inversion, "inverse problem", first_view)
 
 

@@ -22,7 +22,7 @@ CONSTANT_KEYS = ("name", "node", "shapes")
 
 
 def optimum_page(optimum: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of an ``Optimum``."""
+    """Page of an ``OptimizationResult``."""
     units = checked_units(first_view.get("units") or ())
     if not optimum.motion.has_page:
         return plain_page(optimum) | {"optimum": optimum_payload(optimum, units)}
@@ -64,7 +64,7 @@ def optimum_payload(optimum: Any, units: Sequence[str] = ()) -> dict[str, Any]:
 
 
 def _sentence(payload: dict[str, Any]) -> str:
-    """``Optimum.sentence`` in the units of the page."""
+    """``OptimizationResult.sentence`` in the units of the page."""
     unit = f" {payload['unit']}" if payload["unit"] else ""
     state = "optimal" if payload["success"] else "not optimal"
     return f"{payload['label']} {payload['start']:.4g} → {payload['value']:.4g}{unit}, {state}"
@@ -125,7 +125,7 @@ def _ghosts(first: dict[str, Any], time: np.ndarray) -> list[dict[str, Any]]:
 
 
 def optimum_table(optimum: Any) -> str:
-    """HTML of an ``Optimum``: objective, parameters, limits and prices; names are escaped."""
+    """HTML of an optimum: objective, parameters, limits and prices; names are escaped."""
     unit = html.escape(optimum.unit)
     start = optimum.history[0].objective
     rows = [_row("th", "", "unit", "lower", "start", "best", "upper", "price")]

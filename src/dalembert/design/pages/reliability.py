@@ -12,7 +12,7 @@ from dalembert.report import views
 
 
 def reliability_page(reliability: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of a ``Reliability``."""
+    """Page of a ``ReliabilityResult``."""
     result = reliability.result()
     if result is None or not result.has_page:
         return plain_page(reliability)
@@ -120,7 +120,7 @@ def _table(reliability: Any) -> dict[str, Any]:
 
 
 def reliable_page(optimum: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of a ``ReliableOptimum``: the page of the optimum with further views."""
+    """Page of a ``ReliableOptimizationResult``: the page of the optimum with further views."""
     page = optimum_page(optimum.optimum, **first_view)
     return page | {"views": optimum.views(), "verdict": verdict(optimum)}
 

@@ -21,7 +21,7 @@ MAX_MATRIX = 7
 
 
 def study_page(study: Any) -> dict[str, Any]:
-    """Page of a ``Study``."""
+    """Page of a ``SweepResult``."""
     return plain_page(study)
 
 

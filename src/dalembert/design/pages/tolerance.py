@@ -12,7 +12,7 @@ from dalembert.report import views
 
 
 def tolerance_page(result: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of a ``Toleranced``."""
+    """Page of a ``ToleranceResult``."""
     if result.run is None or not result.run.has_page:
         return plain_page(result)
     return with_views(result.run.page(**first_view), result, "tolerances")

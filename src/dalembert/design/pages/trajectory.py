@@ -20,7 +20,7 @@ NEGLIGIBLE = 1e-9
 
 
 def trajectory_page(trajectory: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of an ``OptimalTrajectory``."""
+    """Page of a ``TrajectoryResult``."""
     page = with_views(trajectory.shown.page(**first_view), trajectory, "trajectory")
     if page.get("time"):
         page["scene"]["ghosts"] = [standing(b, 0) for b in page["scene"]["bodies"] if b["shapes"]]

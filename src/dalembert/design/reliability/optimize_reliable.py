@@ -25,10 +25,14 @@ from dalembert.design.optimize.optimization import (
     fingerprint,
     signed_objective,
 )
-from dalembert.design.optimize.optimum import Optimum
+from dalembert.design.optimize.optimization_result import OptimizationResult
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Correlation
-from dalembert.design.reliability.reliable_optimum import ReliableLimit, ReliableOptimum, Round
+from dalembert.design.reliability.reliable_optimization_result import (
+    ReliableLimit,
+    ReliableOptimizationResult,
+    Round,
+)
 from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
 from dalembert.design.variables import varied_names
 from dalembert.errors import AnalysisError
@@ -36,13 +40,13 @@ from dalembert.interrupts import interruptible, searching
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 CONVERGED = 1e-5
 """Threshold for convergence of the rounds: relative change of the design, margin of the limits."""
 
 
-@spelled
+@check_arguments
 @interruptible
 def optimize_reliable(
     model: ParametricModel,
@@ -63,7 +67,7 @@ def optimize_reliable(
     rounds: int = 20,
     history: str | Path | None = None,
     progress: bool | OnIteration = False,
-) -> ReliableOptimum:
+) -> ReliableOptimizationResult:
     """Optimal parameters for which every limit holds with probability ``Φ(β)``, to first order.
 
     Parameters
@@ -130,7 +134,7 @@ class _Rounds:
     vary: Sequence[Any] | None
     start: dict[str, float]
     history: str | Path | None
-    best: Optimum | None = None
+    best: OptimizationResult | None = None
     limits: list[ReliableLimit] = field(default_factory=list)
     rounds: list[Round] = field(default_factory=list)
     settled: bool = False
@@ -171,7 +175,7 @@ class _Rounds:
         assert self.best is not None
         self.limits = self.task.with_indices(self.best, self.points, self.limits)
 
-    def _optimum(self) -> Optimum:
+    def _optimum(self) -> OptimizationResult:
         """The optimum for limits at the worst points of the last design."""
         task, limits = self.task, self.task.at(self.points, self.varied)
         quantities = [self.objective, *(limit.response for limit in limits)]
@@ -182,7 +186,7 @@ class _Rounds:
         self.sizes = program.sizes
         return self.search.best(program)
 
-    def result(self) -> ReliableOptimum:
+    def result(self) -> ReliableOptimizationResult:
         """The result of the completed rounds."""
         best = self.best
         assert best is not None
@@ -190,12 +194,12 @@ class _Rounds:
             best = replace(best, success=False, interrupted=True, message="interrupted")
         limits = self.limits or self.task.unknown()
         runs = self.task.states.problem.runs + best.runs
-        return ReliableOptimum(
+        return ReliableOptimizationResult(
             best, self.task.beta, limits, self.rounds, self.settled, runs, self.stopped
         )
 
 
-def _continued(before: Optimum, best: Optimum) -> Optimum:
+def _continued(before: OptimizationResult, best: OptimizationResult) -> OptimizationResult:
     """An optimum that continues another one, with the initial values and history of both."""
     return replace(
         best,

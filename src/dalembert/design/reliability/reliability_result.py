@@ -34,11 +34,11 @@ SAMPLINGS = {
     "subset-simulation": "subset_simulation",
     "openturns-subset": "openturns_subset",
 }
-"""Name of a sampling → method of ``Reliability``."""
+"""Name of a sampling → method of ``ReliabilityResult``."""
 
 
 @dataclass(eq=False)
-class Reliability(Decision):
+class ReliabilityResult(Decision):
     """Result of ``reliability``.
 
     Attributes
@@ -55,7 +55,7 @@ class Reliability(Decision):
     >>> import dalembert as da
     >>> random = {"r": da.Normal(10.0, 2.0), "s": da.Normal(4.0, 1.5)}
     >>> result = da.reliability(None, "r - s", random)
-    >>> isinstance(result, da.Reliability), round(result.probability, 6)  # Φ(-2.4)
+    >>> isinstance(result, da.ReliabilityResult), round(result.probability, 6)  # Φ(-2.4)
     (True, 0.008198)
     >>> {name: round(share, 3) for name, share in result.importance.items()}  # 4 and 2.25 of 6.25
     {'r': 0.64, 's': 0.36}
@@ -294,8 +294,8 @@ class Reliability(Decision):
         state = "converged" if self.success else "not converged"
         note = f", {len(self.warnings)} warning(s)" if self.warnings else ""
         return (
-            f"<Reliability β = {self.beta:.6g}, p = {self.probability:.4g}: {state}, residual "
-            f"{self.residual:.1e}, {_point_text(self.point)}{note}>"
+            f"<ReliabilityResult β = {self.beta:.6g}, p = {self.probability:.4g}: {state}, "
+            f"residual {self.residual:.1e}, {_point_text(self.point)}{note}>"
         )
 
 

@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.design.studies.design import Design, Ranges
-from dalembert.design.studies.study import Study
+from dalembert.design.studies.design_table import DesignTable, Ranges
+from dalembert.design.studies.sweep_result import SweepResult
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Run = Callable[[Design], Study]
+Run = Callable[[DesignTable], SweepResult]
 """Function that runs designs, such as ``lambda design: da.sweep(model, design, ...)``."""
 
 
-@spelled
+@check_arguments
 def sobol_indices(
     run: Run, ranges: Ranges, samples: int = 256, rng: int | None = None
 ) -> xr.Dataset:
@@ -76,7 +76,7 @@ def sobol_indices(
     return _index_dataset(run, ranges, values, indices)
 
 
-@spelled
+@check_arguments
 def morris_indices(
     run: Run, ranges: Ranges, trajectories: int = 20, levels: int = 4, rng: int | None = None
 ) -> xr.Dataset:
@@ -138,7 +138,7 @@ def _problem(ranges: Ranges) -> dict[str, Any]:
     return {"num_vars": len(ranges), "names": list(ranges), "bounds": bounds}
 
 
-def _require_all(study: Study) -> Study:
+def _require_all(study: SweepResult) -> SweepResult:
     if study.failures:
         number, reason = next(iter(study.failures.items()))
         raise AnalysisError(
@@ -157,7 +157,7 @@ def _index_dataset(
     """Indices of every response, response × parameter."""
     import xarray as xr
 
-    study = _require_all(run(Design(tuple(ranges), values)))
+    study = _require_all(run(DesignTable(tuple(ranges), values)))
     rows = [indices(study.column(name)) for name in study.responses]
     coords = {"response": list(study.responses), "parameter": list(ranges)}
     dims = ("response", "parameter")

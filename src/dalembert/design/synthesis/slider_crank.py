@@ -152,7 +152,7 @@ class SliderCrank(Linkage):
         system.add(planar.Revolute("B", coupler.end, slider.center))
         direction = (cos(q["angle"]), sin(q["angle"]))
         system.add(
-            planar.Translational(
+            planar.Prismatic(
                 "rail", ground.point(*rail), slider.center, axis=direction, angle=q["angle"]
             )
         )

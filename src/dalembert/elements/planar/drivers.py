@@ -12,7 +12,7 @@ from dalembert.elements.laws.base import GivenLaw
 from dalembert.elements.look import Motor, Travel
 from dalembert.elements.planar.body import Ground
 from dalembert.elements.planar.joint import BodyJoint, InPlane
-from dalembert.elements.planar.translational import SlidingJoint
+from dalembert.elements.planar.prismatic import SlidingJoint
 from dalembert.elements.point import Point
 
 
@@ -68,7 +68,7 @@ class TranslationalDriver(Driver, SlidingJoint):
     >>> from dalembert import planar
     >>> system = da.System("table")
     >>> table = system.add(planar.Body("table", mass=3.0, inertia=0.1))
-    >>> rail = system.add(planar.Translational("rail", system.ground.center, table.center))
+    >>> rail = system.add(planar.Prismatic("rail", system.ground.center, table.center))
     >>> ends = system.ground.center, table.center
     >>> feed = system.add(planar.TranslationalDriver("feed", *ends, law=da.t**2))
     >>> motion = da.solve_inverse_dynamics(system.build(), 1.0, step=0.5)

@@ -21,7 +21,7 @@ from dalembert.integrators.bdf.control import (
     ALPHA,
     GAMMA,
     Accuracy,
-    BdfControl,
+    BDFControl,
     by_order,
     reduction,
     rescaling,
@@ -33,7 +33,7 @@ EQUAL_LENGTH = 1e-8
 """Relative difference below which step lengths count as equal [-]."""
 
 
-class BdfStep(DifferentiatedStep):
+class BDFStep(DifferentiatedStep):
     """BDF step ``(t, h, x, p) → x⁺`` with the differences in x.
 
     Parameters
@@ -55,7 +55,7 @@ class BdfStep(DifferentiatedStep):
         self.size = self.state_size * (self.top + 2) + 3
         self.corrects = corrected and problem.correction is not None
         self._finish = graph_of(problem.correction if self.corrects else problem.upkeep)
-        self.control = BdfControl(problem, accuracy)
+        self.control = BDFControl(problem, accuracy)
         self.equations = CorrectorEquations(problem, accuracy, self.control.weights)
 
     @cached_property
@@ -73,12 +73,12 @@ class BdfStep(DifferentiatedStep):
         return ca.Function("bdf_begin", [t, x, p], [ca.densify(memory)], {"cse": True})
 
     @property
-    def plain(self) -> BdfStep:
-        return BdfStep(self.problem, self.accuracy, corrected=False)
+    def plain(self) -> BDFStep:
+        return BDFStep(self.problem, self.accuracy, corrected=False)
 
     @property
-    def exact_in_h(self) -> BdfStep:
-        return BdfStep(self.problem, self.accuracy, self.corrects, reuse=False)
+    def exact_in_h(self) -> BDFStep:
+        return BDFStep(self.problem, self.accuracy, self.corrects, reuse=False)
 
     @cached_property
     def function(self) -> ca.Function:

@@ -170,5 +170,5 @@ def check(coefficients: NewmarkCoefficients, problem: Problem, name: str) -> Non
         raise UnsupportedError(
             f"{name} without damping amplifies every perturbation of the accelerations "
             "if only positions are constrained; use GeneralizedAlpha(rho_inf=0.9), "
-            "stabilization=Projection() or Dae(index=2)"
+            "stabilization=Projection() or DAE(index=2)"
         )

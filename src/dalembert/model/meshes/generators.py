@@ -11,7 +11,7 @@ from dalembert.budget import check_budget, numeral
 from dalembert.elements.fem.cells import CELLS
 from dalembert.errors import ModelError
 from dalembert.options import is_number
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 CELL = 1000
 """Minimum memory of a cell with its nodes and its element [bytes]."""
@@ -19,7 +19,7 @@ CELL = 1000
 Mesh = tuple[np.ndarray, np.ndarray]
 
 
-@spelled
+@check_arguments
 def line_mesh(start: Sequence[float], end: Sequence[float], count: int) -> Mesh:
     """A straight line divided into ``count`` lines.
 
@@ -51,7 +51,7 @@ def line_mesh(start: Sequence[float], end: Sequence[float], count: int) -> Mesh:
     return points.astype(float), np.column_stack([np.arange(count), np.arange(1, count + 1)])
 
 
-@spelled
+@check_arguments
 def rectangle_mesh(size: Sequence[float], counts: Sequence[int], kind: str = "quad") -> Mesh:
     """A rectangle from the origin, divided evenly.
 
@@ -92,7 +92,7 @@ def rectangle_mesh(size: Sequence[float], counts: Sequence[int], kind: str = "qu
     return _of_kind(points, cells, kind)
 
 
-@spelled
+@check_arguments
 def box_mesh(size: Sequence[float], counts: Sequence[int], kind: str = "hexahedron") -> Mesh:
     """A box from the origin, divided evenly into hexahedra.
 

@@ -129,7 +129,7 @@ class SecondMarch(MarchedSample, BackwardWalk[np.ndarray]):
         if self.kernel.integrator.gradient_error:
             raise UnsupportedError(
                 f"second derivatives of {self.kernel.integrator.name} are inaccurate: "
-                "its steps are not repeated exactly; use Bdf(), Radau() or RK4()"
+                "its steps are not repeated exactly; use BDF(), Radau() or RK4()"
             )
 
     def product(self) -> np.ndarray:

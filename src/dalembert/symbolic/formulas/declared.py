@@ -10,7 +10,7 @@ from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, t
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Bounds, Parameter, coherent
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import check_length, plain_text, table
 
 CONSTANTS = {"pi": "the number π"}
@@ -62,7 +62,7 @@ class Declared:
         self.derived_parameters: dict[str, Expression] = {}
         self.tables: dict[str, Interpolation] = {}
 
-    @spelled
+    @check_arguments
     def parameter(
         self,
         name: str,
@@ -80,7 +80,7 @@ class Declared:
         self.parameters[name] = parameter
         return parameter
 
-    @spelled
+    @check_arguments
     def derived(self, name: str, formula, unit: str = "", description: str = "") -> Expression:
         """Name a formula of parameters; it is listed with the parameters.
 
@@ -94,7 +94,7 @@ class Declared:
         self.derived_parameters[name] = expression
         return expression
 
-    @spelled
+    @check_arguments
     def table(
         self,
         name: str,

@@ -14,7 +14,7 @@ from dalembert.symbolic.formulas.checked import checked_expression
 from dalembert.symbolic.formulas.end_conditions import ENDS
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.spline import SLACK, CubicSpline, reached
-from dalembert.text.spelling import Spelled, spelled
+from dalembert.text.arguments import CheckedArguments, check_arguments
 from dalembert.text.wording import unknown
 from dalembert.units.amounts import check_unit
 from dalembert.units.unit import unit
@@ -26,7 +26,7 @@ MAX_ROWS = 1000
 """Upper limit of rows; longer tables are usually noise or the wrong file."""
 
 
-class Interpolation(Spelled):
+class Interpolation(CheckedArguments):
     """A function ``y(x)`` through the rows of a table, with exact derivatives.
 
     Call it with a number or an expression: ``gas(piston.x)``; in the text of a formula write
@@ -166,7 +166,7 @@ class Polyline(CubicSpline):
         return inside, ends
 
 
-@spelled
+@check_arguments
 def table(
     x: Sequence[Any] | np.ndarray,
     y: Sequence[Any] | np.ndarray,

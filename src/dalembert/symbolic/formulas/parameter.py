@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.budget import numeral
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.symbolic.formulas.expression import Expression, check_magnitude
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 from dalembert.text.wording import plain_text, unknown
 from dalembert.units.amounts import Amount, check_unit
 from dalembert.units.grammar import amount_of
@@ -22,7 +22,7 @@ Bounds = tuple[float | str | None, float | str | None] | None
 """Lower and upper bound; None for no bound."""
 
 
-class Parameter(Spelled, Expression):
+class Parameter(CheckedArguments, Expression):
     """A named number with unit, bounds and description.
 
     Parameters

@@ -28,7 +28,7 @@ def nondominated(values: np.ndarray) -> np.ndarray:
 
 
 @dataclass(eq=False)
-class Front(Decision):
+class ParetoResult(Decision):
     """Result of ``pareto``.
 
     Attributes
@@ -52,8 +52,10 @@ class Front(Decision):
     >>> rod.load(end, fx=20.0)
     >>> aims = [da.final("k", name="effort"), da.final("end.ux", name="give")]
     >>> front = da.pareto(rod.build(), aims, analysis=da.Statics(), points=4)
-    >>> type(front) is da.Front, front.labels, front.values[[0, -1]].round(6).tolist()  # the ends
-    (True, ['effort', 'give'], [[1.0, 20.0], [10.0, 2.0]])
+    >>> isinstance(front, da.ParetoResult), front.labels
+    (True, ['effort', 'give'])
+    >>> front.values[[0, -1]].round(6).tolist()  # the ends
+    [[1.0, 20.0], [10.0, 2.0]]
     """
 
     word = "pareto"
@@ -164,7 +166,7 @@ class Front(Decision):
         return ax
 
     def __repr__(self) -> str:
-        return f"<Front of {len(self)} designs: {', '.join(self.labels)}; {self.message}>"
+        return f"<ParetoResult of {len(self)} designs: {', '.join(self.labels)}; {self.message}>"
 
 
 def make_front(
@@ -174,7 +176,7 @@ def make_front(
     designs: np.ndarray,
     message: str,
     failed: list[str],
-) -> Front:
+) -> ParetoResult:
     """Front of the nondominated designs, sorted by the first aim."""
     indices = nondominated(values)
     indices = indices[np.argsort(values[indices, 0])]
@@ -183,7 +185,7 @@ def make_front(
     parameters = [problem.variables.parameters(x) for x in points]
     case = problem.quantities[0].terms[0].case
     units = dict(zip(problem.variables.names, problem.variables.units, strict=True))
-    return Front(
+    return ParetoResult(
         functions.labels,
         [problem.unit(k, results) for k in range(functions.count)],
         list(parameters[0]),

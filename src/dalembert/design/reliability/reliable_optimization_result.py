@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from dalembert.design.decision import Decision
-from dalembert.design.optimize.optimum import Optimum
+from dalembert.design.optimize.optimization_result import OptimizationResult
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,7 +51,7 @@ class ReliableLimit:
 
 
 @dataclass(eq=False)
-class ReliableOptimum(Decision):
+class ReliableOptimizationResult(Decision):
     """Result of ``optimize_reliable``.
 
     Attributes
@@ -79,7 +79,7 @@ class ReliableOptimum(Decision):
     >>> stiff = da.Limit(da.final("end.ux"), upper=1e-3)
     >>> task = dict(subject_to=[stiff], random={"load": da.Normal(1e5, 2e4)})
     >>> best = da.optimize_reliable(rod.build(), da.final("mass"), **task, analysis=da.Statics())
-    >>> isinstance(best, da.ReliableOptimum), best.settled
+    >>> isinstance(best, da.ReliableOptimizationResult), best.settled
     (True, True)
     >>> round(best.x["area"] * 1e4, 6)  # (µ + 3 σ) ℓ/(E u) [cm²]
     16.0
@@ -87,7 +87,7 @@ class ReliableOptimum(Decision):
 
     word = "optimum"
     page_functions = "reliability:reliable"
-    optimum: Optimum
+    optimum: OptimizationResult
     beta: float
     limits: list[ReliableLimit]
     rounds: list[Round]
@@ -163,6 +163,6 @@ class ReliableOptimum(Decision):
         listed = ", ".join(f"{n} = {v:.6g}" for n, v in self.x.items())
         rounds = len(self.rounds)
         return (
-            f"<ReliableOptimum {self.fun:.6g} at {listed}, β ≥ {self.beta:g} in {rounds} rounds: "
-            f"{self.message}>"
+            f"<ReliableOptimizationResult {self.fun:.6g} at {listed}, β ≥ {self.beta:g} "
+            f"in {rounds} rounds: {self.message}>"
         )

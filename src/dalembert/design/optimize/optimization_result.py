@@ -23,7 +23,7 @@ class Iterate:
 
 
 @dataclass(eq=False)
-class Optimum(Decision):
+class OptimizationResult(Decision):
     """Optimal design with its verification.
 
     Attributes
@@ -56,7 +56,7 @@ class Optimum(Decision):
     >>> strong = da.Limit(da.final("rod.stress", name="stress"), upper=1e8)
     >>> task = dict(minimize=da.final("mass"), subject_to=[strong], analysis=da.Statics())
     >>> best = da.optimize(rod.build(), **task)
-    >>> isinstance(best, da.Optimum), best.active, round(best.fun, 6)  # ρ L F/σ
+    >>> isinstance(best, da.OptimizationResult), best.active, round(best.fun, 6)  # ρ L F/σ
     (True, ['stress'], 7.85)
     """
 
@@ -158,4 +158,4 @@ class Optimum(Decision):
     def __repr__(self) -> str:
         listed = ", ".join(f"{n} = {v:.6g}" for n, v in self.x.items())
         unit = f" {self.unit}" if self.unit else ""
-        return f"<Optimum {self.fun:.6g}{unit} at {listed}: {self.message}>"
+        return f"<OptimizationResult {self.fun:.6g}{unit} at {listed}: {self.message}>"

@@ -42,7 +42,7 @@ class Band:
 
 
 @dataclass(eq=False)
-class Inversion(Decision):
+class InversionResult(Decision):
     """Result of ``invert``.
 
     Attributes
@@ -70,7 +70,7 @@ class Inversion(Decision):
     >>> t = np.linspace(0, 1, 21)
     >>> seen = {"time": t, "mass.x": t**3}  # under a force of 12 t
     >>> result = da.invert(system.build(), seen, histories=[push], smoothing=1e-9)
-    >>> isinstance(result, da.Inversion), result.at("push", [0.25, 0.5]).round(2)
+    >>> isinstance(result, da.InversionResult), result.at("push", [0.25, 0.5]).round(2)
     (True, array([3., 6.]))
     """
 
@@ -215,4 +215,4 @@ class Inversion(Decision):
 
     def __repr__(self) -> str:
         names = ", ".join(self.values)
-        return f"<Inversion of {names}: smoothing {self.smoothing:.3g}, {self.message}>"
+        return f"<InversionResult of {names}: smoothing {self.smoothing:.3g}, {self.message}>"

@@ -68,7 +68,7 @@ def check_complete(
         raise KeywordError(f"missing {listed(missing)}{order}; needed: {listed(required)}", owner)
 
 
-def spelled_fields(cls: type, *args: Any, **kwargs: Any) -> Any:
+def check_constructor(cls: type, *args: Any, **kwargs: Any) -> Any:
     """A ``__new__`` that checks arguments before ``__init__`` runs.
 
     A call without arguments is not checked: objects are copied that way.
@@ -87,24 +87,24 @@ def arguments_of(cls: type) -> list[inspect.Parameter]:
     return list(inspect.signature(cls).parameters.values())
 
 
-class OfInit:
-    """Signature of a class with ``spelled_fields``: the arguments of its ``__init__``."""
+class ConstructorSignature:
+    """Signature of a class with ``check_constructor``: the arguments of its ``__init__``."""
 
     def __get__(self, instance: Any, cls: Any) -> inspect.Signature:
         signature = inspect.signature(cls.__init__)
         return signature.replace(parameters=list(signature.parameters.values())[1:])
 
 
-class Spelled:
+class CheckedArguments:
     """Base of classes whose constructor names missing arguments and suggests keywords."""
 
     __slots__ = ()
     if not TYPE_CHECKING:
-        __new__ = spelled_fields
-        __signature__ = OfInit()
+        __new__ = check_constructor
+        __signature__ = ConstructorSignature()
 
 
-def spelled(function: Callable[P, T]) -> Callable[P, T]:
+def check_arguments(function: Callable[P, T]) -> Callable[P, T]:
     """Decorator of a function or method: names missing arguments and suggests keywords."""
     parameters = list(inspect.signature(function).parameters.values())
     is_method = int(bool(parameters) and parameters[0].name == "self")

@@ -30,7 +30,7 @@ ROUNDING = 1e-6
 
 
 @dataclass(eq=False)
-class Identification(Decision):
+class IdentificationResult(Decision):
     """Result of ``identify``.
 
     Attributes
@@ -59,7 +59,7 @@ class Identification(Decision):
     >>> noise = np.random.default_rng(1).normal(0, 0.01, t.size)
     >>> result = da.identify(system.build(), {"time": t, "stone.x": 3 * t + noise}, vary=["v"])
     >>> expected = 0.01 / np.sqrt((t**2).sum())  # of a line through the origin
-    >>> type(result) is da.Identification, bool(abs(result.x["v"] - 3) < 4 * expected)
+    >>> type(result) is da.IdentificationResult, bool(abs(result.x["v"] - 3) < 4 * expected)
     (True, True)
     """
 
@@ -288,4 +288,4 @@ class Identification(Decision):
 
     def __repr__(self) -> str:
         listed = ", ".join(f"{n} = {v:.6g} ± {s:.2g}" for (n, v), s in self._pairs())
-        return f"<Identification {listed}: {self.samples} samples, {self.message}>"
+        return f"<IdentificationResult {listed}: {self.samples} samples, {self.message}>"

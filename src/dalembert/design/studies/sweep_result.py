@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.design.decision import Decision, plot_axes
-from dalembert.design.studies.design import Design
+from dalembert.design.studies.design_table import DesignTable
 from dalembert.errors import AnalysisError
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ CSV_NOTE = "the table is CSV, because pyarrow is not installed: pip install 'dal
 
 
 @dataclass(frozen=True, eq=False)
-class Study(Decision):
+class SweepResult(Decision):
     """Designs and their responses.
 
     Attributes
@@ -47,17 +47,17 @@ class Study(Decision):
     >>> end = spring.node("end", 0)
     >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
     >>> spring.load(end, fx=100.0)
-    >>> designs = da.Design.table({"k": [10.0, 0.0]})
+    >>> designs = da.DesignTable.table({"k": [10.0, 0.0]})
     >>> give = da.final("end.ux")
     >>> study = da.sweep(spring.build(), designs, analysis=da.Statics(), responses=give)
-    >>> isinstance(study, da.Study), study.success.tolist(), study.values[0].round(6)
+    >>> isinstance(study, da.SweepResult), study.success.tolist(), study.values[0].round(6)
     (True, [True, False], array([10.]))
     """
 
     word = "study"
     page_functions = "study:study"
     name: str
-    design: Design
+    design: DesignTable
     responses: tuple[str, ...]
     values: np.ndarray
     reasons: tuple[str, ...]
@@ -169,4 +169,4 @@ class Study(Decision):
 
     def __repr__(self) -> str:
         failed = f", {len(self.failures)} failed" if self.failures else ""
-        return f"<Study of {self.name}: {len(self.design)} designs{failed}>"
+        return f"<SweepResult of {self.name}: {len(self.design)} designs{failed}>"

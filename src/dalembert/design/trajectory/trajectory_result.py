@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(eq=False)
-class OptimalTrajectory(Decision):
+class TrajectoryResult(Decision):
     """Result of ``optimize_trajectory``.
 
     Attributes
@@ -55,7 +55,7 @@ class OptimalTrajectory(Decision):
     >>> force = system.add(planar.Force("force", cart.center, (push, 0)))
     >>> best = da.optimize_trajectory(system.build(), da.integral("push**2"), controls=["push"],
     ...     duration=1.0, end={"cart.x": 1, "cart.vx": 0}, method=da.DirectCollocation(intervals=4))
-    >>> isinstance(best, da.OptimalTrajectory), best.deviation < 1e-4
+    >>> isinstance(best, da.TrajectoryResult), best.deviation < 1e-4
     (True, True)
     >>> round(best.motion["cart.x"][-1].item(), 4)  # forward run under the optimal control
     1.0
@@ -183,6 +183,6 @@ class OptimalTrajectory(Decision):
 
     def __repr__(self) -> str:
         return (
-            f"<OptimalTrajectory: {self.label} = {self.fun:.6g} in {self.duration:.4g} s, "
+            f"<TrajectoryResult: {self.label} = {self.fun:.6g} in {self.duration:.4g} s, "
             f"{self.status}, defect {self.defect:.2g}, {self.deviation:.2g} from its forward run>"
         )

@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import random_generator
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 from dalembert.units.measured import measured
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ MAX_DESIGNS = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
-class Design(Spelled):
+class DesignTable(CheckedArguments):
     """Table of parameter values, one row per design.
 
     Attributes
@@ -35,10 +35,10 @@ class Design(Spelled):
     Examples
     --------
     >>> import dalembert as da
-    >>> grid = da.Design.grid({"length": [0.5, 1.0], "mass": [1.0, 2.0, 3.0]})
+    >>> grid = da.DesignTable.grid({"length": [0.5, 1.0], "mass": [1.0, 2.0, 3.0]})
     >>> len(grid), grid.values[1].tolist()
     (6, [0.5, 2.0])
-    >>> spread = da.Design.latin_hypercube({"length": (0, 1)}, count=4, rng=1)
+    >>> spread = da.DesignTable.latin_hypercube({"length": (0, 1)}, count=4, rng=1)
     >>> sorted(int(4 * x) for x in spread.values[:, 0])  # one in every quarter
     [0, 1, 2, 3]
     """
@@ -67,7 +67,7 @@ class Design(Spelled):
         return len(self.values)
 
     @classmethod
-    def grid(cls, axes: Mapping[str, Sequence[float]]) -> Design:
+    def grid(cls, axes: Mapping[str, Sequence[float]]) -> DesignTable:
         """All combinations of the values of each parameter; the last varies fastest."""
         count = int(np.prod([float(np.size(v)) for v in axes.values()])) if axes else 0
         if count > MAX_DESIGNS:
@@ -80,7 +80,7 @@ class Design(Spelled):
         return cls(tuple(axes), values, values_by_name)
 
     @classmethod
-    def latin_hypercube(cls, ranges: Ranges, count: int, rng: Any = None) -> Design:
+    def latin_hypercube(cls, ranges: Ranges, count: int, rng: Any = None) -> DesignTable:
         """One design in each of ``count`` slices of every range (McKay, Beckman, Conover 1979)."""
         from scipy.stats import qmc
 
@@ -88,7 +88,7 @@ class Design(Spelled):
         return cls._from_unit_cube(ranges, sampler.random(_checked_count(count)))
 
     @classmethod
-    def sobol(cls, ranges: Ranges, count: int, rng: Any = None) -> Design:
+    def sobol(cls, ranges: Ranges, count: int, rng: Any = None) -> DesignTable:
         """Scrambled Sobol' points; best where ``count`` is a power of two."""
         from scipy.stats import qmc
 
@@ -97,7 +97,9 @@ class Design(Spelled):
         return cls._from_unit_cube(ranges, sampler.random(power_of_two)[:count])
 
     @classmethod
-    def monte_carlo(cls, distributions: Mapping[str, Any], count: int, rng: Any = None) -> Design:
+    def monte_carlo(
+        cls, distributions: Mapping[str, Any], count: int, rng: Any = None
+    ) -> DesignTable:
         """Independent random values, each of a frozen ``scipy.stats`` distribution or a range."""
         generator = random_generator(rng)
         columns = []
@@ -112,7 +114,7 @@ class Design(Spelled):
         return cls(table.names, table.values, _parse_units(ranges))
 
     @classmethod
-    def table(cls, columns: Mapping[str, Any] | pd.DataFrame) -> Design:
+    def table(cls, columns: Mapping[str, Any] | pd.DataFrame) -> DesignTable:
         """Custom designs: parameter → its values, or a DataFrame."""
         numbers = _parse_units({str(name): columns[name] for name in columns})
         arrays = {name: np.asarray(values, dtype=float) for name, values in numbers.items()}
@@ -123,7 +125,7 @@ class Design(Spelled):
         return cls(tuple(arrays), values, numbers)
 
     @classmethod
-    def _from_unit_cube(cls, ranges: Ranges, unit: np.ndarray) -> Design:
+    def _from_unit_cube(cls, ranges: Ranges, unit: np.ndarray) -> DesignTable:
         numbers = _parse_units(ranges)
         ends = np.array([_checked_range(name, bounds) for name, bounds in numbers.items()])
         return cls(tuple(ranges), ends[:, 0] + unit * (ends[:, 1] - ends[:, 0]), numbers)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(eq=False)
-class Toleranced(Decision):
+class ToleranceResult(Decision):
     """Result of ``tolerance``.
 
     Attributes
@@ -38,8 +38,10 @@ class Toleranced(Decision):
     >>> part = stack.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
     >>> limits = {"a": 0.3e-3, "b": 0.4e-3}
     >>> result = da.tolerance(stack.build(), da.final("a - b"), limits, analysis=da.Statics())
-    >>> isinstance(result, da.Toleranced), {n: round(e * 1e3, 6) for n, e in result.effects.items()}
-    (True, {'a': 0.3, 'b': -0.4})
+    >>> isinstance(result, da.ToleranceResult)
+    True
+    >>> {name: round(effect * 1e3, 6) for name, effect in result.effects.items()}
+    {'a': 0.3, 'b': -0.4}
     >>> {name: round(share, 6) for name, share in result.contributions.items()}  # 9 and 16 of 25
     {'a': 0.36, 'b': 0.64}
     """
@@ -236,7 +238,7 @@ class Toleranced(Decision):
     def __repr__(self) -> str:
         worst = "" if self.worst is None else f", worst {self.worst[0]:.6g} … {self.worst[1]:.6g}"
         spread = self.sigmas * self.std
-        return f"<Toleranced {self.label} {self.nominal:.6g} ± {spread:.3g}{worst}>"
+        return f"<ToleranceResult {self.label} {self.nominal:.6g} ± {spread:.3g}{worst}>"
 
 
 def _multiplier(allotted: Any, deviation: Any, limit: float) -> float:

@@ -102,7 +102,7 @@ class Solution(Candidate):
 
 
 @dataclass(eq=False, repr=False)
-class Synthesis(Candidates):
+class SynthesisResult(Candidates):
     """Distinct single-loop linkages, sorted by error.
 
     Examples
@@ -112,7 +112,7 @@ class Synthesis(Candidates):
     >>> turn = np.linspace(0.0, 1.0, 3)
     >>> half = da.Target.function(turn, 0.5 * turn)  # half the crank angle
     >>> result = da.synthesize(half, starts=4)
-    >>> isinstance(result, da.Synthesis), result.best is result.solutions[0]
+    >>> isinstance(result, da.SynthesisResult), result.best is result.solutions[0]
     (True, True)
     >>> errors = [solution.error for solution in result.solutions]
     >>> errors == sorted(errors)
@@ -192,7 +192,7 @@ class MechanismSolution(Candidate):
 
 
 @dataclass(eq=False, repr=False)
-class MechanismSynthesis(Candidates):
+class MechanismSynthesisResult(Candidates):
     """Distinct mechanisms of one topology, sorted by error."""
 
     @property

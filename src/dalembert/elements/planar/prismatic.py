@@ -1,4 +1,4 @@
-"""Planar translational (prismatic) joint and pin in a slot."""
+"""Planar prismatic joint and pin in a slot."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class GuidingJoint(SlidingJoint, TreeJoint):
 
 
 @dataclass(eq=False)
-class Translational(GuidingJoint):
+class Prismatic(GuidingJoint):
     """Slider: point_j on a line of body i, no relative rotation (1.26).
 
     ``Φ = [n_iᵀ (r_jP − r_iP); φ_j − φ_i − angle] = 0``, n_i the unit normal of the line.
@@ -78,7 +78,7 @@ class Translational(GuidingJoint):
     >>> from dalembert import planar
     >>> system = da.System("chute", gravity=(0, -10))
     >>> box = system.add(planar.Body("box", mass=2.0, inertia=0.1, angle=0.6435))
-    >>> chute = system.add(planar.Translational("chute", system.ground.center, box.center,
+    >>> chute = system.add(planar.Prismatic("chute", system.ground.center, box.center,
     ...     axis=(0.8, 0.6), angle=0.6435))
     >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
     >>> motion["box.acceleration"][0].values.round(6)  # 0.6 g down the slope
@@ -118,7 +118,7 @@ class PinInSlot(GuidingJoint):
     >>> crank = system.add(planar.Bar("crank", length=0.2))
     >>> yoke = system.add(planar.Body("yoke"))
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
-    >>> rail = system.add(planar.Translational("rail", system.ground.center, yoke.center))
+    >>> rail = system.add(planar.Prismatic("rail", system.ground.center, yoke.center))
     >>> pin = system.add(planar.PinInSlot("pin", yoke.center, crank.end, axis=(0, 1)))
     >>> turn = system.add(planar.RotationalDriver("turn", system.ground, crank, da.t))
     >>> motion = da.solve_kinematics(system.build(), "pi/3", step="pi/3")
