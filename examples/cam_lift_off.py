@@ -1,8 +1,8 @@
 """Cam whose roller follower lifts off: the contact force at three speeds.
 
-The cam of the other example, with a Hunt-Crossley contact instead of a joint. A joint tells at
-which speed the follower would have to be pulled, where its force changes sign; the contact shows
-what happens instead: the roller flies, and comes down with a blow many times the spring force.
+The cam of the other example, with a Hunt-Crossley contact instead of a joint. The force of the
+joint changes its sign at the speed at which the follower would lift off. The contact shows the real
+motion: the roller lifts off and returns with an impact of many times the spring force.
 """
 
 import math

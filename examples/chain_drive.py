@@ -1,9 +1,9 @@
-"""A roller chain on two sprockets: ratio of speeds, tension of the strands, effect of the polygon.
+"""A roller chain on two sprockets: speed ratio, strand tensions, polygon effect.
 
-Links, each a body, run over 9 and 14 teeth; every roller may touch every tooth. The motor turns
-evenly. In the mean the driven wheel turns by the ratio of the teeth, and the strands differ in
-tension by what the load asks for. A link that comes on a wheel of z teeth moves along the strand
-with ``ω R cos θ``, ``|θ| ≤ π/z``, so the speed of the chain falls and rises by ``1 − cos(π/z)``.
+Every link is a body; the sprockets have 9 and 14 teeth, and every roller may touch every tooth. The
+motor has constant speed. The mean speed of the driven sprocket follows from the ratio of teeth, and
+the tensions of the strands differ by the load. A link that enters a sprocket of z teeth moves along
+the strand with ``ω R cos θ``, ``|θ| ≤ π/z``, so the speed of the chain varies by ``1 − cos(π/z)``.
 """
 
 import math

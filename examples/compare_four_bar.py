@@ -1,11 +1,11 @@
 """Formulations and stabilisations compared on the four-bar of the book's section 5.4.3, all by RK4.
 
-Left: what accuracy costs. All formulations solve the same equations, so at the same step their
-errors agree and their times do not. Only the penalty method solves other equations, with slightly
-soft joints, and its error soon stops falling.
+Left: cost over accuracy. All formulations solve the same equations, so at the same step their
+errors agree but their times differ. Only the penalty method solves other equations, with slightly
+compliant joints, and its error soon stops decreasing.
 
-Right: the energy with four ways to treat the constraint violation, at the same steps. Projection
-closes the joints to round-off and yet loses energy; energy projection keeps both, and the motion
+Right: the energy with four treatments of the constraint violation, at the same steps. Projection
+closes the joints to round-off but loses energy; energy projection conserves both, but the motion
 still has an error.
 """
 

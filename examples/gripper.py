@@ -1,9 +1,9 @@
-"""A gripper by synthesis: a slider opens two fingers by links, with the same grip all the way.
+"""Synthesis of a gripper: a slider opens two fingers by links, with a constant force ratio.
 
-Only the upper half is built. The slider goes by 20 mm; the tip of the finger has to go from 10 to
-40 mm evenly (function generation, with a slider for a motor). Then the force on the slider that
-holds a force at the tip does not vary: by virtual work it is the ratio of their speeds, 30 over 20.
-The places of all pins and of the tip are varied.
+The model is the upper half. The slider moves by 20 mm; the tip of the finger must move linearly
+from 10 to 40 mm (function generation, driven by a slider). Then the ratio of slider force and tip
+force is constant: by virtual work it is the ratio of their speeds, 30 over 20. The variables are
+the positions of all pins and of the tip.
 """
 
 import sys

@@ -1,8 +1,8 @@
-"""Two-link arm identified from noisy angles: masses and friction, with intervals that hold.
+"""Two-link arm identified from noisy angles: masses and friction, with confidence intervals.
 
-The arm hangs in gravity and is shaken by known torques. Its angles are 'measured' with noise of
-0.01 rad; least squares with exact gradients finds the masses of both links, the payload in the
-hand and the damping of both joints, from two runs of which each has its own initial angle.
+The arm hangs under gravity and is excited by known torques. Its simulated angles have a noise of
+0.01 rad. Least squares with exact gradients estimates the masses of both links, the payload and the
+damping of both joints, from two runs with unknown initial angles.
 """
 
 import sys

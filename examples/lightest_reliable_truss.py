@@ -1,10 +1,10 @@
-"""The lightest two-bar truss for every reliability index: the weight of reliability.
+"""The lightest two-bar truss over the reliability index.
 
-Section and height of a timber truss are chosen so that deflection and buckling are as improbable as
-asked for, each with an index β, while load, timber and the cut of the saw scatter.
-The lightest truss without any scatter, and the one that keeps three standard deviations away from
-its limits, stand beside. All is lognormal and both limits are products of powers, so that
-the index of any design has a closed form.
+Section and height of a timber truss are optimised with limits of deflection and buckling, each with
+a required reliability index β; load, material and sawn section are random. The page also shows the
+deterministic optimum, and the optimum with three standard deviations of distance from its limits.
+All variables are lognormal and both limits are products of powers, so that the index of any design
+has a closed form.
 """
 
 import sys

@@ -1,9 +1,10 @@
 """Book examples 4.3 and 4.5: slider and link, constraints stated implicitly and explicitly.
 
-Implicitly, Φ(y) = 0 names what the joints prohibit and its multipliers are their reactions:
-guide force and moment, two components of the pin force. Explicitly, y = g(s, φ) names what is
-left free; C D = 0 and C γ = ξ tie the two (4.18)-(4.19). Both move alike. The link falls from the
-horizontal; momentum and energy give its speed and the guide force at the lowest point.
+The implicit form Φ(y) = 0 describes the prevented motions, and its multipliers are the reactions:
+guide force and moment, two components of the pin force. The explicit form y = g(s, φ) describes the
+free motions; C D = 0 and C γ = ξ relate the two (4.18)-(4.19). Both have the same motion. The link
+falls from the horizontal; momentum and energy determine its speed and the guide force at the lowest
+point.
 """
 
 import sys

@@ -1,7 +1,7 @@
-"""Slider-crank with clearance (play) in the pin: the journal flies and strikes in its bearing.
+"""Slider-crank with clearance (play) in the pin: free flight and impacts of the journal.
 
-Data of Flores and Ambrosio (2004): crank 50 mm at 5000 rpm, connecting rod 120 mm, journal of
-10 mm, play of 0.5 mm in the radius, steel, restitution 0.9 by the law of Lankarani and Nikravesh.
+Data of Flores and Ambrosio (2004): crank 50 mm at 5000 rpm, connecting rod 120 mm, journal of 10
+mm, radial clearance of 0.5 mm, steel, restitution 0.9 by the law of Lankarani and Nikravesh.
 """
 
 import math

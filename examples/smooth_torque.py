@@ -1,4 +1,4 @@
-"""A plunger pump with a spring that relieves the motor: its best stiffness and length."""
+"""A plunger pump with a spring that smooths the motor torque: optimal stiffness and free length."""
 
 import math
 import sys

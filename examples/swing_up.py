@@ -1,9 +1,9 @@
-"""A pole swung up on a cart with minimum force, and a four-bar moved from rest to rest.
+"""Swing-up of a pole on a cart with minimum force, and a four-bar moved from rest to rest.
 
-Trajectory optimisation by direct collocation on the model itself: the force on the cart in time,
-for the problem of Kelly (SIAM Review 2017); then the torque at the crank of a four-bar, a closed
-loop, with the length of its crank designed at once for a rocker that swings by 0.7 rad. Dots are
-planned, lines are runs under these controls.
+Trajectory optimisation by direct collocation: the force on the cart over time, for the problem of
+Kelly (SIAM Review 2017); then the torque at the crank of a four-bar, a closed loop, together with
+the length of its crank for a rocker swing of 0.7 rad. Dots are the plan, lines the simulation under
+these controls.
 """
 
 import math

@@ -1,8 +1,8 @@
 """The woodpecker toy: a bird pecks its way down a pole, with impacts, sticking and free flight.
 
-A bird hangs by a spring on a sleeve with play on the pole (Pfeiffer and Glocker 1996). The sleeve
-jams, slides and falls in turn, the beak hits the pole once a cycle, and what gravity gives is lost
-in the impacts. The gradient of the way down goes through all of them.
+A bird is connected by a spring to a sleeve with clearance on the pole (Pfeiffer and Glocker 1996).
+The sleeve alternately jams, slides and falls, the beak hits the pole once a cycle, and the work of
+gravity is dissipated in the impacts. The gradient of the distance travelled includes all impacts.
 """
 
 import sys

@@ -9,8 +9,9 @@ from mechanism_twin import MechanismTwin, direction_of
 from twins import direction, left, length, turn
 
 import dalembert as da
-from dalembert import FormulaCurve, cos, planar, sin, u
+from dalembert import FormulaCurve, cos, planar, sin
 from dalembert.elements.base import Constraint
+from dalembert.elements.curves import u
 
 
 class JointTwin(MechanismTwin):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from pathlib import Path
 
@@ -365,12 +366,26 @@ def test_rows_from_a_file_beside_the_model(tmp_path):
     assert len(system.elements["cam"].curve.points) == 3
 
 
+def test_rows_of_a_file_in_the_units_of_its_heading(tmp_path):
+    rows = "time [ms], angle [deg]\n0, 0\n1000, 180\n2000, 0\n"
+    (tmp_path / "law.csv").write_text(rows, encoding="utf-8")
+    text = HEAD + (
+        '[drivers.new]\ntype = "RotationalDriver"\nconnect = ["ground", "a"]\n'
+        'law = { type = "Table", file = "law.csv" }\n'
+    )
+    spline = load(written(tmp_path, text)).elements["new"].law.spline
+    assert spline.knots == pytest.approx([0, 1, 2])
+    assert spline.values == pytest.approx([0, math.pi, 0])
+
+
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
         ("0,0\n1;1\n", "line 2"),
         ("", "no rows"),
-        ("0,0,0\n0,0,0\n", "line 2"),
+        ("0,0,0\n0,0,0\n", "has 3 columns; expected 2"),
+        ("time [mm], angle [rad]\n0, 0\n1, 1\n2, 0\n", "'time' is in 'mm'; expected a unit of s"),
+        ("a, a\n0, 0\n1, 1\n2, 0\n", "two columns are named 'a'"),
         ("0,0\n2,1\n1,0\n", "increase"),
     ],
 )
@@ -479,3 +494,25 @@ def test_checking_makes_no_step():
     analysis = make_analysis(file, model)
     variants = analysis.kernel(model).variants
     assert variants and not any({"step", "attempt"} & set(vars(v)) for v in variants)
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "by_ends"),
+    [
+        ("RotationalDriver", '"k*t"', 'connect = ["ground", "a"]'),
+        ("TranslationalDriver", '"0.1*t"', 'connect = ["a.P", "b"]\naxis = [1, 2]'),
+    ],
+)
+def test_a_driver_names_its_joint_or_its_ends(name, law, by_ends, tmp_path):
+    """Both forms state the same equation; a driver with neither is refused."""
+    slot = '[joints.S]\ntype = "PinInSlot"\nconnect = ["a.P", "b"]\naxis = [1, 2]\n'
+    joint = "J" if name == "RotationalDriver" else "S"
+    equations = []
+    for k, ends in enumerate((f'joint = "{joint}"', by_ends)):
+        text = f'{HEAD}{slot}[drivers.D]\ntype = "{name}"\n{ends}\nlaw = {law}\n'
+        model = load(written(tmp_path, text, f"{k}.toml")).build()
+        equations.append(str(model.constraints[-1].equations))
+    assert equations[0] == equations[1]
+    text = f'{HEAD}[drivers.D]\ntype = "{name}"\nlaw = {law}\n'
+    with pytest.raises(da.ModelError, match=r"drivers.D: .*give a joint that leaves a .* free, or"):
+        load(written(tmp_path, text))

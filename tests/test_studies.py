@@ -174,16 +174,16 @@ def test_folder_goes_on(tmp_path, stored):
     with pytest.raises(KeyboardInterrupt):
         study(design, folder=tmp_path / "parts", chunk=3, progress=stop)
     again = study(design, folder=tmp_path / "parts", chunk=2)
-    assert again.reused == 3
+    assert again.reused_count == 3
     assert np.array_equal(whole.values, again.values)
     name = f"table.{stored}"
-    assert again.stored == tmp_path / "parts" / name
+    assert again.table_path == tmp_path / "parts" / name
     assert bool(again.findings()["note"]) == (stored == "csv")
     if stored == "csv":
         assert (tmp_path / "whole" / name).read_text() == (tmp_path / "parts" / name).read_text()
     else:
         assert table_of(tmp_path / "whole").equals(table_of(tmp_path / "parts"))
-    assert study(design, folder=tmp_path / "parts").reused == 8
+    assert study(design, folder=tmp_path / "parts").reused_count == 8
 
 
 DAMAGE = {
@@ -229,14 +229,14 @@ def test_a_study_with_a_damaged_part_goes_on(tmp_path, stored):
     part = sorted((tmp_path / "parts").glob("part-*"))[1]
     part.write_bytes(part.read_bytes()[:-9])
     again = study(design, folder=tmp_path)
-    assert again.reused == 2 and np.array_equal(whole.values, again.values)
+    assert again.reused_count == 2 and np.array_equal(whole.values, again.values)
     assert part.exists() and part.with_name(f"{part.name}.damaged").exists()
 
 
 def test_failures_are_kept(tmp_path, stored):
     design = da.DesignTable.grid({"length": [1.0, -1.0, 1.5]})
     first, again = (study(design, folder=tmp_path) for _ in range(2))
-    assert again.reused == 3 and again.failures == first.failures
+    assert again.reused_count == 3 and again.failures == first.failures
     assert np.array_equal(first.values, again.values, equal_nan=True)
 
 

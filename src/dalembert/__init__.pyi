@@ -12,9 +12,13 @@ from dalembert.analysis.equilibrium.equilibrium import (
     Equilibrium as Equilibrium,
     solve_equilibrium as solve_equilibrium,
 )
-from dalembert.analysis.equilibrium.linearization import (
-    Linearization as Linearization,
-    linearize as linearize,
+from dalembert.analysis.equilibrium.load_path import (
+    ArcLength as ArcLength,
+    solve_load_path as solve_load_path,
+)
+from dalembert.analysis.equilibrium.statics import (
+    Statics as Statics,
+    solve_statics as solve_statics,
 )
 from dalembert.analysis.events import Event as Event
 from dalembert.analysis.kinematics.inverse_dynamics import (
@@ -25,23 +29,15 @@ from dalembert.analysis.kinematics.kinematics import (
     Kinematics as Kinematics,
     solve_kinematics as solve_kinematics,
 )
-from dalembert.analysis.nonsmooth.nonsmooth import (
-    Nonsmooth as Nonsmooth,
-    solve_nonsmooth as solve_nonsmooth,
-)
-from dalembert.analysis.structural.buckling import (
+from dalembert.analysis.modes.buckling import (
     Buckling as Buckling,
     solve_buckling as solve_buckling,
 )
-from dalembert.analysis.structural.load_path import (
-    ArcLength as ArcLength,
-    solve_load_path as solve_load_path,
-)
-from dalembert.analysis.structural.modal import Modal as Modal, solve_modes as solve_modes
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics as NonlinearStatics
-from dalembert.analysis.structural.statics import (
-    Statics as Statics,
-    solve_statics as solve_statics,
+from dalembert.analysis.modes.modal import Modal as Modal
+from dalembert.analysis.modes.solve import linearize as linearize, solve_modes as solve_modes
+from dalembert.analysis.nonsmooth.nonsmooth import (
+    Nonsmooth as Nonsmooth,
+    solve_nonsmooth as solve_nonsmooth,
 )
 from dalembert.analysis.structural.transient import (
     Transient as Transient,
@@ -60,7 +56,10 @@ from dalembert.design.identification.identification_result import (
     IdentificationResult as IdentificationResult,
 )
 from dalembert.design.identification.identify import identify as identify
-from dalembert.design.inverse.history import History as History, history as history
+from dalembert.design.inverse.input_history import (
+    InputHistory as InputHistory,
+    input_history as input_history,
+)
 from dalembert.design.inverse.inversion_result import InversionResult as InversionResult
 from dalembert.design.inverse.invert import invert as invert
 from dalembert.design.limit import Limit as Limit
@@ -148,6 +147,7 @@ from dalembert.design.trajectory.shooting import MultipleShooting as MultipleSho
 from dalembert.design.trajectory.trajectory_result import TrajectoryResult as TrajectoryResult
 from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
 from dalembert.elements import (
+    curves as curves,
     laws as laws,
     planar as planar,
     rotation as rotation,
@@ -156,7 +156,6 @@ from dalembert.elements import (
 from dalembert.elements.curves import (
     FormulaCurve as FormulaCurve,
     SplineCurve as SplineCurve,
-    u as u,
 )
 from dalembert.elements.laws.base import (
     Formula as Formula,
@@ -295,7 +294,7 @@ from dalembert.symbolic.formulas.functions import (
     tanh as tanh,
     where as where,
 )
-from dalembert.symbolic.formulas.interpolation import Interpolation as Interpolation, table as table
+from dalembert.symbolic.formulas.interpolation import Interpolation as Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter as Parameter
 from dalembert.symbolic.native.code_cache import clear_cache as clear_cache
 

@@ -111,7 +111,7 @@ def test_motion_with_redundant_equations(name):
     found, expected = (m.trajectory for m in run.values())
     np.testing.assert_allclose(found.y, expected.y, atol=1e-9)
     np.testing.assert_allclose(found.a, expected.a, atol=1e-7)
-    assert run[EVERY].statistics["largest |C v̇ − ξ|"] < 1e-10
+    assert run[EVERY].statistics["maximum |C v̇ − ξ|"] < 1e-10
     assert float(run[EVERY].data.position_violation.max()) < 1e-12
 
 

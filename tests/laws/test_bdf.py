@@ -139,7 +139,7 @@ def test_stiff_oscillator_like_another_implementation(tolerance):
     mu, end, x0, p = 1e3, 2000.0, np.array([2.0, 0.0]), np.zeros(0)
     method, problem = da.BDF(tolerance, 1e-2 * tolerance), van_der_pol(mu)
     step = method.step(problem)
-    memory = step.begin(0.0, x0, p).full().ravel()
+    memory = step.begin.function(0.0, x0, p).full().ravel()
     attempt = method.attempt(problem, step)
     march = AdaptiveMarch(lambda mode: attempt)
     found = march.run(0.0, end, np.concatenate([x0, memory]), p, 1e-4, end, 0, Watch())

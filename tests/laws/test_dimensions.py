@@ -200,4 +200,4 @@ def test_the_first_value_of_a_history_is_in_its_unit(tmp_path):
         history = f"[histories.push]\nknots = [0, 1, 2, 3]\nvalue = {value}\nunit = 'kN'\n"
         path.write_text(FILE + history)
         parameter = load_model_file(path).model().parameters["push_0"]
-        assert (parameter.value, parameter.unit, parameter.given_unit) == (5000.0, "N", "kN")
+        assert (parameter.value, parameter.unit, parameter.declared_unit) == (5000.0, "N", "kN")

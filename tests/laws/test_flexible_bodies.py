@@ -302,7 +302,7 @@ def test_one_name_for_two_parameters_is_refused():
 def test_mean_axes_hold_no_joint():
     system = da.System("x")
     body = system.add(flexible(2, reference="mean"))
-    with pytest.raises(da.ModelError, match="nowhere fixed in it"):
+    with pytest.raises(da.ModelError, match="not fixed to its material"):
         system.add(planar.Revolute("pin", system.ground.center, body))
 
 

@@ -202,7 +202,7 @@ def test_order_that_is_not_decided_is_told():
     model = system.build()
     motion = da.solve_dynamics(model, 0.5, step=0.01)
     assert len(motion.impacts) == 2
-    assert "left and right at t = " in motion.statistics["closed at one time"]
+    assert "left and right at t = " in motion.statistics["simultaneous impacts"]
     notes = da.sensitivity(motion, da.final(model["bar.end.y"])).attrs["notes"]
     assert any("left, right close at one time" in note for note in notes)
 

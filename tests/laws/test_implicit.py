@@ -172,7 +172,7 @@ def amplification(integrator, stiffness: float, step: float) -> np.ndarray:
     march = kernel.variants[mode].step
     x = np.zeros(march.size)
     columns = [
-        march.tangent(0.0, step, x, p, direction, np.zeros(p.size)).full().ravel()
+        march.tangents(1)(0.0, step, x, p, direction, np.zeros(p.size)).full().ravel()
         for direction in np.eye(march.size)
     ]
     memory = [6, 8, 12] if march.size > march.state_size else []  # v̇, s and the slope of v̇

@@ -61,7 +61,7 @@ def test_every_case_can_be_drawn(name):
     motion = still(model_of(name))
     scene = motion_scene(motion, np.arange(motion.time.size))
     drawn = [item for key in ("joints", "links", "symbols") for item in scene[key]]
-    assert all({"name", "what", "symbol"} <= item.keys() for item in drawn)
+    assert all({"name", "description", "symbol"} <= item.keys() for item in drawn)
     bodies = {"ground", *(b.name for b in motion.model.bodies)}
     assert {item["body"] for item in drawn if "body" in item} <= bodies
     known = set(motion.model.parts.elements)

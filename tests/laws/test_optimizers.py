@@ -154,7 +154,7 @@ def test_several_analyses_and_a_chain():
     member.support(ends[1], uy=0.0)
     member.load(ends[1], fx=load + 5000.0)
     force = turn[da.rms("O.force_norm", name="force")]
-    strength = da.Case(member.build(), da.Statics(), given={"load": force})
+    strength = da.Case(member.build(), da.Statics(), inputs={"load": force})
     stress = strength[da.final("bar.stress", name="stress")]
 
     goal = da.combined(

@@ -295,7 +295,7 @@ def test_what_is_refused():
     with pytest.raises(da.AnalysisError, match="unknown parameter 'q'"):
         da.hessian_product(motion, da.final("b.angle"), {"q": 1.0})
     modes = da.linearize(propped_bar())
-    with pytest.raises(da.UnsupportedError, match="second derivatives of Linearization"):
+    with pytest.raises(da.UnsupportedError, match="second derivatives of Modal"):
         da.hessian_product(modes, da.at(1.0, "frequency"), {"length": 1.0})
     sundials = da.solve_dynamics(model, 0.02, step=0.01, integrator=da.CVODES())
     with pytest.raises(da.UnsupportedError, match="CVODES"):

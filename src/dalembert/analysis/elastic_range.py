@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.structural.linear_range import (
+from dalembert.analysis.equilibrium.linear_range import (
     QUIET,
     RELATIVE,
     SHORT,

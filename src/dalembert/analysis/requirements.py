@@ -60,7 +60,7 @@ def need_count(strategy: Any) -> None:
     UnsupportedError
         The count is zero or less.
     """
-    if not strategy.count > 0:
+    if strategy.count is not None and not strategy.count > 0:
         kind = type(strategy).__name__
         raise UnsupportedError(f"{kind}: count is {strategy.count}; it must be positive")
 

@@ -82,8 +82,8 @@ def sweep(
 
 
 def _show(summary: dict[str, Any]) -> None:
-    if summary["reused"]:
-        print_line(f"  {summary['reused']} were there already")
+    if summary["reused_count"]:
+        print_line(f"  {summary['reused_count']} were there already")
     for name, numbers in summary["responses"].items():
         statistics = ", ".join(
             f"{key} {value:.6g}" for key, value in numbers.items() if key != "unit"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,7 @@ from dalembert.errors import ModelError
 
 
 def free_motion(
-    joint: Any, free: Mapping[str, Any], motion: str | None, owner: str, kind: str = "motion"
+    joint: Any, free: Collection[str], motion: str | None, owner: str, kind: str = "motion"
 ) -> str:
     """Name of a free motion of a joint; the first one by default.
 

@@ -61,7 +61,7 @@ class Orientation(Expression):
         return Orientation(turning.product(self.sx, other.sx), off, warnings)
 
     def conditions(self) -> list[tuple[ca.SX, str, ca.SX]]:
-        """That it is a rotation at the values of the parameters, as ``Element.conditions``."""
+        """Orthonormality at the values of the parameters, as ``Element.conditions``."""
         off = ca.vertcat(self.off, ca.sumsqr(self.sx) - 1)
         wrong = (
             "its rotation is none: an axis has no length, or a matrix is off orthonormal by {:.3g}"

@@ -198,8 +198,9 @@ class Builder:
         scope = Scope.MOTION if moving else Scope.PARAMETERS
         with self.located(*where):
             ties = []
-            ends = getattr(table, "connect", ())
-            for k, (field, end) in enumerate(zip(connected_fields(cls), ends, strict=True)):
+            ends = getattr(table, "connect", None) or ()
+            connections = connected_fields(cls) if ends else []
+            for k, (field, end) in enumerate(zip(connections, ends, strict=True)):
                 with self.located(*where, "connect", k):
                     ties.append(self.references.end(field.holds, end))
             keys = read_fields(

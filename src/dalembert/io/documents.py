@@ -65,9 +65,9 @@ class CaseTable(Record):
     analysis: _ANALYSIS = Field(  # type: ignore[valid-type]
         default=None, description="another analysis of this model, as `[analysis]`"
     )
-    given: dict[str, Text] = Field(
+    inputs: dict[str, Text] = Field(
         default_factory=dict,
-        description="parameter of that model → name of the response here that sets it",
+        description="parameter of that model → name of a response of this file, its value",
     )
 
 

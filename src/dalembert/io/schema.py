@@ -101,7 +101,7 @@ class ModelDocument(Record):
     parameters: dict[str, _PARAMETER] = Field(default_factory=dict)  # type: ignore[valid-type]
     derived: dict[str, _DERIVED] = Field(default_factory=dict)  # type: ignore[valid-type]
     tables: dict[str, CurveTable] = Field(
-        default_factory=dict, description="functions through measured values"
+        default_factory=dict, description="interpolated functions"
     )
     gravity: gravity_type(Place) = Field(  # type: ignore[valid-type]
         default=None,
@@ -134,7 +134,7 @@ class ModelDocument(Record):
     )
     initial: tables_or(InitialTable, dict[str, Entry]) = Field(  # type: ignore[valid-type]
         default_factory=dict,
-        description="measures at the start, held exactly; or tables of motions of nodes",
+        description="exact initial values of measures; or tables of motions of nodes",
     )
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
     combined: dict[str, _COMBINED] = Field(default_factory=dict)  # type: ignore[valid-type]

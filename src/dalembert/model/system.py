@@ -136,7 +136,7 @@ class System(CheckedArguments, SupportsAndLoads, MechanismParts):
         check_membership(parts)
         check_symbols(parts)
         ValueChecks(parts)([p.value for p in self.parameters.values()])
-        return Model(parts, strict=strict)
+        return Model.assembled(parts, strict)
 
 
 def _moves(element: Any) -> bool:

@@ -55,7 +55,7 @@ class AtEvent(Response):
         suffix = "" if self.occurrence == 1 else f" {self.occurrence}"
         return f"at_event({Occurrence(self.event)}{suffix}, {measure}"
 
-    def stays(self, motion: Result) -> bool:
+    def has_fixed_times(self, motion: Result) -> bool:
         return True
 
     def sampled(self, motion: Result) -> Result:
@@ -64,7 +64,7 @@ class AtEvent(Response):
         except UnsupportedError as error:
             raise UnsupportedError(f"{self.label}: {error}") from None
 
-    def moves_with(self, motion: Result) -> Occurrence | None:
+    def final_event(self, motion: Result) -> Occurrence | None:
         return Occurrence(self.event, self.occurrence)
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:

@@ -86,17 +86,17 @@ class Maximum(Response):
             return motion
         return motion.analysis.over_peaks(motion, self.measure, 1 / width, self.sign)
 
-    def searches(self, motion: Result) -> bool:
+    def has_adaptive_times(self, motion: Result) -> bool:
         return self.sampled(motion) is not motion
 
-    def stays(self, motion: Result) -> bool:
+    def has_fixed_times(self, motion: Result) -> bool:
         sampled = self.sampled(motion)
         return sampled is not motion and sampled.time[-1] != motion.record.steps.end
 
-    def moves_with(self, motion: Result) -> Occurrence | None:
+    def final_event(self, motion: Result) -> Occurrence | None:
         return end_by_event(self.sampled(motion))
 
-    def over(self, motion: Result) -> Response:
+    def adapted_to(self, motion: Result) -> Response:
         if self.smooth is None:
             return self
         if isinstance(self.smooth, Measured):

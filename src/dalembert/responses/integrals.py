@@ -45,8 +45,8 @@ class Weighted(Response):
     ) -> float:
         return (before - after) / (self.rule.span if self.over_span else 1.0)
 
-    def shares(self, times: np.ndarray) -> np.ndarray:
-        return self.rule.shares
+    def time_derivatives(self, times: np.ndarray) -> np.ndarray:
+        return self.rule.time_derivatives
 
     def unit(self, unit: str) -> str:
         return f"{unit} s".strip() if self.rule.continuous and not self.over_span else unit
@@ -89,8 +89,8 @@ class RootOfSquares(Response):
             return 0.0
         return self.mean.jump_weight(times, samples**2, before**2, after**2) / (2 * value)
 
-    def shares(self, times: np.ndarray) -> np.ndarray:
-        return self.mean.shares(times)
+    def time_derivatives(self, times: np.ndarray) -> np.ndarray:
+        return self.mean.time_derivatives(times)
 
 
 @dataclass(frozen=True)
@@ -104,10 +104,10 @@ class OverRun(Response):
     def sampled(self, motion: Result) -> Result:
         return motion.over_steps
 
-    def over(self, motion: Result) -> Response:
+    def adapted_to(self, motion: Result) -> Response:
         return self.by(rule_over(self.sampled(motion)))
 
-    def moves_with(self, motion: Result) -> Occurrence | None:
+    def final_event(self, motion: Result) -> Occurrence | None:
         return end_by_event(self.sampled(motion))
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:

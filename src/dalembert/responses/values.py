@@ -39,7 +39,7 @@ class Final(Response):
     ('width', 6.0)
     """
 
-    def over(self, motion: Result) -> Response:
+    def adapted_to(self, motion: Result) -> Response:
         if motion.in_sequence or motion.time.size <= 1:
             return self
         values = motion.values(self.measure)

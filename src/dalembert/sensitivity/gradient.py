@@ -205,7 +205,7 @@ def _strategy(
 
 
 def _unit(motion: Result, response: Response) -> str:
-    return response.over(motion).unit_of(motion)
+    return response.adapted_to(motion).unit_of(motion)
 
 
 def refuse_unfinished(motion: Result) -> None:

@@ -84,13 +84,13 @@ def hessian_product(
             "formulas of parameters; give numbers"
         )
     engine = engine_of(result, [response])
-    if any(sample.moves_with for sample in engine.samples):
+    if any(sample.final_event for sample in engine.samples):
         raise UnsupportedError(
             f"{response.label} is evaluated at an event; second derivatives are available "
             "at fixed times only"
         )
     for sample, (_, term) in zip(engine.samples, response.terms, strict=True):
-        if term.searches(result) and not isinstance(sample.response, SmoothExtreme):
+        if term.has_adaptive_times(result) and not isinstance(sample.response, SmoothExtreme):
             raise UnsupportedError(
                 f"{term.label} is evaluated at the instant of an extreme, which moves with the "
                 "parameters; second derivatives are available at fixed times only; use smooth="

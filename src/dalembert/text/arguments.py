@@ -107,7 +107,7 @@ class CheckedArguments:
 def check_arguments(function: Callable[P, T]) -> Callable[P, T]:
     """Decorator of a function or method: names missing arguments and suggests keywords."""
     parameters = list(inspect.signature(function).parameters.values())
-    is_method = int(bool(parameters) and parameters[0].name == "self")
+    is_method = int(bool(parameters) and parameters[0].name in ("self", "cls"))
     parameters = parameters[is_method:]
     names = [p.name for p in parameters]
     closed = not any(p.kind is p.VAR_KEYWORD for p in parameters)

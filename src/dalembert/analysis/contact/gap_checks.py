@@ -77,7 +77,7 @@ def _closed(model: Model, gaps: tuple[int, ...]) -> Model:
     """The model with some gaps closed at the start."""
     contacts = model.all_equations.contacts
     distances = (Expression(contacts[k].distance) for k in gaps)
-    return Model(model.parts.with_conditions([(d, Expression(0.0)) for d in distances]))
+    return Model.assembled(model.parts.with_conditions([(d, Expression(0.0)) for d in distances]))
 
 
 def refuse_negative(gaps: Sequence[RigidGap], distances: np.ndarray, near: float) -> None:

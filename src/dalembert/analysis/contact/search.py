@@ -84,9 +84,9 @@ class ContactSearch:
         """Statistics of contacts up to a time."""
         entries: dict[str, Any] = {"impacts": sum(i.time <= end for i in self.impacts)}
         if together := [f"{names} at t = {t:.9g} s" for t, names in self.together if t <= end]:
-            entries["closed at one time"] = ", ".join(together)
+            entries["simultaneous impacts"] = ", ".join(together)
         if closed := [f"{name} at t = {t:.9g} s" for t, name in self.closed if t <= end]:
-            entries["closed after ever shorter bounces"] = ", ".join(closed)
+            entries["accumulation of impacts"] = ", ".join(closed)
         return entries
 
     @property

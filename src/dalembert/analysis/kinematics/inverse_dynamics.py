@@ -41,7 +41,7 @@ class InverseDynamics(Kinematics):
     5500.0
     """
 
-    spoken = "inverse dynamics"
+    display_name = "inverse dynamics"
 
     @property
     def efforts(self) -> bool:

@@ -58,7 +58,7 @@ class Kinematics(OverTime[Motion]):
     array([2., 2., 2.])
     """
 
-    spoken = "kinematics"
+    display_name = "kinematics"
     execution = KinematicsRun
     batched = KinematicsBatch
 

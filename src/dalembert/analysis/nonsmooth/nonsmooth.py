@@ -53,7 +53,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     0.1
     """
 
-    spoken = "dynamics with contacts"
+    display_name = "dynamics with contacts"
     integrates = True
     execution = NonsmoothRun
 

@@ -20,7 +20,7 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.newmark.family import Newmark, NewmarkFamily
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import options
-from dalembert.results.result import Analysis, ParameterValues
+from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.structural.motion import StructuralMotion
 from dalembert.text.arguments import check_arguments
 
@@ -63,7 +63,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     0.2
     """
 
-    spoken = "transient"
+    display_name = "transient"
 
     duration: float | None = None
     step: float | None = None

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.equilibrium.linear_range import linear_range_warnings
 from dalembert.analysis.kinematics.branches import Branches, outputs_of
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.structural.linear_range import linear_range_warnings
 from dalembert.analysis.structural.rotation_charts import RotationCharts
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, motion_of
 from dalembert.analysis.structural.transient_start import TransientStart

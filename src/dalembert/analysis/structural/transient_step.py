@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from dalembert.analysis.equilibrium.static_equations import Balance, full_steps
 from dalembert.analysis.structural.instant import Instant, Unknown
-from dalembert.analysis.structural.static_equations import Balance, full_steps
 from dalembert.analysis.structural.transient_equation import (
     EquationOfMotion,
     Motions,

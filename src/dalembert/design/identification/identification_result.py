@@ -22,6 +22,7 @@ from dalembert.results.result import Result
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 MIN_SAMPLES = 20
 """Lower limit of the samples for testing the autocorrelation of residuals."""
@@ -39,7 +40,7 @@ class IdentificationResult(Decision):
     success, message : status of the least-squares solver
     deviation : unknown → standard deviation, infinite if the data do not determine it
     noise : column → standard deviation of its noise, specified or estimated
-    noise_given : whether all noise was specified
+    noise_specified : whether all noise was specified
     motions : results at the identified parameters, one per experiment
     predicted : (K, columns) of each experiment, NaN for samples that are not used
     at_bounds : unknowns at one of their bounds; their intervals are not meaningful
@@ -70,7 +71,7 @@ class IdentificationResult(Decision):
     message: str
     cost: float
     noise: dict[str, float]
-    noise_given: bool
+    noise_specified: bool
     factor: float
     information: Information
     motions: list[Result]
@@ -126,7 +127,7 @@ class IdentificationResult(Decision):
         from scipy.special import ndtri, stdtrit
 
         probability = (1 + level) / 2
-        is_normal = self.noise_given or self.freedom < 1
+        is_normal = self.noise_specified or self.freedom < 1
         quantile = float(ndtri(probability) if is_normal else stdtrit(self.freedom, probability))
         return {n: (v - quantile * s, v + quantile * s) for (n, v), s in self._pairs()}
 
@@ -135,11 +136,11 @@ class IdentificationResult(Decision):
 
     @property
     def combinations(self) -> list[Combination]:
-        """Combinations of the unknowns, the least certain first."""
+        """Combinations of the unknowns, the most uncertain first."""
         return self.information.combinations(self.factor)
 
     @property
-    def poorly_known(self) -> list[Combination]:
+    def poorly_determined(self) -> list[Combination]:
         """Combinations that the data determine poorly or not at all."""
         return [c for c in self.combinations if c.deviation > WEAK]
 
@@ -171,7 +172,7 @@ class IdentificationResult(Decision):
     def notes(self) -> list[str]:
         """Reasons to doubt the result."""
         notes = [f"{name} is at a bound; its interval is not meaningful" for name in self.at_bounds]
-        notes += [f"poorly determined by the data: {c}" for c in self.poorly_known]
+        notes += [f"poorly determined by the data: {c}" for c in self.poorly_determined]
         notes += [
             f"{column}: neighbouring residuals agree (correlation {correlation:.2f}), unlike "
             "noise: the model is incomplete, or another start fits better; intervals are too small"
@@ -202,11 +203,10 @@ class IdentificationResult(Decision):
                     suffix = f" of experiment {number}" if len(self.residuals) > 1 else ""
                     yield f"{column}{suffix}", correlation
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """Data, model and residuals of every column; returns the figure."""
-        from dalembert.design.pages.identification import plot_fit
-
-        return plot_fit(self.misfit, self.predicted)
+        figure: Figure = self._page_function("figure")(self)
+        return figure
 
     @property
     def sentence(self) -> str:
@@ -220,7 +220,7 @@ class IdentificationResult(Decision):
             "interval": self.interval(),
             "start": dict(zip(self.x, self.misfit.unknowns.start.tolist(), strict=True)),
             "noise": self.noise,
-            "noise_given": self.noise_given,
+            "noise_specified": self.noise_specified,
             "samples": self.samples,
             "correlation": self.correlation.values.tolist(),
             "notes": self.notes,
@@ -269,22 +269,7 @@ class IdentificationResult(Decision):
         return [*paths, *super().write(base, **first_view)]
 
     def table_html(self) -> str:
-        from dalembert.design.pages.identification import identification_table
-
-        kind = "specified" if self.noise_given else "estimated"
-        noise = ", ".join(f"{column}: {level:.3g}" for column, level in self.noise.items())
-        lines = f"{self.samples} samples: {self.message}", f"noise ({kind}): {noise}"
-        return identification_table(self._rows(), lines, self.notes)
-
-    def _rows(self) -> list[tuple[str, ...]]:
-        """Name, value, deviation, interval and unit of the unknowns, as text."""
-        parameters, interval = self.misfit.model.parameters, self.interval()
-        rows: list[tuple[str, ...]] = []
-        for (name, value), deviation in self._pairs():
-            low, high = interval[name]
-            unit = parameters[name].unit if name in parameters else ""
-            rows.append((name, f"{value:.6g}", f"{deviation:.2g}", f"{low:.6g} … {high:.6g}", unit))
-        return rows
+        return str(self._page_function("table")(self))
 
     def __repr__(self) -> str:
         listed = ", ".join(f"{n} = {v:.6g} ± {s:.2g}" for (n, v), s in self._pairs())

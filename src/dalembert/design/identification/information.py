@@ -86,7 +86,7 @@ class Information:
         return covariance
 
     def combinations(self, factor: float = 1.0) -> list[Combination]:
-        """All combinations, the least certain first."""
+        """All combinations, the most uncertain first."""
         s, rows = self.decompose()
         combinations = []
         for value, determined, row in zip(

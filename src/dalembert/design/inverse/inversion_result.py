@@ -6,16 +6,20 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.design.decision import Decision
 from dalembert.design.identification.misfit import Misfit
-from dalembert.design.inverse.history import History
+from dalembert.design.inverse.input_history import InputHistory
 from dalembert.design.inverse.smoothing import Curve
-from dalembert.results.result import Analysis, Result
+from dalembert.results.analysis import Analysis
+from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import history_gradients
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 
 NORMAL_95 = 1.959964
@@ -65,7 +69,7 @@ class InversionResult(Decision):
     >>> from dalembert import planar
     >>> system = da.System("pushed mass")
     >>> mass = system.add(planar.Particle("mass", mass=2.0))
-    >>> push = da.history(system, "push", np.linspace(0, 1, 5), unit="N")
+    >>> push = da.input_history(system, "push", np.linspace(0, 1, 5), unit="N")
     >>> force = system.add(planar.Force("push", mass.center, (push.value, 0)))
     >>> t = np.linspace(0, 1, 21)
     >>> seen = {"time": t, "mass.x": t**3}  # under a force of 12 t
@@ -89,7 +93,7 @@ class InversionResult(Decision):
     roughness_norm: float
     motions: list[Result] = field(repr=False)
     predicted: list[np.ndarray] = field(repr=False)
-    histories: list[History] = field(repr=False)
+    histories: list[InputHistory] = field(repr=False)
     misfit: Misfit = field(repr=False)
     interrupted: bool = False
 
@@ -98,7 +102,7 @@ class InversionResult(Decision):
         """Name of the model."""
         return str(self.misfit.model.name)
 
-    def at(self, name: str, times: Any) -> np.ndarray:
+    def at(self, name: str, times: ArrayLike) -> np.ndarray:
         """Values of a history at times, by its spline."""
         history = next(h for h in self.histories if h.name == name)
         return history.at(self.values[name], times)
@@ -174,7 +178,7 @@ class InversionResult(Decision):
             columns[f"curve_{name}"] = ("curve", getattr(self.curve, name))
         return xr.Dataset(columns, attrs={"message": self.message, "smoothing": self.smoothing})
 
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> pd.DataFrame:
         """A row per knot of each history."""
         import pandas as pd
 
@@ -191,7 +195,7 @@ class InversionResult(Decision):
         ]
         return pd.concat(parts, ignore_index=True)
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """The histories with their deviation, and the L-curve; returns the figure."""
         import matplotlib.pyplot as plt
 

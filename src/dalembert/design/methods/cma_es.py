@@ -10,6 +10,7 @@ from dalembert.design.methods.slsqp import SLSQP
 from dalembert.design.optimize.program import Program
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
+from dalembert.packages import optional_package
 
 
 @options
@@ -51,12 +52,7 @@ class CMAES(Optimizer):
     polish: Optimizer | None = SLSQP()
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
-        try:
-            import cma
-        except ImportError:
-            raise UnsupportedError(
-                "CMAES needs cma: pip install dalembert[design], or use DifferentialEvolution()"
-            ) from None
+        cma = optional_package("cma", "CMAES", "use DifferentialEvolution()")
         program.refuse_infinite_bounds("CMA-ES")
         if z.size == 1:
             raise UnsupportedError(

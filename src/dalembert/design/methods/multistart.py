@@ -20,7 +20,7 @@ class Multistart(Optimizer):
     starts : number of initial designs, the start of ``optimize`` first
     local : gradient method
     rng : seed
-    apart : threshold for the distance of distinct optima, relative to the ranges
+    minimum_distance : threshold for the distance of distinct optima, relative to the ranges
 
     Examples
     --------
@@ -39,7 +39,7 @@ class Multistart(Optimizer):
     starts: int = 20
     local: Optimizer = SLSQP()
     rng: int = 0
-    apart: float = 1e-3
+    minimum_distance: float = 1e-3
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         program.refuse_infinite_bounds("multistart")
@@ -74,7 +74,7 @@ class Multistart(Optimizer):
     ) -> None:
         """Insert an optimum in order, unless it is listed already."""
         for k, (other, other_values) in enumerate(optima):
-            if np.max(abs(other - z)) <= self.apart:
+            if np.max(abs(other - z)) <= self.minimum_distance:
                 if program.is_better(values, other_values):
                     optima[k] = (z, values)
                 break

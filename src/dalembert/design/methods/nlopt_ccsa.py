@@ -10,6 +10,7 @@ from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.optimize.program import Program
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
+from dalembert.packages import optional_package
 
 
 @options
@@ -35,12 +36,7 @@ class CCSAQ(Optimizer):
     """
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
-        try:
-            import nlopt
-        except ImportError:
-            raise UnsupportedError(
-                "CCSAQ needs NLopt: pip install dalembert[nlopt], or use method='mma'"
-            ) from None
+        nlopt = optional_package("nlopt", "CCSAQ", "use method='mma'")
         if np.any(program.c_lower == program.c_upper):
             raise UnsupportedError("CCSAQ takes no equations; use method='slsqp' or 'ipopt'")
         solver = nlopt.opt(nlopt.LD_CCSAQ, program.n)

@@ -18,7 +18,8 @@ class SLSQP(Optimizer):
 
     Parameters
     ----------
-    rescued : continue with ``Ipopt`` if it stalls at a design that is infeasible or not optimal
+    ipopt_fallback : continue with ``Ipopt`` if it stalls at a design that is infeasible or not
+        optimal
         though nearby designs are better
 
     Examples
@@ -36,10 +37,10 @@ class SLSQP(Optimizer):
     200
     """
 
-    rescued: bool = True
+    ipopt_fallback: bool = True
 
     def rescue(self) -> Optimizer | None:
-        return Ipopt() if self.rescued else None
+        return Ipopt() if self.ipopt_fallback else None
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         from scipy.optimize import minimize

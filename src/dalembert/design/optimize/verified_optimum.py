@@ -161,7 +161,7 @@ def _variables(program: Program, x: np.ndarray, kkt: Multipliers) -> list[Bounde
                 float(upper) if np.isfinite(upper) else None,
                 side,
                 0.0 if is_discrete or not side else float(price / program.width[i]),
-                program.variables.given_units[i],
+                program.variables.declared_units[i],
             )
         )
     return variables

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from dalembert.design.optimize.optimization import (
     signed_objective,
 )
 from dalembert.design.optimize.optimization_result import OptimizationResult
+from dalembert.design.quantity import Objective
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Correlation
 from dalembert.design.reliability.reliable_optimization_result import (
@@ -34,10 +34,10 @@ from dalembert.design.reliability.reliable_optimization_result import (
     Round,
 )
 from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
-from dalembert.design.variables import varied_names
+from dalembert.design.variables import Vary, varied_names
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments
@@ -50,14 +50,14 @@ CONVERGED = 1e-5
 @interruptible
 def optimize_reliable(
     model: ParametricModel,
-    minimize: Any = None,
+    minimize: Objective | None = None,
     *,
     subject_to: Sequence[Limit],
     random: Mapping[str, Distribution],
     analysis: Analysis,
     beta: float = 3.0,
-    maximize: Any = None,
-    vary: Sequence[Any] | None = None,
+    maximize: Objective | None = None,
+    vary: Vary = None,
     correlation: Correlation = None,
     start: Mapping[str, float] | None = None,
     method: str | Optimizer = "slsqp",
@@ -130,14 +130,14 @@ class _Rounds:
     task: ReliableTask
     search: OptimizerSettings
     sign: float
-    objective: Any
-    vary: Sequence[Any] | None
+    objective: Objective
+    vary: Vary
     start: dict[str, float]
     history: str | Path | None
     best: OptimizationResult | None = None
     limits: list[ReliableLimit] = field(default_factory=list)
     rounds: list[Round] = field(default_factory=list)
-    settled: bool = False
+    converged: bool = False
     stopped: bool = False
     sizes: np.ndarray | None = None
 
@@ -169,8 +169,8 @@ class _Rounds:
             previous = self.start = dict(best.x)
             margin = min(limit.margin for limit in self.limits)
             self.rounds.append(Round(number, best.fun, best.x, margin, best.runs))
-            self.settled = change <= CONVERGED and margin >= -CONVERGED
-            if self.settled:
+            self.converged = change <= CONVERGED and margin >= -CONVERGED
+            if self.converged:
                 break
         assert self.best is not None
         self.limits = self.task.with_indices(self.best, self.points, self.limits)
@@ -195,7 +195,7 @@ class _Rounds:
         limits = self.limits or self.task.unknown()
         runs = self.task.states.problem.runs + best.runs
         return ReliableOptimizationResult(
-            best, self.task.beta, limits, self.rounds, self.settled, runs, self.stopped
+            best, self.task.beta, limits, self.rounds, self.converged, runs, self.stopped
         )
 
 

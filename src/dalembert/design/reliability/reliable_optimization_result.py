@@ -60,7 +60,7 @@ class ReliableOptimizationResult(Decision):
     beta : required reliability index
     limits : ReliableLimit of each limit
     rounds : designs of all rounds
-    settled : whether design and worst points have converged
+    converged : whether design and worst points have converged
     runs : number of runs in all rounds, including the searches for worst points
     stopped : by Ctrl-C; the design is the best so far, limits are those of the last complete round,
         NaN without one
@@ -79,7 +79,7 @@ class ReliableOptimizationResult(Decision):
     >>> stiff = da.Limit(da.final("end.ux"), upper=1e-3)
     >>> task = dict(subject_to=[stiff], random={"load": da.Normal(1e5, 2e4)})
     >>> best = da.optimize_reliable(rod.build(), da.final("mass"), **task, analysis=da.Statics())
-    >>> isinstance(best, da.ReliableOptimizationResult), best.settled
+    >>> isinstance(best, da.ReliableOptimizationResult), best.converged
     (True, True)
     >>> round(best.x["area"] * 1e4, 6)  # (µ + 3 σ) ℓ/(E u) [cm²]
     16.0
@@ -91,7 +91,7 @@ class ReliableOptimizationResult(Decision):
     beta: float
     limits: list[ReliableLimit]
     rounds: list[Round]
-    settled: bool
+    converged: bool
     runs: int
     stopped: bool = False
 
@@ -105,7 +105,7 @@ class ReliableOptimizationResult(Decision):
 
     @property
     def success(self) -> bool:  # type: ignore[override]
-        return self.optimum.success and self.settled
+        return self.optimum.success and self.converged
 
     @property
     def interrupted(self) -> bool:  # type: ignore[override]
@@ -123,13 +123,13 @@ class ReliableOptimizationResult(Decision):
         if self.stopped:
             count = len(self.rounds)
             return f"interrupted after {count} complete round{'' if count == 1 else 's'}"
-        if self.settled:
+        if self.converged:
             return self.optimum.message
         return f"worst points still move after {len(self.rounds)} rounds; give more rounds"
 
     @property
     def sentence(self) -> str:
-        state = "" if self.settled else f" not reached, {self.message}"
+        state = "" if self.converged else f" not reached, {self.message}"
         return f"{self.optimum.sentence}, limits at β = {self.beta:g}{state}"
 
     def findings(self) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, ExpressionError
-from dalembert.options import random_generator
+from dalembert.options import RandomSource, random_generator
 from dalembert.text.arguments import CheckedArguments
 from dalembert.units.measured import measured
 
@@ -30,7 +30,7 @@ class DesignTable(CheckedArguments):
     ----------
     names : of the k parameters
     values : (n, k)
-    given : parameter → its values as specified, with units
+    specified : parameter → its values as specified, with units
 
     Examples
     --------
@@ -45,7 +45,7 @@ class DesignTable(CheckedArguments):
 
     names: tuple[str, ...]
     values: np.ndarray
-    given: Mapping[str, Sequence[Any]] = field(default_factory=dict, repr=False)
+    specified: Mapping[str, Sequence[Any]] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         if not self.names:
@@ -80,7 +80,7 @@ class DesignTable(CheckedArguments):
         return cls(tuple(axes), values, values_by_name)
 
     @classmethod
-    def latin_hypercube(cls, ranges: Ranges, count: int, rng: Any = None) -> DesignTable:
+    def latin_hypercube(cls, ranges: Ranges, count: int, rng: RandomSource = None) -> DesignTable:
         """One design in each of ``count`` slices of every range (McKay, Beckman, Conover 1979)."""
         from scipy.stats import qmc
 
@@ -88,7 +88,7 @@ class DesignTable(CheckedArguments):
         return cls._from_unit_cube(ranges, sampler.random(_checked_count(count)))
 
     @classmethod
-    def sobol(cls, ranges: Ranges, count: int, rng: Any = None) -> DesignTable:
+    def sobol(cls, ranges: Ranges, count: int, rng: RandomSource = None) -> DesignTable:
         """Scrambled Sobol' points; best where ``count`` is a power of two."""
         from scipy.stats import qmc
 
@@ -98,7 +98,7 @@ class DesignTable(CheckedArguments):
 
     @classmethod
     def monte_carlo(
-        cls, distributions: Mapping[str, Any], count: int, rng: Any = None
+        cls, distributions: Mapping[str, Any], count: int, rng: RandomSource = None
     ) -> DesignTable:
         """Independent random values, each of a frozen ``scipy.stats`` distribution or a range."""
         generator = random_generator(rng)

@@ -9,7 +9,8 @@ import numpy as np
 
 from dalembert.design.studies.design_table import DesignTable, Ranges
 from dalembert.design.studies.sweep_result import SweepResult
-from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.errors import AnalysisError
+from dalembert.packages import optional_package
 from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def sobol_indices(
     >>> shares["total"].values.round(1).ravel()  # 9 and 1 of 10
     array([0.9, 0.1])
     """
-    _require_salib()
+    optional_package("SALib", "a sensitivity index")
     from SALib.analyze import sobol as analysis
     from SALib.sample import sobol as sampling
 
@@ -115,7 +116,7 @@ def morris_indices(
     >>> effects["mean"].values.round(6).ravel()
     array([3., 1.])
     """
-    _require_salib()
+    optional_package("SALib", "a sensitivity index")
     from SALib.analyze import morris as analysis
     from SALib.sample import morris as sampling
 
@@ -164,10 +165,3 @@ def _index_dataset(
     return xr.Dataset(
         {key: (dims, np.array([row[key] for row in rows])) for key in rows[0]}, coords
     )
-
-
-def _require_salib() -> None:
-    try:
-        import SALib  # noqa: F401
-    except ImportError:
-        raise UnsupportedError("indices need SALib: pip install 'dalembert[study]'") from None

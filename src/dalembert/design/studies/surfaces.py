@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.design.studies.sweep_result import SweepResult
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.packages import optional_package
 from dalembert.text.arguments import check_arguments
 
 
@@ -97,7 +98,7 @@ def response_surface(study: SweepResult, response: str | None = None, degree: in
     >>> round(float(plane(a=2.0, b=2.0)), 6), plane.determination < 1  # a plane has no curvature
     (4.0, True)
     """
-    _require_sklearn()
+    optional_package("sklearn", "a surface")
     from math import comb
 
     from sklearn.linear_model import LinearRegression
@@ -135,7 +136,7 @@ def gaussian_process(study: SweepResult, response: str | None = None, rng: int =
     >>> round(float(process(k=1.25)), 2)  # sin 1.25 = 0.949
     0.95
     """
-    _require_sklearn()
+    optional_package("sklearn", "a surface")
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
     from sklearn.pipeline import make_pipeline
@@ -182,12 +183,3 @@ def _fit_surface(
     determination = 1 - error**2 / variance if variance else 1.0
     name = response or study.responses[0]
     return Surface(name, study.design.names, lower, upper, error, determination, fitted)
-
-
-def _require_sklearn() -> None:
-    try:
-        import sklearn  # noqa: F401
-    except ImportError:
-        raise UnsupportedError(
-            "surfaces need scikit-learn: pip install 'dalembert[study]'"
-        ) from None

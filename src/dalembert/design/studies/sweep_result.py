@@ -16,6 +16,7 @@ from dalembert.errors import AnalysisError
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
 
 CSV_NOTE = "the table is CSV, because pyarrow is not installed: pip install 'dalembert[study]'"
 
@@ -32,9 +33,9 @@ class SweepResult(Decision):
     values : (n, responses); NaN for failed designs
     reasons : (n,) reason of failure; empty for successful designs
     folder : folder of the stored answers
-    reused : number of answers that were already stored
+    reused_count : number of answers that were already stored
     units : of parameters and responses, by name
-    stored : file of the whole table in the folder
+    table_path : file of the whole table in the folder
     warnings : warnings of the designs with the smallest and largest responses, which run again on
         their own when the warnings are first read
 
@@ -62,9 +63,9 @@ class SweepResult(Decision):
     values: np.ndarray
     reasons: tuple[str, ...]
     folder: Path | None = None
-    reused: int = 0
+    reused_count: int = 0
     units: Mapping[str, str] = field(default_factory=dict)
-    stored: Path | None = None
+    table_path: Path | None = None
     warnings: Sequence[str] = ()
 
     @property
@@ -118,7 +119,7 @@ class SweepResult(Decision):
     def findings(self) -> dict[str, Any]:
         return {
             "designs": len(self.design),
-            "reused": self.reused,
+            "reused_count": self.reused_count,
             "failed": self.failures,
             "responses": {
                 name: {
@@ -132,8 +133,10 @@ class SweepResult(Decision):
                 if (column := self.column(name)[self.success]).size
             },
             "folder": str(self.folder),
-            "table": None if self.stored is None else str(self.stored),
-            "note": CSV_NOTE if self.stored is not None and self.stored.suffix == ".csv" else "",
+            "table": None if self.table_path is None else str(self.table_path),
+            "note": CSV_NOTE
+            if self.table_path is not None and self.table_path.suffix == ".csv"
+            else "",
         }
 
     @property
@@ -152,11 +155,10 @@ class SweepResult(Decision):
         return self.table
 
     def table_of_designs(self) -> dict[str, Any]:
-        from dalembert.design.pages.study import study_designs
+        designs: dict[str, Any] = self._page_function("designs")(self)
+        return designs
 
-        return study_designs(self)
-
-    def plot(self, x: str, response: str | None = None, ax: Any = None) -> Any:
+    def plot(self, x: str, response: str | None = None, ax: Axes | None = None) -> Axes:
         """Plot a response over a parameter; returns the axes."""
         ax = plot_axes(ax, (5, 3.6))
         if x not in self.design.names:

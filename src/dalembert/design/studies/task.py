@@ -21,8 +21,8 @@ from dalembert.errors import AnalysisError, DalembertError
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import batch_responses
+from dalembert.results.analysis import Analysis
 from dalembert.results.batch.designs import Designs
-from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parameter import parameter_vector
@@ -159,7 +159,7 @@ class StudyTask:
                 )
         first_design = dict(zip(design.names, design.values[0], strict=True))
         parameter_vector(self.model.parameters, first_design, self.model.name)
-        for name, values in design.given.items():
+        for name, values in design.specified.items():
             measured_values = [] if isinstance(values, np.ndarray) else values
             check_measured(measured_values, self.model.parameters[name].unit, name)
 

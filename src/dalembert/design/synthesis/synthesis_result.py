@@ -78,10 +78,10 @@ class Solution(Candidate):
             REVOLUTION if self.linkage.crank_turns else np.sort(self.crank_angles)
         )
 
-    def passed(self) -> np.ndarray:
+    def points(self) -> np.ndarray:
         return self.linkage.path(self.crank_angles)
 
-    def reached(self) -> np.ndarray:
+    def outputs(self) -> np.ndarray:
         output = self.linkage.output(self.crank_angles)
         return np.unwrap(output) if self.linkage.output_is_angle else output
 
@@ -94,15 +94,15 @@ class Solution(Candidate):
         return motion.page(trace=["coupler.P"])
 
     @property
-    def watched(self) -> list[str]:
+    def plotted_measures(self) -> list[str]:
         return ["follower.angle"]
 
-    def judged(self) -> dict[str, tuple[str, float]]:
+    def criteria(self) -> dict[str, tuple[str, float]]:
         return {"transmission": ("°", math.degrees(self.transmission))}
 
 
 @dataclass(eq=False, repr=False)
-class SynthesisResult(Candidates):
+class SynthesisResult(Candidates[Solution]):
     """Distinct single-loop linkages, sorted by error.
 
     Examples
@@ -176,14 +176,14 @@ class MechanismSolution(Candidate):
     def curve(self) -> np.ndarray:
         return self._path(self.motion)
 
-    def passed(self) -> np.ndarray:
+    def points(self) -> np.ndarray:
         return self._path(self.entries)
 
-    def reached(self) -> np.ndarray:
+    def outputs(self) -> np.ndarray:
         return np.unwrap(self.entries.values(self.measures["output"]))
 
     @property
-    def watched(self) -> list[str]:
+    def plotted_measures(self) -> list[str]:
         return list(self.measures.values())
 
     def page(self) -> dict[str, Any]:
@@ -192,7 +192,7 @@ class MechanismSolution(Candidate):
 
 
 @dataclass(eq=False, repr=False)
-class MechanismSynthesisResult(Candidates):
+class MechanismSynthesisResult(Candidates[MechanismSolution]):
     """Distinct mechanisms of one topology, sorted by error."""
 
     @property

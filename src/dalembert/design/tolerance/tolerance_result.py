@@ -12,7 +12,9 @@ from dalembert.design.decision import Decision, plot_axes
 from dalembert.errors import AnalysisError
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
 
 
 @dataclass(eq=False)
@@ -26,7 +28,7 @@ class ToleranceResult(Decision):
     hessian : (n, n) second derivatives, scaled by the tolerances, or None
     worst : minimum and maximum response within all tolerances, or None
     sampled : responses of the Monte Carlo samples, or None
-    interrupted : ended by Ctrl-C; the results until then are kept
+    interrupted : ended by Ctrl-C, with the results so far
 
     Examples
     --------
@@ -189,8 +191,8 @@ class ToleranceResult(Decision):
         return {
             "mean": float(np.mean(values)),
             "std": float(np.std(values, ddof=1)) if values.size > 1 else float("nan"),
-            "least": float(np.min(values)),
-            "largest": float(np.max(values)),
+            "minimum": float(np.min(values)),
+            "maximum": float(np.max(values)),
         }
 
     @property
@@ -211,12 +213,12 @@ class ToleranceResult(Decision):
         attributes = {"response": self.label, "units": self.unit, "nominal": self.nominal}
         return xr.Dataset(columns, {"parameter": names}, attributes | {"std": self.std})
 
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> pd.DataFrame:
         """One row per tolerance."""
         return self.data[["tolerance", "effect", "contribution"]].to_dataframe()
 
     # for people ----------------------------------------------------------------------------
-    def plot(self, ax: Any = None) -> Any:
+    def plot(self, ax: Axes | None = None) -> Axes:
         """Plot the effect of each tolerance; returns the axes."""
         ax = plot_axes(ax, (5.5, 3.2))
         rows = sorted(self.effects.items(), key=lambda item: abs(item[1]))

@@ -88,7 +88,7 @@ def response_value(transcription: Transcription, response: Any) -> ca.MX:
 def unit_of(model: Model, response: Any) -> str:
     """Unit of a response, or of a formula of responses."""
     if isinstance(response, Combined):
-        return response.given_unit
+        return response.declared_unit
     return str(response.unit(model.expression(response.measure).unit))
 
 

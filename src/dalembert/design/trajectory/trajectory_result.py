@@ -17,6 +17,7 @@ from dalembert.text.wording import unknown
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 
 @dataclass(eq=False)
@@ -103,7 +104,7 @@ class TrajectoryResult(Decision):
         return str(self.planned.model.name)
 
     @property
-    def shown(self) -> Motion:
+    def final_motion(self) -> Motion:
         """The forward motion, or the plan if there is none."""
         return self.planned if self.motion is None else self.motion
 
@@ -119,7 +120,7 @@ class TrajectoryResult(Decision):
             raise AnalysisError(unknown("control", name, self.controls))
         return self.controls[name]
 
-    def plot(self, *measures: str) -> Any:
+    def plot(self, *measures: str) -> Figure:
         """Controls and measures over time: dots planned, lines run forward; returns the figure."""
         import matplotlib.pyplot as plt
 
@@ -170,7 +171,7 @@ class TrajectoryResult(Decision):
     @property
     def data(self) -> xr.Dataset:
         """The motion, and the controls at the ends and middles of the intervals."""
-        dataset = self.shown.data
+        dataset = self.final_motion.data
         for name, control in self.controls.items():
             about = {"units": control.unit}
             dataset = dataset.assign({f"control_{name}": ("control_time", control.values, about)})
@@ -179,7 +180,7 @@ class TrajectoryResult(Decision):
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row per instant of the motion, with its controls among the measures."""
-        return self.shown.to_dataframe()
+        return self.final_motion.to_dataframe()
 
     def __repr__(self) -> str:
         return (

@@ -29,6 +29,7 @@ from dalembert.elements.point import Point
 from dalembert.elements.springs import Actuator, Spring
 from dalembert.elements.stop import Stop
 from dalembert.elements.user_constraint import UserConstraint
+from dalembert.text.wording import no_attribute
 
 __all__ = [
     "Actuator",
@@ -70,3 +71,7 @@ __all__ = [
     "UserConstraint",
     "Weld",
 ]
+
+
+def __getattr__(name: str) -> object:
+    raise AttributeError(no_attribute(__name__, name, __all__))

@@ -68,6 +68,8 @@ class StructuralModel(ParametricModel):
     (True, ['area'], 2)
     """
 
+    kind = "structure"
+
     def __init__(self, structure: SupportsAndLoads, linear: bool = False):
         begin = perf_counter()
         _refuse_motions(structure)

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from dalembert.elements.fem.cells import CELLS, cell_name
-from dalembert.errors import FileError, ModelError, UnsupportedError
+from dalembert.errors import FileError, ModelError
 from dalembert.files import readable
+from dalembert.packages import optional_package
 from dalembert.text.wording import plain_text
 
 WEIGHT = 4
@@ -93,13 +94,7 @@ def mesh_data(source: Any, name: str) -> MeshData:
 
 
 def _read(path: Path) -> Any:
-    try:
-        import meshio
-    except ImportError:
-        raise UnsupportedError(
-            f"{path}: meshes are read with meshio, which is not installed; "
-            "pip install dalembert[mesh]"
-        ) from None
+    meshio = optional_package("meshio", f"reading {path}")
     if not readable(path, WEIGHT):
         raise FileError(f"{path}: the file is empty")
     try:

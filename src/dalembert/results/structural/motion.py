@@ -132,7 +132,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
         for name in ("kinetic_energy", "strain_energy"):
             variables[name] = ("time", self.values(name), {"units": "J"})
         coords = {"degree": self.model.degrees.names, "time": ("time", self.time, {"units": "s"})}
-        return Contents.from_arrays(variables, coords, self.about)
+        return Contents.from_arrays(variables, coords, self.attributes)
 
     def __repr__(self) -> str:
         span = f"{self.time.size} times to {self.status.time:g} s"

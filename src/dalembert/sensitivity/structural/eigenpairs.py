@@ -17,8 +17,8 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from dalembert.analysis.structural.pencil import Loaded, Pencil, Term
-from dalembert.analysis.structural.spectrum import Spectrum
+from dalembert.analysis.modes.pencil import Loaded, Pencil, Term
+from dalembert.analysis.modes.spectrum import Spectrum
 from dalembert.errors import SingularityError
 from dalembert.model.assembled.measuring.measures import Weights
 from dalembert.sensitivity.engine import RowEngine

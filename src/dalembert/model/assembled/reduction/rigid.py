@@ -200,7 +200,7 @@ def _numbers(name: str, selection: Chosen, degrees: Numbering) -> np.ndarray:
     try:
         parts = [_numbers(name, part, degrees) for part in selection]
     except TypeError:
-        raise ModelError(f"an interface is made of nodes; got {selection!r}", str(name)) from None
+        raise ModelError(f"an interface consists of nodes, got {selection!r}", str(name)) from None
     if not parts:
         raise ModelError("an interface needs at least one node", str(name))
     return np.unique(np.concatenate(parts))
