@@ -125,3 +125,14 @@ def table_or(table: type[BaseModel], plain: Any) -> Any:
 
     members = (Annotated[table, Tag("table")], Annotated[plain, Tag(PLAIN)])
     return Annotated[Union[members], Discriminator(choose)]  # noqa: UP007
+
+
+def tables_or(table: Any, plain: Any) -> Any:
+    """Union of a list of tables and a plain value."""
+
+    def choose(value: Any) -> str:
+        entries = value if isinstance(value, list) else ()
+        return "tables" if any(isinstance(e, (dict, BaseModel)) for e in entries) else PLAIN
+
+    members = (Annotated[list[table], Tag("tables")], Annotated[plain, Tag(PLAIN)])
+    return Annotated[Union[members], Discriminator(choose)]  # noqa: UP007

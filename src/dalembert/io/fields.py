@@ -26,7 +26,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
-from dalembert.elements.fem.node import Nodal
+from dalembert.elements.fem.nodal import Nodal
 from dalembert.elements.flexible.body import Interfaces, Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames

@@ -19,8 +19,8 @@ from dalembert.io.decisions.responses import find_response, make_responses, sele
 from dalembert.io.decisions.synthesis import make_synthesis
 from dalembert.io.decisions.task_tables import ReportTable
 from dalembert.io.decisions.trajectories import make_trajectory
+from dalembert.io.documents import Document
 from dalembert.io.model_file import ModelFile
-from dalembert.io.schema import Document
 from dalembert.io.strategies import STRATEGIES
 from dalembert.responses.base import Response
 from dalembert.results.files.tables import checked_units
