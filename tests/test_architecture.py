@@ -104,6 +104,9 @@ def test_commands_import_what_they_need():
         "scipy.optimize",
         "scipy.spatial",
         "dalembert.design.optimize.problem",
+        "dalembert.design.synthesis.synthesize",
+        "dalembert.sensitivity.gradient",
+        "dalembert.analysis.comparison.compare",
     )
     with TemporaryDirectory() as folder:
         example = str(Path(__file__).parents[1] / "examples" / "four_bar.toml")
