@@ -39,7 +39,7 @@ def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
         raise file.located.error(
             'is missing; add a table [analysis] with type = "Dynamics" and duration = …', "analysis"
         )
-    name = kind if kind is not None else table.type if table is not None else default
+    name: Any = kind if kind is not None else table.type if table is not None else default
     if name not in classes:
         raise file.located.error(unknown("type", name, classes), "analysis", "type")
     return _create(file, model, classes[name], table, "analysis")
