@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field, PlainValidator, WithJsonSchema
@@ -87,7 +88,7 @@ class ModelDocument(Record):
 
     sections: ClassVar[tuple[str, ...]]
     """Tables whose entries share one namespace."""
-    analyses: ClassVar[dict[str, type]]
+    analyses: ClassVar[Mapping[str, type]]
     """Name → analysis available to the file."""
     usual_analysis: ClassVar[str | None] = None
     """Default analysis."""
