@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.quantities import Conditions
+from dalembert.design.trajectory.trajectory_result import TrajectoryResult
 from dalembert.errors import AnalysisError
+from dalembert.results.motion import Motion
 from dalembert.symbolic.formulas.expression import stack
 
 Guess = dict[str, np.ndarray]
@@ -19,7 +19,11 @@ ITERATIONS = 60
 
 
 def initial_guess(
-    physics: Physics, guess: Any, ends: Conditions, duration: tuple[float, float], intervals: int
+    physics: Physics,
+    guess: Motion | str | None,
+    ends: Conditions,
+    duration: tuple[float, float],
+    intervals: int,
 ) -> Guess:
     """Initial values of the unknowns at the knots.
 
@@ -46,7 +50,7 @@ def initial_guess(
     return _sample_motion(physics, guess, intervals)
 
 
-def from_plan(physics: Physics, plan: Any, intervals: int) -> Guess:
+def from_plan(physics: Physics, plan: TrajectoryResult, intervals: int) -> Guess:
     """A plan as initial guess of the next one, on other intervals."""
     guess = _sample_motion(physics, plan.planned, intervals)
     times = np.linspace(0, plan.duration, 2 * intervals + 1)
@@ -70,7 +74,7 @@ def from_plan(physics: Physics, plan: Any, intervals: int) -> Guess:
     }
 
 
-def _sample_motion(physics: Physics, motion: Any, intervals: int) -> Guess:
+def _sample_motion(physics: Physics, motion: Motion, intervals: int) -> Guess:
     """A motion, sampled at the knots."""
     if motion.model.equations.y.numel() != physics.equations.y.numel():
         raise AnalysisError("the guess is a motion of another mechanism; give one of this model")
@@ -117,7 +121,9 @@ def _line(physics: Physics, goals: dict[str, tuple[float, float]], intervals: in
     return np.array(positions).T
 
 
-def _complete_guess(physics: Physics, y: np.ndarray, span: float, v: Any = None) -> Guess:
+def _complete_guess(
+    physics: Physics, y: np.ndarray, span: float, v: np.ndarray | None = None
+) -> Guess:
     """Complete positions by finite-difference speeds and by accelerations and multipliers."""
     model, manifold = physics.model, physics.equations.manifold
     count, h = y.shape[1], span / (y.shape[1] - 1)

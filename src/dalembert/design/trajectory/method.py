@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from dalembert.model.model import Model
 from dalembert.options import inherit_texts, options
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
-from dalembert.results.result import Analysis
+from dalembert.results.result import Analysis, ParameterValues
 
 STEPS = 20
 """Number of steps of a forward run per interval."""
@@ -63,7 +62,7 @@ class TrajectoryMethod(Analysis[Model, Motion]):
         """The analysis of the forward run under the controls."""
         return Dynamics(duration, step=duration / (STEPS * self.intervals))
 
-    def run(self, model: Model, parameters: Any = None) -> Motion:
+    def run(self, model: Model, parameters: ParameterValues = None) -> Motion:
         raise UnsupportedError("a plan is computed by da.optimize_trajectory, not by a run")
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
