@@ -14,6 +14,7 @@ from dalembert.io.analyses import make_analysis, make_table
 from dalembert.io.decisions.reliability import correlations, random_parameters
 from dalembert.io.decisions.responses import make_response, measure_reader
 from dalembert.io.model_file import ModelFile, load_model_file
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import unknown
 
 OWN_RUN = ""
@@ -28,7 +29,7 @@ class Quantities:
     file, model : of the run of responses without a case
     """
 
-    def __init__(self, file: ModelFile, model: Any):
+    def __init__(self, file: ModelFile, model: ParametricModel):
         self.file, self.model = file, model
         self.document: Any = file.document
         self._cases: dict[str, Case] = {}

@@ -14,12 +14,13 @@ from dalembert.io.decisions.reliability import correlations, random_parameters
 from dalembert.io.decisions.responses import make_limits, select_parameters
 from dalembert.io.model_file import ModelFile
 from dalembert.responses.base import Response
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.units.measured import check_measured
 
 SEARCH = ("method", "gradient", "max_iterations", "tolerance")
 
 
-def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
+def make_design(file: ModelFile, model: ParametricModel) -> dict[str, Any]:
     """Arguments of ``optimize`` from ``[optimize]``; with ``beta``, of ``optimize_reliable``.
 
     Raises
@@ -45,7 +46,7 @@ def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
 
 
 def _reliability_arguments(
-    file: ModelFile, model: Any, table: Any, limits: list[Limit]
+    file: ModelFile, model: ParametricModel, table: Any, limits: list[Limit]
 ) -> dict[str, Any]:
     """Additional arguments of ``optimize_reliable``."""
     if not table.beta > 0:
@@ -63,7 +64,7 @@ def _reliability_arguments(
     return arguments | {"random": random, "correlation": correlation}
 
 
-def make_front(file: ModelFile, model: Any) -> dict[str, Any]:
+def make_front(file: ModelFile, model: ParametricModel) -> dict[str, Any]:
     """Arguments of ``pareto`` from ``[pareto]``.
 
     Raises
@@ -97,7 +98,7 @@ def make_front(file: ModelFile, model: Any) -> dict[str, Any]:
 
 
 def _limits_and_variables(
-    file: ModelFile, model: Any, quantities: Quantities, section: str
+    file: ModelFile, model: ParametricModel, quantities: Quantities, section: str
 ) -> dict[str, Any]:
     table: Any = getattr(file.document, section)
     limits = make_limits(file, quantities, table.subject_to, section, "subject_to")
@@ -116,7 +117,7 @@ def _limits_and_variables(
     return {"subject_to": limits, "vary": _variables(file, model, vary, section)}
 
 
-def _variables(file: ModelFile, model: Any, vary: list[str], section: str) -> list[Any]:
+def _variables(file: ModelFile, model: ParametricModel, vary: list[str], section: str) -> list[Any]:
     """Design variables: names, integers and catalogues."""
     table: Any = getattr(file.document, section)
     integers = select_parameters(file, table.integers, section, "integers")

@@ -15,6 +15,7 @@ from dalembert.io.decisions.responses import (
 )
 from dalembert.io.model_file import ModelFile
 from dalembert.responses.base import Response
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import unknown
 from dalembert.units.measured import check_measured
 
@@ -22,7 +23,7 @@ from dalembert.units.measured import check_measured
 class Responses:
     """Responses of the run of the file; errors state the location."""
 
-    def __init__(self, file: ModelFile, model: Any):
+    def __init__(self, file: ModelFile, model: ParametricModel):
         self.file, self.responses = file, make_responses(file, model)
 
     def require(self, name: str, *where: str | int) -> Response:
@@ -30,7 +31,7 @@ class Responses:
         return find_response(self.file, self.responses, name, *where)
 
 
-def make_reliability(file: ModelFile, model: Any) -> dict[str, Any]:
+def make_reliability(file: ModelFile, model: ParametricModel) -> dict[str, Any]:
     """Arguments of ``reliability`` from ``[reliability]``.
 
     Raises
@@ -55,7 +56,9 @@ def make_reliability(file: ModelFile, model: Any) -> dict[str, Any]:
     }
 
 
-def make_tolerance(file: ModelFile, model: Any) -> tuple[dict[str, Any], dict[str, Any] | None]:
+def make_tolerance(
+    file: ModelFile, model: ParametricModel
+) -> tuple[dict[str, Any], dict[str, Any] | None]:
     """Arguments of ``tolerance``, and of ``allot`` if the file requests it.
 
     Raises
@@ -104,7 +107,7 @@ def _allotment_options(file: ModelFile, table: Any, unit: str) -> dict[str, Any]
     return options
 
 
-def random_parameters(file: ModelFile, model: Any) -> dict[str, Any]:
+def random_parameters(file: ModelFile, model: ParametricModel) -> dict[str, Any]:
     """Random parameter → distribution.
 
     Raises

@@ -18,6 +18,7 @@ from dalembert.results.mechanism_modes import Modes
 from dalembert.results.structural.modes import BucklingModes, VibrationModes
 from dalembert.symbolic.formulas.expression import Expression, stack
 from dalembert.symbolic.formulas.parser import parse_formula
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import nearest, unknown
 
 MODES: dict[str, Any] = {
@@ -37,7 +38,7 @@ def measure_reader(document: Any) -> Callable[[Any, str], Expression]:
 
 
 def read_measures(
-    file: ModelFile, model: Any, texts: Mapping[str, str], *where: str
+    file: ModelFile, model: ParametricModel, texts: Mapping[str, str], *where: str
 ) -> dict[str, Expression]:
     """Name → measure of a table of texts; errors state the location."""
     read, measures = measure_reader(file.document), {}
@@ -47,7 +48,7 @@ def read_measures(
     return measures
 
 
-def make_responses(file: ModelFile, model: Any) -> dict[str, Response]:
+def make_responses(file: ModelFile, model: ParametricModel) -> dict[str, Response]:
     """Responses of the run of the file, by name, without those of its cases.
 
     Linear combinations of these responses are included.
@@ -94,7 +95,7 @@ def _linear_combinations(file: ModelFile, responses: dict[str, Response]) -> dic
 
 def make_response(
     file: ModelFile,
-    model: Any,
+    model: ParametricModel,
     name: str,
     table: Any,
     read: Callable[[Any, str], Expression],
@@ -165,7 +166,9 @@ def select_parameters(file: ModelFile, names: list[str] | None, *where: str | in
     return list(names or available)
 
 
-def require_parameter(file: ModelFile, model: Any, name: str, *where: str | int) -> None:
+def require_parameter(
+    file: ModelFile, model: ParametricModel, name: str, *where: str | int
+) -> None:
     """Check that a model has a parameter.
 
     Raises
