@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
 
 import casadi as ca
+from pydantic import BaseModel
 
 from dalembert.design.limit import Limit
+from dalembert.design.quantity import Objective
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.io.analyses import table_options
+from dalembert.io.decisions.design_tables import LimitTable
 from dalembert.io.model_file import ModelFile
+from dalembert.io.schema import Document
 from dalembert.io.strategies import RESPONSES
+from dalembert.io.structures.structure_schema import StructureDocument
 from dalembert.responses.base import Response, combined_terms
 from dalembert.responses.events import AtEvent
 from dalembert.results.mechanism_modes import Modes
@@ -27,11 +32,21 @@ MODES: dict[str, Any] = {
     "Buckling": BucklingModes,
 }
 """Analysis → class of its modes, which define their own measures."""
+ReadMeasure = Callable[[ParametricModel, str], Expression]
+"""Measure of a model, from its name or formula."""
 
 
-def measure_reader(document: Any) -> Callable[[Any, str], Expression]:
+class NamedQuantities(Protocol):
+    """Quantities by name; errors state the location."""
+
+    def require(self, name: str, *where: str | int) -> Objective:
+        """The quantity of this name."""
+        ...
+
+
+def measure_reader(document: Document | StructureDocument) -> ReadMeasure:
     """The function ``(model, text) → measure`` for the analysis of a document."""
-    kind = document.analysis.type if document.analysis is not None else None
+    kind = document.analysis.type if document.analysis is not None else ""
     if kind in MODES:
         return MODES[kind].formula
     return lambda model, text: model.expression(text)
@@ -98,8 +113,8 @@ def make_response(
     model: ParametricModel,
     name: str,
     table: Any,
-    read: Callable[[Any, str], Expression],
-    analysis: Any,
+    read: ReadMeasure,
+    analysis: BaseModel | None,
 ) -> Response:
     """One response.
 
@@ -121,7 +136,7 @@ def make_response(
     return response
 
 
-def _check_event(file: ModelFile, name: str, analysis: Any, *where: str) -> None:
+def _check_event(file: ModelFile, name: str, analysis: BaseModel | None, *where: str) -> None:
     events = getattr(analysis, "events", None) or {}
     if name not in events:
         raise file.located.error(
@@ -180,7 +195,9 @@ def require_parameter(
         raise file.located.error(unknown("parameter", name, model.parameters), *where)
 
 
-def make_limits(file: ModelFile, source: Any, tables: list[Any], *where: str) -> list[Limit]:
+def make_limits(
+    file: ModelFile, source: NamedQuantities, tables: Sequence[LimitTable], *where: str
+) -> list[Limit]:
     """Limits on responses; ``source.require(name, …)`` returns each response."""
     limits = []
     for k, table in enumerate(tables):

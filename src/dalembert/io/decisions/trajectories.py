@@ -13,7 +13,7 @@ from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
 from dalembert.io.analyses import make_method
 from dalembert.io.decisions.cases import Quantities
 from dalembert.io.decisions.responses import make_limits, select_parameters
-from dalembert.io.decisions.task_tables import GUESSES
+from dalembert.io.decisions.task_tables import GUESSES, TrajectoryTable
 from dalembert.io.model_file import ModelFile
 from dalembert.model.model import Model
 from dalembert.responses.values import Final
@@ -60,7 +60,7 @@ def make_trajectory(file: ModelFile, model: Model) -> dict[str, Any]:
     }
 
 
-def _objective_and_limits(file: ModelFile, model: Model, table: Any) -> dict[str, Any]:
+def _objective_and_limits(file: ModelFile, model: Model, table: TrajectoryTable) -> dict[str, Any]:
     """Objective and limits."""
     quantities = Quantities(file, model)
     if table.minimize == "time" and "time" not in quantities.names:
