@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from dalembert.elements.base import Element
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
+from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.io.formulas import Formulas
 from dalembert.io.orientations import FrameTable, read_frame
@@ -27,14 +29,14 @@ class References:
     def __init__(self, document: Document, system: System, formulas: Formulas):
         self.document, self.system, self.formulas = document, system, formulas
 
-    def body(self, name: str) -> Any:
+    def body(self, name: str) -> BodyElement:
         """The body of this name, or the ground."""
         names = ["ground", *self.document.bodies]
         if name not in names:
             raise ModelError(unknown("body", name, names))
         return self.system.body(name)
 
-    def node(self, owner: str, name: str) -> Any:
+    def node(self, owner: str, name: str) -> BodyElement:
         """The body at a node of a beam or a mesh."""
         if owner not in self.system.elements:
             raise ModelError(
@@ -52,14 +54,14 @@ class References:
             )
         return nodes[name]
 
-    def joint(self, name: str) -> Any:
+    def joint(self, name: str) -> Element:
         """The joint of this name."""
         names = list(self.document.joints)
         if name not in names:
             raise ModelError(unknown("joint", name, names))
         return self.system.elements[name]
 
-    def end(self, kind: type, reference: Any) -> Any:
+    def end(self, kind: type, reference: Any) -> BodyElement | Point | Frame:
         """The body, point or frame given by ``"crank"``, ``"crank.end"`` or an inline table.
 
         Raises
@@ -90,7 +92,7 @@ class References:
             )
         return targets[name]
 
-    def _from_table(self, kind: type, table: Any) -> Any:
+    def _from_table(self, kind: type, table: Any) -> Point | Frame:
         """The point or frame that a table describes."""
         if kind is BodyElement:
             raise ModelError(f"expected the name of a body, e.g. {table.body!r}; got a point")

@@ -10,7 +10,7 @@ of the entity and its value, which replaces the one above; two more numbers boun
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from dalembert.elements.fem.node import Node
 from dalembert.errors import FileError, ModelError
 from dalembert.files import read_text
 from dalembert.structures.structure import Structure
+from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import visible
 
 QUOTES = "'\"‘’`´"
@@ -184,7 +185,7 @@ def _build(
     springs: list,
     forces: list,
     supports: list,
-    parameters: Any,
+    parameters: Mapping[tuple[str, int], Expression],
 ) -> None:
     nodes = [structure.node(f"n{k + 1}", float(k)) for k in range(count)]
 
