@@ -37,7 +37,7 @@ from dalembert.model.system import System
 FORMAT = 1
 
 
-def _format(value: Any) -> int:
+def _format(value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError(f"expected format = {FORMAT}, got {short_repr(value)}")
     if value != FORMAT:
@@ -67,7 +67,7 @@ _PARAMETER = table_or(ParameterTable, OwnNumber)
 _DERIVED = table_or(DerivedTable, Entry)
 
 
-def _combined(value: Any) -> CombinedTable:
+def _combined(value: object) -> CombinedTable:
     return value if isinstance(value, CombinedTable) else CombinedTable(formula=value)
 
 

@@ -97,7 +97,7 @@ class RayleighTable(Record):
 def name_or_table(classes: Mapping[str, type]) -> Any:
     """Type of a strategy: its name, or a table with its type and options."""
 
-    def check(value: Any) -> Any:
+    def check(value: object) -> Any:
         if isinstance(value, str) and value not in classes:
             raise ValueError(unknown("name", value, classes))
         if not isinstance(value, (str, dict, BaseModel)):
