@@ -22,6 +22,8 @@ UNROLLED = {"iterations"}
 """Options that count copies of equations in an expression graph."""
 MOST = 10**15
 """Upper limit of the magnitude of an integer."""
+RandomSource = int | np.random.Generator | None
+"""Seed or generator of random numbers; None for an arbitrary seed."""
 COPY = 4_000_000
 """Memory of one copy, with derivatives, for a mechanism of a few bodies [bytes]."""
 
@@ -114,7 +116,7 @@ def is_whole(value: Any) -> bool:
     return is_integer and abs(value) <= MOST
 
 
-def random_generator(rng: Any) -> np.random.Generator:
+def random_generator(rng: RandomSource) -> np.random.Generator:
     """The random number generator of an argument ``rng``.
 
     Raises

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
-from dalembert.design.quantity import CaseResponse, Quantity
+from dalembert.design.quantity import AnalysisCase, CaseResponse, Quantity
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.results.analysis import Analysis
@@ -64,7 +63,7 @@ class Case(CheckedArguments):
             if not isinstance(quantity, Quantity):
                 raise AnalysisError(f"{name}: give case[response], got {quantity!r:.60}")
 
-    def __getitem__(self, response: Any) -> CaseResponse:
+    def __getitem__(self, response: Response, /) -> CaseResponse:
         if not isinstance(response, Response):
             raise AnalysisError(
                 f"{response!r} is not a response; give one such as da.final(measure)"
@@ -72,14 +71,14 @@ class Case(CheckedArguments):
         return CaseResponse(self, response)
 
     @property
-    def needs(self) -> list[Case]:
+    def needs(self) -> list[AnalysisCase]:
         """Cases whose quantities set parameters of this one."""
         return [term.case for quantity in self.inputs.values() for term in quantity.terms]
 
 
-def evaluation_order(cases: list[Case]) -> list[Case]:
+def evaluation_order(cases: Sequence[AnalysisCase]) -> list[AnalysisCase]:
     """Cases and the cases they depend on, each once, in order of evaluation."""
-    ordered: list[Case] = []
+    ordered: list[AnalysisCase] = []
     for case in cases:
         for required in (*evaluation_order(case.needs), case):
             if required not in ordered:

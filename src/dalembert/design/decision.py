@@ -13,6 +13,7 @@ import numpy as np
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
 
 
 def axis_label(name: str, unit: str) -> str:
@@ -20,7 +21,7 @@ def axis_label(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
 
 
-def plot_axes(ax: Any, figsize: tuple[float, float]) -> Any:
+def plot_axes(ax: Axes | None, figsize: tuple[float, float]) -> Axes:
     """Matplotlib axes with a light grid: ``ax``, or new ones if it is None."""
     import matplotlib.pyplot as plt
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -104,6 +103,14 @@ class Catalogue(CheckedArguments):
         return {name: values[order] for name, values in columns.items()}
 
 
+Variable = str | Integer | Catalogue
+"""Entry of ``vary``: the name of a parameter, an integer or a catalogue."""
+Vary = Variable | Sequence[Variable] | None
+"""Argument ``vary`` of design tasks; None for all parameters with two finite bounds."""
+Curve = Callable[..., float]
+"""Value of a parameter at a size, or its derivative of an order."""
+
+
 @dataclass
 class Variables:
     """The variables ``x`` of a design and the parameters that they set.
@@ -124,7 +131,7 @@ class Variables:
     units: list[str]
     declared_units: list[str]
     sizes: dict[int, np.ndarray] = field(default_factory=dict)
-    followers: list[tuple[str, int, Any]] = field(default_factory=list)
+    followers: list[tuple[str, int, Curve]] = field(default_factory=list)
 
     @property
     def parameter_names(self) -> list[str]:
@@ -160,7 +167,7 @@ class Variables:
 
 
 def make_variables(
-    parameters: Mapping[str, Parameter], vary: Iterable[Any] | None, start: Mapping[str, float]
+    parameters: Mapping[str, Parameter], vary: Vary, start: Mapping[str, float]
 ) -> Variables:
     """Variables of names, ``Integer`` and ``Catalogue`` entries.
 
@@ -207,7 +214,7 @@ def _add_sizes(variables: Variables, k: int, columns: dict[str, np.ndarray]) -> 
         variables.followers.append((name, k, _curve(lead[1], values)))
 
 
-def _curve(x: np.ndarray, y: np.ndarray) -> Any:
+def _curve(x: np.ndarray, y: np.ndarray) -> Curve:
     """Monotone cubic through the points; a constant through one."""
     from scipy.interpolate import PchipInterpolator
 
@@ -216,19 +223,19 @@ def _curve(x: np.ndarray, y: np.ndarray) -> Any:
     return PchipInterpolator(x, y)
 
 
-def _entries(parameters: Mapping[str, Parameter], vary: Any) -> list[Any]:
+def _entries(parameters: Mapping[str, Parameter], vary: Vary) -> list[Variable]:
     """Entries of ``vary``; by default all parameters with two bounds."""
     if vary is None:
         return [n for n, p in parameters.items() if np.all(np.isfinite(p.bounds))]
     return [vary] if isinstance(vary, (str, Integer, Catalogue)) else list(vary)
 
 
-def varied_names(parameters: Mapping[str, Parameter], vary: Any) -> list[str]:
+def varied_names(parameters: Mapping[str, Parameter], vary: Vary) -> list[str]:
     """Names of all parameters in the argument ``vary`` of ``optimize``."""
     return [name for entry in _entries(parameters, vary) for name in _names(entry)]
 
 
-def _names(entry: Any) -> list[str]:
+def _names(entry: Variable) -> list[str]:
     if isinstance(entry, Catalogue):
         if not entry.columns:
             raise AnalysisError("a catalogue has no columns; give {parameter: sizes}")

@@ -12,8 +12,8 @@ from pydantic import BaseModel
 from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.events import Event, Events
 from dalembert.analysis.requirements import need_structure
-from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.times import in_seconds
+from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.errors import SingularityError
 from dalembert.io.fields import Interval, keyed_fields
 from dalembert.io.formulas import Formulas, ParameterNames

@@ -11,7 +11,6 @@ from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.modes.buckling import Buckling
 from dalembert.analysis.modes.modal import Modal
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
-from dalembert.analysis.structural.transient import Transient
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.registry import FORMULATIONS, STABILIZATIONS
 from dalembert.formulations.stabilization import Stabilization
@@ -59,7 +58,7 @@ STRUCTURAL_ANALYSES: dict[str, type] = {
     "ArcLength": ArcLength,
     "Modal": Modal,
     "Buckling": Buckling,
-    "Transient": Transient,
+    "Dynamics": Dynamics,
 }
 
 RESPONSES: dict[str, type[Response]] = {

@@ -47,8 +47,6 @@ class EquilibriumBatch:
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
         """Whether all equations are independent, as the common assembly requires."""
-        if not isinstance(model, Model):
-            return False
         return not (model.closure.lost or model.equations.contacts)
 
     def execute(self, report: Callable[[float], None]) -> Batch:

@@ -10,10 +10,11 @@ import numpy as np
 from dalembert.design.limit import Limit
 from dalembert.design.optimize.optimization import design_problem
 from dalembert.design.optimize.problem import Evaluation
+from dalembert.design.quantity import Objective
+from dalembert.design.variables import Vary
 from dalembert.errors import AnalysisError
 from dalembert.packages import optional_package
-from dalembert.responses.base import Response
-from dalembert.results.analysis import Analysis
+from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import CheckedArguments
@@ -135,16 +136,19 @@ class DesignFunctions(CheckedArguments):
     def __init__(
         self,
         model: ParametricModel | None,
-        responses: Any,
+        responses: Objective | Sequence[Objective],
         *,
         analysis: Analysis | None = None,
         subject_to: Sequence[Limit] = (),
-        vary: Sequence[Any] | None = None,
+        vary: Vary = None,
         start: Mapping[str, float] | None = None,
         gradient: Method = "auto",
     ):
-        several = isinstance(responses, Sequence) and not isinstance(responses, (str, Response))
-        response_list = list(responses) if several else [responses]
+        response_list = (
+            list(responses)
+            if isinstance(responses, Sequence) and not isinstance(responses, str)
+            else [responses]
+        )
         quantities = [*response_list, *(limit.response for limit in subject_to)]
         self.problem = design_problem(model, analysis, quantities, vary, start)
         self.problem.gradient = gradient

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.ecosystem.functions import DesignFunctions
+from dalembert.design.quantity import Objective
 from dalembert.errors import AnalysisError
 from dalembert.packages import optional_package
 from dalembert.results.analysis import Analysis
@@ -20,7 +21,7 @@ from dalembert.text.arguments import check_arguments
 @check_arguments
 def openmdao_component(
     model: ParametricModel | None,
-    responses: Any,
+    responses: Objective | Sequence[Objective],
     *,
     analysis: Analysis | None = None,
     vary: Sequence[str] | None = None,

@@ -9,6 +9,8 @@ import numpy as np
 
 from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
+from dalembert.design.quantity import Objective
+from dalembert.design.variables import Vary
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import searching
 from dalembert.packages import optional_package
@@ -23,11 +25,11 @@ PENALTY = 1e12
 @check_arguments
 def pymoo_problem(
     model: ParametricModel | None,
-    minimize: Sequence[Any],
+    minimize: Sequence[Objective],
     *,
     analysis: Analysis | None = None,
     subject_to: Sequence[Limit] = (),
-    vary: Sequence[Any] | None = None,
+    vary: Vary = None,
 ) -> Any:
     """``pymoo.core.problem.ElementwiseProblem`` that minimises all responses.
 

@@ -22,6 +22,7 @@ from dalembert.results.result import Result
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 MIN_SAMPLES = 20
 """Lower limit of the samples for testing the autocorrelation of residuals."""
@@ -202,11 +203,10 @@ class IdentificationResult(Decision):
                     suffix = f" of experiment {number}" if len(self.residuals) > 1 else ""
                     yield f"{column}{suffix}", correlation
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """Data, model and residuals of every column; returns the figure."""
-        from dalembert.design.pages.identification import plot_fit
-
-        return plot_fit(self.misfit, self.predicted)
+        figure: Figure = self._page_function("figure")(self)
+        return figure
 
     @property
     def sentence(self) -> str:
@@ -269,22 +269,7 @@ class IdentificationResult(Decision):
         return [*paths, *super().write(base, **first_view)]
 
     def table_html(self) -> str:
-        from dalembert.design.pages.identification import identification_table
-
-        kind = "specified" if self.noise_specified else "estimated"
-        noise = ", ".join(f"{column}: {level:.3g}" for column, level in self.noise.items())
-        lines = f"{self.samples} samples: {self.message}", f"noise ({kind}): {noise}"
-        return identification_table(self._rows(), lines, self.notes)
-
-    def _rows(self) -> list[tuple[str, ...]]:
-        """Name, value, deviation, interval and unit of the unknowns, as text."""
-        parameters, interval = self.misfit.model.parameters, self.interval()
-        rows: list[tuple[str, ...]] = []
-        for (name, value), deviation in self._pairs():
-            low, high = interval[name]
-            unit = parameters[name].unit if name in parameters else ""
-            rows.append((name, f"{value:.6g}", f"{deviation:.2g}", f"{low:.6g} … {high:.6g}", unit))
-        return rows
+        return str(self._page_function("table")(self))
 
     def __repr__(self) -> str:
         listed = ", ".join(f"{n} = {v:.6g} ± {s:.2g}" for (n, v), s in self._pairs())

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.elements.laws.table import Table
 from dalembert.errors import ModelError
+from dalembert.symbolic.formulas.declared import Declared
 from dalembert.symbolic.formulas.expression import Expression, t
 from dalembert.symbolic.formulas.parameter import Parameter
 from dalembert.text.arguments import check_arguments
@@ -53,7 +54,7 @@ class InputHistory:
         """The history as a formula of time, for forces and moments."""
         return Expression(self.law.value(t.sx), self.name)
 
-    def at(self, values: np.ndarray, times: Any) -> np.ndarray:
+    def at(self, values: np.ndarray, times: ArrayLike) -> np.ndarray:
         """The history at times, for given values at its knots."""
         from scipy.interpolate import CubicSpline
 
@@ -69,7 +70,7 @@ class InputHistory:
 
 @check_arguments
 def input_history(
-    system: Any,
+    system: Declared,
     name: str,
     knots: Sequence[float] | np.ndarray,
     value: float | str = 0.0,

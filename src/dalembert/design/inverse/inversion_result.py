@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.design.decision import Decision
 from dalembert.design.identification.misfit import Misfit
@@ -16,7 +17,9 @@ from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import history_gradients
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 
 NORMAL_95 = 1.959964
@@ -99,7 +102,7 @@ class InversionResult(Decision):
         """Name of the model."""
         return str(self.misfit.model.name)
 
-    def at(self, name: str, times: Any) -> np.ndarray:
+    def at(self, name: str, times: ArrayLike) -> np.ndarray:
         """Values of a history at times, by its spline."""
         history = next(h for h in self.histories if h.name == name)
         return history.at(self.values[name], times)
@@ -175,7 +178,7 @@ class InversionResult(Decision):
             columns[f"curve_{name}"] = ("curve", getattr(self.curve, name))
         return xr.Dataset(columns, attrs={"message": self.message, "smoothing": self.smoothing})
 
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> pd.DataFrame:
         """A row per knot of each history."""
         import pandas as pd
 
@@ -192,7 +195,7 @@ class InversionResult(Decision):
         ]
         return pd.concat(parts, ignore_index=True)
 
-    def plot(self) -> Any:
+    def plot(self) -> Figure:
         """The histories with their deviation, and the L-curve; returns the figure."""
         import matplotlib.pyplot as plt
 

@@ -20,8 +20,8 @@ from dalembert.design.optimize.optimization_result import OptimizationResult
 from dalembert.design.optimize.problem import DesignProblem, common_parameters
 from dalembert.design.optimize.program import Program
 from dalembert.design.optimize.verified_optimum import verified_optimum
-from dalembert.design.quantity import Quantity, with_case
-from dalembert.design.variables import make_variables
+from dalembert.design.quantity import Objective, Quantity, with_case
+from dalembert.design.variables import Vary, make_variables
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching
 from dalembert.results.analysis import Analysis
@@ -34,11 +34,11 @@ from dalembert.text.wording import unknown
 @check_arguments
 def optimize(
     model: ParametricModel | None = None,
-    minimize: Any = None,
+    minimize: Objective | None = None,
     *,
-    maximize: Any = None,
+    maximize: Objective | None = None,
     subject_to: Sequence[Limit] = (),
-    vary: Sequence[Any] | None = None,
+    vary: Vary = None,
     analysis: Analysis | None = None,
     start: Mapping[str, float] | None = None,
     method: str | Optimizer = "slsqp",
@@ -127,7 +127,9 @@ class OptimizerSettings:
         return solve(program, self.optimizer(program.problem), self.stop)
 
 
-def signed_objective(minimize: Any, maximize: Any) -> tuple[float, Any]:
+def signed_objective(
+    minimize: Objective | None, maximize: Objective | None
+) -> tuple[float, Objective]:
     """Sign (1 to minimise, −1 to maximise) and objective.
 
     Raises
@@ -135,16 +137,18 @@ def signed_objective(minimize: Any, maximize: Any) -> tuple[float, Any]:
     AnalysisError
         Both or none are set.
     """
-    if (minimize is None) == (maximize is None):
-        raise AnalysisError("give one objective: minimize=... or maximize=...")
-    return (1.0, minimize) if minimize is not None else (-1.0, maximize)
+    if minimize is not None and maximize is None:
+        return 1.0, minimize
+    if maximize is not None and minimize is None:
+        return -1.0, maximize
+    raise AnalysisError("give one objective: minimize=... or maximize=...")
 
 
 def design_problem(
     model: ParametricModel | None,
     analysis: Analysis | None,
-    responses: Sequence[Any],
-    vary: Sequence[Any] | None,
+    responses: Sequence[Objective],
+    vary: Vary,
     start: Mapping[str, float] | None = None,
 ) -> DesignProblem:
     """Design problem: quantities as functions of the variables.

@@ -11,6 +11,7 @@ from dalembert.results.result import Result
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True)
@@ -138,7 +139,7 @@ class OptimizationResult(Decision):
             optimum_violation=("iteration", [iterate.violation for iterate in self.history]),
         ).assign_coords(variable=names)
 
-    def plot(self, ax: Any = None) -> Any:
+    def plot(self, ax: Axes | None = None) -> Axes:
         """Objective over the iterations; returns the axes."""
         ax = plot_axes(ax, (6, 3.4))
         ax.plot([i.objective for i in self.history], marker="o", ms=4)
@@ -151,9 +152,7 @@ class OptimizationResult(Decision):
         return self.table_html() + InlinePage(self.page())._repr_html_()
 
     def table_html(self) -> str:
-        from dalembert.design.pages.optimum import optimum_table
-
-        return optimum_table(self)
+        return str(self._page_function("table")(self))
 
     def __repr__(self) -> str:
         listed = ", ".join(f"{n} = {v:.6g}" for n, v in self.x.items())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,8 @@ from dalembert.design.methods.registry import make_optimizer
 from dalembert.design.methods.search_options import additional_starts
 from dalembert.design.pareto.front_search import FrontSearch
 from dalembert.design.pareto.pareto_result import ParetoResult, make_front
+from dalembert.design.quantity import Objective
+from dalembert.design.variables import Vary
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible
 from dalembert.results.analysis import Analysis
@@ -31,11 +32,11 @@ METHODS = ("normal-constraint", "epsilon-constraint", *EVOLUTIONS)
 @interruptible
 def pareto(
     model: ParametricModel | None = None,
-    minimize: Sequence[Any] = (),
+    minimize: Sequence[Objective] = (),
     *,
-    maximize: Sequence[Any] = (),
+    maximize: Sequence[Objective] = (),
     subject_to: Sequence[Limit] = (),
-    vary: Sequence[Any] | None = None,
+    vary: Vary = None,
     analysis: Analysis | None = None,
     start: Mapping[str, float] | None = None,
     method: str = "normal-constraint",

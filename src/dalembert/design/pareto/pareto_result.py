@@ -11,7 +11,9 @@ import numpy as np
 from dalembert.design.decision import Decision, axis_label, plot_axes
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
 
     from dalembert.design.ecosystem.functions import DesignFunctions
 
@@ -145,11 +147,10 @@ class ParetoResult(Decision):
 
     def table_of_designs(self) -> dict[str, Any]:
         """Table of aims and parameters for the page."""
-        from dalembert.design.pages.front import front_designs
+        designs: dict[str, Any] = self._page_function("designs")(self)
+        return designs
 
-        return front_designs(self)
-
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> pd.DataFrame:
         """One row per point: aims, then parameters."""
         import pandas as pd
 
@@ -157,7 +158,7 @@ class ParetoResult(Decision):
             np.hstack([self.values, self.designs]), columns=[*self.labels, *self.names]
         )
 
-    def plot(self, ax: Any = None) -> Any:
+    def plot(self, ax: Axes | None = None) -> Axes:
         """Plot the first two aims; returns the axes."""
         ax = plot_axes(ax, (5, 3.8))
         ax.plot(self.values[:, 0], self.values[:, 1], marker="o", ms=4, lw=1)

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from dalembert.design.optimize.optimization import (
     signed_objective,
 )
 from dalembert.design.optimize.optimization_result import OptimizationResult
+from dalembert.design.quantity import Objective
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Correlation
 from dalembert.design.reliability.reliable_optimization_result import (
@@ -34,7 +34,7 @@ from dalembert.design.reliability.reliable_optimization_result import (
     Round,
 )
 from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
-from dalembert.design.variables import varied_names
+from dalembert.design.variables import Vary, varied_names
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching
 from dalembert.results.analysis import Analysis
@@ -50,14 +50,14 @@ CONVERGED = 1e-5
 @interruptible
 def optimize_reliable(
     model: ParametricModel,
-    minimize: Any = None,
+    minimize: Objective | None = None,
     *,
     subject_to: Sequence[Limit],
     random: Mapping[str, Distribution],
     analysis: Analysis,
     beta: float = 3.0,
-    maximize: Any = None,
-    vary: Sequence[Any] | None = None,
+    maximize: Objective | None = None,
+    vary: Vary = None,
     correlation: Correlation = None,
     start: Mapping[str, float] | None = None,
     method: str | Optimizer = "slsqp",
@@ -130,8 +130,8 @@ class _Rounds:
     task: ReliableTask
     search: OptimizerSettings
     sign: float
-    objective: Any
-    vary: Sequence[Any] | None
+    objective: Objective
+    vary: Vary
     start: dict[str, float]
     history: str | Path | None
     best: OptimizationResult | None = None

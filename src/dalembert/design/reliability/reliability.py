@@ -16,8 +16,8 @@ from dalembert.design.reliability.reliability_result import SAMPLINGS, Reliabili
 from dalembert.design.reliability.second_order import second_order
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible, searching
-from dalembert.options import is_whole, random_generator
-from dalembert.results.analysis import Analysis
+from dalembert.options import RandomSource, is_whole, random_generator
+from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
@@ -48,7 +48,7 @@ def reliability(
     max_iterations: int = 100,
     samples: int = 0,
     sampling: str = "importance-sampling",
-    rng: Any = 0,
+    rng: RandomSource = 0,
     progress: Reported = False,
 ) -> ReliabilityResult:
     """Probability of failure by the first-order method; further methods are in the result.

@@ -16,7 +16,7 @@ import numpy as np
 
 from dalembert.design.reliability.first_order import DesignPoint
 from dalembert.errors import AnalysisError
-from dalembert.options import random_generator
+from dalembert.options import RandomSource, random_generator
 from dalembert.packages import optional_package
 
 Evaluate = Callable[[np.ndarray], np.ndarray]
@@ -227,7 +227,7 @@ def failure_event(evaluate: Callable[[np.ndarray], np.ndarray], size: int) -> An
 
 
 def openturns_subset_sampling(
-    evaluate: Callable[[np.ndarray], np.ndarray], size: int, samples: int, rng: Any
+    evaluate: Callable[[np.ndarray], np.ndarray], size: int, samples: int, rng: RandomSource
 ) -> Estimate:
     """Subset sampling of OpenTURNS with a number of samples on each level."""
     ot = optional_package("openturns", "subset simulation")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, ExpressionError
-from dalembert.options import random_generator
+from dalembert.options import RandomSource, random_generator
 from dalembert.text.arguments import CheckedArguments
 from dalembert.units.measured import measured
 
@@ -80,7 +80,7 @@ class DesignTable(CheckedArguments):
         return cls(tuple(axes), values, values_by_name)
 
     @classmethod
-    def latin_hypercube(cls, ranges: Ranges, count: int, rng: Any = None) -> DesignTable:
+    def latin_hypercube(cls, ranges: Ranges, count: int, rng: RandomSource = None) -> DesignTable:
         """One design in each of ``count`` slices of every range (McKay, Beckman, Conover 1979)."""
         from scipy.stats import qmc
 
@@ -88,7 +88,7 @@ class DesignTable(CheckedArguments):
         return cls._from_unit_cube(ranges, sampler.random(_checked_count(count)))
 
     @classmethod
-    def sobol(cls, ranges: Ranges, count: int, rng: Any = None) -> DesignTable:
+    def sobol(cls, ranges: Ranges, count: int, rng: RandomSource = None) -> DesignTable:
         """Scrambled Sobol' points; best where ``count`` is a power of two."""
         from scipy.stats import qmc
 
@@ -98,7 +98,7 @@ class DesignTable(CheckedArguments):
 
     @classmethod
     def monte_carlo(
-        cls, distributions: Mapping[str, Any], count: int, rng: Any = None
+        cls, distributions: Mapping[str, Any], count: int, rng: RandomSource = None
     ) -> DesignTable:
         """Independent random values, each of a frozen ``scipy.stats`` distribution or a range."""
         generator = random_generator(rng)

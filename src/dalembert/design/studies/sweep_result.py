@@ -16,6 +16,7 @@ from dalembert.errors import AnalysisError
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
 
 CSV_NOTE = "the table is CSV, because pyarrow is not installed: pip install 'dalembert[study]'"
 
@@ -154,11 +155,10 @@ class SweepResult(Decision):
         return self.table
 
     def table_of_designs(self) -> dict[str, Any]:
-        from dalembert.design.pages.study import study_designs
+        designs: dict[str, Any] = self._page_function("designs")(self)
+        return designs
 
-        return study_designs(self)
-
-    def plot(self, x: str, response: str | None = None, ax: Any = None) -> Any:
+    def plot(self, x: str, response: str | None = None, ax: Axes | None = None) -> Axes:
         """Plot a response over a parameter; returns the axes."""
         ax = plot_axes(ax, (5, 3.6))
         if x not in self.design.names:

@@ -10,12 +10,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.target import Target
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 COUNT, SAMPLES, HARMONICS = 4096, 72, 6
 """Numbers of linkages, of samples per revolution, and of Fourier coefficients."""
@@ -133,7 +136,7 @@ class Atlas:
         return _resampled(self.kind)
 
     @property
-    def _tree(self) -> Any:
+    def _tree(self) -> cKDTree:
         return _tree(self.kind)
 
 
@@ -188,7 +191,7 @@ def linkage_atlas(kind: type[Linkage]) -> Atlas:
 
 
 @lru_cache(maxsize=4)
-def _tree(kind: type[Linkage]) -> Any:
+def _tree(kind: type[Linkage]) -> cKDTree:
     from scipy.spatial import cKDTree
 
     return cKDTree(descriptors(_resampled(kind)[0]))

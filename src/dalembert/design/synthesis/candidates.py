@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 
@@ -71,8 +71,11 @@ class Candidate(ABC):
         return {}
 
 
+CandidateT = TypeVar("CandidateT", bound=Candidate)
+
+
 @dataclass(eq=False)
-class Candidates(Decision):
+class Candidates(Decision, Generic[CandidateT]):
     """Distinct candidates, sorted by error.
 
     Attributes
@@ -85,7 +88,7 @@ class Candidates(Decision):
     page_functions = "synthesis:synthesis"
     noun: ClassVar[str] = "mechanisms"
     target: Target
-    solutions: Sequence[Any]
+    solutions: Sequence[CandidateT]
     starts: int
     name: str = "synthesis"
     interrupted: bool = False
@@ -104,7 +107,7 @@ class Candidates(Decision):
         return f"{text}; interrupted after {self.starts} starts" if self.interrupted else text
 
     @property
-    def best(self) -> Any:
+    def best(self) -> CandidateT:
         return self.solutions[0]
 
     @property
@@ -155,9 +158,8 @@ class Candidates(Decision):
         return pd.DataFrame([{"error": s.error, **s.numbers} for s in self.solutions])
 
     def table_of_designs(self) -> dict[str, Any]:
-        from dalembert.design.pages.synthesis import synthesis_designs
-
-        return synthesis_designs(self)
+        designs: dict[str, Any] = self._page_function("designs")(self)
+        return designs
 
     def __repr__(self) -> str:
         count, error = f"{len(self.solutions)} {self.noun}", self.best.error

@@ -83,7 +83,9 @@ class FourBar(Linkage):
         return [(g - d) ** 2 - (c**2 + f**2 - product), c**2 + f**2 + product - (g + d) ** 2]
 
     @staticmethod
-    def loop(q: Numbers, branch: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def loop(
+        q: Numbers, branch: float | np.ndarray, theta: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         ground = q["ground"] * np.exp(1j * q["angle"])
         pin = q["crank"] * np.exp(1j * theta)
         line = ground - pin

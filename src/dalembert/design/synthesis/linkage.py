@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Self
 
 import casadi as ca
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.errors import AnalysisError
 from dalembert.model.system import System
@@ -94,7 +95,9 @@ class Linkage(ABC):
 
     @staticmethod
     @abstractmethod
-    def loop(q: Numbers, branch: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def loop(
+        q: Numbers, branch: float | np.ndarray, theta: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Angle of the coupler and output at crank angles; NaN if the loop is open."""
 
     @classmethod
@@ -136,22 +139,22 @@ class Linkage(ABC):
 
     # derived quantities --------------------------------------------------------------------
     @classmethod
-    def points(cls, q: Numbers, branch: Any, theta: np.ndarray) -> np.ndarray:
+    def points(cls, q: Numbers, branch: float | np.ndarray, theta: np.ndarray) -> np.ndarray:
         """Coupler points as complex numbers."""
         phi, _ = cls.loop(q, branch, theta)
         pin = q["x"] + 1j * q["y"] + q["crank"] * np.exp(1j * theta)
         return pin + (q["u"] + 1j * q["v"]) * np.exp(1j * phi)
 
-    def path(self, theta: Any) -> np.ndarray:
+    def path(self, theta: ArrayLike) -> np.ndarray:
         """(n, 2) positions of the coupler point at crank angles."""
         z = self.points(self.numbers, self.branch, np.asarray(theta, dtype=float))
         return np.stack([z.real, z.imag], axis=-1)
 
-    def coupler_angle(self, theta: Any) -> np.ndarray:
+    def coupler_angle(self, theta: ArrayLike) -> np.ndarray:
         """``φ`` at crank angles."""
         return self.loop(self.numbers, self.branch, np.asarray(theta, dtype=float))[0]
 
-    def output(self, theta: Any) -> np.ndarray:
+    def output(self, theta: ArrayLike) -> np.ndarray:
         """Follower angle or slider position at crank angles."""
         return self.loop(self.numbers, self.branch, np.asarray(theta, dtype=float))[1]
 
@@ -160,7 +163,7 @@ class Linkage(ABC):
         """Whether the crank rotates fully."""
         return all(float(ca.DM(g)) >= -1e-12 for g in self.rotation_conditions(self.numbers, 0.0))
 
-    def transmission(self, theta: Any = None) -> float:
+    def transmission(self, theta: ArrayLike | None = None) -> float:
         """Minimum transmission angle [rad] at crank angles, by default over one revolution."""
         turn = np.linspace(0, 2 * np.pi, 721) + self.angle if theta is None else theta
         phi, output = self.loop(self.numbers, self.branch, np.asarray(turn, dtype=float))

@@ -69,7 +69,9 @@ class SliderCrank(Linkage):
         return [margin - q["offset"], margin + q["offset"]]
 
     @staticmethod
-    def loop(q: Numbers, branch: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def loop(
+        q: Numbers, branch: float | np.ndarray, theta: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         relative_angle = theta - q["angle"]
         with np.errstate(invalid="ignore"):
             rod_angle = np.arcsin(

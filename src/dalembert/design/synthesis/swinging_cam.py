@@ -11,11 +11,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.design.synthesis.cam import Cam, RolledCam
+from dalembert.elements.laws.base import GivenLaw
 from dalembert.errors import AnalysisError
 from dalembert.text.arguments import check_arguments
 
@@ -83,7 +85,7 @@ class SwingingRollerCam(RolledCam):
     @check_arguments
     def smallest(
         cls,
-        law: Any,
+        law: GivenLaw,
         pressure_angle: float,
         arm: float,
         roller_radius: float = 0.0,
@@ -133,7 +135,7 @@ class _Limits:
     def __init__(
         self,
         kind: type[SwingingRollerCam],
-        law: Any,
+        law: GivenLaw,
         pressure_angle: float,
         arm: float,
         roller: float,
@@ -217,7 +219,7 @@ class SwingingFlatCam(Cam):
         """``ψ_0`` [rad]."""
         return math.asin((self.base_radius + self.offset) / self.distance)
 
-    def profile(self, theta: Any = None) -> np.ndarray:
+    def profile(self, theta: ArrayLike | None = None) -> np.ndarray:
         angles = self._angles(theta)
         s, rate, _ = self.lift(angles)
         psi = self.start + s
@@ -226,7 +228,7 @@ class SwingingFlatCam(Cam):
         z = np.exp(-1j * (psi + angles)) * (tangential + 1j * height)
         return np.stack([z.real, z.imag], axis=-1)
 
-    def radius(self, theta: Any = None) -> np.ndarray:
+    def radius(self, theta: ArrayLike | None = None) -> np.ndarray:
         """``ρ = H + d²H/dβ²`` with ``β = ψ + θ``."""
         s, rate, second = self.lift(self._angles(theta))
         psi, c, speed = self.start + s, self.distance, 1 + rate
@@ -236,12 +238,12 @@ class SwingingFlatCam(Cam):
     def undercut(self) -> bool:
         return bool(self.radius().min() <= 0)
 
-    def contact(self, theta: Any = None) -> np.ndarray:
+    def contact(self, theta: ArrayLike | None = None) -> np.ndarray:
         """(n,) position of the contact on the face, from the foot of the pivot [m]."""
         s, rate, _ = self.lift(self._angles(theta))
         return self.distance * np.cos(self.start + s) / (1 + rate)
 
-    def pressure_angle(self, theta: Any = None) -> np.ndarray:
+    def pressure_angle(self, theta: ArrayLike | None = None) -> np.ndarray:
         return np.arctan2(self.offset, self.contact(theta))
 
     @property

@@ -102,7 +102,7 @@ class Solution(Candidate):
 
 
 @dataclass(eq=False, repr=False)
-class SynthesisResult(Candidates):
+class SynthesisResult(Candidates[Solution]):
     """Distinct single-loop linkages, sorted by error.
 
     Examples
@@ -192,7 +192,7 @@ class MechanismSolution(Candidate):
 
 
 @dataclass(eq=False, repr=False)
-class MechanismSynthesisResult(Candidates):
+class MechanismSynthesisResult(Candidates[MechanismSolution]):
     """Distinct mechanisms of one topology, sorted by error."""
 
     @property

@@ -18,7 +18,7 @@ from dalembert.design.optimize.problem import DesignProblem
 from dalembert.design.tolerance.tolerance_result import ToleranceResult
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching
-from dalembert.options import random_generator
+from dalembert.options import RandomSource, random_generator
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import as_responses
 from dalembert.results.analysis import Analysis
@@ -112,7 +112,7 @@ def tolerance(
     second_order: bool = True,
     worst_case: bool = True,
     samples: int = 0,
-    rng: Any = 0,
+    rng: RandomSource = 0,
     progress: Reported = False,
 ) -> ToleranceResult:
     """Scatter and worst case of a response from dimensional tolerances.

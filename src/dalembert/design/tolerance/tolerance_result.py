@@ -12,7 +12,9 @@ from dalembert.design.decision import Decision, plot_axes
 from dalembert.errors import AnalysisError
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
 
 
 @dataclass(eq=False)
@@ -211,12 +213,12 @@ class ToleranceResult(Decision):
         attributes = {"response": self.label, "units": self.unit, "nominal": self.nominal}
         return xr.Dataset(columns, {"parameter": names}, attributes | {"std": self.std})
 
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> pd.DataFrame:
         """One row per tolerance."""
         return self.data[["tolerance", "effect", "contribution"]].to_dataframe()
 
     # for people ----------------------------------------------------------------------------
-    def plot(self, ax: Any = None) -> Any:
+    def plot(self, ax: Axes | None = None) -> Axes:
         """Plot the effect of each tolerance; returns the axes."""
         ax = plot_axes(ax, (5.5, 3.2))
         rows = sorted(self.effects.items(), key=lambda item: abs(item[1]))

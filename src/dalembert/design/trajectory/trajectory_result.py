@@ -17,6 +17,7 @@ from dalembert.text.wording import unknown
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.figure import Figure
 
 
 @dataclass(eq=False)
@@ -119,7 +120,7 @@ class TrajectoryResult(Decision):
             raise AnalysisError(unknown("control", name, self.controls))
         return self.controls[name]
 
-    def plot(self, *measures: str) -> Any:
+    def plot(self, *measures: str) -> Figure:
         """Controls and measures over time: dots planned, lines run forward; returns the figure."""
         import matplotlib.pyplot as plt
 
