@@ -24,6 +24,7 @@ from dalembert.model.scales import Scales
 from dalembert.symbolic.equations import newton
 from dalembert.symbolic.equations.factor import QrFactor
 from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
+from dalembert.symbolic.evaluation.kernel import SELDOM
 from dalembert.symbolic.formulas.expression import stack
 
 INCONSISTENT = 1e-6
@@ -142,9 +143,8 @@ class Recipe:
             speed_factor.solve,
             speed_factor.solve_transposed,
         )
-        return ImplicitFunction(
-            "initial_state", [e.t, start, e.p], [*position, velocity], [e.y, e.v]
-        )
+        stages = [*position, velocity]
+        return ImplicitFunction("initial_state", [e.t, start, e.p], stages, [e.y, e.v], SELDOM)
 
     def _speed_equations(self) -> tuple[ca.SX, ca.SX]:
         """Unknowns, and equations linear in them, of the initial speeds."""
