@@ -294,6 +294,6 @@ def _formula_texts(cls: type, table: BaseModel) -> list[str]:
     return formulas
 
 
-def _as_list(entry: Any) -> list:
+def _as_list(entry: object) -> list:
     """A list; a single entry becomes a list of one."""
     return entry if isinstance(entry, list) else [entry]

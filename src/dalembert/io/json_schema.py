@@ -49,7 +49,7 @@ def _condition(model: type[BaseModel]) -> dict[str, Any]:
     return {"anyOf": [declared, {"not": {"required": ["dimension"]}, **implied}]}
 
 
-def _drop_null_defaults(node: Any) -> None:
+def _drop_null_defaults(node: object) -> None:
     """Remove null defaults, because null is not a value of this format."""
     if isinstance(node, dict):
         if "default" in node and node["default"] is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, Field, PlainValidator, WithJsonSchema
@@ -36,7 +37,7 @@ from dalembert.model.system import System
 FORMAT = 1
 
 
-def _format(value: Any) -> int:
+def _format(value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError(f"expected format = {FORMAT}, got {short_repr(value)}")
     if value != FORMAT:
@@ -66,7 +67,7 @@ _PARAMETER = table_or(ParameterTable, OwnNumber)
 _DERIVED = table_or(DerivedTable, Entry)
 
 
-def _combined(value: Any) -> CombinedTable:
+def _combined(value: object) -> CombinedTable:
     return value if isinstance(value, CombinedTable) else CombinedTable(formula=value)
 
 
@@ -87,7 +88,7 @@ class ModelDocument(Record):
 
     sections: ClassVar[tuple[str, ...]]
     """Tables whose entries share one namespace."""
-    analyses: ClassVar[dict[str, type]]
+    analyses: ClassVar[Mapping[str, type]]
     """Name → analysis available to the file."""
     usual_analysis: ClassVar[str | None] = None
     """Default analysis."""
