@@ -160,12 +160,18 @@ class MechanismConditions:
         """Sum of the loads at each node."""
         sums: Values = {}
         for load in loads:
-            values = np.broadcast_to(np.array(load.value, dtype=object), load.nodes.shape)
-            for number, value in zip(load.nodes, values, strict=True):
-                forces = sums.setdefault(self.system.numbers.name(int(number)), {})
+            for name, value in self._each(load):
+                forces = sums.setdefault(name, {})
                 present = forces.get(load.direction)
                 forces[load.direction] = value if present is None else present + value
         return sums
+
+    def _each(self, load: Load) -> Iterator[tuple[str, Expression]]:
+        """Nodes of a load with their values."""
+        uniform = not isinstance(load.value, list)
+        values = [load.value] * load.nodes.size if uniform else load.value
+        names = (self.system.numbers.name(int(number)) for number in load.nodes)
+        return zip(names, values, strict=True)
 
     # initial conditions ----------------------------------------------------------------------
     def initial_conditions(self) -> list[tuple[Expression, Expression]]:
@@ -174,13 +180,18 @@ class MechanismConditions:
         Raises
         ------
         ModelError
-            A motion that the node does not have, or an initial rotation in space.
+            A motion that the node does not have, one given twice, or an initial rotation in space.
         """
         conditions = list(self.system.initial_conditions)
         for kind, loads in self.system.initials.items():
-            for node, motions in self._nodes("initial", self._sums(loads)):
-                for direction, value in motions.items():
-                    conditions.append((_motion(node, kind, direction), value))
+            values: Values = {}
+            for load in loads:
+                for name, value in self._each(load):
+                    motion = values.setdefault(name, {})
+                    if motion.setdefault(load.direction, value) is not value:
+                        raise ModelError("is given twice; give it once", load.entity)
+            for node, motion in self._nodes("initial", values):
+                conditions += [(_motion(node, kind, d), value) for d, value in motion.items()]
         return conditions
 
 
