@@ -39,7 +39,7 @@ WRONG = [
     ("a = [0, 0]", "a = [0, true]", "nodes.a: expected a number or a formula, got true"),
     ("c = [2, 0]", "c = [2, 0]\nd = [3, 3]", "nodes.d: is not connected to any element"),
     ("c = [2, 0]", "c = [2, 0]\nleft = [3, 3]", "elements.left: the name is already used by"),
-    ('nodes = ["a", "c"]', 'nodes = ["a", "x"]', "supports[0].nodes: unknown nodes 'x'"),
+    ('nodes = ["a", "c"]', 'nodes = ["a", "x"]', "supports[0].nodes: unknown node 'x'"),
     ('nodes = ["a", "c"]', 'nodes = "a"\nuz = 0', "unknown direction 'uz'; known: ux, uy, rz"),
     ('nodes = ["a", "c"]', 'nodes = "a"\nwhere = { x = 0 }', "supports[0]: a is one node; where"),
     ('nodes = ["a", "c"]', "nodes = []", "supports[0].nodes: expected the name of nodes"),
@@ -118,7 +118,7 @@ MESH_WRONG = [
     (
         'nodes = "plate"\nwhere',
         'nodes = "plat"\nwhere',
-        "unknown nodes 'plat' (did you mean 'plate'?)",
+        "unknown node 'plat' (did you mean 'plate'?)",
     ),
     (
         "plate.von_mises.max",

@@ -8,7 +8,7 @@ import numpy as np
 
 from dalembert.elements.fem.cells import CELLS
 from dalembert.elements.fem.lines import AxialSpring
-from dalembert.elements.fem.node import ROTATIONS
+from dalembert.elements.fem.nodal import ROTATIONS
 from dalembert.elements.fem.registry import cell_of
 from dalembert.model.assembled.evaluation.block import ElementBlock
 from dalembert.model.assembled.model import StructuralModel
