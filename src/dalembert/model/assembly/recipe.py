@@ -16,11 +16,12 @@ import casadi as ca
 import numpy as np
 import scipy
 
-from dalembert.model.assembly.assembly import ROUNDING, Assembler, factorised
+from dalembert.model.assembly.assembly import ROUNDING, Assembler
 from dalembert.model.assembly.guesses import Guesses
 from dalembert.model.assembly.position import position_stages
 from dalembert.model.equations import Equations
 from dalembert.model.scales import Scales
+from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.equations import newton
 from dalembert.symbolic.equations.factor import QrFactor
 from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
@@ -178,8 +179,8 @@ class Recipe:
         entries = entries * columns[pattern.columns]
         size = np.bincount(pattern.rows, np.abs(entries), right.size)
         rows = 1 / np.where(size > 0, size, 1.0)
-        solve = factorised(pattern.matrix(entries * rows[pattern.rows]))
-        return (columns * solve(rows * right))[:n]
+        factors = general_factors(pattern.matrix(entries * rows[pattern.rows]))
+        return (columns * factors.solve(rows * right))[:n]
 
     @cached_property
     def _linear_speeds(self) -> tuple[Pattern, ca.Function]:
@@ -295,4 +296,5 @@ class Pinned(newton.Equations[np.ndarray]):
         assert isinstance(residual, Square)
         columns, at = self.assembler.scales.displacements, self._pattern
         scaled = residual.entries / residual.scale[at.rows] * columns[at.columns]
-        return -columns * factorised(at.matrix(scaled))(residual.value / residual.scale)
+        factors = general_factors(at.matrix(scaled))
+        return -columns * factors.solve(residual.value / residual.scale)
