@@ -38,7 +38,7 @@ def converted(name: str, units: Units) -> da.Model:
 def facts(model: da.Model) -> dict:
     """All that the diagnosis says without a unit."""
     told = model.diagnosis.to_dict()
-    tables = set(told.pop("doubts"))  # with numbers that have units
+    tables = set(told.pop("element_warnings"))  # with numbers that have units
     levels = [
         (m["level"], m["text"].partition(":")[0])
         for m in told.pop("messages")

@@ -9,13 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from dalembert.design.case import Case
-from dalembert.design.quantity import CaseResponse, Quantity
+from dalembert.design.quantity import AnalysisCase, CaseResponse, Quantity
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Correlation, Nataf
 from dalembert.design.reliability.shifted import case_at
@@ -72,9 +71,9 @@ class Robust(Quantity):
     def terms(self) -> list[CaseResponse]:
         return list(self.runs)
 
-    def _graph(self, values: Any) -> Any:
+    def _graph(self, values: ca.SX) -> ca.SX:
         """Expression of the responses at the centre and on both sides of each variable."""
-        centre, mean, variance = values[0], values[0], 0
+        centre, mean, variance = values[0], values[0], ca.SX(0)
         for k in range((values.numel() - 1) // 2):
             samples = ca.vertcat(centre, values[1 + 2 * k], values[2 + 2 * k])
             weights = ca.DM(WEIGHTS)
@@ -97,7 +96,7 @@ class Robust(Quantity):
     def unit(self, units: Sequence[str]) -> str:
         return units[0]
 
-    def of(self, case: Any) -> Quantity:
+    def of(self, case: AnalysisCase | None) -> Quantity:
         """Copy with the integration points of a case."""
         if self.case is not None:
             return self

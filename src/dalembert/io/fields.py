@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.structural.transient_equation import Rayleigh
+from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.elements.base import Constraint, Rows, Vector
 from dalembert.elements.body import BodyElement
@@ -26,7 +27,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
-from dalembert.elements.fem.node import Nodal
+from dalembert.elements.fem.nodal import Nodal
 from dalembert.elements.flexible.body import Interfaces, Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
@@ -105,9 +106,9 @@ class FileField:
         return self.field.metadata.get("size", 1)
 
     @property
-    def least(self) -> int:
+    def minimum_size(self) -> int:
         """Minimum number of entries if the remaining ones have defaults; 0 if all are needed."""
-        return self.field.metadata.get("least", 0)
+        return self.field.metadata.get("minimum_size", 0)
 
     @property
     def is_needed(self) -> bool:
@@ -162,7 +163,7 @@ def keyed_fields(cls: type, hidden: frozenset[str] = frozenset({"name"})) -> lis
 
 
 def read_fields(
-    cls: type, table: Any, located: Any, where: tuple[str | int, ...], value: Callable
+    cls: type, table: BaseModel, located: Any, where: tuple[str | int, ...], value: Callable
 ) -> dict[str, Any]:
     """Values of the fields in a table, converted by ``value(field, entry, where)``."""
     values = {}
@@ -174,5 +175,8 @@ def read_fields(
     return values
 
 
-FROM_FILE = {"Table": ("times", "values"), "SplineCurve": ("points",)}
-"""Classes whose rows may come from a file of two columns → the fields that it fills."""
+FROM_FILE: dict[str, dict[str, tuple[str, ...]]] = {
+    "Table": {"times": ("s",), "values": ("",)},
+    "SplineCurve": {"points": ("m", "m")},
+}
+"""Classes whose rows may come from a file of two columns → fields, with units of their columns."""

@@ -2,18 +2,10 @@
 
 from __future__ import annotations
 
-from dalembert.analysis.dynamics.dynamics import Dynamics
-from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.equilibrium.linearization import Linearization
-from dalembert.analysis.kinematics.inverse_dynamics import InverseDynamics
-from dalembert.analysis.kinematics.kinematics import Kinematics
-from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
-from dalembert.analysis.structural.buckling import Buckling
-from dalembert.analysis.structural.load_path import ArcLength
-from dalembert.analysis.structural.modal import Modal
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.statics import Statics
-from dalembert.analysis.structural.transient import Transient
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from typing import Any
+
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.registry import FORMULATIONS, STABILIZATIONS
 from dalembert.formulations.stabilization import Stabilization
@@ -26,7 +18,7 @@ from dalembert.model.registry import COORDINATES
 from dalembert.responses.base import Response
 from dalembert.responses.events import AtEvent
 from dalembert.responses.extremes import Maximum, Minimum
-from dalembert.responses.integrals import Integral, Mean, Rms, Total
+from dalembert.responses.integrals import RMS, Integral, Mean, Total
 from dalembert.responses.values import At, Final
 
 STRATEGIES_OF: dict[type, dict[str, type]] = {
@@ -46,23 +38,32 @@ STRATEGIES: dict[str, dict[str, type]] = {
 }
 """Key of an analysis → the registry of its strategies."""
 
-ANALYSES: dict[str, type] = {
-    "Dynamics": Dynamics,
-    "Kinematics": Kinematics,
-    "InverseDynamics": InverseDynamics,
-    "Equilibrium": Equilibrium,
-    "Linearization": Linearization,
-    "Nonsmooth": Nonsmooth,
-}
 
-STRUCTURAL_ANALYSES: dict[str, type] = {
-    "Statics": Statics,
-    "NonlinearStatics": NonlinearStatics,
-    "ArcLength": ArcLength,
-    "Modal": Modal,
-    "Buckling": Buckling,
-    "Transient": Transient,
-}
+class PublicClasses(Mapping[str, Any]):
+    """Public classes by their names, each imported when it is accessed."""
+
+    def __init__(self, *names: str):
+        self.names = names
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self.names:
+            raise KeyError(name)
+        return getattr(import_module("dalembert"), name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+ANALYSES = PublicClasses(
+    "Dynamics", "Kinematics", "InverseDynamics", "Equilibrium", "Modal", "Nonsmooth"
+)
+STRUCTURAL_ANALYSES = PublicClasses(
+    "Statics", "Equilibrium", "ArcLength", "Modal", "Buckling", "Dynamics"
+)
+TRAJECTORY_METHODS = PublicClasses("DirectCollocation", "MultipleShooting")
 
 RESPONSES: dict[str, type[Response]] = {
     "Final": Final,
@@ -70,7 +71,7 @@ RESPONSES: dict[str, type[Response]] = {
     "AtEvent": AtEvent,
     "Integral": Integral,
     "Mean": Mean,
-    "Rms": Rms,
+    "RMS": RMS,
     "Total": Total,
     "Maximum": Maximum,
     "Minimum": Minimum,

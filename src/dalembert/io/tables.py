@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, Field, create_model
 
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.times import TIMES
+from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
@@ -58,7 +58,7 @@ from dalembert.io.values import (
     list_of,
     short_repr,
 )
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.results.structural.result import StructuralResult
 from dalembert.text.wording import unknown
 
@@ -94,10 +94,10 @@ class RayleighTable(Record):
     stiffness: Entry = Field(default=0.0, description="β [s]")
 
 
-def name_or_table(classes: dict[str, type]) -> Any:
+def name_or_table(classes: Mapping[str, type]) -> Any:
     """Type of a strategy: its name, or a table with its type and options."""
 
-    def check(value: Any) -> Any:
+    def check(value: object) -> Any:
         if isinstance(value, str) and value not in classes:
             raise ValueError(unknown("name", value, classes))
         if not isinstance(value, (str, dict, BaseModel)):
@@ -107,8 +107,7 @@ def name_or_table(classes: dict[str, type]) -> Any:
         return value
 
     plain: Any = Annotated[Literal[tuple(classes)], Field(title="name")]
-    tables = {name: partial(table_of, name, cls) for name, cls in classes.items()}
-    return Annotated[one_of(tables, plain=plain), BeforeValidator(check)]
+    return Annotated[one_of(tables_of(classes), plain=plain), BeforeValidator(check)]
 
 
 def reference(dimension: int) -> Any:
@@ -152,8 +151,8 @@ TIMED: dict[Any, Any] = {
 
 def _quantities(field: FileField) -> Any:
     """Type of a list, or of a single entry where one is enough."""
-    listed = list_of(Entry, field.size, least=field.least)
-    return Entry | listed if field.least == 1 else listed
+    listed = list_of(Entry, field.size, least=field.minimum_size)
+    return Entry | listed if field.minimum_size == 1 else listed
 
 
 def value_type(field: FileField, dimension: int = 2) -> Any:
@@ -223,9 +222,18 @@ def friction_type() -> Any:
     return any_of(FRICTIONS)
 
 
-def any_of(registry: dict[str, type]) -> Any:
+def any_of(registry: Mapping[str, type]) -> Any:
     """Type of a table that describes an object of one of the registered classes."""
-    return one_of({name: partial(table_of, name, cls) for name, cls in registry.items()})
+    return one_of(tables_of(registry))
+
+
+def tables_of(registry: Mapping[str, type]) -> dict[str, Callable[[], type[BaseModel]]]:
+    """Name of a class → function that creates its table."""
+
+    def table(name: str) -> type[BaseModel]:
+        return table_of(name, registry[name])
+
+    return {name: partial(table, name) for name in registry}
 
 
 @cache
@@ -248,7 +256,7 @@ def table_of(
 
     Parameters
     ----------
-    optional_type : the type may be left out
+    optional_type : the type is optional
     dimension : number of coordinates of a point
     also : alias of its type
     title : its name in the schema, the type by default
@@ -261,10 +269,13 @@ def table_of(
         text = "connected bodies, points or frames, in order: " + ", ".join(
             f.name for f in connections
         )
-        keys["connect"] = (_connection(connections, dimension), Field(description=text))
-    from_file = FROM_FILE.get(name, ())
+        default = ... if any(f.is_needed for f in connections) else None
+        keys["connect"] = (_connection(connections, dimension), Field(default, description=text))
+    from_file = FROM_FILE.get(name, {})
     if from_file:
-        text = f"CSV file with two columns, instead of {' and '.join(from_file)}"
+        text = (
+            f"CSV file with two columns, units in its heading, instead of {' and '.join(from_file)}"
+        )
         keys["file"] = (Text, Field(default=None, description=text))
     for field in keyed_fields(cls):
         if field.name in (more or {}):

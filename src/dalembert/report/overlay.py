@@ -58,12 +58,12 @@ def _structures(first: dict[str, Any], second: dict[str, Any], name: str) -> dic
     """Overlay the second structure behind the first one, in states of the same names."""
     if first["dimension"] != second["dimension"]:
         raise FileError("the structures have different dimensions")
-    displacements = dict(zip(second["cases"], second["moved"], strict=True))
+    displacements = dict(zip(second["cases"], second["vertex_displacements"], strict=True))
     if not any(case in displacements for case in first["cases"]):
         raise FileError(f"the runs have no common {first.get('kind_of_state', 'case')}")
     rest = [0.0] * len(second["drawing"]["rest"])
     other_displacements = [displacements.get(case, rest) for case in first["cases"]]
     return first | {
-        "ghost": {"drawing": second["drawing"], "moved": other_displacements},
+        "ghost": {"drawing": second["drawing"], "vertex_displacements": other_displacements},
         "other": name,
     }

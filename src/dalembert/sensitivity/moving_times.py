@@ -19,7 +19,6 @@ import numpy as np
 from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
-from dalembert.analysis.structural.transient import Transient
 from dalembert.analysis.timeline import checked_span
 from dalembert.analysis.times import follow_parameters, slopes
 from dalembert.errors import UnsupportedError
@@ -90,18 +89,17 @@ class MovingTimes:
                 "a gradient by parameters that the start of the run follows is not available: the "
                 "whole motion shifts with it; use a fixed start time"
             )
-        fixed = isinstance(analysis, (Transient, Nonsmooth))
+        fixed = motion.model.kind == "structure" or isinstance(analysis, Nonsmooth)
         if fixed and (np.any(self.step) or (analysis.step is None and np.any(self.end))):
-            kind = type(analysis).__name__
             raise UnsupportedError(
-                f"a gradient by parameters that the step of a {kind} follows is not available; "
-                "give step= as a number"
+                f"a gradient by parameters that the step of the {analysis.display_name} follows is "
+                "not available; give step= as a number"
             )
         self.ended = end_by_event(motion) is not None
 
     def term(self, response: Response, sample: Sample, engine: Engine) -> np.ndarray:
         """(columns,) contribution of the moving instants to the gradient of a response."""
-        if response.stays(self.motion):
+        if response.has_fixed_times(self.motion):
             return np.zeros(self.end.size)
         times = sample.motion.time
         if np.array_equal(times, self.motion.time):
@@ -111,7 +109,7 @@ class MovingTimes:
         else:  # samples in the steps of the run, the last of which grows
             end = np.zeros_like(self.end) if self.ended else self.end
             instants = np.outer(np.eye(1, times.size, times.size - 1), end)
-            samples = np.outer(sample.shares, end)
+            samples = np.outer(sample.time_derivatives, end)
         added: np.ndarray = sample.time_weights @ instants
         for k in np.flatnonzero(sample.weights * np.any(samples, axis=1)):
             added = added + sample.weights[k] * self._rate(engine, sample, int(k)) * samples[k]

@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from dalembert.errors import AnalysisError, ModelError, UnsupportedError
+from dalembert.errors import AnalysisError, ModelError
+from dalembert.packages import optional_package
 from dalembert.units.unit import unit
 
 READERS = {".csv": "read_csv", ".txt": "read_csv", ".parquet": "read_parquet"}
@@ -60,7 +62,7 @@ def read_table(source: Any) -> dict[str, np.ndarray]:
     return numeric
 
 
-def _in_si(heading: str, values: Any) -> tuple[str, Any]:
+def _in_si(heading: str, values: ArrayLike) -> tuple[str, ArrayLike]:
     """Name and values of a column in SI units; headings may have units, ``crank.angle [deg]``."""
     match = re.fullmatch(r"(.*\S)\s+\[(.+)\]", heading)
     if match is None:
@@ -83,17 +85,15 @@ def _read_file(path: Path) -> Any:
         raise AnalysisError(f"{path}: the data file does not exist")
     if reader is None:
         return read_markers(path)
+    if reader == "read_parquet":
+        optional_package("pyarrow", f"reading {path}", "convert it to CSV")
     try:
         return getattr(pd, reader)(path)
-    except ImportError:
-        raise AnalysisError(
-            f"{path}: reading Parquet needs pyarrow; 'pip install pyarrow', or give CSV"
-        ) from None
     except (ValueError, OSError) as error:  # parser errors of pandas are ValueErrors
         raise AnalysisError(f"{path}: cannot be read as a table ({error})") from None
 
 
-def _numbers(values: Any) -> np.ndarray | None:
+def _numbers(values: ArrayLike) -> np.ndarray | None:
     """(K,) numbers of a column, None if it holds other data."""
     try:
         return np.asarray(values, dtype=float).ravel()
@@ -111,12 +111,7 @@ def read_markers(path: Path) -> dict[str, np.ndarray]:
     UnsupportedError
         ezc3d is not installed.
     """
-    try:
-        import ezc3d
-    except ImportError:
-        raise UnsupportedError(
-            f"{path}: markers need ezc3d: pip install 'dalembert[c3d]'"
-        ) from None
+    ezc3d = optional_package("ezc3d", f"reading {path}")
     try:
         file = ezc3d.c3d(str(path))
     except (OSError, RuntimeError, ValueError, IndexError) as error:
@@ -135,7 +130,7 @@ def read_markers(path: Path) -> dict[str, np.ndarray]:
     return columns
 
 
-def _unit_factor(path: Path, point_group: Any) -> float:
+def _unit_factor(path: Path, point_group: Mapping[str, Any]) -> float:
     unit = (
         str(next(iter(point_group["UNITS"]["value"]), "mm")).strip()
         if "UNITS" in point_group

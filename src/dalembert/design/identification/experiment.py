@@ -12,7 +12,7 @@ from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.design.identification.data_table import read_table
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import options
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import nearest
@@ -169,7 +169,11 @@ def _measures(
 
 
 def _noise(
-    table: Mapping[str, np.ndarray], noise: Any, order: np.ndarray, column: str, name: str
+    table: Mapping[str, np.ndarray],
+    noise: float | str | None,
+    order: np.ndarray,
+    column: str,
+    name: str,
 ) -> np.ndarray:
     """(K,) standard deviations of a column."""
     if isinstance(noise, str):

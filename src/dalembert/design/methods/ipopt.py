@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
 
 import casadi as ca
 import numpy as np
@@ -13,9 +12,7 @@ from dalembert.design.methods.search_options import Stop
 from dalembert.design.optimize.program import Program
 from dalembert.interrupts import check_ctrl_c
 from dalembert.options import options
-
-MAX_ITERATIONS = 2**31 - 1
-"""Upper limit of the iterations in Ipopt's 32-bit counter."""
+from dalembert.symbolic.nonlinear_program import ipopt, return_status
 
 
 @options
@@ -44,37 +41,20 @@ class Ipopt(Optimizer):
         values = _Values(program)
         z_symbol = ca.MX.sym("z", program.n)
         outputs = values(z_symbol)
-        settings: dict[str, Any] = {
+        settings = {
             "hessian_approximation": "limited-memory",
-            "max_iter": min(stop.max_iterations, MAX_ITERATIONS),
-            "tol": max(stop.tolerance, 1e-10),
             "acceptable_iter": 0,
             "bound_relax_factor": 0.0,
-            "print_level": 0,
-            "sb": "yes",
         }
-        nlp: dict[str, Any] = {"x": z_symbol, "f": outputs[0], "g": outputs[1:]}
-        solver = ca.nlpsol(
-            "design",
-            "ipopt",
-            nlp,
-            {
-                "ipopt": settings,
-                "print_time": False,
-                "error_on_fail": False,
-                "show_eval_warnings": False,
-            },
-        )
+        nlp = {"x": z_symbol, "f": outputs[0], "g": outputs[1:]}
+        solver = ipopt("design", nlp, max(stop.tolerance, 1e-10), stop.max_iterations, settings)
         limits = {"lbg": program.c_lower, "ubg": program.c_upper} if program.m else {}
         solution = solver(x0=z, lbx=program.z_lower, ubx=program.z_upper, **limits)
         if values.exception is not None:
             raise values.exception
         check_ctrl_c()
-        stats = solver.stats()
-        message = str(stats["return_status"]).replace("_", " ").lower()
-        return OptimizerResult(
-            np.array(solution["x"]).ravel(), bool(stats["success"]), f"Ipopt: {message}"
-        )
+        message, success = f"Ipopt: {return_status(solver)}", bool(solver.stats()["success"])
+        return OptimizerResult(np.array(solution["x"]).ravel(), success, message)
 
 
 class _Values(ca.Callback):
@@ -84,7 +64,7 @@ class _Values(ca.Callback):
         ca.Callback.__init__(self)
         self.program, self.rows = program, 1 + program.m
         self.exception: BaseException | None = None
-        self.jacobian_callback: Any = None
+        self.jacobian_callback: _Jacobian | None = None
         self.construct("values", {})
 
     def get_n_in(self) -> int:
@@ -99,7 +79,9 @@ class _Values(ca.Callback):
     def get_sparsity_out(self, i: int) -> ca.Sparsity:
         return ca.Sparsity.dense(self.rows, 1)
 
-    def guarded(self, shape: tuple[int, ...], compute: Any) -> list[np.ndarray]:
+    def guarded(
+        self, shape: tuple[int, ...], compute: Callable[[], np.ndarray | None]
+    ) -> list[np.ndarray]:
         """Computed value, or NaN; exceptions are stored, as CasADi would discard them."""
         if self.exception is None:
             try:
@@ -110,7 +92,7 @@ class _Values(ca.Callback):
                 self.exception = error
         return [np.full(shape, np.nan)]
 
-    def eval(self, arguments: Sequence[Any]) -> list[np.ndarray]:
+    def eval(self, arguments: Sequence[ca.DM]) -> list[np.ndarray]:
         def compute() -> np.ndarray | None:
             values = self.program.value(np.array(arguments[0]).ravel())
             return None if values is None else np.concatenate([[values[0]], values[1]])
@@ -120,7 +102,13 @@ class _Values(ca.Callback):
     def has_jacobian(self) -> bool:
         return True
 
-    def get_jacobian(self, name: str, inputs: Any, outputs: Any, options: Any) -> ca.Function:
+    def get_jacobian(
+        self,
+        name: str,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        options: Mapping[str, object],
+    ) -> ca.Function:
         self.jacobian_callback = _Jacobian(self, name)
         return self.jacobian_callback
 
@@ -145,7 +133,7 @@ class _Jacobian(ca.Callback):
     def get_sparsity_out(self, i: int) -> ca.Sparsity:
         return ca.Sparsity.dense(self.values.rows, self.values.program.n)
 
-    def eval(self, arguments: Sequence[Any]) -> list[np.ndarray]:
+    def eval(self, arguments: Sequence[ca.DM]) -> list[np.ndarray]:
         program = self.values.program
 
         def compute() -> np.ndarray | None:

@@ -14,7 +14,15 @@ MIN_FRAMES = 61
 CHANGING = {
     "mechanism": ("time", "scene", "series", "events"),
     "spatial": ("time", "scene", "series", "events"),
-    "structure": ("drawing", "moved", "scales", "displacements", "fields", "loads", "reactions"),
+    "structure": (
+        "drawing",
+        "vertex_displacements",
+        "scales",
+        "displacements",
+        "fields",
+        "loads",
+        "reactions",
+    ),
 }
 """Kind of page → keys that depend on the design."""
 
@@ -47,7 +55,7 @@ def with_views(page: dict[str, Any], decision: Any, title: str) -> dict[str, Any
     page["title"] = f"{page['title']}: {title}"
     page["verdict"] = verdict(decision)
     page["designs"] = decision.table_of_designs()
-    page["views"] = all_views(decision)
+    page["views"] = [*page.get("views", ()), *all_views(decision)]
     return page
 
 

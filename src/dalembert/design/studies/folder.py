@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import IO, Any, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.design.studies.task import Answer
-from dalembert.errors import FileError, UnsupportedError
+from dalembert.errors import FileError
 from dalembert.files import atomic_path, readable
+from dalembert.packages import optional_package
 
 ABOUT, LOCK, TABLE = "study.json", ".lock", "table"
 DAMAGED = ".damaged"
@@ -29,7 +31,7 @@ class TableFormat(Protocol):
 
     suffix: str
 
-    def write(self, columns: Mapping[str, Any], target: Path) -> None:
+    def write(self, columns: Mapping[str, ArrayLike], target: Path) -> None:
         """Write columns of integers, numbers (NaN if missing) and texts."""
         ...
 
@@ -43,7 +45,7 @@ class Parquet:
 
     suffix = ".parquet"
 
-    def write(self, columns: Mapping[str, Any], target: Path) -> None:
+    def write(self, columns: Mapping[str, ArrayLike], target: Path) -> None:
         import pyarrow as arrow
         import pyarrow.parquet as parquet
 
@@ -73,7 +75,7 @@ class Csv:
 
     suffix = ".csv"
 
-    def write(self, columns: Mapping[str, Any], target: Path) -> None:
+    def write(self, columns: Mapping[str, ArrayLike], target: Path) -> None:
         cells = [[_cell(value) for value in np.asarray(c).tolist()] for c in columns.values()]
         with atomic_path(target) as path, path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
@@ -112,10 +114,7 @@ def table_format(parts: Path) -> TableFormat:
         import pyarrow.parquet  # noqa: F401
     except ImportError:
         if any(parts.glob("part-*.parquet")):
-            raise UnsupportedError(
-                f"{parts}: the answers of this study are Parquet, which needs pyarrow: "
-                "pip install 'dalembert[study]'"
-            ) from None
+            optional_package("pyarrow", f"{parts}: continuing this study")
         return Csv()
     return Parquet()
 

@@ -7,17 +7,20 @@ from typing import Any
 
 from dalembert.design.identification.experiment import Experiment
 from dalembert.design.identification.least_squares import LOSSES
-from dalembert.design.inverse.history import History
+from dalembert.design.inverse.input_history import InputHistory
 from dalembert.design.inverse.smoothing import CHOICES
 from dalembert.elements.laws.table import Table
 from dalembert.errors import AnalysisError
 from dalembert.io.decisions.responses import read_measures, require_parameter, select_parameters
 from dalembert.io.model_file import ModelFile
 from dalembert.io.values import constant
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import unknown
 
 
-def make_identification(file: ModelFile, model: Any, data: list[Path] | None = None) -> dict:
+def make_identification(
+    file: ModelFile, model: ParametricModel, data: list[Path] | None = None
+) -> dict:
     """Arguments of ``identify`` from ``[identify]``.
 
     Parameters
@@ -57,7 +60,7 @@ def make_identification(file: ModelFile, model: Any, data: list[Path] | None = N
     }
 
 
-def _experiments(file: ModelFile, model: Any) -> list[Experiment]:
+def _experiments(file: ModelFile, model: ParametricModel) -> list[Experiment]:
     """Experiments of the file, with data files in its folder."""
     table, folder = file.document.identify, file.path.parent
     if (table.data is None) == (not table.experiments):
@@ -75,7 +78,9 @@ def _experiments(file: ModelFile, model: Any) -> list[Experiment]:
     return experiments
 
 
-def make_inversion(file: ModelFile, model: Any, data: list[Path] | None = None) -> dict[str, Any]:
+def make_inversion(
+    file: ModelFile, model: ParametricModel, data: list[Path] | None = None
+) -> dict[str, Any]:
     """Arguments of ``invert`` from ``[invert]``.
 
     Parameters
@@ -126,12 +131,12 @@ def _smoothing(file: ModelFile, entry: Any) -> str | float:
     return value
 
 
-def _history(file: ModelFile, model: Any, name: str) -> History:
+def _history(file: ModelFile, model: ParametricModel, name: str) -> InputHistory:
     """History of a built model, from its parameters."""
     document: Any = file.document
     times = document.histories[name].times()
     parameters = tuple(model.parameters[f"{name}_{k}"] for k in range(times.size))
-    return History(
+    return InputHistory(
         name,
         times,
         parameters,

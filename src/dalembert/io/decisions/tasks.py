@@ -1,4 +1,4 @@
-"""Tasks of a file: gradients, sweeps, comparisons and the initial view of the report."""
+"""Tasks of a file: gradients, sweeps and comparisons."""
 
 from __future__ import annotations
 
@@ -10,22 +10,19 @@ import numpy as np
 from dalembert.analysis.comparison.compare import Comparing
 from dalembert.analysis.comparison.reference import observe
 from dalembert.analysis.times import in_seconds
-from dalembert.design.studies.design import Design
+from dalembert.design.studies.design_table import DesignTable
 from dalembert.io.analyses import make_analysis, make_strategy
 from dalembert.io.decisions.designs import make_design, make_front
 from dalembert.io.decisions.estimation import make_identification, make_inversion
 from dalembert.io.decisions.reliability import make_reliability, make_tolerance
 from dalembert.io.decisions.responses import find_response, make_responses, select_parameters
 from dalembert.io.decisions.synthesis import make_synthesis
-from dalembert.io.decisions.task_tables import ReportTable
 from dalembert.io.decisions.trajectories import make_trajectory
+from dalembert.io.documents import Document
 from dalembert.io.model_file import ModelFile
-from dalembert.io.schema import Document
+from dalembert.io.report import report_choices
 from dalembert.io.strategies import STRATEGIES
 from dalembert.responses.base import Response
-from dalembert.results.files.tables import checked_units
-from dalembert.results.labelled import DATA_ONLY
-from dalembert.text.wording import unknown
 from dalembert.units.measured import check_measured
 
 STRATEGY_KINDS = {
@@ -52,7 +49,7 @@ def make_gradient(file: ModelFile, model: Any) -> tuple[dict[str, Response], lis
     return responses, select_parameters(file, table.wrt, "sensitivity", "wrt")
 
 
-def make_sweep(file: ModelFile, model: Any) -> tuple[Design, list[Response]]:
+def make_sweep(file: ModelFile, model: Any) -> tuple[DesignTable, list[Response]]:
     """Designs and responses of ``[sweep]``.
 
     Raises
@@ -78,11 +75,11 @@ def make_sweep(file: ModelFile, model: Any) -> tuple[Design, list[Response]]:
         for name, q in model.parameters.items()
         if np.all(np.isfinite(q.bounds))
     }
-    explicit = {"Grid": Design.grid, "Table": Design.table}
+    explicit = {"Grid": DesignTable.grid, "Table": DesignTable.table}
     random = {
-        "LatinHypercube": Design.latin_hypercube,
-        "MonteCarlo": Design.monte_carlo,
-        "Sobol": Design.sobol,
+        "LatinHypercube": DesignTable.latin_hypercube,
+        "MonteCarlo": DesignTable.monte_carlo,
+        "Sobol": DesignTable.sobol,
     }
     with file.located("sweep", "vary"):
         if table.type in explicit:
@@ -136,26 +133,6 @@ def _times(file: ModelFile, model: Any) -> dict[str, Any]:
         values = {key: getattr(table, key) for key in sorted(keys)}
         times = in_seconds(values, model, None, "compare")
     return times | ({"t_span": tuple(times["t_span"])} if "t_span" in times else {})
-
-
-def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
-    """Initial view of the report: ``plots``, ``trace`` and ``units``, with checked names."""
-    report = file.document.report
-    with file.located("report", "units"):
-        units = checked_units(report.units)
-    if not isinstance(report, ReportTable):
-        return {"units": units}
-    for i, group in enumerate(report.plots):
-        for k, measure in enumerate(group):
-            with file.located("report", "plots", i, k):
-                if measure not in DATA_ONLY:
-                    model.expression(measure)
-    points = [p.name for body in model.bodies for p in body.points.values()]
-    points += [body.name for body in model.bodies]
-    for k, point in enumerate(report.trace):
-        if point not in points:
-            raise file.located.error(unknown("point", point, points), "report", "trace", k)
-    return {"plots": report.plots or None, "trace": report.trace or None, "units": units}
 
 
 READERS: dict[str, Callable[[ModelFile, Any], Any]] = {

@@ -253,14 +253,14 @@ class Scene extends SceneMarks {
       position([pose.x, pose.y]);
       rows.push(["angle", degrees(pose.a)]);
     } else if (kind === "link") {
-      what = item.what;
+      what = item.description;
       const [p, q] = [item.i, item.j].map((end) => toWorld(this.poses.get(end.body), end.point));
       rows.push(["length", inUnits([Math.hypot(q[0] - p[0], q[1] - p[1])], "m")]);
     } else {
       position(motion.at(item.body, item.point));
       if (kind === "point") rows.push(["on", item.body.name], ...item.names.slice(1).map((name) => ["also", name]));
       if (kind === "joint" || kind === "symbol") {
-        what = item.what;
+        what = item.description;
         const { fx, fy, m } = this.load(item);
         if (item.fx || item.fy) rows.push(["force", inUnits([Math.hypot(fx, fy)], "N")], ["Fx, Fy", inUnits([fx, fy], "N")]);
         if (item.m) rows.push(["moment", inUnits([m], "N m")]);

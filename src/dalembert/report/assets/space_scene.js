@@ -158,7 +158,7 @@ class SpatialScene extends Assembly {
       const v = motion.vectorOf(item[key]);
       if (v?.every(Number.isFinite)) rows.push([key, inUnits([Math.hypot(...v)], unit)], ["", inUnits(v, unit)]);
     }
-    const what = item.what ?? kind;
+    const what = item.description ?? kind;
     tip.replaceChildren(el("strong", {}, item.name || what), el("span", { class: "what" }, item.name ? what : ""),
       el("dl", {}, rows.map(([k, v]) => [el("dt", {}, k), el("dd", {}, v)])));
     const [px, py] = this.pointer, { clientWidth: w, clientHeight: h } = this.canvas;

@@ -42,7 +42,7 @@ class StructureMarks extends StructurePainter {
     ctx.fillStyle = Theme.surface;
     ctx.lineWidth = 1.3;
     for (const support of this.structure.supports) {
-      const [wx, wy] = this.structure.solid ? [0, 1] : [support.way[0], -support.way[1]];
+      const [wx, wy] = this.structure.solid ? [0, 1] : [support.direction[0], -support.direction[1]];
       for (const node of support.nodes) {
         const at = (along, across) => [p[3 * node] + size * (along * wx - across * wy), p[3 * node + 1] + size * (along * wy + across * wx)];
         const line = (...points) => { ctx.moveTo(...at(...points[0])); points.slice(1).forEach((q) => ctx.lineTo(...at(...q))); };

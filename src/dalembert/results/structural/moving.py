@@ -38,7 +38,9 @@ class MovingStructure:
         if not names:
             raise AnalysisError("there is no state to film")
         self.rest = np.asarray(self.drawing["rest"], dtype=float).reshape(-1, 3)
-        displacements = [np.asarray(m, dtype=float).reshape(-1, 3) for m in page["moved"]]
+        displacements = [
+            np.asarray(m, dtype=float).reshape(-1, 3) for m in page["vertex_displacements"]
+        ]
         self.solid = page["dimension"] == 3
         if page["sequence"] and len(names) > 1 and state is None:
             index = np.linspace(0, len(names) - 1, min(frames, len(names))).round().astype(int)

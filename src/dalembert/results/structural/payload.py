@@ -46,11 +46,11 @@ def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> d
         "format": 1,
         "kind": "structure",
         "title": model.name,
-        "subtitle": result.analysis.spoken,
+        "subtitle": result.analysis.display_name,
         "dimension": drawing.dimension,
         "cases": [result.state_names[k] for k in keep],
         "drawing": _drawing(drawing),
-        "moved": [m.ravel() for m in displacements],
+        "vertex_displacements": [m.ravel() for m in displacements],
         "scales": scales,
         "shapes_only": result.of_any_size,
         "sequence": result.in_sequence,
@@ -105,7 +105,7 @@ def _fields(
 
 def _supports(drawing: StructuralDrawing) -> list[dict[str, Any]]:
     return [
-        {"nodes": nodes, "way": list(direction), "roller": roller, "turns": turns}
+        {"nodes": nodes, "direction": list(direction), "roller": roller, "turns": turns}
         for (direction, roller, turns), nodes in support_symbols(drawing).items()
     ]
 
