@@ -139,7 +139,7 @@ def test_run_as_json(model, tmp_path, capsys):
     assert all(Path(f).exists() for f in made["files"])
 
 
-@pytest.mark.parametrize("kind", ["Equilibrium", "Linearization"])
+@pytest.mark.parametrize("kind", ["Equilibrium", "Modal"])
 def test_another_analysis(kind, model, tmp_path, capsys):
     text = model.read_text(encoding="utf-8").replace('angle = "pi/2"', 'angle = "-pi/2"')
     model.write_text(text, encoding="utf-8")

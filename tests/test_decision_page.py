@@ -103,13 +103,13 @@ def test_a_range_of_an_axis_keeps_designs(show, slider):  # noqa: F811
     low, high = found.js("[...dalembert.choice.ranges.get(2)]")
     kept = (design.values[:, 0] >= low) & (design.values[:, 0] <= high) & study.success
     assert 0 < kept.sum() < done
-    assert found.page.locator("#view-0 path.design:not(.left)").count() == kept.sum()
+    assert found.page.locator("#view-0 path.design:not(.outside)").count() == kept.sum()
     found.page.locator("#view-0 svg").focus()
     found.page.keyboard.press("Home")
     assert kept[chosen(found)]
     box = grips.nth(2).bounding_box()
     found.page.mouse.dblclick(x, box["y"] + box["height"] / 2)
-    assert found.page.locator("#view-0 path.design:not(.left)").count() == done
+    assert found.page.locator("#view-0 path.design:not(.outside)").count() == done
     assert "failed" in found.page.inner_text("#panels").lower()
 
 

@@ -58,8 +58,8 @@ WRONG = [
     ),
     (
         "[responses]",
-        '[analysis]\ntype = "Dynamics"\n[responses]',
-        "analysis: unknown type 'Dynamics'",
+        '[analysis]\ntype = "Kinematics"\n[responses]',
+        "analysis: unknown type 'Kinematics'",
     ),
     (
         "[responses]",
@@ -68,8 +68,8 @@ WRONG = [
     ),
     (
         "[responses]",
-        '[analysis]\ntype = "Transient"\nduration = 1\nintegrator = "RK4"\n[responses]',
-        "analysis: integrator is RK4",
+        '[analysis]\ntype = "Dynamics"\nduration = 1\nintegrator = "RK4"\n[responses]',
+        "analysis.integrator: integrator is RK4",
     ),
     ("[responses]", "[bodies.x]\nmass = 1\n[responses]", "bodies: unknown key"),
     (

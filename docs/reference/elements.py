@@ -6,6 +6,7 @@ import dataclasses
 from pathlib import Path
 
 from dalembert.analysis.events import Event, Events
+from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
@@ -28,6 +29,7 @@ from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.io import fields
 from dalembert.io.fields import FROM_FILE, connected_fields, keyed_fields
 from dalembert.model.coordinates import Coordinates
+from dalembert.results.structural.result import StructuralResult
 from reference.markdown import field_texts, summary, table
 
 HOLDS: dict[object, str] = {
@@ -45,6 +47,7 @@ HOLDS: dict[object, str] = {
     Frame: "frame",
     Constraint: "name of a joint",
     FlexibleStructure: "file of a structure",
+    StructuralResult: "table of an analysis",
     Interfaces: "name of a section: nodes; or list of nodes",
     Numbers: "table of formulas",
     Rows: "list",
@@ -70,6 +73,7 @@ HOLDS: dict[object, str] = {
     ContactSolver: "contact solver",
     Events: "table of events",
     Distribution: "distribution",
+    Rayleigh: "table with `mass` and `stiffness`",
 }
 NEEDED = {
     "Bar.length",

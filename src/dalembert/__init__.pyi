@@ -7,14 +7,21 @@ from dalembert import structures as structures
 from dalembert.analysis.assembly import solve_assembly as solve_assembly
 from dalembert.analysis.comparison.compare import compare as compare
 from dalembert.analysis.dynamics.dynamics import Dynamics as Dynamics
-from dalembert.analysis.dynamics.solve import solve_dynamics as solve_dynamics
+from dalembert.analysis.dynamics.solve import (
+    solve_dynamics as solve_dynamics,
+    solve_transient as solve_transient,
+)
 from dalembert.analysis.equilibrium.equilibrium import (
     Equilibrium as Equilibrium,
     solve_equilibrium as solve_equilibrium,
 )
-from dalembert.analysis.equilibrium.linearization import (
-    Linearization as Linearization,
-    linearize as linearize,
+from dalembert.analysis.equilibrium.load_path import (
+    ArcLength as ArcLength,
+    solve_load_path as solve_load_path,
+)
+from dalembert.analysis.equilibrium.statics import (
+    Statics as Statics,
+    solve_statics as solve_statics,
 )
 from dalembert.analysis.events import Event as Event
 from dalembert.analysis.kinematics.inverse_dynamics import (
@@ -25,29 +32,17 @@ from dalembert.analysis.kinematics.kinematics import (
     Kinematics as Kinematics,
     solve_kinematics as solve_kinematics,
 )
+from dalembert.analysis.modes.buckling import (
+    Buckling as Buckling,
+    solve_buckling as solve_buckling,
+)
+from dalembert.analysis.modes.modal import Modal as Modal
+from dalembert.analysis.modes.solve import linearize as linearize, solve_modes as solve_modes
 from dalembert.analysis.nonsmooth.nonsmooth import (
     Nonsmooth as Nonsmooth,
     solve_nonsmooth as solve_nonsmooth,
 )
-from dalembert.analysis.structural.buckling import (
-    Buckling as Buckling,
-    solve_buckling as solve_buckling,
-)
-from dalembert.analysis.structural.load_path import (
-    ArcLength as ArcLength,
-    solve_load_path as solve_load_path,
-)
-from dalembert.analysis.structural.modal import Modal as Modal, solve_modes as solve_modes
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics as NonlinearStatics
-from dalembert.analysis.structural.statics import (
-    Statics as Statics,
-    solve_statics as solve_statics,
-)
-from dalembert.analysis.structural.transient import (
-    Transient as Transient,
-    solve_transient as solve_transient,
-)
-from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleigh
+from dalembert.analysis.transient.equation import Rayleigh as Rayleigh
 from dalembert.design.case import Case as Case
 from dalembert.design.ecosystem.functions import DesignFunctions as DesignFunctions
 from dalembert.design.ecosystem.openmdao_component import openmdao_component as openmdao_component
@@ -229,9 +224,11 @@ from dalembert.integrators.runge_kutta.implicit import (
 )
 from dalembert.integrators.sundials import CVODES as CVODES, IDA as IDA
 from dalembert.io.model_file import load_model as load_model
+from dalembert.model.assembled.model import StructuralModel as StructuralModel
 from dalembert.model.automatic_coordinates import AutomaticCoordinates as AutomaticCoordinates
 from dalembert.model.coordinates import AbsoluteCoordinates as AbsoluteCoordinates
 from dalembert.model.model import Model as Model
+from dalembert.model.structure import Structure as Structure
 from dalembert.model.system import System as System
 from dalembert.model.tree.joint_coordinates import JointCoordinates as JointCoordinates
 from dalembert.responses.base import Response as Response
@@ -274,8 +271,6 @@ from dalembert.sensitivity.second_order import hessian_product as hessian_produc
 from dalembert.sensitivity.structural.eigenvalue_slopes import (
     eigenvalue_slopes as eigenvalue_slopes,
 )
-from dalembert.structures.model import StructuralModel as StructuralModel
-from dalembert.structures.structure import Structure as Structure
 from dalembert.symbolic.formulas.expression import Expression as Expression, t as t
 from dalembert.symbolic.formulas.functions import (
     absolute as absolute,

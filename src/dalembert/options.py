@@ -28,7 +28,12 @@ COPY = 4_000_000
 """Memory of one copy, with derivatives, for a mechanism of a few bodies [bytes]."""
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field,))
+def only_for(kind: str, *, default: Any) -> Any:
+    """Option that applies to one kind of model, ``"mechanism"`` or ``"structure"``."""
+    return dataclasses.field(default=default, metadata={"model": kind})
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, only_for))
 def options(cls: Class | None = None, /, **settings: bool) -> Any:
     """Make a frozen dataclass that checks its fields against their annotations.
 

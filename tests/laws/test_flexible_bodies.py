@@ -9,9 +9,9 @@ from flexible_bodies import KINDS, beam, block, flexible
 
 import dalembert as da
 from dalembert import planar, spatial
+from dalembert.model.assembled.reduction.rigid import node_positions
 from dalembert.results.pictures.picture import pose_of
 from dalembert.results.pictures.scene import motion_scene
-from dalembert.structures.reduction.rigid import node_positions
 
 SPACES = pytest.mark.parametrize("dimension", [2, 3])
 BOTH = pytest.mark.parametrize("stiffening", [False, True])

@@ -44,7 +44,7 @@ def _module(new: str) -> object:
     return planar if new in planar.__all__ else da
 
 
-@pytest.mark.parametrize("old", RENAMED.keys() - KEYWORDS)
+@pytest.mark.parametrize("old", sorted(RENAMED.keys() - KEYWORDS))
 def test_a_former_name_is_an_error_that_states_the_present_one(old):
     new = RENAMED[old]
     module = _module(new)

@@ -13,8 +13,8 @@ from test_structures import CASES as STRUCTURES, model_of as structure_of, trian
 
 import dalembert as da
 from dalembert import planar, structures
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.responses.base import Response
-from dalembert.structures.model import StructuralModel
 
 TIMES = (0.0, 0.033, 0.05, 0.12)
 """Outputs at the beginning, inside and at the end of steps of 0.01 s."""
@@ -295,7 +295,7 @@ def test_what_is_refused():
     with pytest.raises(da.AnalysisError, match="unknown parameter 'q'"):
         da.hessian_product(motion, da.final("b.angle"), {"q": 1.0})
     modes = da.linearize(propped_bar())
-    with pytest.raises(da.UnsupportedError, match="second derivatives of Linearization"):
+    with pytest.raises(da.UnsupportedError, match="second derivatives of Modal"):
         da.hessian_product(modes, da.at(1.0, "frequency"), {"length": 1.0})
     sundials = da.solve_dynamics(model, 0.02, step=0.01, integrator=da.CVODES())
     with pytest.raises(da.UnsupportedError, match="CVODES"):

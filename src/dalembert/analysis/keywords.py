@@ -10,17 +10,15 @@ from typing import TYPE_CHECKING, TypedDict
 
 if TYPE_CHECKING:
     from dalembert.analysis.events import Events
-    from dalembert.analysis.structural.transient_equation import Rayleigh
     from dalembert.analysis.times import Time, Times
+    from dalembert.analysis.transient.equation import Rayleigh
     from dalembert.formulations.base import Formulation
     from dalembert.formulations.stabilization import Stabilization
     from dalembert.integrators.base import Integrator
     from dalembert.integrators.contact.contact_solver import ContactSolver
     from dalembert.integrators.contact.schemes import ContactScheme
-    from dalembert.integrators.newmark.family import NewmarkFamily
     from dalembert.model.coordinates import Coordinates
     from dalembert.results.structural.load_path import LoadPathResult
-    from dalembert.results.structural.result import StructuralResult
 
 
 class OverTimeKeywords(TypedDict, total=False):
@@ -43,6 +41,11 @@ class DynamicsKeywords(OverTimeKeywords, total=False):
     backend: str
     balance: float
     memory: float
+    nonlinear: bool
+    lumped: bool
+    damping: Rayleigh
+    case: str
+    start: str
 
 
 class NonsmoothKeywords(OverTimeKeywords, total=False):
@@ -58,39 +61,12 @@ class EquilibriumKeywords(TypedDict, total=False):
 
     time: Time
     tolerance: float
-    max_iterations: int
-
-
-class LinearizationKeywords(TypedDict, total=False):
-    """Keywords of ``Linearization``."""
-
-    time: Time
-    equilibrium: bool
-
-
-class TransientKeywords(TypedDict, total=False):
-    """Keywords of ``Transient``."""
-
-    step: Time | None
-    outputs: Times | None
-    integrator: NewmarkFamily
-    nonlinear: bool
-    lumped: bool
-    damping: Rayleigh
-    case: str
-    start: str
-
-
-class NonlinearStaticsKeywords(TypedDict, total=False):
-    """Keywords of ``NonlinearStatics``."""
-
+    max_iterations: int | None
     steps: int
-    tolerance: float
-    max_iterations: int
 
 
-class StaticsKeywords(NonlinearStaticsKeywords, total=False):
-    """Keywords of ``Statics``, and of ``NonlinearStatics`` with ``nonlinear=True``."""
+class StaticsKeywords(EquilibriumKeywords, total=False):
+    """Keywords of ``Statics``, and of ``Equilibrium`` with ``nonlinear=True``."""
 
     solver: str
 
@@ -98,9 +74,11 @@ class StaticsKeywords(NonlinearStaticsKeywords, total=False):
 class ModalKeywords(TypedDict, total=False):
     """Keywords of ``Modal``."""
 
+    time: Time
+    equilibrium: bool
+    coordinates: Coordinates
     lumped: bool
     shift: float
-    about: StructuralResult | None
 
 
 class BucklingKeywords(TypedDict, total=False):

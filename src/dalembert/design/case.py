@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from dalembert.design.quantity import AnalysisCase, CaseResponse, Quantity
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import CheckedArguments
 from dalembert.text.wording import unknown

@@ -9,19 +9,20 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.structural.statics import Statics
-from dalembert.analysis.structural.transient_equation import Rayleigh
+from dalembert.analysis.requirements import need_structure
 from dalembert.analysis.times import in_seconds
+from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.errors import SingularityError
 from dalembert.io.fields import Interval, keyed_fields
 from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.tables import EventTable
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import unknown
 
@@ -125,6 +126,7 @@ def _damping(file: ModelFile, model: StructuralModel, table: Any) -> Rayleigh:
 
 def _load_case_state(model: StructuralModel, case: str) -> StructuralResult:
     """Linear statics under one load case."""
+    need_structure(model, "about", "its modes are those about its equilibrium")
     solution = Statics().run(model)
     return solution.at(np.array([solution.case(case)]))
 

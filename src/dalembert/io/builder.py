@@ -53,8 +53,8 @@ from dalembert.io.schema import DerivedTable, Document
 from dalembert.io.structures.finite_elements import FiniteElements, MeshReader
 from dalembert.io.structures.structure_builder import StructureBuilder
 from dalembert.io.structures.structure_schema import StructureDocument
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.system import System
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import visible

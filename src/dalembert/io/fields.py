@@ -19,7 +19,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.structural.transient_equation import Rayleigh
+from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.elements.base import Constraint, Rows, Vector
 from dalembert.elements.body import BodyElement

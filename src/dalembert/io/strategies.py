@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.equilibrium.linearization import Linearization
+from dalembert.analysis.equilibrium.load_path import ArcLength
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.kinematics.inverse_dynamics import InverseDynamics
 from dalembert.analysis.kinematics.kinematics import Kinematics
+from dalembert.analysis.modes.buckling import Buckling
+from dalembert.analysis.modes.modal import Modal
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
-from dalembert.analysis.structural.buckling import Buckling
-from dalembert.analysis.structural.load_path import ArcLength
-from dalembert.analysis.structural.modal import Modal
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.statics import Statics
-from dalembert.analysis.structural.transient import Transient
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.registry import FORMULATIONS, STABILIZATIONS
 from dalembert.formulations.stabilization import Stabilization
@@ -51,17 +48,17 @@ ANALYSES: dict[str, type] = {
     "Kinematics": Kinematics,
     "InverseDynamics": InverseDynamics,
     "Equilibrium": Equilibrium,
-    "Linearization": Linearization,
+    "Modal": Modal,
     "Nonsmooth": Nonsmooth,
 }
 
 STRUCTURAL_ANALYSES: dict[str, type] = {
     "Statics": Statics,
-    "NonlinearStatics": NonlinearStatics,
+    "Equilibrium": Equilibrium,
     "ArcLength": ArcLength,
     "Modal": Modal,
     "Buckling": Buckling,
-    "Transient": Transient,
+    "Dynamics": Dynamics,
 }
 
 RESPONSES: dict[str, type[Response]] = {

@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, Field, create_model
 
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.times import TIMES
+from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
@@ -58,7 +58,7 @@ from dalembert.io.values import (
     list_of,
     short_repr,
 )
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.results.structural.result import StructuralResult
 from dalembert.text.wording import unknown
 

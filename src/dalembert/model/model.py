@@ -71,6 +71,8 @@ class Model(ParametricModel):
     True
     """
 
+    kind = "mechanism"
+
     def __init__(
         self,
         parts: Description,

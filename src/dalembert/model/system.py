@@ -9,11 +9,11 @@ from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.errors import ModelError
 from dalembert.model.checks import ValueChecks, check_membership, check_symbols
 from dalembert.model.description import Description
+from dalembert.model.elastic_structure import ElasticStructure
+from dalembert.model.meshes.mesh import Classes
 from dalembert.model.model import Model
 from dalembert.model.nodal_conditions import Nodes, loads, supports
-from dalembert.structures.elastic_structure import ElasticStructure
-from dalembert.structures.meshes.mesh import Classes
-from dalembert.structures.structure import Structure
+from dalembert.model.structure import Structure
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.declared import VARIABLES, Declared, check_free
 from dalembert.symbolic.formulas.expression import Expression

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 Names = Sequence[str] | None
 Groups = Sequence[Sequence[str]] | None
 Units = Sequence[str]
+Views = Sequence[Mapping[str, Any]]
 
 FINAL = ("kinetic_energy", "potential_energy", "energy", "balance_error")
 LARGEST = ("position_violation", "velocity_violation")
@@ -162,7 +163,12 @@ class Motion(LabelledRecording):
         return animate(self, **options)
 
     def report(  # type: ignore[override]
-        self, path: str | Path, plots: Groups = None, trace: Names = None, units: Units = ()
+        self,
+        path: str | Path,
+        plots: Groups = None,
+        trace: Names = None,
+        units: Units = (),
+        views: Views = (),
     ) -> Path:
         """Write the interactive report, one self-contained HTML file.
 
@@ -171,19 +177,22 @@ class Motion(LabelledRecording):
         plots : groups of measures, one plot each
         trace : points whose paths are drawn
         units : units of plots, such as ``["mm", "deg"]``; each applies to its dimension
+        views : further cards, from functions of ``dalembert.report.views``
         """
-        return super().report(path, plots=plots, trace=trace, units=units)
+        return super().report(path, plots=plots, trace=trace, units=units, views=views)
 
-    def page(self, plots: Groups = None, trace: Names = None, units: Units = ()) -> dict[str, Any]:
+    def page(
+        self, plots: Groups = None, trace: Names = None, units: Units = (), views: Views = ()
+    ) -> dict[str, Any]:
         from dalembert.results.files.payload import report_payload
 
-        return report_payload(self, plots, trace, units)
+        return report_payload(self, plots, trace, units) | {"views": list(views)}
 
     def show(  # type: ignore[override]
-        self, height: int = 680, plots: Groups = None, trace: Names = None
+        self, height: int = 680, plots: Groups = None, trace: Names = None, views: Views = ()
     ) -> InlinePage:
-        """Report in a notebook, with player and plots; ``plots`` and ``trace`` as in ``report``."""
-        return super().show(height, plots=plots, trace=trace)
+        """Report in a notebook, with player and plots; options as in ``report``."""
+        return super().show(height, plots=plots, trace=trace, views=views)
 
     def _repr_html_(self) -> str:
         summary, has_outputs = self.summary(), bool(self.time.size)

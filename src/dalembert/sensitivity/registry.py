@@ -6,15 +6,12 @@ from collections.abc import Sequence
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.equilibrium.linearization import Linearization
+from dalembert.analysis.equilibrium.load_path import ArcLength
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.kinematics.kinematics import Kinematics
+from dalembert.analysis.modes.buckling import Buckling
+from dalembert.analysis.modes.modal import Modal
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
-from dalembert.analysis.structural.buckling import Buckling
-from dalembert.analysis.structural.load_path import ArcLength
-from dalembert.analysis.structural.modal import Modal
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.statics import Statics
-from dalembert.analysis.structural.transient import Transient
 from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import expanded
@@ -32,20 +29,24 @@ from dalembert.sensitivity.structural.load_path import LoadPathEngine
 from dalembert.sensitivity.structural.statics import TwiceStaticsEngine
 from dalembert.sensitivity.structural.transient import TransientEngine
 
-ENGINES: dict[type, type[Engine]] = {
-    Dynamics: DynamicsEngine,
-    Nonsmooth: ContactEngine,
-    Kinematics: PointwiseEngine,
-    Equilibrium: PointwiseEngine,
-    Linearization: EigenvalueEngine,
-    Statics: TwiceStaticsEngine,
-    NonlinearStatics: TwiceStaticsEngine,
-    Modal: EigenpairEngine,
-    Buckling: EigenpairEngine,
-    ArcLength: LoadPathEngine,
-    Transient: TransientEngine,
+ENGINES: dict[str, dict[type, type[Engine]]] = {
+    "mechanism": {
+        Dynamics: DynamicsEngine,
+        Nonsmooth: ContactEngine,
+        Kinematics: PointwiseEngine,
+        Equilibrium: PointwiseEngine,
+        Modal: EigenvalueEngine,
+    },
+    "structure": {
+        Statics: TwiceStaticsEngine,
+        Equilibrium: TwiceStaticsEngine,
+        Modal: EigenpairEngine,
+        Buckling: EigenpairEngine,
+        ArcLength: LoadPathEngine,
+        Dynamics: TransientEngine,
+    },
 }
-"""Analysis → engine; subclasses of an analysis use the same engine."""
+"""Kind of model → analysis → engine; subclasses of an analysis use the same engine."""
 
 
 def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
@@ -75,9 +76,10 @@ def engine_for(motion: Result) -> type[Engine]:
     UnsupportedError
         The analysis has no engine.
     """
+    engines = ENGINES[motion.model.kind]
     for kind in type(motion.analysis).__mro__:
-        if kind in ENGINES:
-            return ENGINES[kind]
+        if kind in engines:
+            return engines[kind]
     raise UnsupportedError(
         f"gradients of {type(motion.analysis).__name__} are not available; use "
         "method='finite-difference'"

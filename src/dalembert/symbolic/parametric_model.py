@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -23,6 +24,8 @@ class ParametricModel(CacheOwner, ABC):
     nominal : (np,) their values
     """
 
+    kind: ClassVar[str]
+    """``"mechanism"`` or ``"structure"``."""
     name: str
     parameters: dict[str, Parameter]
     nominal: np.ndarray

@@ -19,11 +19,12 @@ from dalembert.analysis.elastic_range import (
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.model.model import Model
 from dalembert.processes import checked_workers
+from dalembert.results.analysis import Analysis
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs, are_designs
 from dalembert.results.batch.samples import Gathered
 from dalembert.results.recording import Trajectory
-from dalembert.results.result import Analysis, Result
+from dalembert.results.result import Result
 from dalembert.symbolic.once import once
 from dalembert.symbolic.parametric_model import ParametricModel
 
@@ -56,12 +57,13 @@ def solve_batch(
     DalembertError
         No design could begin, all for the same reason.
     """
-    analysis = analysis.for_designs()
+    analysis = analysis.for_model(model).for_designs()
     if times := analysis.checks(model).get("duration"):
         times()
     begin = clock.perf_counter()
     with progress_reporter(progress, f"{len(designs)} designs of {model.name}") as report:
-        if analysis.batched is not None and analysis.batched.serves(analysis, model):
+        together = model.kind == "mechanism" and analysis.batched is not None
+        if together and analysis.batched.serves(analysis, model):
             batch: Batch = analysis.batched(analysis, model, designs, workers).execute(report)
             states = batch.samples if isinstance(batch.samples, States) else None
             elastic = elastic_warnings(states) if states is not None else []

@@ -21,6 +21,8 @@ LONGEST = 0.5
 """Upper limit of a step, in characteristic lengths and radians."""
 CURVED = 1e-12
 """Threshold for a stable direction: stiffness relative to the largest one."""
+NEUTRAL = 1e-9
+"""Upper limit of the magnitude of a stiffness, relative to the largest one, that counts as none."""
 SKEW = 1e-9
 """Threshold for an asymmetric stiffness, relative to its largest entry."""
 BENT = 1e-3
@@ -117,16 +119,25 @@ class Forces(Residual):
         return not skew > SKEW * np.abs(self.stiffness).max(initial=0.0)
 
     @cached_property
-    def stable(self) -> bool:
-        """Whether every free direction has positive stiffness.
+    def stiffnesses(self) -> np.ndarray:
+        """(k,) stiffnesses relative to the largest one; negative where displacements diverge.
 
-        Without a potential: whether no displacement diverges; flutter depends on masses.
+        Without a potential they are the real parts of eigenvalues; flutter depends on masses.
         """
         stiffnesses = self.resistance
         if not self.conservative and np.all(np.isfinite(self.stiffness)):
             stiffnesses = np.linalg.eigvals(self.stiffness).real
-        largest = np.abs(self.resistance).max(initial=0.0)
-        return bool(np.all(stiffnesses > CURVED * largest))
+        return stiffnesses / (np.abs(self.resistance).max(initial=0.0) or 1.0)
+
+    @property
+    def stable(self) -> bool:
+        """Whether every free direction has positive stiffness."""
+        return bool(np.all(self.stiffnesses > CURVED))
+
+    @property
+    def negative(self) -> int:
+        """Number of directions in which the position is left."""
+        return int(np.sum(self.stiffnesses < -NEUTRAL))
 
     @property
     def stiff(self) -> np.ndarray:

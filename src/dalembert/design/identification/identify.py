@@ -15,7 +15,7 @@ from dalembert.design.identification.misfit import Delays, Misfit, Unknowns, mak
 from dalembert.design.methods.search_options import additional_starts
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments
 

@@ -12,7 +12,8 @@ from dalembert.design.decision import Decision
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.inverse.input_history import InputHistory
 from dalembert.design.inverse.smoothing import Curve
-from dalembert.results.result import Analysis, Result
+from dalembert.results.analysis import Analysis
+from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import history_gradients
 from dalembert.symbolic.formulas.expression import Expression
 

@@ -32,7 +32,8 @@ def optimum_page(optimum: OptimizationResult, **first_view: Any) -> dict[str, An
     page = optimum.motion.page(**first_view)
     page["title"] = f"{page['title']}: optimum"
     page["optimum"] = optimum_payload(optimum, units)
-    page["views"], page["verdict"] = optimum_views(optimum, units), verdict(optimum)
+    page["views"] = [*page.get("views", ()), *optimum_views(optimum, units)]
+    page["verdict"] = verdict(optimum)
     if units:
         page["verdict"]["text"] = _sentence(page["optimum"])
     first = optimum.initial.page() if optimum.initial.has_page else {}

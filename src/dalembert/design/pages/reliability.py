@@ -126,7 +126,10 @@ def _table(reliability: ReliabilityResult) -> dict[str, Any]:
 def reliable_page(optimum: ReliableOptimizationResult, **first_view: Any) -> dict[str, Any]:
     """Page of a ``ReliableOptimizationResult``: the page of the optimum with further views."""
     page = optimum_page(optimum.optimum, **first_view)
-    return page | {"views": optimum.views(), "verdict": verdict(optimum)}
+    return page | {
+        "views": [*first_view.get("views", ()), *optimum.views()],
+        "verdict": verdict(optimum),
+    }
 
 
 def reliable_views(optimum: ReliableOptimizationResult) -> list[dict[str, Any]]:

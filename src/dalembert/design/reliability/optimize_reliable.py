@@ -37,7 +37,7 @@ from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
 from dalembert.design.variables import Vary, varied_names
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments

@@ -16,7 +16,7 @@ from dalembert.design.reliability.second_order import second_order
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible, searching
 from dalembert.options import RandomSource, is_whole, random_generator
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown

@@ -25,7 +25,7 @@ from dalembert.design.reliability.reliable_optimization_result import ReliableLi
 from dalembert.design.reliability.shifted import case_at, centred_at
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 
 MAX_HALVINGS = 30

@@ -18,7 +18,7 @@ from dalembert.design.studies.workers import Chunk, Cluster, InProcess, Processe
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import as_responses
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.results.status import Warnings
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments

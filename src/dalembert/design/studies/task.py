@@ -20,8 +20,8 @@ from dalembert.errors import AnalysisError, DalembertError
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import batch_responses
+from dalembert.results.analysis import Analysis
 from dalembert.results.batch.designs import Designs
-from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parameter import parameter_vector

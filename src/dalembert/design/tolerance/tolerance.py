@@ -21,7 +21,7 @@ from dalembert.interrupts import interruptible, searching
 from dalembert.options import RandomSource, random_generator
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import as_responses
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown

@@ -14,8 +14,16 @@ from dalembert.integrators.marching.checkpoints import (
     joined_states,
     recorder_like,
 )
+from dalembert.integrators.marching.loop import StepSource, Stretch, take_steps
 from dalembert.integrators.marching.marched_step import MarchedStep
-from dalembert.integrators.marching.steps import Schedule, Steps, Watch, even_length, run_length
+from dalembert.integrators.marching.steps import (
+    Crossing,
+    Schedule,
+    Steps,
+    Watch,
+    even_length,
+    run_length,
+)
 from dalembert.integrators.step import Step
 from dalembert.symbolic.evaluation.backends import Backend, VirtualMachine
 from dalembert.symbolic.evaluation.columns import Columns
@@ -59,32 +67,43 @@ class FixedMarch:
                 columns.prepare(length)
 
     def run(
-        self, times: np.ndarray, x0: np.ndarray, p: np.ndarray, mode: int, watch: Watch
+        self,
+        times: np.ndarray,
+        x0: np.ndarray,
+        p: np.ndarray,
+        mode: int,
+        watch: Watch,
+        events: bool = False,
     ) -> Steps:
         """March over the grid ``times``; stops at the first state that is not finite.
 
         A step in which Newton's method fails is halved, repeatedly if necessary.
+
+        Parameters
+        ----------
+        times : grid [s]
+        x0, p, mode : first state, parameters and mode
+        watch : callbacks
+        events : whether steps are cut at the events that ``watch.cross`` finds inside them
         """
         h = np.diff(times)
         number = np.arange(1, h.size + 1)
         corrected = (number % self.period == 0) | (number == h.size)
-        modes = np.full(h.size, mode)
-        return self._march(times, h, corrected, modes, x0, p, watch.recorder(x0, h.size), watch)
+        schedule = Schedule(times[: max(h.size, 1)], h, corrected, np.full(h.size, mode))
+        recorder = watch.recorder(x0, 0 if events else h.size)
+        return self._march(schedule, p, recorder, watch, events)
 
     def repeat(self, steps: Steps, x0: np.ndarray, p: np.ndarray) -> Steps:
         """Repeat the steps of an earlier march from another state with other parameters."""
         for mode, count in zip(*np.unique(steps.mode, return_counts=True), strict=True):
             self.columns(int(mode)).announce(int(count))
-        schedule = steps.t, steps.h, steps.corrected, steps.mode
-        return self._march(*schedule, x0, p, recorder_like(steps.x, steps.t, x0))
+        return self._march(steps.schedule(), p, recorder_like(steps.x, steps.t, x0))
 
     def again(self, steps: Steps, p: np.ndarray) -> Repeat:
         """Function that recomputes the states inside segments of a march."""
 
         def repeat(begin: int, end: int, x: np.ndarray) -> np.ndarray:
-            part = slice(begin, end)
-            schedule = steps.t[part], steps.h[part], steps.corrected[part], steps.mode[part]
-            segment = self._march(*schedule, x, p, Recorder(x))
+            segment = self._march(steps.schedule(begin, end), p, Recorder(x))
             if segment.interrupted:
                 raise KeyboardInterrupt
             if segment.message:
@@ -108,59 +127,15 @@ class FixedMarch:
         return joined
 
     def _march(
-        self, times, h, corrected, mode, x0, p, recorder: Recorder, watch: Watch | None = None
+        self,
+        schedule: Schedule,
+        p: np.ndarray,
+        recorder: Recorder,
+        watch: Watch | None = None,
+        events: bool = False,
     ) -> Steps:
-        done, message, interrupted, explained = 0, "", False, False
-        schedule, longest = Schedule(times[: max(h.size, 1)], h, corrected, mode), CHUNK
-        try:
-            while done < schedule.h.size:
-                now = int(schedule.mode[done])
-                count = run_length(schedule.mode, done, longest)
-                if self.at_once(now):
-                    count = even_length(schedule.h[done : done + count])
-                longest = min(2 * longest, CHUNK)
-                t, length, _ = chunk = schedule.part(done, count)
-                out, reason, explained = self.advance(now, recorder.last, chunk, p)
-                finite = np.all(np.isfinite(out), axis=0)
-                valid = count if finite.all() else int(np.argmin(finite))
-                ends = np.append(t[:valid], (t + length)[valid - 1])
-                states = np.column_stack([recorder.last, out[:, :valid]])
-                if watch is not None and valid:
-                    accepted, following, message = watch.switch(ends, states, now)
-                    schedule.mode[done + accepted :] = following
-                    if accepted < valid:
-                        valid, finite, longest = accepted, finite[:accepted], SHORT_CHUNK
-                recorder.add(ends[: valid + 1], out[:, :valid])
-                done += valid
-                if not finite.all():
-                    may_halve = watch is not None and self.halves(now, reason)
-                    if may_halve and schedule.halve(done):
-                        longest = SHORT_CHUNK
-                    else:
-                        message = reason or "the state is no longer finite"
-                if message:
-                    break
-                if watch is not None and valid:
-                    watch.progress(done / schedule.h.size)
-                    if watch.stop(
-                        ends[: valid + 1],
-                        states[:, : valid + 1],
-                        schedule.mode[done - valid : done],
-                    ):
-                        break
-        except KeyboardInterrupt:
-            message, interrupted = "interrupted", True
-        steps = Steps(
-            schedule.t[: max(done, 1)],
-            schedule.h[:done],
-            recorder.last,
-            schedule.corrected[:done],
-            schedule.mode[:done],
-            rejected=schedule.halved,
-            message=message,
-            interrupted=interrupted,
-            explained=explained and bool(message),
-        )
+        source = PrescribedSteps(self, schedule, p, events, halves=watch is not None)
+        steps = take_steps(source, recorder, watch or Watch())
         steps.x = recorder.states(self.again(steps, p))
         return steps
 
@@ -222,3 +197,82 @@ class FixedMarch:
         if mode not in self._marched:
             self._marched[mode] = MarchedStep(self.step_of(mode), self.period)
         return self._marched[mode]
+
+
+class PrescribedSteps(StepSource):
+    """Steps of a schedule.
+
+    Parameters
+    ----------
+    march : FixedMarch
+    schedule : Schedule; halved steps and steps cut by events replace its own
+    p : (np,) parameters
+    events : whether there may be events inside steps
+    halves : whether steps in which Newton's method fails are halved
+    """
+
+    def __init__(
+        self, march: FixedMarch, schedule: Schedule, p: np.ndarray, events: bool, halves: bool
+    ):
+        self.march, self.schedule, self.p = march, schedule, p
+        self.events, self.halves = events, halves
+        self.start, self.done = float(schedule.t[0]), 0
+        self.longest = SHORT_CHUNK if events else CHUNK
+        self.reason, self.mode = "", int(schedule.mode[0]) if schedule.mode.size else 0
+
+    @property
+    def pending(self) -> bool:
+        return self.done < self.schedule.h.size
+
+    @property
+    def progress(self) -> float:
+        return self.done / self.schedule.h.size
+
+    def take(self, time: float, x: np.ndarray) -> tuple[Stretch, str]:
+        mode = self.mode
+        chunk, count = self._chunk(mode)
+        out, self.reason, self.explained = self.march.advance(mode, x, chunk, self.p)
+        t, h, corrected = (column[:count] for column in chunk)
+        stretch = Stretch.of(time, x, out[:, :count], t, h, corrected, np.full(count, mode))
+        failed = stretch.count < count
+        return stretch, (self.reason or "the state is no longer finite") if failed else ""
+
+    def _chunk(self, mode: int) -> tuple[tuple[np.ndarray, ...], int]:
+        """Times, lengths and flags of the next steps, and their number.
+
+        With events, when the number of steps ahead varies, they are padded with steps of zero
+        length to the fixed size of a chunk.
+        """
+        s, at_once = self.schedule, self.march.at_once(mode)
+        count = run_length(s.mode, self.done, self.longest)
+        if at_once:
+            count = even_length(s.h[self.done : self.done + count])
+        t, h, corrected = s.part(self.done, count)
+        if not self.events:
+            self.longest = min(2 * self.longest, CHUNK)
+        elif not at_once and (missing := SHORT_CHUNK - count) > 0:
+            t = np.append(t, np.full(missing, t[-1] + h[-1]))
+            h, corrected = np.append(h, np.zeros(missing)), np.append(corrected, [True] * missing)
+        return (t, h, corrected), count
+
+    def reject(self, accepted: int) -> None:
+        self.longest = SHORT_CHUNK
+
+    def may_cross(self, reason: str) -> bool:
+        return self.events
+
+    def settle(
+        self, stretch: Stretch, following: int, crossing: Crossing | None, failure: str
+    ) -> str:
+        schedule = self.schedule
+        if crossing is None:
+            self.done += stretch.count
+        else:
+            self.done = schedule.resume(self.done + crossing.accepted, float(stretch.ends[-1]))
+        if following != self.mode:
+            schedule.mode[self.done :] = following
+        may_halve = failure and self.halves and self.march.halves(self.mode, self.reason)
+        if may_halve and schedule.halve(self.done):
+            self.longest, self.rejected, failure = SHORT_CHUNK, schedule.halved, ""
+        self.mode = int(schedule.mode[self.done]) if self.pending else following
+        return failure

@@ -17,7 +17,7 @@ class Structure {
     [this.lines, this.faces, this.points] = ["lines", "faces", "points"].map(this.shapes);
     this.outline = list(drawing.outline);
     this.ghost = payload.ghost ? this.otherDesign(payload.ghost) : null;
-    chooseUnits(payload.units);
+    preferUnits(payload.units);
     this.nodes = list(payload.nodes);
     this.elements = list(payload.elements);
     const table = list(payload.table), names = list(payload.directions);
@@ -161,7 +161,7 @@ class Ramp {
 
 // Factor and unit for a size: as chosen, else kN, MPa, mm, where the unit takes prefixes.
 function prefixed(size, unit) {
-  if (chosenUnits.has(unit)) return { factor: chosenUnits.get(unit)[0], unit: chosenUnits.get(unit)[1], most: size };
+  if (preferred.has(unit)) return { factor: preferred.get(unit)[0], unit: preferred.get(unit)[1], most: size };
   if (unit === "strain") return { factor: 1e-6, unit: "µm/m", most: size };
   const takes = ["N", "Pa", "J", "m", "N m"].includes(unit) && size > 0;
   const power = takes ? clamp(3 * Math.floor(Math.log10(size * (1 + 1e-9)) / 3), -9, 9) : 0;
@@ -172,7 +172,7 @@ function prefixed(size, unit) {
 // 12.3 kN, 4.5 MPa.
 function quantity(value, unit, digits = 4) {
   if (!isNum(value)) return "–";
-  if (value === 0) return withUnit("0", chosenUnits.has(unit) ? chosenUnits.get(unit)[1] : unit);
+  if (value === 0) return withUnit("0", preferred.has(unit) ? preferred.get(unit)[1] : unit);
   const { factor, unit: shown } = prefixed(Math.abs(value), unit);
   return withUnit(number(value / factor, digits), shown);
 }

@@ -1,15 +1,28 @@
 // Puts the page of a structure together.
 
-const byId = (id) => document.getElementById(id);
-if (begun) Object.assign(payload, begun);
-byId("subtitle").textContent = payload.subtitle || "";
-byId("subtitle").hidden = !payload.subtitle;
+import { buildColumns, choice, viewPanels } from "./cards.js";
+import { byId, el, iconButton, toggleButton } from "./dom.js";
+import { buildFrame, buildZoom } from "./frame.js";
+import { TAU, clamp } from "./numbers.js";
+import { payload } from "./payload.js";
+import { shareMenu } from "./share.js";
+import { Theme } from "./theme.js";
+import { metres } from "./units.js";
+import "./canvas.js";
+import "./loads.js";
+import "./symbols.js";
+import "./structure.js";
+import "./structure_camera.js";
+import "./structure_painter.js";
+import "./structure_marks.js";
+import "./structure_scene.js";
+import "./structure_tables.js";
 
 Theme.read();
 const structure = new Structure(payload);
 const scene = new StructureScene(structure, byId("scene"), byId("tip"));
 
-function choice(id, label, names, chosen, onchange) {
+function chooser(id, label, names, chosen, onchange) {
   const select = el("select", { id, onchange: () => onchange(Number(select.value)) }, names.map((name, k) => el("option", { value: String(k) }, name)));
   select.value = String(chosen);
   return el("label", { class: "chooser" }, el("span", { class: "caption" }, label), select);
@@ -18,12 +31,12 @@ function choice(id, label, names, chosen, onchange) {
 function buildToolbar() {
   const choosers = [];
   const label = structure.kindOfState === "load case" ? "Case" : structure.kindOfState[0].toUpperCase() + structure.kindOfState.slice(1);
-  if (structure.cases.length > 1 && !structure.sequence) choosers.push(choice("case", label, structure.cases, 0, (k) => structure.set({ case: k })));
+  if (structure.cases.length > 1 && !structure.sequence) choosers.push(chooser("case", label, structure.cases, 0, (k) => structure.set({ case: k })));
   const names = ["none", ...structure.fields.map((f) => f.name.replaceAll("_", " "))];
   const usual = payload.shapes_only ? ["shape"] : ["von_mises", "stress", "force"];
   const first = structure.fields.findIndex((f) => usual.includes(f.name));
   structure.state.field = structure.fields[Math.max(first, 0)] || null;
-  choosers.push(choice("field", "Colours", names, Math.max(first, 0) + 1, (k) => structure.set({ field: k ? structure.fields[k - 1] : null })));
+  choosers.push(chooser("field", "Colours", names, Math.max(first, 0) + 1, (k) => structure.set({ field: k ? structure.fields[k - 1] : null })));
   const toggle = (key, text, title) => toggleButton(text, scene.show[key], (on) => { scene.show[key] = on; scene.invalidate(); }, { id: `show-${key}`, title });
   scene.show.labels = structure.nodes.length <= 12;
   const chips = [toggle("rest", "Undeformed"), toggle("loads", "Loads"), toggle("supports", "Supports"), toggle("labels", "Names")];
@@ -126,44 +139,27 @@ function buildBar() {
   });
 }
 
-function buildFrame() {
-  byId("zoom").append(
-    iconButton("plus", "Zoom in (+)", () => scene.zoom(1.25)),
-    iconButton("minus", "Zoom out (−)", () => scene.zoom(0.8)),
-    iconButton("fit", "Fit (F)", () => scene.fit(), { id: "fit" }));
-  byId("tools").append(
-    shareMenu(scene, structure, null),
-    iconButton("theme", "Light or dark", () => setTheme(Theme.name === "dark" ? "light" : "dark"), { id: "theme" }),
-    iconButton("print", "Print", () => window.print()));
+function buildStructureFrame() {
+  buildZoom(scene, "Fit (F)");
   byId("stage").setAttribute("aria-label", "Structure");
   byId("scene").setAttribute("aria-label", `Drawing of ${structure.title}: ${structure.nodes.length} nodes, ${structure.elements.length} elements. Wheel zooms, drag ${structure.solid ? "rotates, with shift pans" : "pans"}.`);
-  const hints = [["Space", structure.sequence ? "play" : "animate"], ["F", "fit"], ["+ −", "zoom"], ...(structure.solid ? [["Shift", "pan"]] : [])];
-  byId("footer").append(
-    el("span", {}, "Made with dalembert. Values without a unit are in SI units."),
-    el("span", { class: "keys" }, hints.map(([key, what]) => [el("kbd", {}, key), ` ${what} `])));
+  buildFrame({
+    units: "Values without a unit are in SI units.", tools: [shareMenu(scene, structure.title)], scene,
+    keys: [["Space", structure.sequence ? "play" : "animate"], ["F", "fit"], ["+ −", "zoom"], ...(structure.solid ? [["Shift", "pan"]] : [])],
+  });
 }
 
 function buildPanels() {
-  const statistics = payload.designs ? [] : list(payload.statistics), below = viewPanels(false), beside = viewPanels(true);
-  byId("panels").append(...below.filter((node) => node.classList.contains("wide")));
-  const columns = [
-    [optimumPanel(payload.optimum), ...half(below, 0), diagnosisPanel(payload.diagnosis), payload.optimum || payload.designs ? null : parameterPanel(payload.parameters)],
-    [convergencePanel(payload.optimum), ...half(below, 1), statistics.length ? panel("Statistics", "statistics", pairs(statistics)) : null],
-  ].map((column) => column.filter(Boolean)).filter((column) => column.length);
-  byId("panels").append(...columns.map((column) => el("div", { class: "column" }, column)));
+  buildColumns([], []);
+  const beside = viewPanels(true);
   byId("board").setAttribute("aria-label", "Tables");
   if (beside.length) byId("board").append(el("div", { class: "beside" }, beside));
   byId("board").append(el("div", { class: "tables" }, structureTables(structure)));
-  verdict(byId("verdict"), payload.diagnosis);
-  decisionVerdict(byId("verdict"));
 }
-
-// The cards of one of two columns; wide ones stand over both.
-const half = (cards, side) => cards.filter((node) => !node.classList.contains("wide")).filter((_, k) => k % 2 === side);
 
 // Another design is shown in place of this one.
 function showDesign(k) {
-  const next = choosing.alternatives[k];
+  const next = choice.alternatives[k];
   if (!next?.drawing) return;
   history.replaceState(null, "", `#design=${k}`);
   const { onState, state } = structure, field = state.field?.name;
@@ -171,14 +167,7 @@ function showDesign(k) {
   state.case = Math.min(state.case, structure.cases.length - 1);
   structure.set({ field: structure.fields.find((f) => f.name === field) ?? null });
 }
-choosing?.onChoose.on(showDesign);
-
-function setTheme(name) {
-  document.documentElement.dataset.theme = name;
-  Theme.read();
-  scene.restyle();
-  Theme.listeners.emit();
-}
+choice?.onChoose.on(showDesign);
 
 function bindStructureKeys(player) {
   document.addEventListener("keydown", (e) => {
@@ -191,30 +180,14 @@ function bindStructureKeys(player) {
   });
 }
 
-// On paper: light, sharp, and drawn in the size of the sheet.
-function prepareStructurePrint() {
-  let before = null;
-  const redraw = (paper, theme) => {
-    document.documentElement.classList.toggle("paper", paper);
-    scene.ratio = paper ? 3 : undefined;
-    setTheme(theme);
-    scene.resize();
-    scene.draw();
-  };
-  window.addEventListener("beforeprint", () => { before ??= Theme.name; redraw(true, "light"); });
-  window.addEventListener("afterprint", () => { redraw(false, before || Theme.name); before = null; });
-}
-
 buildToolbar();
 buildBar();
-buildFrame();
+buildStructureFrame();
 buildPanels();
 const player = buildPlayer();
 bindStructureKeys(player);
-prepareStructurePrint();
-setTheme(Theme.name);
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (e) => setTheme(e.matches ? "dark" : "light"));
+Theme.set(Theme.name);
 structure.set({});
 scene.fit();
 
-window.dalembert = { structure, scene, player, choice: choosing };
+window.dalembert = { structure, scene, player, choice };

@@ -1,24 +1,5 @@
 // Symbols of engineering drawings. All lengths are in pixels, y points down.
 
-function stroke(ctx, colour, width = 1.25, dash = []) {
-  ctx.strokeStyle = colour;
-  ctx.lineWidth = width;
-  ctx.setLineDash(dash);
-  ctx.stroke();
-  if (dash.length) ctx.setLineDash([]);
-}
-
-function trace(ctx, points, closed = false) {
-  ctx.beginPath();
-  points.forEach(([x, y], k) => (k ? ctx.lineTo(x, y) : ctx.moveTo(x, y)));
-  if (closed) ctx.closePath();
-}
-
-function circle(ctx, [x, y], r) {
-  ctx.beginPath();
-  ctx.arc(x, y, Math.max(0, r), 0, TAU);
-}
-
 // A bar, or a plate with rounded corners: one thick stroke inside another.
 function plate(ctx, points, half, look) {
   ctx.lineJoin = ctx.lineCap = "round";

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, ExpressionError
+from dalembert.results.analysis import Analysis
 from dalembert.results.batch.designs import Designs
 from dalembert.results.batch.samples import Samples
 from dalembert.results.files.contents import COMPONENTS
-from dalembert.results.result import Analysis, Result
+from dalembert.results.result import Result
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel

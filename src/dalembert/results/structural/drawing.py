@@ -10,6 +10,8 @@ from dalembert.elements.fem.cells import CELLS
 from dalembert.elements.fem.lines import AxialSpring
 from dalembert.elements.fem.node import ROTATIONS
 from dalembert.elements.fem.registry import cell_of
+from dalembert.model.assembled.evaluation.block import ElementBlock
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.structural.shapes import (
     COIL,
     Shapes,
@@ -19,8 +21,6 @@ from dalembert.results.structural.shapes import (
     samples,
     turned_tangent,
 )
-from dalembert.structures.evaluation.block import ElementBlock
-from dalembert.structures.model import StructuralModel
 
 SHARP_ANGLE = 0.6
 """Threshold of the angle between two faces for drawing their edge [rad]."""

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.model.assembled.measuring.measures import State
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.shapes import Shapes
-from dalembert.structures.measuring.measures import State
-from dalembert.structures.model import StructuralModel
 from dalembert.text.wording import similar
 
 DISPLACEMENT = "displacement"

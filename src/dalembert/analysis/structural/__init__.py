@@ -1,1 +1,0 @@
-"""Analyses of structures: statics, load paths, vibration, buckling, transients."""
