@@ -176,8 +176,9 @@ def test_results_come_back(name: str, tmp_path: Path) -> None:
 def test_of_many_cases_some_are_left_out(monkeypatch, tmp_path: Path) -> None:
     monkeypatch.setattr(payload_module, "MOST_NUMBERS", 200)
     made = payload_module.structural_payload(motion())
-    assert 1 < len(made["cases"]) < 21
-    assert made["cases"][-1] == "0.01 s"
+    names = made["states"]["names"]
+    assert 1 < len(names) < 21
+    assert names[-1] == "0.01 s"
     assert "are left out of this page" in json.dumps(made["diagnosis"])
 
 
@@ -210,8 +211,9 @@ def test_what_is_clamped_in_space_is_no_pin() -> None:
     structure.add(structures.SpaceFrame("mast", foot, top, **given))
     structure.support(foot)
     structure.load(top, fx=100.0)
-    (support,) = da.solve_statics(structure.build()).page()["supports"]
-    assert support["turns"] and not support["roller"]
+    support, *loads = da.solve_statics(structure.build()).page()["scene"]["symbols"]
+    assert support["clamp"] and not support["roller"]
+    assert [load["force_x"][0] for load in loads] == [100.0]
 
 
 def gif_frames(path: Path) -> int:
@@ -228,7 +230,7 @@ def gif_frames(path: Path) -> int:
 )
 def test_structures_are_filmed(tmp_path: Path, make, frames: int, state: str | None) -> None:
     page = make().page()
-    named = str(page["cases"][1]) if state else None
+    named = str(page["states"]["names"][1]) if state else None
     short = {"fps": 8, "seconds": 1.0, "width": 160}
     made = write_film(page, tmp_path / "film.gif", state=named, **short)
     assert gif_frames(made) == frames
@@ -249,7 +251,7 @@ def test_two_structures_are_on_one_page(show) -> None:
     page.frames()
     assert page.picture("#scene") != before
     with pytest.raises(da.FileError, match="no common"):
-        overlay(runs[0], runs[1] | {"cases": ["snow"]}, "x")
+        overlay(runs[0], runs[1] | {"states": {"names": ["snow"]}}, "x")
 
 
 def test_chosen_units_are_shown(show) -> None:

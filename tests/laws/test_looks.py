@@ -15,11 +15,13 @@ import dalembert as da
 from dalembert import planar, spatial
 from dalembert.elements import look, registry
 from dalembert.elements.base import Look
+from dalembert.elements.fem.registry import ELEMENTS as ELEMENT_KINDS
 from dalembert.elements.point import Point
 from dalembert.results.pictures.planar_scene import PlanarSketch
 from dalembert.results.pictures.scene import motion_scene
 from dalembert.results.pictures.sketch import Sketch
 from dalembert.results.pictures.spatial_scene import SpatialSketch
+from dalembert.results.structural.drawing import StructuralDrawing
 
 ELEMENTS = {n: c for table in registry.PLANAR.sections.values() for n, c in table.items()}
 PRIMITIVES = {c for _, c in inspect.getmembers(look, inspect.isclass) if issubclass(c, Look)}
@@ -28,7 +30,9 @@ SPATIAL = {look.Socket, look.Collar, look.Nut, look.Cross, look.Table, look.Cont
 FLAT = {look.Arrow, look.Twist}
 """Arrows that move by themselves."""
 PARTS = {look.Segment, look.Ball, look.Disc, look.Block, look.Rail, look.Path}
-ABSTRACT = {Look, look.Link, look.Rotary}
+ABSTRACT = {Look, look.Link, look.Rotary, look.Cells}
+STRUCTURAL = {c for c in PRIMITIVES if issubclass(c, look.Cells | look.Support)}
+"""Primitives of many finite elements."""
 
 
 def still(model: da.Model):
@@ -76,9 +80,9 @@ def test_pages_draw_every_primitive():
     text = "".join((assets / name).read_text() for name in ("symbols.js", "looks.js"))
     drawn = set(re.findall(r'case "(\w+)"|^  (\w+)\(', text, re.M))
     names = {one or other for one, other in drawn} | {"mark"}  # a mark of no special kind
-    wanted = PRIMITIVES - ABSTRACT - PARTS - SPATIAL
+    wanted = PRIMITIVES - ABSTRACT - PARTS - SPATIAL - STRUCTURAL
     assert {kind.__name__.lower() for kind in wanted} <= names
-    assert undrawn(PlanarSketch) == set()
+    assert undrawn(PlanarSketch) == STRUCTURAL
 
 
 def test_pages_of_space_draw_every_primitive():
@@ -86,9 +90,20 @@ def test_pages_of_space_draw_every_primitive():
     assets = resources.files("dalembert.report") / "assets"
     text = "".join((assets / name).read_text() for name in ("space_symbols.js", "solids.js"))
     drawn = set(re.findall(r"^  (\w+): \(", text, re.M))
-    wanted = PRIMITIVES - ABSTRACT - PARTS - FLAT
+    wanted = PRIMITIVES - ABSTRACT - PARTS - FLAT - STRUCTURAL
     assert {kind.__name__.lower() for kind in wanted} <= drawn
-    assert undrawn(SpatialSketch) == set()
+    assert undrawn(SpatialSketch) == STRUCTURAL
+
+
+def test_drawings_of_structures_draw_their_primitives():
+    drawn = vars(StructuralDrawing)["draw"].dispatcher.dispatch
+    assert {kind for kind in PRIMITIVES if drawn(kind) is not drawn(Look)} >= STRUCTURAL - ABSTRACT
+    for kind in ELEMENT_KINDS.values():
+        nodes = np.arange(2 * kind.node_count).reshape(2, -1)
+        cells = kind.look_of(nodes, np.array([7, 8]))
+        assert {type(one) for one in cells} <= STRUCTURAL
+        seen = np.unique(np.concatenate([one.vertices.ravel() for one in cells]))
+        assert set(seen) == set(nodes.ravel())
 
 
 @pytest.mark.parametrize(("section", "name"), SPATIAL_CASES)

@@ -107,6 +107,8 @@ def render_page(payload: dict[str, Any]) -> str:
     kind = payload.get("kind", "mechanism")
     if not isinstance(kind, str) or kind not in SCRIPTS:
         raise FileError(f"there is no page for {kind!r}; known: {', '.join(SCRIPTS)}")
+    if kind == "structure" and "scene" not in payload:
+        raise FileError("this report was written by an earlier version; run the model again")
     parts = {
         "title": html.escape(title),
         "style": _asset("page.css") + _asset("views.css"),

@@ -33,10 +33,10 @@ def optimum_page(optimum: Any, **first_view: Any) -> dict[str, Any]:
     if units:
         page["verdict"]["text"] = _sentence(page["optimum"])
     first = optimum.initial.page() if optimum.initial.has_page else {}
-    if "scene" in page and page.get("time"):
+    if page.get("kind") == "structure" and first:
+        page["scene"]["ghosts"] = [{"mesh": first["scene"]["mesh"]}]
+    elif "scene" in page and page.get("time"):
         page["scene"]["ghosts"] = _ghosts(first, np.array(page["time"]))
-    elif page.get("kind") == "structure" and first:
-        page["ghost"] = {"drawing": first["drawing"], "moved": first["moved"]}
     return page
 
 

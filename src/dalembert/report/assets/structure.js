@@ -5,46 +5,47 @@ const AUTO = 1;  // place of the slider that stands for the automatic scale
 class Structure {
   constructor(payload) {
     this.title = String(payload.title ?? "");
-    this.dimension = payload.dimension || 2;
+    const { scene = {}, states = {} } = payload, mesh = scene.mesh || {}, ghost = list(scene.ghosts)[0]?.mesh;
+    this.dimension = scene.dimension || 2;
     this.solid = this.dimension === 3;
-    const drawing = payload.drawing || {};
-    const n = list(drawing.rest).length;
+    const n = list(mesh.rest).length;
     this.count = n / 3;
-    this.rest = floats(drawing.rest, n);
-    this.moved = list(payload.moved).map((m) => floats(m, n));
-    this.cases = list(payload.cases).map(String);
-    this.shapes = (key) => list(drawing[key]).map((s) => ({ size: s.size, vertices: list(s.vertices), owners: list(s.owners) }));
+    this.rest = floats(mesh.rest, n);
+    this.moved = list(mesh.moved).map((m) => floats(m, n));
+    this.cases = list(states.names).map(String);
+    this.shapes = (key) => list(mesh[key]).map((s) => ({ size: s.size, vertices: list(s.vertices), owners: list(s.elements) }));
     [this.lines, this.faces, this.points] = ["lines", "faces", "points"].map(this.shapes);
-    this.outline = list(drawing.outline);
-    this.ghost = payload.ghost ? this.otherDesign(payload.ghost) : null;
+    this.outline = list(mesh.outline);
+    this.ghost = ghost ? this.otherDesign(ghost) : null;
     chooseUnits(payload.units);
-    this.nodes = list(payload.nodes);
-    this.elements = list(payload.elements);
-    const table = list(payload.table), names = list(payload.directions);
+    this.nodes = list(mesh.nodes);
+    this.elements = list(mesh.elements);
+    const table = list(payload.numbers), names = list(payload.directions);
     const used = [...names.keys()].filter((k) => this.nodes.some((_, n) => table[n * names.length + k] >= 0));
     this.directions = used.map((k) => names[k]);
     this.table = this.nodes.flatMap((_, n) => used.map((k) => table[n * names.length + k]));
     this.displacements = list(payload.displacements).map((u) => list(u));
-    this.relative = Boolean(payload.shapes_only);  // shapes have no size: the largest displacement is one
+    this.relative = Boolean(states.relative);  // shapes have no size: the largest displacement is one
     if (this.relative) this.normalise();
-    this.fields = list(payload.fields).map((f) => ({ ...f, unit: /strain|^e[xyz]{2}$|^g(xy|yz|zx|xz)$/.test(f.name) && unitOf(f) === "1" ? "strain" : unitOf(f), values: f.values.map((v) => floats(v, this.elements.length)) }));
+    this.fields = list(scene.fields).map((f) => ({ ...f, unit: /strain|^e[xyz]{2}$|^g(xy|yz|zx|xz)$/.test(f.name) && unitOf(f) === "1" ? "strain" : unitOf(f), values: f.values.map((v) => floats(v, this.elements.length)) }));
     if (this.relative) for (const f of this.fields) Object.assign(f, { unit: "1", values: f.values.map(relativeTo) });
     this.fields.unshift(this.sizes());
-    this.supports = list(payload.supports);
-    this.loads = list(payload.loads);
+    this.supports = list(scene.symbols).filter((s) => s.symbol === "support");
+    const loads = list(scene.symbols).filter((s) => s.symbol !== "support");
+    this.loads = this.cases.map((_, k) => loads.map((s) => ({ node: s.node, force: ["x", "y", "z"].map((axis) => s[`force_${axis}`]?.[k] ?? 0), presses: Boolean(s.inward?.[k]), moment: s.moment?.[k] ?? 0 })));
     this.reactions = list(payload.reactions);
-    this.scales = list(payload.scales).map((s, k) => s * (this.factors?.[k] ?? 1));
-    this.sequence = Boolean(payload.sequence) && this.cases.length > 1;
-    this.kindOfState = String(payload.kind_of_state ?? "case");
-    this.drop = this.dimension === 1 ? 0.12 * this.extent() + this.height() : 0;
+    this.scales = list(mesh.scales).map((s, k) => s * (this.factors?.[k] ?? 1));
+    this.sequence = list(states.times).length > 1;
+    this.kindOfState = String(states.kind ?? "case");
+    this.drop = mesh.drop ?? 0;
     this.state = { case: 0, field: null, factor: AUTO };
     this.onState = new Signal();
   }
 
   // Lines and edges of another design, at rest and displaced.
-  otherDesign({ drawing, moved }) {
-    const n = list(drawing.rest).length;
-    return { rest: floats(drawing.rest, n), moved: list(moved).map((m) => floats(m, n)), lines: list(drawing.lines), outline: list(drawing.outline) };
+  otherDesign({ rest, moved, lines, outline }) {
+    const n = list(rest).length;
+    return { rest: floats(rest, n), moved: list(moved).map((m) => floats(m, n)), lines: list(lines), outline: list(outline) };
   }
 
   // Its places in the current case, displaced by a factor.
@@ -78,14 +79,6 @@ class Structure {
     const values = this.moved.map((m) => Float64Array.from({ length: this.count }, (_, k) => Math.hypot(m[3 * k], m[3 * k + 1], m[3 * k + 2])));
     return { name: this.relative ? "shape" : "displacement", unit: this.unitOf("u"), values, atVertices: true };
   }
-
-  spread(axis) {
-    const column = Float64Array.from({ length: this.count }, (_, k) => this.rest[3 * k + axis]);
-    return extent([column]) || [0, 0];
-  }
-
-  extent() { return Math.max(...[0, 1, 2].map((axis) => { const [a, b] = this.spread(axis); return b - a; })) || 1; }
-  height() { const [a, b] = this.spread(1); return b - a; }
 
   set(change) {
     Object.assign(this.state, change);

@@ -42,12 +42,12 @@ class StructureMarks extends StructurePainter {
     ctx.fillStyle = Theme.surface;
     ctx.lineWidth = 1.3;
     for (const support of this.structure.supports) {
-      const [wx, wy] = this.structure.solid ? [0, 1] : [support.way[0], -support.way[1]];
+      const [wx, wy] = this.structure.solid ? [0, 1] : [support.axis[0], -support.axis[1]];
       for (const node of support.nodes) {
         const at = (along, across) => [p[3 * node] + size * (along * wx - across * wy), p[3 * node + 1] + size * (along * wy + across * wx)];
         const line = (...points) => { ctx.moveTo(...at(...points[0])); points.slice(1).forEach((q) => ctx.lineTo(...at(...q))); };
         ctx.beginPath();
-        if (support.turns) {  // held fast: a wall, in space the top of a block
+        if (support.clamp) {  // held fast: a wall, in space the top of a block
           line([0, -0.9], [0, 0.9]);
           for (let h = -0.7; h <= 0.9; h += 0.32) line([0, h], [0.4, h - 0.25]);
           if (this.structure.solid) { line([0, -0.9], [0.75, -0.9], [0.75, 0.9], [0, 0.9]); }

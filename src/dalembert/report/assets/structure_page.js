@@ -20,7 +20,7 @@ function buildToolbar() {
   const label = structure.kindOfState === "load case" ? "Case" : structure.kindOfState[0].toUpperCase() + structure.kindOfState.slice(1);
   if (structure.cases.length > 1 && !structure.sequence) choosers.push(choice("case", label, structure.cases, 0, (k) => structure.set({ case: k })));
   const names = ["none", ...structure.fields.map((f) => f.name.replaceAll("_", " "))];
-  const usual = payload.shapes_only ? ["shape"] : ["von_mises", "stress", "force"];
+  const usual = structure.relative ? ["shape"] : ["von_mises", "stress", "force"];
   const first = structure.fields.findIndex((f) => usual.includes(f.name));
   structure.state.field = structure.fields[Math.max(first, 0)] || null;
   choosers.push(choice("field", "Colours", names, Math.max(first, 0) + 1, (k) => structure.set({ field: k ? structure.fields[k - 1] : null })));
@@ -164,7 +164,7 @@ const half = (cards, side) => cards.filter((node) => !node.classList.contains("w
 // Another design is shown in place of this one.
 function showDesign(k) {
   const next = choosing.alternatives[k];
-  if (!next?.drawing) return;
+  if (!next?.scene) return;
   history.replaceState(null, "", `#design=${k}`);
   const { onState, state } = structure, field = state.field?.name;
   Object.assign(structure, new Structure({ ...payload, ...next }), { onState, state });
