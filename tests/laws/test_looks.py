@@ -28,7 +28,7 @@ PRIMITIVES = {c for _, c in inspect.getmembers(look, inspect.isclass) if issubcl
 SPATIAL = {look.Socket, look.Collar, look.Nut, look.Cross, look.Table, look.Contact}
 """Primitives that no planar element has."""
 FLAT = {look.Arrow, look.Twist}
-"""Arrows that move by themselves."""
+"""Arrows of loads, which all pages draw over the scene."""
 PARTS = {look.Segment, look.Ball, look.Disc, look.Block, look.Rail, look.Path}
 ABSTRACT = {Look, look.Link, look.Rotary, look.Cells}
 STRUCTURAL = {c for c in PRIMITIVES if issubclass(c, look.Cells | look.Support)}
@@ -71,16 +71,16 @@ def test_every_case_can_be_drawn(name):
     known = set(motion.model.parts.elements)
     assert {item["name"] for item in drawn} <= known
     for item in drawn:
-        for key in ("force_x", "x", "moment"):
+        for key in ("force_x", "at_x", "moment"):
             assert len(item.get(key, motion.time)) == motion.time.size
 
 
 def test_pages_draw_every_primitive():
     assets = resources.files("dalembert.report") / "assets"
-    text = "".join((assets / name).read_text() for name in ("symbols.js", "looks.js"))
+    text = "".join((assets / name).read_text() for name in ("planar_symbols.js", "planar_looks.js"))
     drawn = set(re.findall(r'case "(\w+)"|^  (\w+)\(', text, re.M))
     names = {one or other for one, other in drawn} | {"mark"}  # a mark of no special kind
-    wanted = PRIMITIVES - ABSTRACT - PARTS - SPATIAL - STRUCTURAL
+    wanted = PRIMITIVES - ABSTRACT - PARTS - SPATIAL - FLAT - STRUCTURAL | {look.Support}
     assert {kind.__name__.lower() for kind in wanted} <= names
     assert undrawn(PlanarSketch) == STRUCTURAL
 
@@ -88,9 +88,10 @@ def test_pages_draw_every_primitive():
 def test_pages_of_space_draw_every_primitive():
     """By the tables of solids, where there is one of its name; the rest are shapes and loads."""
     assets = resources.files("dalembert.report") / "assets"
-    text = "".join((assets / name).read_text() for name in ("space_symbols.js", "solids.js"))
-    drawn = set(re.findall(r"^  (\w+): \(", text, re.M))
-    wanted = PRIMITIVES - ABSTRACT - PARTS - FLAT - STRUCTURAL
+    text = "".join((assets / name).read_text() for name in ("spatial_symbols.js", "solids.js"))
+    drawn = set(re.findall(r"^  (\w+): \(|^export function (\w+)", text, re.M))
+    drawn = {one or other for one, other in drawn}
+    wanted = PRIMITIVES - ABSTRACT - PARTS - FLAT - STRUCTURAL | {look.Support}
     assert {kind.__name__.lower() for kind in wanted} <= drawn
     assert undrawn(SpatialSketch) == STRUCTURAL
 
@@ -160,7 +161,7 @@ def test_a_wall_stands_where_the_stop_begins(limits, side):
     (wall,) = scene["symbols"]
     (block,) = [s for s in scene["bodies"][0]["shapes"] if s["kind"] == "block"]
     at = next(iter(limits.values())) - side * block["width"] / 2
-    assert np.allclose(wall["x"], at) and np.allclose(wall["y"], 0)
+    assert np.allclose(wall["at_x"], at) and np.allclose(wall["at_y"], 0)
     assert np.allclose(wall["normal_x"], side)
 
 
@@ -171,7 +172,7 @@ def test_a_wall_of_an_angle_stands_across_the_limited_way():
     system.add(planar.Stop("stop", gate.angle, upper=np.pi / 2, stiffness=1.0))
     scene = motion_scene(still(system.build()), np.array([0]))
     (wall,) = scene["symbols"]
-    assert abs(wall["x"][0]) < 1e-9 and 0 < wall["y"][0] < 2.0
+    assert abs(wall["at_x"][0]) < 1e-9 and 0 < wall["at_y"][0] < 2.0
     assert np.allclose([wall["normal_x"][0], wall["normal_y"][0]], [1, 0])
 
 
@@ -212,7 +213,8 @@ def test_wheels_of_a_belt_have_its_ratio(ratio):
         system.add(planar.Revolute(f"O{k}", ground.point(k, 0), wheel.center))
         wheels.append(wheel)
     system.add(planar.Coupling("belt", *wheels, ratio=ratio))
-    (belt,) = motion_scene(still(system.build()), np.array([0]))["symbols"]
+    scene = motion_scene(still(system.build()), np.array([0]))
+    (belt,) = [joint for joint in scene["joints"] if joint["symbol"] == "belt"]
     one, two = (w["radius"] for w in belt["wheels"])
     assert one / two == pytest.approx(abs(ratio)) and one + two < 1.0
     assert belt["crossed"] == (ratio < 0)

@@ -13,86 +13,16 @@ import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from dalembert.errors import FileError
 from dalembert.files import atomic_path
 from dalembert.report.packing import pack
+from dalembert.report.scripts import KINDS, asset, main_module, page_script
 from dalembert.text.wording import visible
 
 __all__ = ["as_json", "render_page", "write_page"]
-
-#: Scripts of each kind of page, in the order in which they are joined into one scope.
-_VIEWS = ("panels.js", "optimum.js", "charts.js", "designs.js", "views.js")
-_FRAME = (
-    "svg.js",
-    "share.js",
-    "player.js",
-    "plot_painter.js",
-    "plots.js",
-    "plot_board.js",
-    "picker.js",
-    *_VIEWS,
-    "page.js",
-)
-SCRIPTS = {
-    "mechanism": (
-        "util.js",
-        "unpack.js",
-        "timeline.js",
-        "loads.js",
-        "hull.js",
-        "motion.js",
-        "symbols.js",
-        "looks.js",
-        "scene_camera.js",
-        "scene_painter.js",
-        "scene_marks.js",
-        "scene.js",
-        "plane.js",
-        *_FRAME,
-    ),
-    "spatial": (
-        "vendor/three.js",
-        "util.js",
-        "unpack.js",
-        "timeline.js",
-        "loads.js",
-        "symbols.js",
-        "hull.js",
-        "space_motion.js",
-        "solids.js",
-        "space_symbols.js",
-        "space_view.js",
-        "space_painter.js",
-        "space_trace.js",
-        "space_overlay.js",
-        "space_assembly.js",
-        "space_scene.js",
-        "space_tools.js",
-        "space.js",
-        *_FRAME,
-    ),
-    "structure": (
-        "util.js",
-        "unpack.js",
-        "symbols.js",
-        "loads.js",
-        "svg.js",
-        "share.js",
-        *_VIEWS,
-        "structure.js",
-        "structure_camera.js",
-        "structure_painter.js",
-        "structure_marks.js",
-        "structure_scene.js",
-        "structure_tables.js",
-        "structure_page.js",
-    ),
-    "decision": ("util.js", "unpack.js", *_VIEWS, "decision.js"),
-}
 
 #: Significant digits of the numbers of a page.
 DIGITS = 10
@@ -105,18 +35,18 @@ def render_page(payload: dict[str, Any]) -> str:
     """Return the whole report page of ``payload`` as one string of HTML."""
     title = visible(str(payload.get("title") or "Report"))
     kind = payload.get("kind", "mechanism")
-    if not isinstance(kind, str) or kind not in SCRIPTS:
-        raise FileError(f"there is no page for {kind!r}; known: {', '.join(SCRIPTS)}")
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise FileError(f"there is no page for {kind!r}; known: {', '.join(KINDS)}")
     if kind == "structure" and "scene" not in payload:
         raise FileError("this report was written by an earlier version; run the model again")
     parts = {
         "title": html.escape(title),
-        "style": _asset("page.css") + _asset("views.css"),
+        "style": asset("page.css") + asset("views.css"),
         "data": _embed(payload),
-        "script": "\n".join(_script(name) for name in SCRIPTS[kind]),
+        "script": page_script(main_module(payload)),
     }
     # One pass over the template, so that inserted parts are not searched again.
-    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], _asset("template.html"))
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset("template.html"))
 
 
 def write_page(payload: dict[str, Any], path: str | os.PathLike[str]) -> Path:
@@ -125,18 +55,6 @@ def write_page(payload: dict[str, Any], path: str | os.PathLike[str]) -> Path:
     with atomic_path(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
     return Path(path)
-
-
-def _asset(name: str) -> str:
-    return (resources.files(__package__) / "assets" / name).read_text(encoding="utf-8")
-
-
-def _script(name: str) -> str:
-    """A script without comment lines."""
-    text = _asset(name)
-    return (
-        text if name.startswith("vendor/") else re.sub(r"^ *// .*\n", "", text, flags=re.MULTILINE)
-    )
 
 
 def _embed(payload: dict[str, Any]) -> str:

@@ -1,56 +1,79 @@
-// Charts: axes, marks, and what all of them share. They are drawn anew in the size of their card.
+// Charts of the cards: axes and curves, drawn anew in the size of their card.
 
-function shape(tag, props = {}, ...children) {
-  const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
-  for (const [key, value] of Object.entries(props)) {
-    if (value === undefined || value === null || value === false) continue;
-    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
-    else node.setAttribute(key, value);
-  }
-  node.append(...children.flat(Infinity).filter((c) => c !== null && c !== undefined && c !== false));
-  return node;
-}
+/** @import { CurvesView, Line } from "./types.d.ts" */
+/** @import { Choice } from "./choice.js" */
 
-const written = (x, y, text, props = {}, ...more) => shape("text", { x, y, ...props }, text, more);
-const hint = (text) => shape("title", {}, text);
-const clipped = (text, most) => (text.length > most ? `${text.slice(0, most - 1)}…` : text);
+import { el, shape } from "./dom.js";
+import { axisTicks, extent, isNum, list, minus, superscript, tidy } from "./numbers.js";
 
-// Numbers at an axis, from the numbers that stand along it.
-class Scale {
+/** @typedef {(v: number) => number} Map1 */
+/** @typedef {{ left: number, top: number, right: number, bottom: number }} Box */
+
+/** @param {number} x @param {number} y @param {string} text @param {import("./types.d.ts").Attributes} attributes @param {...Element} more */
+export const written = (x, y, text, attributes = {}, ...more) => shape("text", { x, y, ...attributes }, text, more);
+
+/** @param {string} text */
+export const hint = (text) => shape("title", {}, text);
+
+/** A text of limited length. @param {string} text @param {number} limit */
+export const clipped = (text, limit) => (text.length > limit ? `${text.slice(0, limit - 1)}…` : text);
+
+/** Linear or logarithmic axis over some numbers. */
+export class Scale {
+  /** @param {number[]} values */
   constructor(values, logarithmic = false, pad = 0.06) {
-    const good = values.filter((v) => isNum(v) && (!logarithmic || v > 0));
+    const valid = values.filter((v) => isNum(v) && (!logarithmic || v > 0));
     this.log = logarithmic;
-    const [lo, hi] = (extent([good]) || [0, 1]).map((v) => this.along(v));
+    this.lo = this.hi = 0;
+    const [lo, hi] = (extent([valid]) ?? [0, 1]).map((v) => this.along(v));
     const gap = hi > lo ? pad * (hi - lo) : this.log ? 0.5 : 0.1 * Math.abs(lo) || 1;
     [this.lo, this.hi] = [lo - gap, hi + gap];
   }
 
+  /** @param {number} v */
   along(v) { return this.log ? Math.log10(v) : v; }
+
+  /** Position along the axis, from 0 to 1. @param {number} v */
   share(v) { return (this.along(v) - this.lo) / (this.hi - this.lo); }
+
+  /** Number at a position. @param {number} share */
   value(share) { const v = this.lo + share * (this.hi - this.lo); return this.log ? 10 ** v : v; }
 
+  /** Numbers along the axis with their texts. @param {number} count */
   marks(count) {
     if (this.log) {
       const first = Math.ceil(this.lo - 1e-9), last = Math.floor(this.hi + 1e-9), step = Math.max(1, Math.ceil((last - first + 1) / count));
       const powers = Array.from({ length: Math.max(0, last - first + 1) }, (_, k) => first + k).filter((k) => (k - first) % step === 0);
       return powers.map((k) => ({ value: 10 ** k, text: Math.abs(k) < 4 ? minus(String(10 ** k)) : `10${superscript(k)}` }));
     }
-    const { step, values } = ticks(this.lo, this.hi, count);
-    const size = Math.max(Math.abs(this.lo), Math.abs(this.hi));
-    const power = size >= 1e5 || size < 1e-4 ? 3 * Math.floor(Math.log10(size) / 3) : 0;
-    const decimals = decimalsOf(step / 10 ** power);
-    const unit = power ? `·10${superscript(power)}` : "";
-    return values.map((v, k) => ({ value: v, text: fixed(v / 10 ** power, decimals) + (k === values.length - 1 ? unit : "") }));
+    const { values, texts, power } = axisTicks(this.lo, this.hi, count);
+    return values.map((value, k) => ({ value, text: texts[k] + (power && k === values.length - 1 ? `·${power}` : "") }));
   }
 }
 
-// A card with one drawing, which is drawn anew where its size changes.
-class Chart {
+/** Path through points; a missing number interrupts it.
+ * @param {number[]} xs @param {number[]} ys @param {Map1} px @param {Map1} py */
+export function pathOf(xs, ys, px, py) {
+  /** @type {string[]} */
+  const parts = [];
+  let on = false;
+  xs.forEach((x, k) => {
+    const [u, v] = isNum(x) && isNum(ys[k]) ? [px(x), py(ys[k])] : [NaN, NaN];
+    if (Number.isFinite(u) && Number.isFinite(v)) parts.push(`${on ? "L" : "M"}${u.toFixed(1)} ${v.toFixed(1)}`);
+    on = Number.isFinite(u) && Number.isFinite(v);
+  });
+  return parts.join("");
+}
+
+/** A drawing in a card, drawn anew where its size changes. */
+export class Chart {
+  /** @param {{ title: string }} view @param {number} height */
   constructor(view, height) {
-    this.view = view;
+    this.title = view.title;
     this.height = height;
+    this.width = 0;
     this.svg = shape("svg", { class: "chart", role: "img", "aria-label": view.title, height });
-    this.legend = el("div", { class: "legend" });
+    this.legend = el("div", { class: "legend", hidden: true });
     this.node = el("div", { class: "drawing" }, this.legend, this.svg);
     new ResizeObserver(() => this.resized()).observe(this.node);
   }
@@ -64,21 +87,35 @@ class Chart {
 
   redraw() {
     if (!this.width) return;
-    this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     this.svg.replaceChildren();
+    this.resize(this.height);
     this.draw(this.width, this.height);
   }
 
-  // Grid, numbers and names of two axes; returns where numbers lie.
-  frame(box, x, y, names, { across, up } = {}) {
-    const { left, top, right, bottom } = box;
-    const px = (v) => left + x.share(v) * (right - left), py = (v) => bottom - y.share(v) * (bottom - top);
+  /** @param {number} height */
+  resize(height) {
+    this.height = Math.round(height);
+    this.svg.setAttribute("height", String(this.height));
+    this.svg.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
+  }
+
+  /** Draw in a width and a height. @param {number} w @param {number} h */
+  draw(w, h) {}
+
+  /** Draw the grid, numbers and names of two axes; return the positions of numbers.
+   * @param {Box} box @param {Scale} x @param {Scale} y @param {[string, string]} names
+   * @param {number} [up] count of numbers of the y-axis */
+  frame({ left, top, right, bottom }, x, y, names, up = Math.max(2, (bottom - top) / 42)) {
+    /** @type {Map1} */
+    const px = (v) => left + x.share(v) * (right - left);
+    /** @type {Map1} */
+    const py = (v) => bottom - y.share(v) * (bottom - top);
     const grid = shape("g", { class: "grid" }), texts = shape("g", { class: "numbers" });
-    for (const { value, text } of x.marks(across ?? Math.max(2, (right - left) / 80))) {
+    for (const { value, text } of x.marks(Math.max(2, (right - left) / 80))) {
       grid.append(shape("line", { x1: px(value), x2: px(value), y1: top, y2: bottom }));
       texts.append(written(px(value), bottom + 16, text, { "text-anchor": "middle" }));
     }
-    for (const { value, text } of y.marks(up ?? Math.max(2, (bottom - top) / 42))) {
+    for (const { value, text } of y.marks(up)) {
       grid.append(shape("line", { x1: left, x2: right, y1: py(value), y2: py(value) }));
       texts.append(written(left - 7, py(value) + 4, text, { "text-anchor": "end" }));
     }
@@ -88,165 +125,76 @@ class Chart {
     return { px, py };
   }
 
-  // The room for a drawing with these numbers at its left.
+  /** Frame that leaves space for the numbers of its y-axis.
+   * @param {number} w @param {number} h @param {Scale} y @returns {Box} */
   box(w, h, y) {
     const longest = Math.max(2, ...y.marks((h - 52) / 42).map(({ text }) => text.length));
     return { left: 34 + 6.6 * longest, top: 10, right: w - 12, bottom: h - 42 };
   }
 
-  keys(rows) {
-    this.legend.replaceChildren(...rows.map(({ name, look }) => el("span", { class: "key" }, el("i", { class: `sample ${look}` }), el("span", { class: "name", title: name }, name))));
-    this.legend.hidden = rows.length < 2;
+  /** Show the legend if it has several entries. @param {{ name: string, look: string }[]} entries */
+  setLegend(entries) {
+    this.legend.replaceChildren(...entries.map(({ name, look }) => el("span", { class: "key" }, el("i", { class: `sample ${look}` }), el("span", { class: "name", title: name }, name))));
+    this.legend.hidden = entries.length < 2;
   }
 }
 
-const points = (xs, ys, px, py) => {
-  const parts = [];
-  let on = false;
-  xs.forEach((x, k) => {
-    const y = ys[k];
-    if (!isNum(x) || !isNum(y)) { on = false; return; }
-    const [u, v] = [px(x), py(y)];
-    if (!Number.isFinite(u) || !Number.isFinite(v)) { on = false; return; }
-    parts.push(`${on ? "L" : "M"}${u.toFixed(1)} ${v.toFixed(1)}`);
-    on = true;
-  });
-  return parts.join("");
-};
-
-// Curves, dots and bands over one axis; those of a design only where it is chosen.
-class CurvesChart extends Chart {
+/** Curves, dots and bands over one axis; curves of a design only where it is selected. */
+export class CurvesChart extends Chart {
+  /** @param {CurvesView} view @param {Choice | null} choice */
   constructor(view, choice) {
     super(view, view.equal ? 340 : 230);
+    this.view = view;
     this.choice = view.follows ? choice : null;
     this.choice?.onChoose.on(() => this.redraw());
-    const seen = new Map();
-    view.lines.forEach((line) => { if (!seen.has(line.name) && !line.quiet) seen.set(line.name, seen.size); });
-    this.colours = seen;
-    this.keys([...seen].map(([name, k]) => ({ name, look: `s${k % 7} ${view.lines.find((l) => l.name === name).style}` })));
+    /** Name of a curve → its colour. @type {Map<string, number>} */
+    this.colours = new Map();
+    for (const { name, quiet } of view.lines) if (!quiet && !this.colours.has(name)) this.colours.set(name, this.colours.size);
+    this.setLegend([...this.colours].map(([name, k]) => ({ name, look: `s${k % 7} ${view.lines.find((line) => line.name === name)?.style}` })));
   }
 
+  /** Numbers that an axis has to include. @param {"x" | "y"} key @returns {number[]} */
+  numbers(key) {
+    const { lines, equal } = this.view;
+    return lines.filter((line) => !line.quiet || equal).flatMap((line) => [...list(line[key]), ...(key === "y" ? list(line.low) : [])]);
+  }
+
+  /** @param {number} w @param {number} h @override */
   draw(w, h) {
-    const { view } = this, log = view.logarithmic || "";
-    const lines = view.lines.filter((l) => !this.choice || l.design === undefined || l.design === this.choice.chosen);
-    const all = (key) => view.lines.flatMap((l) => (l.quiet && !view.equal ? [] : [...list(l[key]), ...(key === "y" ? list(l.low) : [])]));
-    const x = new Scale(all("x"), log.includes("x")), y = new Scale([...all("y"), ...list(view.levels)], log.includes("y"));
-    const box = this.box(w, h, y);
-    if (view.equal) {
-      const unit = Math.max((x.hi - x.lo) / (box.right - box.left), (y.hi - y.lo) / (box.bottom - box.top));
-      for (const [scale, size] of [[x, box.right - box.left], [y, box.bottom - box.top]]) {
-        const middle = (scale.lo + scale.hi) / 2;
-        [scale.lo, scale.hi] = [middle - (unit * size) / 2, middle + (unit * size) / 2];
-      }
-    }
+    const { view } = this, logarithmic = view.logarithmic ?? "", levels = list(view.levels);
+    const x = new Scale(this.numbers("x"), logarithmic.includes("x")), y = new Scale([...this.numbers("y"), ...levels], logarithmic.includes("y"));
+    const box = this.box(w, h, y), wide = box.right - box.left, high = box.bottom - box.top;
+    if (view.equal) equalise([[x, wide], [y, high]]);
     const { px, py } = this.frame(box, x, y, [view.x, view.y]);
-    const wide = box.right - box.left, high = box.bottom - box.top;  // what lies outside of it is cut off
     const inner = shape("svg", { class: "inner", x: box.left, y: box.top, width: wide, height: high, viewBox: `${box.left} ${box.top} ${wide} ${high}` });
-    this.svg.append(inner);
-    for (const level of list(view.levels)) inner.append(shape("line", { x1: box.left, x2: box.right, y1: py(level), y2: py(level), class: "level" }));
-    for (const line of lines) {
-      const look = line.quiet ? "quiet" : `s${this.colours.get(line.name) % 7}`;
-      if (line.style === "band") {
-        const back = [...line.x.keys()].reverse();
-        inner.append(shape("path", { d: `${points(line.x, line.y, px, py)}${points(back.map((k) => line.x[k]), back.map((k) => line.low[k]), px, py).replace(/^M/, "L")}Z`, class: `band ${look}` }));
-      } else if (line.style === "dots") {
-        const small = line.x.length > 60 ? 1.9 : 4;
-        line.x.forEach((v, k) => { if (isNum(v) && isNum(line.y[k])) inner.append(shape("circle", { cx: px(v), cy: py(line.y[k]), r: small, class: `dot ${look}${line.open ? " open" : ""}` }, hint(`${line.name}: ${tidy(v, 5)}, ${tidy(line.y[k], 5)}`))); });
-      } else inner.append(shape("path", { d: points(line.x, line.y, px, py), class: `curve ${line.style} ${look}` }));
+    this.svg.append(inner);  // cuts off curves outside of the frame
+    for (const level of levels) inner.append(shape("line", { x1: box.left, x2: box.right, y1: py(level), y2: py(level), class: "level" }));
+    for (const line of view.lines) {
+      if (this.choice && line.design !== undefined && line.design !== this.choice.chosen) continue;
+      const colour = line.quiet ? "quiet" : `s${/** @type {number} */ (this.colours.get(line.name)) % 7}`;
+      inner.append(...marksOf(line, colour, px, py));
     }
   }
 }
 
-// A bar for each name, about zero where some are negative; long names stand over their bars.
-class BarsChart extends Chart {
-  constructor(view) {
-    const stacked = view.rows.some((r) => r.name.length > 26), row = stacked ? 42 : 27;
-    super(view, 16 + row * Math.max(1, view.rows.length));
-    Object.assign(this, { stacked, row });
-    this.keys([]);
-  }
-
-  text(row) {
-    const { share, unit } = this.view;
-    return !isNum(row.value) ? "–" : share ? `${number(100 * row.value, 3)} %` : withUnit(tidy(row.value, 4), unit);
-  }
-
-  draw(w) {
-    const { rows } = this.view, values = rows.map((r) => (isNum(r.value) ? r.value : 0)), size = (text) => 12 + 6.6 * text.length;
-    const names = this.stacked ? 6 : Math.min(0.42 * w, Math.max(...rows.map((r) => size(r.name))));
-    const room = Math.max(...rows.map((r) => size(this.text(r))));
-    const lo = Math.min(0, ...values), hi = Math.max(0, ...values), span = hi - lo || 1;
-    const left = names + (lo < 0 ? room : 4), right = w - (hi > 0 || lo === 0 ? room : 8), x = (v) => left + ((v - lo) / span) * Math.max(30, right - left);
-    rows.forEach((row, k) => {
-      const top = 8 + this.row * k, y = top + (this.stacked ? 17 : 3), v = values[k], text = this.text(row);
-      const name = this.stacked ? written(2, top + 11, clipped(row.name, Math.floor(w / 6.2)), { class: "label" }, hint(row.name)) : written(names - 8, y + 12, clipped(row.name, Math.floor(names / 6.4)), { "text-anchor": "end", class: "label" });
-      this.svg.append(name,
-        shape("rect", { x: Math.min(x(0), x(v)), y, width: Math.max(1.5, Math.abs(x(v) - x(0))), height: 17, rx: 3, class: v < 0 ? "less" : "more" }, hint(`${row.name}: ${text}`)),
-        written(v < 0 ? x(v) - 6 : x(v) + 6, y + 13, text, { "text-anchor": v < 0 ? "end" : "start", class: "value" }));
-    });
-    this.svg.prepend(shape("line", { x1: x(0), x2: x(0), y1: this.stacked ? 22 : 4, y2: this.height - 6, class: "zero" }));
+/** Make a unit equally long on two axes. @param {[Scale, number][]} axes with their lengths in pixels */
+function equalise(axes) {
+  const unit = Math.max(...axes.map(([scale, size]) => (scale.hi - scale.lo) / size));
+  for (const [scale, size] of axes) {
+    const middle = (scale.lo + scale.hi) / 2;
+    [scale.lo, scale.hi] = [middle - (unit * size) / 2, middle + (unit * size) / 2];
   }
 }
 
-// How often which values occur, a normal density over it, and marks.
-class HistogramChart extends Chart {
-  constructor(view) {
-    super(view, 240);
-    this.keys([]);
+/** @param {Line} line @param {string} colour @param {Map1} px @param {Map1} py */
+function marksOf({ name, x, y, low, style, open }, colour, px, py) {
+  if (style === "band") {
+    const back = [...x.keys()].reverse();
+    const lower = pathOf(back.map((k) => x[k]), back.map((k) => list(low)[k]), px, py).replace(/^M/, "L");
+    return [shape("path", { d: `${pathOf(x, y, px, py)}${lower}Z`, class: `band ${colour}` })];
   }
-
-  draw(w, h) {
-    const { counts, edges, marks, normal, label, size } = this.view;
-    const bell = normal && normal[1] > 0 ? Array.from({ length: 121 }, (_, k) => normal[0] + normal[1] * (k / 15 - 4)) : [];
-    const density = (v) => Math.exp(-0.5 * ((v - normal[0]) / normal[1]) ** 2) / normal[1] / Math.sqrt(TAU);
-    const heights = list(counts).map((c, k) => c / size / (edges[k + 1] - edges[k]));
-    const x = new Scale([...list(edges), ...list(marks).map((m) => m.value), ...bell]), y = new Scale([0, ...heights, ...(bell.length ? [density(normal[0])] : [])], false, 0);
-    y.hi *= 1.06;
-    const box = { ...this.box(w, h, y), top: 26 };
-    const { px, py } = this.frame(box, x, y, [label, "density"], { up: 3 });
-    heights.forEach((v, k) => this.svg.append(shape("rect", { x: px(edges[k]) + 0.5, y: py(v), width: Math.max(1, px(edges[k + 1]) - px(edges[k]) - 1), height: py(0) - py(v), class: "column" }, hint(`${tidy(edges[k], 5)} … ${tidy(edges[k + 1], 5)}: ${counts[k]}`))));
-    if (bell.length) this.svg.append(shape("path", { d: points(bell, bell.map(density), px, py), class: "curve s1" }));
-    let last = -Infinity;
-    for (const mark of [...list(marks)].sort((a, b) => a.value - b.value)) {
-      const at = px(mark.value), low = at - last < 62;
-      this.svg.append(shape("line", { x1: at, x2: at, y1: low ? box.top - 2 : box.top - 8, y2: box.bottom, class: "level" }, hint(`${mark.name}: ${tidy(mark.value, 6)}`)),
-        written(clamp(at, 30, w - 34), low ? box.top - 14 : box.top - 12, mark.name, { "text-anchor": low ? "start" : "middle", class: "value" }));
-      last = at;
-    }
-  }
-}
-
-// One ellipse for each pair of unknowns: 68 % and 95 % of two normal variables.
-class EllipsesChart extends Chart {
-  constructor(view) {
-    super(view, 300);
-    this.keys([]);
-  }
-
-  draw(w) {
-    const { names, units, centre, covariance } = this.view, n = names.length, foot = 46;
-    const told = (k) => withUnit(tidy(centre[k], 4), units[k]);
-    const left = clamp(14 + 6.6 * Math.max(...names.slice(1).map((_, k) => told(k + 1).length)), 74, w / 2);
-    const side = Math.min((w - left - 8) / Math.max(1, n - 1), 190);
-    this.height = Math.round(side * (n - 1) + foot + 6);
-    this.svg.setAttribute("height", this.height);
-    this.svg.setAttribute("viewBox", `0 0 ${w} ${this.height}`);
-    const reach = (k) => 2.75 * Math.sqrt(covariance[k][k]) || 1;
-    for (let i = 1; i < n; i++) for (let j = 0; j < i; j++) {
-      const [x0, y0] = [left + j * side, 4 + (i - 1) * side], pad = 5, inner = side - 2 * pad;
-      const at = (p, q) => [x0 + pad + inner * (0.5 + p / (2 * reach(j))), y0 + pad + inner * (0.5 - q / (2 * reach(i)))];
-      const box = shape("g", {}, shape("rect", { x: x0 + pad, y: y0 + pad, width: inner, height: inner, class: "edge" }), hint(`${names[j]} and ${names[i]}: correlation ${tidy(covariance[i][j] / Math.sqrt(covariance[i][i] * covariance[j][j]), 3)}`));
-      const [a, b, c] = [Math.sqrt(covariance[j][j]), covariance[i][j] / (Math.sqrt(covariance[j][j]) || 1), 0];
-      const d = Math.sqrt(Math.max(c, covariance[i][i] - b * b));
-      for (const [size, name] of [[2.4477, "band s0"], [1.5096, "band s0"]]) {
-        const ring = Array.from({ length: 61 }, (_, k) => { const t = (k / 60) * TAU; return at(size * a * Math.cos(t), size * (b * Math.cos(t) + d * Math.sin(t))); });
-        box.append(shape("path", { d: `M${ring.map((p) => p.map((v) => v.toFixed(1)).join(" ")).join("L")}Z`, class: name }));
-      }
-      const [cx, cy] = at(0, 0);
-      box.append(shape("circle", { cx, cy, r: 2.6, class: "dot s0" }));
-      this.svg.append(box);
-      if (i === n - 1) this.svg.append(written(x0 + side / 2, y0 + side + 15, names[j], { "text-anchor": "middle", class: "label" }), written(x0 + side / 2, y0 + side + 30, told(j), { "text-anchor": "middle", class: "value" }));
-      if (j === 0) this.svg.append(written(left - 6, y0 + side / 2 - 2, clipped(names[i], 11), { "text-anchor": "end", class: "label" }), written(left - 6, y0 + side / 2 + 14, told(i), { "text-anchor": "end", class: "value" }));
-    }
-  }
+  if (style !== "dots") return [shape("path", { d: pathOf(x, y, px, py), class: `curve ${style} ${colour}` })];
+  const radius = x.length > 60 ? 1.9 : 4, look = `dot ${colour}${open ? " open" : ""}`;
+  return [...x.keys()].filter((k) => isNum(x[k]) && isNum(y[k])).map((k) =>
+    shape("circle", { cx: px(x[k]), cy: py(y[k]), r: radius, class: look }, hint(`${name}: ${tidy(x[k], 5)}, ${tidy(y[k], 5)}`)));
 }

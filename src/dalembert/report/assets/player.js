@@ -1,38 +1,46 @@
-// Time, and how fast it runs.
+// Time of the page and the speed at which it runs.
 
-// 1 where a loop in real time takes 4 to 12 seconds, else a round factor which makes it so.
+/** @import { Scene } from "./scene.js" */
+/** @import { Motion } from "./motion.js" */
+
+import { el, icon, iconButton, targetOf, toggleButton } from "./dom.js";
+import { clamp, clock, isNum } from "./numbers.js";
+import { Signal } from "./theme.js";
+
+/** Real time where a loop takes 4 to 12 seconds, else a round factor that makes it so. @param {number} span */
 function automaticSpeed(span) {
   if (!(span > 0) || (span >= 4 && span <= 12)) return 1;
-  let best = 1, miss = Infinity;
-  const k0 = Math.floor(Math.log10(span / 7));
-  for (const k of [k0 - 1, k0, k0 + 1]) {
-    for (const m of [1, 2, 5]) {
-      const speed = m * 10 ** k;
-      const away = Math.abs(Math.log(span / speed / 7));
-      if (away < miss) [best, miss] = [speed, away];
-    }
-  }
-  return +best.toPrecision(3);
+  const exponent = Math.floor(Math.log10(span / 7));
+  const speeds = [exponent - 1, exponent, exponent + 1].flatMap((k) => [1, 2, 5].map((m) => m * 10 ** k));
+  const miss = (/** @type {number} */ speed) => Math.abs(Math.log(span / speed / 7));
+  return +speeds.reduce((best, speed) => (miss(speed) < miss(best) ? speed : best)).toPrecision(3);
 }
 
+/** @param {number} automatic */
 function speedChoices(automatic) {
-  const all = [0.1, 0.2, 0.5, 1, 2, 5, 10].map((m) => +(m * automatic).toPrecision(3));
-  return [...new Set([...all, 1])].sort((a, b) => a - b);
+  const speeds = [0.1, 0.2, 0.5, 1, 2, 5, 10].map((factor) => +(factor * automatic).toPrecision(3));
+  return [...new Set([...speeds, 1])].sort((a, b) => a - b);
 }
 
-class Player {
+export class Player {
+  /** @param {Motion} motion */
   constructor(motion) {
     this.motion = motion;
     this.time = motion.start;
     this.playing = false;
     this.loop = true;
-    this.automatic = automaticSpeed(motion.span);
+    this.automatic = motion.swings ? 1 : automaticSpeed(motion.span);
     this.speed = this.automatic;
+    /** @type {Signal<number>} */
     this.onTime = new Signal();
+    /** @type {Signal} */
     this.onState = new Signal();
+    /** Time of the last frame [ms]. @type {number | null} */
+    this.last = null;
     this.tick = this.tick.bind(this);
   }
 
+  /** @param {number} t */
   seek(t) {
     if (!isNum(t)) return;
     this.time = clamp(t, this.motion.start, this.motion.end);
@@ -54,29 +62,31 @@ class Player {
     this.onState.emit();
   }
 
-  toggle() { this.playing ? this.pause() : this.play(); }
+  toggle() { if (this.playing) this.pause(); else this.play(); }
 
+  /** @param {number} speed */
   setSpeed(speed) {
     if (!(speed > 0)) return;
     this.speed = speed;
     this.onState.emit();
   }
 
+  /** @param {boolean} loop */
   setLoop(loop) {
     this.loop = loop;
     this.onState.emit();
   }
 
-  // k frames on from the frame that is shown.
+  /** Seek the k-th instant, or choose the k-th state, from the present one. @param {number} k */
   step(k) {
     this.pause();
-    const { n, time } = this.motion;
-    const { i, f } = this.motion.locate(this.time);
-    let frame = f > 1 - 1e-9 ? i + 1 : i;
-    if (f > 1e-9 && f < 1 - 1e-9 && k < 0) frame += 1;
-    this.seek(time[clamp(frame + k, 0, n - 1)]);
+    if (this.motion.swings) { this.motion.choose(clamp(this.motion.chosen + k, 0, this.motion.n - 1)); return; }
+    const { n, time } = this.motion, { i, f } = this.motion.locate(this.time);
+    const between = f > 1e-9 && f < 1 - 1e-9, instant = f > 1 - 1e-9 || (between && k < 0) ? i + 1 : i;
+    this.seek(time[clamp(instant + k, 0, n - 1)]);
   }
 
+  /** @param {number} now [ms] */
   tick(now) {
     if (!this.playing) return;
     const { start, end, span } = this.motion;
@@ -89,83 +99,87 @@ class Player {
   }
 }
 
-// Play button, scrubber with event marks, clock, speed and loop.
-function buildPlayer(root, player) {
-  const { motion } = player;
+/** Fill the bar below the drawing: play button, and the controls of time. @param {HTMLElement} root @param {Player} player */
+export function buildPlayer(root, player) {
   root.hidden = false;
-  const play = iconButton("play", "Play (space)", () => player.toggle(), { class: "icon primary", id: "play" });
-  const scrub = el("input", {
-    type: "range", id: "scrub", min: "0", max: "1", step: "any", value: "0", "aria-label": "Time",
-    oninput: () => player.seek(motion.start + scrub.valueAsNumber * motion.span),
-    onpointerdown: () => player.pause(),
-  });
-  const marks = el("div", { class: "marks" });
-  for (const event of motion.events) {
-    const p = (event.time - motion.start) / motion.span;
-    if (p < 0 || p > 1) continue;
-    const label = `${event.name}, ${clock(event.time, motion.span)} s`;
-    const mark = el("button", { type: "button", class: "mark", title: label, "aria-label": `Go to ${label}`, onclick: () => player.seek(event.time) });
-    mark.style.setProperty("--p", p);
-    marks.append(mark);
-  }
-  const now = el("output", { class: "now", id: "clock", for: "scrub", "aria-live": "off" });
-  const spoken = el("span", { class: "unseen", id: "spoken", role: "status" });
-  const speed = el("select", { id: "speed", "aria-label": "Speed", title: "Speed, as a multiple of real time", onchange: () => player.setSpeed(+speed.value) },
-    speedChoices(player.automatic).map((s) => el("option", { value: String(s) }, s === 1 ? "Real time" : `${s}×`)));
-  const loop = toggleButton(icon("loop"), player.loop, (on) => player.setLoop(on), { class: "icon", "aria-label": "Loop", title: "Loop", id: "loop" });
-  root.append(
-    el("div", { class: "buttons" }, play,
-      iconButton("back", "Previous frame (←)", () => player.step(-1)),
-      iconButton("next", "Next frame (→)", () => player.step(1))),
-    el("div", { class: "track" }, scrub, marks),
-    now, speed, loop, spoken);
-
-  // The time is said where it comes to rest, not while it runs.
-  let resting = null;
-  const say = () => {
-    clearTimeout(resting);
-    resting = player.playing ? null : setTimeout(() => { spoken.textContent = now.textContent; }, 300);
-  };
-  player.onState.on(say);
-  player.onTime.on((t) => {
-    const p = (t - motion.start) / motion.span;
-    scrub.value = String(p);
-    scrub.style.setProperty("--p", p);
-    now.textContent = `${clock(t, motion.span)} s`;
-    scrub.setAttribute("aria-valuetext", now.textContent);
-    say();
-  });
+  const { swings } = player.motion, play = iconButton("play", "", () => player.toggle(), { class: "icon primary", id: "play" });
   player.onState.on(() => {
     play.replaceChildren(icon(player.playing ? "pause" : "play"));
-    play.title = player.playing ? "Pause (space)" : "Play (space)";
+    play.title = player.playing ? "Pause (space)" : swings ? "Animate (space)" : "Play (space)";
     play.setAttribute("aria-label", play.title);
-    if (![...speed.options].some((o) => +o.value === player.speed)) {
-      speed.append(el("option", { value: String(player.speed) }, `${player.speed}×`));
-    }
-    speed.value = String(player.speed);
-    loop.setAttribute("aria-pressed", String(player.loop));
   });
+  root.append(...swings ? [play] : timeControls(player, play));
   player.onState.emit();
 }
 
-// Space plays, arrows step, wherever no field or button wants these keys.
-function bindKeys(player, scene) {
+/** Steps, slider with event marks, clock, speed and loop. @param {Player} player @param {HTMLElement} play */
+function timeControls(player, play) {
+  const { motion } = player;
+  const slider = el("input", {
+    type: "range", id: "scrub", min: "0", max: "1", step: "any", value: "0", "aria-label": "Time",
+    oninput: () => player.seek(motion.start + slider.valueAsNumber * motion.span),
+    onpointerdown: () => player.pause(),
+  });
+  const now = el("output", { class: "now", id: "clock", for: "scrub", "aria-live": "off" });
+  const spoken = el("span", { class: "unseen", id: "spoken", role: "status" });
+  const options = speedChoices(player.automatic).map((factor) => el("option", { value: String(factor) }, factor === 1 ? "Real time" : `${factor}×`));
+  const speed = el("select", { id: "speed", "aria-label": "Speed", title: "Speed, as a multiple of real time", onchange: () => player.setSpeed(+speed.value) }, options);
+  const loop = toggleButton(icon("loop"), player.loop, (on) => player.setLoop(on), { class: "icon", "aria-label": "Loop", title: "Loop", id: "loop" });
+  // Screen readers report the time at rest, not while it runs.
+  let resting = 0;
+  const speak = () => {
+    clearTimeout(resting);
+    if (!player.playing) resting = window.setTimeout(() => { spoken.textContent = now.textContent; }, 300);
+  };
+  player.onTime.on((t) => {
+    const share = String((t - motion.start) / motion.span);
+    slider.value = share;
+    slider.style.setProperty("--p", share);
+    now.textContent = motion.timeText(t);
+    slider.setAttribute("aria-valuetext", now.textContent);
+    speak();
+  });
+  player.onState.on(() => {
+    speak();
+    if (![...speed.options].some(({ value }) => +value === player.speed)) speed.append(el("option", { value: String(player.speed) }, `${player.speed}×`));
+    speed.value = String(player.speed);
+    loop.setAttribute("aria-pressed", String(player.loop));
+  });
+  const steps = [iconButton("back", "Previous frame (←)", () => player.step(-1)), iconButton("next", "Next frame (→)", () => player.step(1))];
+  return [el("div", { class: "buttons" }, play, steps), el("div", { class: "track" }, slider, eventMarks(player)), now, speed, loop, spoken];
+}
+
+/** Marks of the events on the slider. @param {Player} player */
+function eventMarks(player) {
+  const { events, start, end, span } = player.motion;
+  return el("div", { class: "marks" }, events.filter(({ time }) => time >= start && time <= end).map(({ name, time }) => {
+    const label = `${name}, ${clock(time, span)} s`;
+    const mark = el("button", { type: "button", class: "mark", title: label, "aria-label": `Go to ${label}`, onclick: () => player.seek(time) });
+    mark.style.setProperty("--p", String((time - start) / span));
+    return mark;
+  }));
+}
+
+/** Keys of the page: space plays, arrows step, except in fields and on buttons.
+ * @param {Player} player @param {Scene} scene */
+export function bindKeys(player, scene) {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) return;
-    const target = event.target;
-    const range = target.id === "scrub";
-    if (!range && target.closest("input, select, textarea")) return;
+    const target = targetOf(event);
+    if (target.id !== "scrub" && target.closest("input, select, textarea")) return;
     if (event.key === " " && target.closest("button, a, summary")) return;
-    const large = Math.max(2, Math.round(player.motion.n / 50));
-    const actions = {
+    const { n, start, end, moves } = player.motion, stride = event.shiftKey ? Math.max(2, Math.round(n / 50)) : 1;
+    /** @type {Record<string, () => void>} */
+    const times = {
       " ": () => player.toggle(),
-      ArrowRight: () => player.step(event.shiftKey ? large : 1),
-      ArrowLeft: () => player.step(event.shiftKey ? -large : -1),
-      Home: () => player.seek(player.motion.start),
-      End: () => player.seek(player.motion.end),
+      ArrowRight: () => player.step(stride),
+      ArrowLeft: () => player.step(-stride),
+      Home: () => player.seek(start),
+      End: () => player.seek(end),
     };
+    /** @type {Record<string, () => void>} */
     const views = { "+": () => scene.zoom(1.25), "-": () => scene.zoom(0.8), 0: () => scene.fit(), f: () => scene.fit(), ...scene.keys };
-    const action = (player.motion.moves && actions[event.key]) || views[event.key];
+    const action = (moves && times[event.key]) || views[event.key];
     if (!action) return;
     event.preventDefault();
     action();

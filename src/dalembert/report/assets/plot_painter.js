@@ -1,234 +1,266 @@
-// What a plot draws: axes, grid and curves once, cursor and values with every instant.
+// Drawing of a plot on two canvases: axes and curves once, cursor and values for every frame.
 
-class PlotPainter {
-  // Lower and upper end of the axis of one unit.
-  range(unit) {
-    return this.rangeOf(this.series.filter((s) => s.unit === unit));
+/** @import { Context, Range, Series } from "./types.d.ts" */
+/** @import { Board } from "./plot_board.js" */
+
+import { DASHES, circle, fitCanvas, stroke, trace } from "./canvas.js";
+import { el } from "./dom.js";
+import { axisTicks, clamp, clock, extent, number } from "./numbers.js";
+import { PALETTE, Theme, mix } from "./theme.js";
+import { raised, withUnit } from "./units.js";
+
+/** Vertical axis of the series of one unit.
+ * @typedef {{ unit: string, lo: number, hi: number, values: number[], texts: string[], width: number, name: string }} Axis */
+
+const TOP = 14, FOOT = 26, MIN_MARGIN = 44;
+
+/** Map of an interval to pixels a to b. @param {Range} interval @param {number} a @param {number} b */
+function linear([first, last], a, b) {
+  const slope = last > first ? (b - a) / (last - first) : 0;
+  return (/** @type {number} */ v) => a + (v - first) * slope;
+}
+
+export class PlotPainter {
+  /** @param {Board} board @param {Series[]} series */
+  constructor(board, series) {
+    this.board = board;
+    this.series = series;
+    /** Series of the x-axis; null for time. @type {Series | null} */
+    this.against = null;
+    /** Time span that is being selected. @type {Range | null} */
+    this.selection = null;
+    this.base = el("canvas", { class: "base", role: "img" });
+    this.over = el("canvas", { class: "over", tabindex: "0", role: "slider", "aria-label": "Time in this plot" });
+    /** Colour samples and present values in the legend. @type {{ swatch: HTMLElement, value: HTMLElement }[]} */
+    this.keys = [];
+    /** @type {Axis[]} */
+    this.axes = [];
+    /** Margins that the numbers of the axes require. */
+    this.margins = { left: MIN_MARGIN, right: TOP };
+    /** Ends of the x-axis. @type {Range} */
+    this.ends = [0, 1];
+    this.x = linear(this.ends, 0, 0);
+    this.left = this.right = this.bottom = 0;
   }
 
+  /** Units of the axes at the left and at the right. */
+  get units() { return [...new Set(this.series.map(({ unit }) => unit))].slice(0, 2); }
+
+  /** @param {number} k */
+  style(k) { return { colour: Theme.colour(k), dash: DASHES[Math.floor(k / PALETTE.light.length) % DASHES.length] }; }
+
+  /** Ends of an axis of some series in the displayed time span. @param {Series[]} series @returns {Range} */
   rangeOf(series) {
-    const { motion, window } = this.board, columns = series.flatMap((s) => (s.other ? [s.values, s.other] : [s.values]));
+    const { motion, window } = this.board, columns = series.flatMap(({ values, other }) => (other ? [values, other] : [values]));
     const [a, b] = window && !this.against ? window.map((t) => motion.locate(t).i) : [0, motion.n - 1];
-    let [lo, hi] = extent(columns.map((column) => column.subarray(a, b + 2))) || [0, 1];
-    const size = Math.max(Math.abs(lo), Math.abs(hi));
-    if (hi - lo <= 1e-9 * size || hi === lo) {
-      const pad = size > 1e-12 ? 0.1 * size : 1;
-      [lo, hi] = [(lo + hi) / 2 - pad, (lo + hi) / 2 + pad];
-    }
-    const pad = 0.07 * (hi - lo);
+    let [lo, hi] = extent(columns.map((column) => column.subarray(a, b + 2))) ?? [0, 1];
+    const size = Math.max(Math.abs(lo), Math.abs(hi)), constant = hi - lo <= 1e-9 * size;
+    const pad = !constant ? 0.07 * (hi - lo) : 1.14 * (size > 1e-12 ? 0.1 * size : 1);
+    if (constant) lo = hi = (lo + hi) / 2;
     return [lo - pad, hi + pad];
+  }
+
+  /** Linear map from the values of a unit to pixels; null for a third unit. @param {string} unit */
+  heights(unit) {
+    const axis = this.axes.find((a) => a.unit === unit);
+    return axis ? linear([axis.lo, axis.hi], this.bottom, TOP) : null;
   }
 
   draw() {
     if (!this.base.clientWidth) return;
     const { ctx, w, h } = fitCanvas(this.base, this.board.ratio);
     this.paint(ctx, w, h);
-    if (this.board.ratio && !this.against) { trace(ctx, [[this.x(this.board.player.time), this.top], [this.x(this.board.player.time), this.bottom]]); stroke(ctx, Theme.accent, 1); }
+    if (this.board.ratio && !this.against) this.upright(ctx, this.board.player.time, Theme.accent, [], 1);
     this.drawCursor();
   }
 
+  /** Draw axes, events and curves. @param {Context} ctx @param {number} w @param {number} h */
   paint(ctx, w, h) {
-    const { board: { motion } } = this, { against } = this;
-    const units = this.units;
-    this.top = 14;
-    this.bottom = h - 26;
     ctx.font = `11px ${Theme.font}`;
-
-    const axes = units.map((unit) => {
-      const [lo, hi] = this.range(unit);
-      const size = Math.max(Math.abs(lo), Math.abs(hi));
-      const power = size >= 1e5 || size < 1e-2 ? 3 * Math.floor(Math.log10(size) / 3) : 0;
-      const marks = ticks(lo, hi, Math.max(2, (this.bottom - this.top) / 38));
-      const decimals = decimalsOf(marks.step / 10 ** power);
-      const texts = marks.values.map((v) => fixed(v / 10 ** power, decimals));
-      const room = Math.max(...texts.map((t) => ctx.measureText(t).width), 0) + 10;
-      const name = (power ? `10${superscript(power)} ` : "") + (unit === "1" ? "" : raised(unit));
-      return { unit, lo, hi, marks: marks.values, texts, room, name };
-    });
-    this.wants = { left: Math.max(44, (axes[0]?.room || 0) + 20), right: axes[1] ? Math.max(44, axes[1].room + 20) : 14 };
-    this.axes = axes;
+    this.bottom = h - FOOT;
+    this.axes = this.units.map((unit) => this.axisOf(ctx, unit));
+    const [first, second] = this.axes;
+    this.margins = { left: Math.max(MIN_MARGIN, (first?.width ?? 0) + 20), right: second ? Math.max(MIN_MARGIN, second.width + 20) : TOP };
     this.board.align();
-    const { left, right } = this.board;
-    Object.assign(this, { left, right });
-    const [first, last] = against ? this.rangeOf([against]) : this.board.span;
-    this.x = (t) => this.left + (last > first ? (t - first) / (last - first) : 0) * (w - this.left - this.right);
-    this.y = (v, unit) => {
-      const { lo, hi } = axes.find((a) => a.unit === unit);
-      return this.bottom - ((v - lo) / (hi - lo)) * (this.bottom - this.top);
-    };
-
-    // Grid and labels.
-    const across = ticks(first, last, Math.max(2, (w - this.left - this.right) / 70));
-    const line = (x0, y0, x1, y1, colour) => { trace(ctx, [[x0, y0], [x1, y1]]); stroke(ctx, colour, 1); };
-    ctx.fillStyle = Theme.muted;
-    ctx.textAlign = "center";
-    ctx.textBaseline = "top";
-    const decimals = decimalsOf(across.step);
-    for (const t of across.values) {
-      const x = Math.round(this.x(t)) + 0.5;
-      line(x, this.top, x, this.bottom, Theme.grid);
-      const text = fixed(t, decimals) + (t === across.values.at(-1) ? ` ${against ? (against.unit === "1" ? "" : against.unit) : "s"}` : "");
-      ctx.fillText(text, Math.min(x, w - ctx.measureText(text).width / 2 - 2), this.bottom + 8);
-    }
-    ctx.textBaseline = "middle";
-    axes.forEach((axis, side) => {
-      axis.marks.forEach((v, k) => {
-        const y = Math.round(this.y(v, axis.unit)) + 0.5;
-        if (!side) line(this.left, y, w - this.right, y, Theme.grid);
-        ctx.textAlign = side ? "left" : "right";
-        ctx.fillText(axis.texts[k], side ? w - this.right + 7 : this.left - 7, y);
-      });
-      if (axis.lo < 0 && axis.hi > 0 && !side) {
-        const y = Math.round(this.y(0, axis.unit)) + 0.5;
-        line(this.left, y, w - this.right, y, mix(Theme.surface, Theme.muted, 0.6));
-      }
-      ctx.save();
-      ctx.textAlign = "center";
-      ctx.translate(side ? w - 9 : 9, (this.top + this.bottom) / 2);
-      ctx.rotate(-Math.PI / 2);
-      ctx.fillText(axis.name, 0, 0);
-      ctx.restore();
-    });
-    line(this.left, this.bottom + 0.5, w - this.right, this.bottom + 0.5, mix(Theme.surface, Theme.muted, 0.6));
-
-    if (against) {
-      Object.assign(ctx, { fillStyle: Theme.muted, textAlign: "right", textBaseline: "bottom" });
-      ctx.fillText(against.name, w - this.right, this.bottom - 4);
-    }
-    for (const event of against ? [] : motion.events) {
-      if (event.time < first || event.time > last) continue;
-      const x = Math.round(this.x(event.time)) + 0.5;
-      trace(ctx, [[x, this.top], [x, this.bottom]]);
-      stroke(ctx, Theme.muted, 1, [3, 3]);
-      trace(ctx, [[x - 4, this.top - 6], [x + 4, this.top - 6], [x, this.top]], true);
-      ctx.fillStyle = Theme.muted;
-      ctx.fill();
-    }
-
+    [this.left, this.right] = [this.board.left, w - this.board.right];
+    this.ends = this.against ? this.rangeOf([this.against]) : this.board.span;
+    this.x = linear(this.ends, this.left, this.right);
+    this.drawTimes(ctx, w);
+    this.axes.forEach((axis, side) => this.drawAxis(ctx, axis, side, w));
+    line(ctx, this.left, this.bottom + 0.5, this.right, this.bottom + 0.5, mix(Theme.surface, Theme.muted, 0.6));
+    if (!this.against) this.drawEvents(ctx);
     ctx.save();
     ctx.beginPath();
-    ctx.rect(this.left, this.top - 2, w - this.left - this.right, this.bottom - this.top + 4);
+    ctx.rect(this.left, TOP - 2, this.right - this.left, this.bottom - TOP + 4);
     ctx.clip();
     ctx.lineJoin = "round";
-    this.series.forEach((s, k) => {
-      const { colour, dash } = this.style(k);
-      this.swatches[k].style.setProperty("--c", colour);
-      if (!units.includes(s.unit)) return;
-      this.curve(ctx, s, w);
-      stroke(ctx, colour, 1.9, s.unit === units[1] && !dash.length ? DASHES[1] : dash);
-      if (!s.other) return;
-      this.curve(ctx, { ...s, values: s.other }, w, against?.other ?? against?.values);
-      stroke(ctx, mix(Theme.surface, colour, 0.75), 1.4, [4, 4]);
-    });
+    this.series.forEach((s, k) => this.drawSeries(ctx, s, k));
     ctx.restore();
   }
 
-  // The path of one series; with many frames, the least and greatest of each pixel.
-  curve(ctx, s, w, xs = this.against?.values) {
-    const { time, n } = this.board.motion, across = xs ?? time;
-    const [from, to] = xs || !this.board.window ? [0, n] : this.board.window.map((t, k) => Math.min(n, this.board.motion.locate(t).i + 2 * k));
-    const dense = !xs && to - from > 4 * w;
-    let px = NaN, py = NaN;
-    let on = false, column = NaN, lo = 0, hi = 0, last = 0;
-    const flush = () => {
-      if (column !== column) return;
-      if (on) ctx.lineTo(column, this.y(lo, s.unit)); else ctx.moveTo(column, this.y(lo, s.unit));
-      if (hi !== lo) ctx.lineTo(column, this.y(hi, s.unit));
-      ctx.lineTo(column, this.y(last, s.unit));
-      on = true;
+  /** @param {Context} ctx @param {string} unit @returns {Axis} */
+  axisOf(ctx, unit) {
+    const [lo, hi] = this.rangeOf(this.series.filter((s) => s.unit === unit));
+    const { values, texts, power } = axisTicks(lo, hi, Math.max(2, (this.bottom - TOP) / 38));
+    const width = Math.max(...texts.map((text) => ctx.measureText(text).width), 0) + 10;
+    return { unit, lo, hi, values, texts, width, name: [power, unit === "1" ? "" : raised(unit)].filter(Boolean).join(" ") };
+  }
+
+  /** Grid, numbers and name of the x-axis. @param {Context} ctx @param {number} w */
+  drawTimes(ctx, w) {
+    const { against } = this, [first, last] = this.ends;
+    const { values, texts, power } = axisTicks(first, last, Math.max(2, (this.right - this.left) / 70));
+    const unit = against ? (against.unit === "1" ? "" : raised(against.unit)) : "s";
+    Object.assign(ctx, { fillStyle: Theme.muted, textAlign: "center", textBaseline: "top" });
+    values.forEach((t, k) => {
+      const x = Math.round(this.x(t)) + 0.5, text = k === values.length - 1 ? `${texts[k]}${power && `·${power}`} ${unit}` : texts[k];
+      line(ctx, x, TOP, x, this.bottom, Theme.grid);
+      ctx.fillText(text, Math.min(x, w - ctx.measureText(text).width / 2 - 2), this.bottom + 8);
+    });
+    if (!against) return;
+    Object.assign(ctx, { textAlign: "right", textBaseline: "bottom" });
+    ctx.fillText(against.name, this.right, this.bottom - 4);
+  }
+
+  /** Numbers and name of an axis; grid of the left one. @param {Context} ctx @param {Axis} axis @param {number} side @param {number} w */
+  drawAxis(ctx, { unit, lo, hi, values, texts, name }, side, w) {
+    const y = /** @type {(v: number) => number} */ (this.heights(unit));
+    Object.assign(ctx, { fillStyle: Theme.muted, textAlign: side ? "left" : "right", textBaseline: "middle" });
+    values.forEach((v, k) => {
+      const at = Math.round(y(v)) + 0.5;
+      if (!side) line(ctx, this.left, at, this.right, at, Theme.grid);
+      ctx.fillText(texts[k], side ? this.right + 7 : this.left - 7, at);
+    });
+    if (lo < 0 && hi > 0 && !side) {
+      const zero = Math.round(y(0)) + 0.5;
+      line(ctx, this.left, zero, this.right, zero, mix(Theme.surface, Theme.muted, 0.6));
+    }
+    ctx.save();
+    ctx.textAlign = "center";
+    ctx.translate(side ? w - 9 : 9, (TOP + this.bottom) / 2);
+    ctx.rotate(-Math.PI / 2);
+    ctx.fillText(name, 0, 0);
+    ctx.restore();
+  }
+
+  /** @param {Context} ctx */
+  drawEvents(ctx) {
+    const [first, last] = this.ends;
+    for (const { time } of this.board.motion.events) {
+      if (time < first || time > last) continue;
+      const x = Math.round(this.x(time)) + 0.5;
+      this.upright(ctx, time, Theme.muted, [3, 3], 1);
+      trace(ctx, [[x - 4, TOP - 6], [x + 4, TOP - 6], [x, TOP]], true);
+      ctx.fillStyle = Theme.muted;
+      ctx.fill();
+    }
+  }
+
+  /** Curve of a series, and that of the second run dashed. @param {Context} ctx @param {Series} s @param {number} k */
+  drawSeries(ctx, s, k) {
+    const { colour, dash } = this.style(k), y = this.heights(s.unit);
+    this.keys[k].swatch.style.setProperty("--c", colour);
+    if (!y) return;
+    this.curve(ctx, s.values, y, this.against?.values);
+    stroke(ctx, colour, 1.9, this.axes.length > 1 && s.unit === this.axes[1].unit && !dash.length ? DASHES[1] : dash);
+    if (!s.other) return;
+    this.curve(ctx, s.other, y, this.against?.other ?? this.against?.values);
+    stroke(ctx, mix(Theme.surface, colour, 0.75), 1.4, [4, 4]);
+  }
+
+  /** Path of a column over time or other numbers; of many instants, the extremes of each pixel.
+   * @param {Context} ctx @param {Float64Array} values @param {(v: number) => number} y @param {Float64Array} [xs] */
+  curve(ctx, values, y, xs) {
+    const { motion, window } = this.board, across = xs ?? motion.time;
+    const [from, to] = xs || !window ? [0, motion.n] : window.map((t, k) => Math.min(motion.n, motion.locate(t).i + 2 * k));
+    const dense = !xs && to - from > 2 * (this.right - this.left);
+    let started = false, px = NaN, py = NaN, pixel = NaN, lo = 0, hi = 0, last = 0;
+    const point = (/** @type {number} */ u, /** @type {number} */ v) => { if (started) ctx.lineTo(u, v); else ctx.moveTo(u, v); started = true; };
+    const finishPixel = () => {
+      if (pixel !== pixel) return;
+      point(pixel, y(lo));
+      if (hi !== lo) ctx.lineTo(pixel, y(hi));
+      ctx.lineTo(pixel, y(last));
     };
     ctx.beginPath();
     for (let i = from; i < to; i++) {
-      const v = s.values[i];
-      if (v !== v || across[i] !== across[i]) {
-        if (dense) flush();
-        column = NaN;
-        on = false;
-        continue;
-      }
-      const x = this.x(across[i]);
-      if (!dense) {
-        const y = this.y(v, s.unit);
-        if (xs && on && Math.abs(x - px) + Math.abs(y - py) < 0.5) continue;
-        [px, py] = [x, y];
-        if (on) ctx.lineTo(x, this.y(v, s.unit)); else ctx.moveTo(x, this.y(v, s.unit));
-        on = true;
-      } else if (Math.round(x) === column) {
-        lo = Math.min(lo, v); hi = Math.max(hi, v); last = v;
+      const v = values[i], x = this.x(across[i]);
+      if (v !== v || x !== x) {
+        finishPixel();
+        pixel = NaN;
+        started = false;
+      } else if (!dense) {
+        const u = x, w = y(v);
+        if (xs && started && Math.abs(u - px) + Math.abs(w - py) < 0.5) continue;
+        [px, py] = [u, w];
+        point(u, w);
+      } else if (Math.round(x) === pixel) {
+        if (v < lo) lo = v; else if (v > hi) hi = v;
+        last = v;
       } else {
-        flush();
-        column = Math.round(x);
+        finishPixel();
+        pixel = Math.round(x);
         lo = hi = last = v;
       }
     }
-    if (dense) flush();
+    finishPixel();
   }
 
+  /** Vertical line at a time. @param {Context} ctx @param {number} t @param {string} colour @param {number[]} dash */
+  upright(ctx, t, colour, dash, width = 1.4) {
+    const x = this.x(t);
+    if (x >= this.left - 1 && x <= this.right + 1) line(ctx, x, TOP, x, this.bottom, colour, width, dash);
+  }
+
+  /** Draw cursors and values at the time under the pointer, else at that of the player. */
   drawCursor() {
-    if (!this.x || !this.over.clientWidth) return;
-    const { board: { motion, player, hoverTime } } = this;
-    const { ctx, w } = fitCanvas(this.over, this.board.ratio);
-    const shown = hoverTime ?? player.time;
-    const cursor = motion.locate(shown);
-    this.over.setAttribute("aria-valuetext", `${clock(shown, motion.span)} s`);
-    this.over.setAttribute("aria-valuenow", String(shown));
-    this.over.setAttribute("aria-valuemin", String(motion.start));
-    this.over.setAttribute("aria-valuemax", String(motion.end));
-    const upright = (t, colour, dash) => {
-      const x = this.x(t);
-      if (this.against || x < this.left - 1 || x > w - this.right + 1) return;
-      trace(ctx, [[x, this.top], [x, this.bottom]]);
-      stroke(ctx, colour, 1.4, dash);
-    };
-    upright(player.time, Theme.accent, []);
-    const x = this.x(player.time);
-    if (!this.against && x >= this.left - 1 && x <= w - this.right + 1) {
+    if (!this.right || !this.over.clientWidth) return;
+    const { motion, player, hoverTime } = this.board, { ctx } = fitCanvas(this.over, this.board.ratio);
+    const shown = hoverTime ?? player.time, cursor = motion.locate(shown), x = this.x(player.time);
+    const state = { valuetext: `${clock(shown, motion.span)} s`, valuenow: shown, valuemin: motion.start, valuemax: motion.end };
+    for (const [name, value] of Object.entries(state)) this.over.setAttribute(`aria-${name}`, String(value));
+    if (!this.against && x >= this.left - 1 && x <= this.right + 1) {
+      this.upright(ctx, player.time, Theme.accent, []);
       trace(ctx, [[x - 5, this.bottom + 7], [x + 5, this.bottom + 7], [x, this.bottom]], true);
       ctx.fillStyle = Theme.accent;
       ctx.fill();
     }
-    if (this.marked) {
-      const [a, b] = this.marked.map((t) => this.x(t));
-      ctx.fillStyle = Theme.accent;
-      ctx.globalAlpha = 0.15;
-      ctx.fillRect(Math.min(a, b), this.top, Math.abs(b - a), this.bottom - this.top);
+    if (this.selection) {
+      const [a, b] = this.selection.map((t) => this.x(t));
+      Object.assign(ctx, { fillStyle: Theme.accent, globalAlpha: 0.15 });
+      ctx.fillRect(Math.min(a, b), TOP, Math.abs(b - a), this.bottom - TOP);
       ctx.globalAlpha = 1;
     }
-    if (hoverTime !== null && !this.against) {
-      upright(hoverTime, Theme.muted, [4, 3]);
-      ctx.font = `600 11px ${Theme.font}`;
-      ctx.textBaseline = "middle";
-      const near = motion.events.find((e) => Math.abs(this.x(e.time) - this.x(hoverTime)) < 4);
-      const text = `${clock(hoverTime, motion.span)} s${near ? ` · ${near.name}` : ""}`;
-      const wide = ctx.measureText(text).width / 2 + 6, at = clamp(this.x(hoverTime), wide + 2, w - wide - 2);
-      ctx.beginPath();
-      ctx.roundRect(at - wide, this.bottom + 4, 2 * wide, 18, 4);
-      ctx.fillStyle = Theme.ink;
-      ctx.fill();
-      ctx.fillStyle = Theme.surface;
-      ctx.textAlign = "center";
-      ctx.fillText(text, at, this.bottom + 13.5);
-    }
+    if (hoverTime !== null && !this.against) this.drawHover(ctx, hoverTime);
     this.series.forEach((s, k) => {
-      const v = motion.sample(s.values, cursor);
-      this.values[k].textContent = withUnit(number(v), s.unit);
-      const at = this.x(this.against ? motion.sample(this.against.values, cursor) : shown);
-      if (v !== v || at < this.left - 4 || at > w - this.right + 4 || !this.axes.some((a) => a.unit === s.unit)) return;
-      circle(ctx, [at, this.y(v, s.unit)], 3.6);
+      const v = motion.sample(s.values, cursor), at = this.x(this.against ? motion.sample(this.against.values, cursor) : shown), y = this.heights(s.unit);
+      this.keys[k].value.textContent = withUnit(number(v), s.unit);
+      if (!y || v !== v || at < this.left - 4 || at > this.right + 4) return;
+      circle(ctx, [at, y(v)], 3.6);
       ctx.fillStyle = this.style(k).colour;
       ctx.fill();
       stroke(ctx, Theme.surface, 1.5);
     });
   }
 
-  // The time at which the curves come nearest to a place on the plot.
-  nearest(px, py) {
-    const { motion } = this.board;
-    let best = motion.start, least = Infinity;
-    for (const s of this.series) for (let i = 0; i < motion.n; i++) {
-      const away = Math.hypot(this.x(this.against.values[i]) - px, this.y(s.values[i], s.unit) - py);
-      if (away < least) [least, best] = [away, motion.time[i]];
-    }
-    return best;
+  /** Line at the time under the pointer, with its value. @param {Context} ctx @param {number} time */
+  drawHover(ctx, time) {
+    const { motion } = this.board, near = motion.events.find((event) => Math.abs(this.x(event.time) - this.x(time)) < 4);
+    const text = `${clock(time, motion.span)} s${near ? ` · ${near.name}` : ""}`;
+    this.upright(ctx, time, Theme.muted, [4, 3]);
+    ctx.font = `600 11px ${Theme.font}`;
+    const half = ctx.measureText(text).width / 2 + 6, x = clamp(this.x(time), half + 2, this.over.clientWidth - half - 2);
+    ctx.beginPath();
+    ctx.roundRect(x - half, this.bottom + 4, 2 * half, 18, 4);
+    ctx.fillStyle = Theme.ink;
+    ctx.fill();
+    Object.assign(ctx, { fillStyle: Theme.surface, textAlign: "center", textBaseline: "middle" });
+    ctx.fillText(text, x, this.bottom + 13.5);
   }
+}
+
+/** @param {Context} ctx @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 @param {string} colour @param {number[]} [dash] */
+function line(ctx, x0, y0, x1, y1, colour, width = 1, dash) {
+  trace(ctx, [[x0, y0], [x1, y1]]);
+  stroke(ctx, colour, width, dash);
 }

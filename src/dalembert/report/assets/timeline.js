@@ -1,30 +1,68 @@
-// What is known over time, whatever is drawn: instants, series, events, where the player stands.
+// Motion over the instants of a page: series, events, bodies, paths of points.
 
-class Timeline {
+/** @import { Body, Cursor, Payload, Point, Series, TracedPoint } from "./types.d.ts" */
+/** @import { BodyData } from "./scene_types.d.ts" */
+
+import { TAU, clamp, floats, isNum, list } from "./numbers.js";
+import { unitOf } from "./units.js";
+
+/** Upper limit of the points of a path, approximately. */
+const PATH_POINTS = 2000;
+
+export class Timeline {
+  /** @param {Payload} payload */
   constructor(payload) {
     this.title = String(payload.title || "mechanism");
-    this.time = Float64Array.from(list(payload.time), (t, i, all) => (isNum(t) ? t : NaN)).filter((t) => !Number.isNaN(t));
+    this.time = Float64Array.from(list(payload.time), (t) => t ?? NaN).filter((t) => isNum(t));
     this.n = this.time.length;
     this.start = this.n ? this.time[0] : 0;
     this.end = this.n ? this.time[this.n - 1] : 0;
     this.span = this.end - this.start;
     this.moves = this.n > 1 && this.span > 0;
+    /** Names of the points to trace. */
     this.asked = Array.isArray(payload.trace) ? payload.trace.map(String) : null;
-    this.series = list(payload.series).map((s) => ({
+    this.series = list(payload.series).map((s) => /** @type {Series} */ ({
       name: String(s.name ?? ""), unit: unitOf(s), group: String(s.group || "other"), values: floats(s.values, this.n),
       other: s.other ? floats(s.other, this.n) : null,
     }));
-    this.other = payload.other ? String(payload.other) : "";
     this.seriesByName = new Map(this.series.map((s) => [s.name, s]));
+    /** Name of the second run. */
+    this.other = payload.other ? String(payload.other) : "";
     this.events = list(payload.events).filter((e) => isNum(e.time)).map((e) => ({ name: String(e.name ?? "event"), time: e.time }));
+    /** @type {Body[]} */
     this.bodies = [];
-    this.ground = { name: "ground", fixed: true, shapes: [] };
-    this.setTime(this.start);
+    /** @type {Map<string, Body>} */
+    this.byName = new Map();
+    /** @type {object[]} */
+    this.joints = [];
+    /** Bodies of another run or design. @type {object[]} */
+    this.ghosts = [];
+    /** @type {TracedPoint[]} */
+    this.points = [];
+    /** Points at distinct positions. @type {TracedPoint[]} */
+    this.spots = [];
+    /** @type {Body} */
+    this.ground = { name: "ground", index: -1, label: "", node: false, fixed: true, shapes: [] };
+    this.now = this.start;
+    this.cursor = this.locate(this.start);
   }
 
-  setBodies(given, read) {
-    this.bodies = list(given).map((body, index) => ({ name: String(body.name ?? `body ${index + 1}`), index, node: Boolean(body.node), ...read(body) }));
-    for (const [k, { of }] of list(given).entries()) {  // what belongs to another one looks like it
+  /** Series by their groups. @returns {[string, Series[]][]} */
+  get groups() {
+    /** @type {Map<string, Series[]>} */
+    const groups = new Map();
+    for (const s of this.series) groups.set(s.group, [...(groups.get(s.group) ?? []), s]);
+    return [...groups];
+  }
+
+  /** Series of some names; unknown ones are left out. @param {string[]} names */
+  named(names) { return names.map((name) => this.seriesByName.get(name)).filter((s) => s !== undefined); }
+
+  /** Read the bodies of a drawing; a part of a body shares its colour.
+   * @param {BodyData[]} items @param {(item: BodyData) => object} read */
+  setBodies(items, read) {
+    this.bodies = list(items).map((item, index) => /** @type {Body} */ ({ name: String(item.name ?? `body ${index + 1}`), index, node: Boolean(item.node), ...read(item) }));
+    for (const [k, { of }] of list(items).entries()) {
       const owner = this.bodies.find((body) => of !== undefined && body.name === String(of));
       if (owner) Object.assign(this.bodies[k], { index: owner.index, of: owner });
     }
@@ -32,16 +70,26 @@ class Timeline {
     this.byName = new Map(this.bodies.map((body) => [body.name, body]));
   }
 
+  /** @param {string} name */
   has(name) { return name === "ground" || this.byName.has(String(name)); }
-  find(name) { return this.byName.get(String(name)) || this.ground; }
+
+  /** @param {string} name */
+  find(name) { return this.byName.get(String(name)) ?? this.ground; }
+
+  /** Name, kind and symbol of a part. @param {{ name?: string, what?: string, symbol?: string }} item */
   told(item) { return { name: String(item.name ?? ""), what: String(item.what ?? item.symbol ?? ""), symbol: String(item.symbol ?? "") }; }
 
+  /** Position of a point of a body; null where the body has no pose.
+   * @param {Body} body @param {Point} point @param {Cursor} cursor @returns {Point | null} */
+  at(body, point, cursor) { return null; }
+
+  /** @param {number} t */
   setTime(t) {
     this.now = t;
     this.cursor = this.locate(t);
   }
 
-  // The frame at or before t, and how far it is to the next one.
+  /** Position of a time between the instants. @param {number} t @returns {Cursor} */
   locate(t) {
     let lo = 0, hi = this.n - 1;
     if (hi < 1) return { i: 0, f: 0 };
@@ -53,7 +101,8 @@ class Timeline {
     return { i: lo, f: step > 0 ? clamp((t - this.time[lo]) / step, 0, 1) : 0 };
   }
 
-  // Linear between two frames; next to a gap, the nearer frame has the word.
+  /** Value between two instants, linear; beside a gap, that of the nearer instant.
+   * @param {Float64Array} column @param {Cursor} cursor */
   sample(column, { i, f }) {
     const a = column[i];
     if (f === 0 || i + 1 >= column.length) return a;
@@ -62,63 +111,63 @@ class Timeline {
     return a + (b - a) * f;
   }
 
-  // What is worth following, when the motion leads far away from where it was: else null.
+  /** Body that the view follows where the motion leads far away. @param {number} whole size of the motion @param {number} once size of the mechanism */
   traveller(whole, once) {
-    const drawn = this.bodies.filter((b) => b.shapes.length && !b.of && !b.node);
+    const drawn = this.bodies.filter((body) => body.shapes.length && !body.of && !body.node);
     return drawn.length > 1 && whole > 4 * once && once > 0 ? drawn[0] : null;
   }
 
-  // The way of a point over the whole motion, thinned to some 2000 points.
+  /** Positions of a point over the motion, thinned out. @param {Body} body @param {Point} point */
   path(body, point) {
-    const stride = Math.max(1, Math.ceil(this.n / 2000));
-    const out = [];
-    for (let i = 0; i < this.n; i += stride) out.push({ t: this.time[i], p: this.at(body, point, { i, f: 0 }) });
-    if (this.n && (this.n - 1) % stride) out.push({ t: this.end, p: this.at(body, point, { i: this.n - 1, f: 0 }) });
-    return out;
+    const stride = Math.max(1, Math.ceil(this.n / PATH_POINTS)), path = [];
+    for (let i = 0; i < this.n; i += stride) path.push({ t: this.time[i], p: this.at(body, point, { i, f: 0 }) });
+    if (this.n && (this.n - 1) % stride) path.push({ t: this.end, p: this.at(body, point, { i: this.n - 1, f: 0 }) });
+    return path;
   }
 
-  frames(most) {
-    const count = Math.min(this.n, most);
+  /** Evenly distributed instants. @param {number} limit @returns {Cursor[]} */
+  frames(limit) {
+    const count = Math.min(this.n, limit);
     return Array.from({ length: count }, (_, k) => ({ i: count > 1 ? Math.round((k * (this.n - 1)) / (count - 1)) : 0, f: 0 }));
   }
 
-  // Angles in degrees, or in radians as they are.
-  setDegrees(on) {
+  /** Angles in degrees or in radians. @param {boolean} degrees */
+  setDegrees(degrees) {
     for (const s of this.series) {
-      s.plain ??= { unit: s.unit, values: s.values, other: s.other };
-      const turns = on && /^rad\b/.test(s.plain.unit), scaled = (column) => column && (turns ? column.map((v) => (v * 360) / TAU) : column);
-      Object.assign(s, { unit: turns ? s.plain.unit.replace("rad", "°") : s.plain.unit, values: scaled(s.plain.values), other: scaled(s.plain.other) });
+      const { unit, values, other } = s.original ??= { unit: s.unit, values: s.values, other: s.other }, angle = degrees && /^rad\b/.test(unit);
+      const scaled = (/** @type {Float64Array | null} */ column) => (column && angle ? column.map((v) => (v * 360) / TAU) : column);
+      Object.assign(s, { unit: angle ? unit.replace("rad", "°") : unit, values: scaled(values), other: scaled(other) });
     }
   }
 
-  // Points that are one place all the time share a name; the first stands for them.
+  /** Merge points that coincide during the whole motion. @param {number} size of the mechanism */
   joinPoints(size) {
-    const firsts = [];
+    const near = (/** @type {Point | null} */ p, /** @type {Point | null} */ q) => (p && q ? distance(p, q) < 1e-4 * size : p === q);
+    /** @type {Map<TracedPoint, (Point | null)[]>} */
+    const samples = new Map();
     for (const point of this.points) {
-      const stride = Math.max(1, Math.floor(point.way.length / 24));
-      point.some = point.way.filter((_, k) => k % stride === 0).map(({ p }) => p);
-      const near = (p, q) => (p && q ? Math.hypot(...p.map((v, k) => v - q[k])) < 1e-4 * size : p === q);
-      const first = this.moves && firsts.find((other) => other.some.every((p, k) => near(p, point.some[k])));
+      const stride = Math.max(1, Math.floor(point.way.length / 24)), own = point.way.filter((_, k) => k % stride === 0).map(({ p }) => p);
+      const first = this.moves && [...samples].find(([, others]) => others.every((p, k) => near(p, own[k])))?.[0];
       point.names = [point.name];
-      if (first) { point.same = first; first.names.push(point.name); } else firsts.push(point);
+      if (first) { point.same = first; first.names.push(point.name); } else samples.set(point, own);
     }
+    this.spots = [...samples.keys()];
   }
 
-  // The points asked for; else up to three moving ones; of many, the one with the longest way.
+  /** Trace the requested points; by default up to three moving ones, of more the one with the longest path. @param {number} size of the mechanism */
   chooseTraces(size) {
     for (const point of this.points) {
       point.way = this.path(point.body, point.point);
-      point.length = 0;
-      let last = null;
-      for (const { p } of point.way) {
-        if (p && last) point.length += Math.hypot(...p.map((v, k) => v - last[k]));
-        last = p || last;
-      }
+      const positions = point.way.map(({ p }) => p).filter((p) => p !== null);
+      point.length = positions.reduce((sum, p, k) => sum + (k ? distance(p, positions[k - 1]) : 0), 0);
     }
     this.joinPoints(size);
-    this.spots = this.points.filter((p) => !p.same);
-    const moving = this.spots.filter((p) => p.length > 1e-6 * size);
-    const chosen = this.asked ? this.spots.filter((p) => p.names.some((name) => this.asked.includes(name))) : moving.length <= 3 ? moving : [...moving].sort((a, b) => b.length - a.length).slice(0, 1);
+    const { asked } = this, moving = this.spots.filter((point) => point.length > 1e-6 * size);
+    const chosen = asked ? this.spots.filter(({ names }) => names.some((name) => asked.includes(name)))
+      : moving.length <= 3 ? moving : [...moving].sort((a, b) => b.length - a.length).slice(0, 1);
     for (const point of chosen) point.traced = true;
   }
 }
+
+/** @param {Point} p @param {Point} q */
+export const distance = (p, q) => Math.hypot(...p.map((v, k) => v - q[k]));

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.elements.look import Cells
+from dalembert.elements.look import Bars, Beams, Cells
 from dalembert.elements.point import AXES
 from dalembert.results.structural.drawing import StructuralDrawing
 
@@ -77,7 +77,7 @@ def _cells(group: Sequence[Cells]) -> list[dict[str, Any]]:
 def support_symbols(drawing: StructuralDrawing) -> list[dict[str, Any]]:
     """Supports by the direction in which they lie, whether they roll, and whether they clamp."""
     groups: dict[tuple, list[int]] = {}
-    for node, axis in _outward(drawing).items():
+    for node, axis in (_outward(drawing) | _beside_lines(drawing)).items():
         groups.setdefault(_support(drawing, axis, drawing.prescribed[node]), []).append(node)
     return [
         {"symbol": "support", "nodes": nodes, "axis": list(axis), "roller": roller, "clamp": clamp}
@@ -101,6 +101,27 @@ def _outward(drawing: StructuralDrawing) -> dict[int, tuple[int, ...]]:
     nearest = away == away.min(axis=0)
     count = np.where(nearest, nearest.sum(axis=1, keepdims=True), -1)
     return {n: sides[k] for n, k in zip(nodes, np.argmax(count, axis=0), strict=True)}
+
+
+def _beside_lines(drawing: StructuralDrawing) -> dict[int, tuple[int, ...]]:
+    """Axis direction away from the lines at each node with prescribed rotations."""
+    d = max(2, drawing.dimension)
+    along = np.zeros((drawing.node_count, 3))
+    for look in drawing.model.look():
+        if isinstance(look, Bars | Beams):
+            chord = np.diff(drawing.nodes[look.vertices], axis=1)[:, 0]
+            chord /= np.maximum(np.linalg.norm(chord, axis=1, keepdims=True), 1e-300)
+            np.add.at(along, look.vertices[:, 0], chord)
+            np.subtract.at(along, look.vertices[:, 1], chord)
+    away = -along[:, :d]
+    turned = [n for n, prescribed in drawing.prescribed.items() if {"rz"} & prescribed]
+    result = {}
+    for node in turned:
+        axis = int(np.argmax(np.abs(away[node])))
+        sign = int(np.sign(np.round(away[node, axis], 6)))
+        if sign:
+            result[node] = tuple(sign * int(k == axis) for k in range(d))
+    return result
 
 
 def _support(

@@ -1,0 +1,181 @@
+// Types of the scripts: the payload of a page, and what its parts require of each other.
+
+import type { SceneData, Shape, States, Tables } from "./scene_types.d.ts";
+
+/** Numbers over the instants of a page; null for numbers that are not finite. */
+export type Column = ArrayLike<number | null> & Iterable<number | null>;
+
+/** Point in the plane or in space. */
+export type Point = [number, number] | [number, number, number];
+
+/** Lower and upper end. */
+export type Range = [number, number];
+
+/** Position between the instants `i` and `i + 1`: the share `f` of the step. */
+export interface Cursor { i: number; f: number }
+
+// Payload ----------------------------------------------------------------------------------------
+
+export interface Payload extends Tables {
+  title?: string;
+  subtitle?: string;
+  time?: Column;
+  series?: SeriesData[];
+  scene?: SceneData;
+  states?: States;
+  /** Names of the series of each plot. */
+  default_plots?: string[][];
+  events?: Event[];
+  trace?: string[];
+  /** Name of the second run. */
+  other?: string;
+  ghost_name?: string;
+  diagnosis?: Diagnosis;
+  statistics?: Fact[];
+  parameters?: Parameter[];
+  /** SI unit → factor and name of the preferred unit. */
+  units?: Record<string, [number, string]>;
+  optimum?: Optimum;
+  designs?: DesignsData;
+  views?: View[];
+  verdict?: { success: boolean; text: string };
+  columns?: Packed;
+}
+
+/** Columns of a page, packed by `report/packing.py`. */
+export interface Packed { heads: Head[]; data: string }
+export interface Head { n: number; low: string; step: string; planes: number; order: number; gaps?: [number, number][] }
+
+export interface SeriesData { name?: string; unit?: string; group?: string; values?: Column; other?: Column }
+export interface Event { name: string; time: number }
+export interface Fact { label?: string; value?: string }
+export interface Message { level?: string; text?: string }
+export interface Diagnosis { summary?: string; messages?: Message[]; items?: Fact[] }
+export interface Bounds { value: number; lower?: number | null; upper?: number | null }
+export interface Parameter extends Bounds { name?: string; unit?: string; description?: string }
+
+/** Variable or limit of an optimum. */
+export interface Bounded extends Bounds { name: string; unit?: string; start: number; active?: "lower" | "upper" | ""; price?: number }
+export interface Optimum {
+  label: string;
+  unit?: string;
+  start: number;
+  value: number;
+  success: boolean;
+  message: string;
+  variables?: Bounded[];
+  limits?: Bounded[];
+  prices?: string[];
+  history?: { objective: number; violation: number }[];
+}
+
+/** Table of designs; a failed design has a reason, an alternative the keys of the payload that differ. */
+export interface DesignsData {
+  columns: DesignColumn[];
+  labels?: string[];
+  reasons?: string[];
+  alternatives?: Payload[];
+  chosen: number;
+}
+export interface DesignColumn { name: string; unit: string; role: "aim" | "parameter"; values: number[] }
+
+// Views: cards of a page, see `report/views.py` ---------------------------------------------------
+
+interface Card { title: string; note?: string; wide?: boolean; place?: "board" }
+export interface FactsView extends Card { kind: "facts"; items: Fact[] }
+export interface RowsView extends Card { kind: "rows"; heads: string[]; rows: { name: string; cells: number[]; unit?: string }[] }
+export interface NotesView extends Card { kind: "notes"; texts: string[] }
+export interface BarsView extends Card { kind: "bars"; rows: { name: string; value: number }[]; unit: string; share: boolean }
+export interface HistogramView extends Card {
+  kind: "histogram";
+  label: string;
+  counts: number[];
+  edges: number[];
+  size: number;
+  marks: { name: string; value: number }[];
+  /** Mean and standard deviation. */
+  normal: [number, number] | null;
+}
+export interface Line {
+  name: string;
+  x: number[];
+  y: number[];
+  style: "line" | "dashed" | "dots" | "band";
+  /** Lower ends of a band. */
+  low?: number[];
+  design?: number;
+  /** Grey and without a name. */
+  quiet?: boolean;
+  /** Hollow dots. */
+  open?: boolean;
+}
+export interface CurvesView extends Card {
+  kind: "curves";
+  x: string;
+  y: string;
+  lines: Line[];
+  equal?: boolean;
+  logarithmic?: string;
+  levels?: number[];
+  follows?: string;
+}
+export interface EllipsesView extends Card { kind: "ellipses"; names: string[]; units: string[]; centre: number[]; covariance: number[][] }
+/** View of the table of designs; `x` and `y` are indices of its columns. */
+export interface DesignView extends Card {
+  kind: "front" | "parallel" | "matrix" | "table";
+  x?: number;
+  y?: number;
+  choose?: boolean;
+  better?: boolean;
+  role?: string;
+}
+export type View = FactsView | RowsView | NotesView | BarsView | HistogramView | CurvesView | EllipsesView | DesignView;
+
+// Parts of a page -----------------------------------------------------------------------------------
+
+export interface Series {
+  name: string;
+  unit: string;
+  group: string;
+  values: Float64Array;
+  /** Values of the second run. */
+  other: Float64Array | null;
+  /** As in the payload, while `values` are in degrees. */
+  original?: { unit: string; values: Float64Array; other: Float64Array | null };
+}
+
+/** Body; the columns of its pose depend on the dimension. */
+export interface Body { name: string; index: number; label: string; node: boolean; of?: Body; fixed?: boolean; shapes: Shape[]; [column: string]: any }
+
+/** Point whose path can be traced. */
+export interface TracedPoint {
+  name: string;
+  body: Body;
+  point: Point;
+  traced: boolean;
+  /** Names of all points at this position. */
+  names: string[];
+  /** First of several points at one position. */
+  same?: TracedPoint;
+  way: { t: number; p: Point | null }[];
+  length: number;
+  index: number;
+  swatch?: HTMLElement;
+  /** Path thinned for a scale. */
+  thin?: { s: number; way: TracedPoint["way"]; kept: TracedPoint["way"] };
+}
+
+export type LoadKind = "force" | "moment" | "load" | "twist";
+
+/** Drawing instructions that a canvas and `SvgContext` share. */
+export type Context = Pick<CanvasRenderingContext2D,
+  | "save" | "restore" | "translate" | "rotate" | "setLineDash" | "measureText" | "beginPath" | "moveTo" | "lineTo" | "closePath" | "rect" | "clip"
+  | "stroke" | "fill" | "fillRect" | "fillText" | "strokeText" | "fillStyle" | "strokeStyle" | "lineWidth" | "lineJoin" | "lineCap" | "globalAlpha"
+  | "font" | "textAlign" | "textBaseline"> & {
+  roundRect(x: number, y: number, w: number, h: number, radius: number): void;
+  arc(x: number, y: number, r: number, from: number, to: number, back?: boolean): void;
+};
+
+/** Attributes of an element; handlers of events start with `on`. */
+export interface Attributes { [name: string]: string | number | boolean | null | undefined | ((event: never) => void) }
+export type Child = Node | string | null | undefined | false | Child[];
