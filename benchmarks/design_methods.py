@@ -72,7 +72,7 @@ class Counted:
 def main(most: int = 10_000) -> None:
     counted, model = Counted(most), arm()
 
-    def search(name: str, **options) -> da.Optimum:
+    def search(name: str, **options) -> da.OptimizationResult:
         counted.count, begun = 0, time.perf_counter()
         best = da.optimize(model, **(task() | options))
         spent = time.perf_counter() - begun
@@ -91,7 +91,7 @@ def main(most: int = 10_000) -> None:
     evolution = da.DifferentialEvolution(population=5, generations=10_000, polish=None)
     search("differential evolution", method=evolution, progress=near)
     if find_spec("cma") is not None:
-        strategy = da.CmaEs(generations=10_000, polish=None)
+        strategy = da.CMAES(generations=10_000, polish=None)
         search("CMA-ES", method=strategy, progress=near)
     if find_spec("pymoo") is not None:
         genetic(counted, model, 1.01 * exact.fun)

@@ -41,7 +41,7 @@ def measured(count: int, repeats: int) -> None:
     model = ours.build(four_bars(count)[0])
     kernel = da.Dynamics(1.0, step=1e-3).kernel(model)
     x, mode = kernel.initial(model.start, 0.0, model.nominal)
-    step = kernel.fixed.prepared(mode)
+    step = kernel.fixed.marched(mode).forms
     q = step.values(model.nominal).full().ravel()
     begin = time.perf_counter()
     lanes = LaneColumns(step.called or step.function, True, (4,))

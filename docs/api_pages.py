@@ -1,4 +1,4 @@
-"""Pages with the signature and the docstring of every public name, made as the site is built."""
+"""Pages with the signature and the docstring of every public name, generated with the site."""
 
 from __future__ import annotations
 
@@ -13,26 +13,25 @@ from docstrings import markdown, signature_text
 
 PAGES = {
     "dalembert": "Analyses, results, gradients, design",
-    "dalembert.planar": "Elements of the plane",
-    "dalembert.spatial": "Elements in space",
-    "dalembert.planar.contact": "Contact in the plane",
-    "dalembert.spatial.contact": "Contact in space",
+    "dalembert.planar": "Planar elements",
+    "dalembert.spatial": "Spatial elements",
+    "dalembert.planar.contact": "Planar contact",
+    "dalembert.spatial.contact": "Spatial contact",
     "dalembert.structures": "Structures",
-    "dalembert.laws": "Laws of motion",
+    "dalembert.laws": "Motion laws",
     "dalembert.rotation": "Rotations",
 }
-"""Module, as users write it → what its page is called."""
+"""Public name of a module → title of its page."""
 
 
 def write(folder: Path) -> None:
-    """One page for each module, and one that lists them."""
+    """Write one page for each module, and one that lists them."""
     folder.mkdir(exist_ok=True)
-    found = {name: module_of(name) for name in PAGES}
-    for name, module in found.items():
-        put(folder / f"{name}.md", page(name, module))
+    for name in PAGES:
+        put(folder / f"{name}.md", page(name, module_of(name)))
     listed = "\n".join(f"{title} <{name}>" for name, title in PAGES.items())
     tree = f"```{{toctree}}\n:maxdepth: 1\n\n{listed}\n```"
-    put(folder / "all.md", f"# Names one by one\n\n{tree}\n")
+    put(folder / "all.md", f"# Names in detail\n\n{tree}\n")
 
 
 @functools.cache
@@ -55,7 +54,7 @@ def entry_of(literal: str) -> tuple[str, str] | None:
 
 
 def put(path: Path, text: str) -> None:
-    """Write a page that has changed, so that others are not built again."""
+    """Write a page only if it has changed, so that others are not rebuilt."""
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         path.write_text(text, encoding="utf-8")
 
@@ -63,20 +62,20 @@ def put(path: Path, text: str) -> None:
 def module_of(name: str) -> Any:
     """``dalembert.planar`` is an attribute of ``dalembert``, and so on."""
     first, *rest = name.split(".")
-    found = importlib.import_module(first)
+    module = importlib.import_module(first)
     for part in rest:
-        found = getattr(found, part)
-    return found
+        module = getattr(module, part)
+    return module
 
 
 def names_of(module: Any) -> list[str]:
-    """Its public names, without modules that have pages of their own."""
-    given = getattr(module, "__all__", None) or [n for n in vars(module) if n[0] != "_"]
-    return [n for n in sorted(given, key=str.lower) if not inspect.ismodule(getattr(module, n))]
+    """Public names of a module, except modules, which have pages of their own."""
+    names = getattr(module, "__all__", None) or [n for n in vars(module) if n[0] != "_"]
+    return [n for n in sorted(names, key=str.lower) if not inspect.ismodule(getattr(module, n))]
 
 
 def page(name: str, module: Any) -> str:
-    """Title, what the module says of itself, then each name."""
+    """Title, docstring of the module, then each name."""
     about = (inspect.getdoc(module) or "").partition("\n\n")[0]
     parts = [f"# {PAGES[name]}", f"`{name}`: {fenced(about)}"]
     short = "da" if name == "dalembert" else name.removeprefix("dalembert.")
@@ -100,4 +99,4 @@ def entry(spoken: str, thing: Any) -> str:
 
 
 def fenced(text: str) -> str:
-    return " ".join(text.split()) or "its public names"
+    return " ".join(text.split()) or "public names"

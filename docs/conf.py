@@ -1,4 +1,4 @@
-"""Settings for Sphinx; the pages also read well as they are.
+"""Settings for Sphinx.
 
 pip install "dalembert[docs]"
 sphinx-build -W docs docs/_build
@@ -36,7 +36,7 @@ html_theme_options = {
 
 
 def number_equations(app, doctree):
-    """Sphinx puts equations of several lines into ``split``, where MathJax takes no ``\\tag``."""
+    """Unwrap equations of several lines: MathJax does not accept ``\\tag`` in ``split``."""
     from docutils import nodes
 
     for block in doctree.findall(nodes.math_block):

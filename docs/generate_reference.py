@@ -1,9 +1,9 @@
-"""Writes the parts of the documentation that repeat what the code says.
+"""Generated parts of the documentation.
 
     python docs/generate_reference.py            rewrites them
-    python docs/generate_reference.py --check    tells whether they are up to date
+    python docs/generate_reference.py --check    reports whether they are up to date
 
-A generated part stands between ``<!-- generated: NAME -->`` and ``<!-- end: NAME -->``; the text
+A generated part is between ``<!-- generated: NAME -->`` and ``<!-- end: NAME -->``; the text
 around it is written by hand. Element tables come from the registry of elements, other tables from
 the classes and the schema of model files, names from ``dalembert.__all__``.
 """
@@ -80,23 +80,23 @@ BLOCK = re.compile(r"<!-- generated: (\w+) -->\n.*?<!-- end: \1 -->", re.DOTALL)
 
 
 def renewed(text: str) -> str:
-    """A page with its generated parts made again."""
+    """A page with new generated parts."""
     return BLOCK.sub(
         lambda m: f"<!-- generated: {m[1]} -->\n\n{PARTS[m[1]]()}\n\n<!-- end: {m[1]} -->", text
     )
 
 
 def stale(write: bool = False) -> list[Path]:
-    """Pages whose generated parts differ from the code."""
-    found = []
+    """Pages with generated parts that are out of date."""
+    outdated = []
     for page in sorted(DOCS.glob("*.md")):
         old = page.read_text(encoding="utf-8")
         new = renewed(old)
         if new != old:
-            found.append(page)
+            outdated.append(page)
             if write:
                 page.write_text(new, encoding="utf-8")
-    return found
+    return outdated
 
 
 def main(arguments: list[str]) -> int:

@@ -1,9 +1,9 @@
 """Book example 7.2: bar, slider on the bar and a mass on a string, with the forces in the joints.
 
-Three joint coordinates move the open system. Five open-constraint coordinates z, which stay zero,
-name what the joints prohibit: their directions E = ∂g/∂z are a pseudo-inverse of the constraint
-matrix, C E = I, and give the reactions one by one, λ = Eᵀ(f − d − M(D q̈ + γ)) (7.13), where the
-projection (6.3) inverts C M⁻¹ Cᵀ.
+Three joint coordinates describe the open system. Five open-constraint coordinates z, which remain
+zero, describe the motions that the joints prevent: their directions E = ∂g/∂z are a pseudo-inverse
+of the constraint matrix, C E = I, and yield the reactions one by one, λ = Eᵀ(f − d − M(D q̈ + γ))
+(7.13), whereas the projection (6.3) inverts C M⁻¹ Cᵀ.
 """
 
 import sys
@@ -51,7 +51,7 @@ def build() -> da.System:
     )
     load = system.add(planar.Particle("load", mass=LOAD, position=(0.45, -1.19), velocity=(0, 0)))
     system.add(planar.Revolute("O", system.ground.center, bar.point("O")))
-    system.add(planar.Translational("guide", bar.point("O"), slider.point("A")))
+    system.add(planar.Prismatic("guide", bar.point("O"), slider.point("A")))
     system.add(planar.RigidLink("string", slider.point("B"), load.center, length=STRING))
     spring = planar.Spring(
         "spring", bar.point("O"), slider.point("A"), stiffness=90.0, free_length=0.5

@@ -1,9 +1,9 @@
-"""Bicycle: four bodies, three hinges and two wheels that roll; its self-stability by eigenvalues.
+"""Bicycle: four bodies, three hinges and two rolling wheels; its self-stability by eigenvalues.
 
 The bicycle of Meijaard, Papadopoulos, Ruina and Schwab (2007). About straight running its motion is
-linear in lean and steer. Cyclic coordinates, the way, the heading and the turns of the wheels, stay
-out of it in joint coordinates. Between the weave speed, 4.29 m/s, and the capsize speed, 6.02 m/s,
-all motions die out: pushed, it rights itself with nobody on it.
+linear in lean and steer. Its cyclic coordinates (position, heading, angles of the wheels) do not
+matter in joint coordinates. Between the weave speed, 4.29 m/s, and the capsize speed, 6.02 m/s, all
+perturbations decay: the bicycle is stable without a rider.
 """
 
 import math

@@ -1,8 +1,8 @@
 """Book example 4.2: a body in free flight, its equations in a frame fixed to it at any point A.
 
-First the coordinates of the centre C are exchanged for those of A, then their rates for the
-velocity of A along the body's own axes: quasi-velocities, no coordinates have these for rates. The
-mass matrix fills up and d' no longer vanishes, yet C follows its parabola.
+First the coordinates of the centre C are replaced by those of A, then their rates by the velocity
+of A in body axes. These are quasi-velocities, which are not rates of coordinates. The mass matrix
+is full and d' does not vanish, but C follows its parabola.
 """
 
 import sys

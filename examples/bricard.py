@@ -1,9 +1,8 @@
-"""Bricard's mechanism: six hinges in one loop that should be rigid, and is not.
+"""Bricard's mechanism: a loop of six hinges that moves although its count of freedom is zero.
 
-Gruebler counts no freedom, for the special lengths and axes make one of the thirty equations
-follow from the others. The diagnosis names it; ``AugmentedLagrangian`` keeps all equations,
-``RangeSpace``, used here, leaves one out. IFToMM benchmark A04: five rods of 1 m and 1 kg, released
-at rest.
+Gruebler's formula yields zero, but for these lengths and axes one of the thirty equations is
+redundant. The diagnosis names it. ``AugmentedLagrangian`` retains all equations; ``RangeSpace``,
+used here, removes one. IFToMM benchmark A04: five rods of 1 m and 1 kg, released at rest.
 """
 
 import sys

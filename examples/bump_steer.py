@@ -1,9 +1,8 @@
-"""Bump steer taken out of a double wishbone: where the inner end of the tie rod has to be.
+"""Minimum bump steer of a double wishbone: optimal position of the inner end of the tie rod.
 
-The wheel of the suspension of double_wishbone.py rises and falls by 80 mm. Its toe is to change as
-little as can be over all of the travel: the root mean square of the toe angle is minimised over
-height and distance of the inner ball of the tie rod, whose length follows so that the wheel points
-ahead at rest.
+The wheel of the suspension of double_wishbone.py moves up and down by 80 mm. The root mean square
+of the toe angle over the travel is minimised over height and distance of the inner ball of the tie
+rod. The length of the rod follows from zero toe at rest.
 """
 
 import sys

@@ -1,8 +1,8 @@
-"""Disc cam with a translating roller follower: contact force and the spring it needs.
+"""Disc cam with a translating roller follower: contact force and required spring.
 
 The lift over the cam angle is rise (3-4-5 polynomial, 120 deg) - dwell 60 deg - return 120 deg -
-dwell 60 deg. The centre of the roller then runs on the pitch curve, and the cam is the curve at
-one roller radius inside it. The mechanism gets the cam as 120 points, as a workshop would.
+dwell 60 deg. The centre of the roller follows the pitch curve, and the cam is the offset curve at
+one roller radius inside it. The model uses 120 points of the cam, as in manufacturing.
 """
 
 import math
@@ -62,9 +62,7 @@ def build() -> da.System:
         )
     )
     system.add(planar.Revolute("shaft", system.ground.center, cam.center))
-    system.add(
-        planar.Translational("guide", system.ground.center, follower.point("stem"), axis=(0, 1))
-    )
+    system.add(planar.Prismatic("guide", system.ground.center, follower.point("stem"), axis=(0, 1)))
     system.add(
         planar.PointOnCurve(
             "contact", cam, follower.center, curve=da.SplineCurve(profile()), radius=roller

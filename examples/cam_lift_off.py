@@ -1,8 +1,8 @@
 """Cam whose roller follower lifts off: the contact force at three speeds.
 
-The cam of the other example, with a Hunt-Crossley contact instead of a joint. A joint tells at
-which speed the follower would have to be pulled, where its force changes sign; the contact shows
-what happens instead: the roller flies, and comes down with a blow many times the spring force.
+The cam of the other example, with a Hunt-Crossley contact instead of a joint. The force of the
+joint changes its sign at the speed at which the follower would lift off. The contact shows the real
+motion: the roller lifts off and returns with an impact of many times the spring force.
 """
 
 import math
@@ -40,7 +40,7 @@ def build() -> da.System:
     )
     system.add(planar.Revolute("shaft", system.ground.center, cam.center))
     stem = follower.point("stem")
-    system.add(planar.Translational("guide", system.ground.center, stem, axis=(0, 1)))
+    system.add(planar.Prismatic("guide", system.ground.center, stem, axis=(0, 1)))
     system.add(planar.RotationalDriver("motor", system.ground, cam, speed * da.t))
     top, above = follower.point("top"), system.ground.point(0, 0.16)
     system.add(planar.Spring("spring", top, above, stiffness=k, free_length=0.075))

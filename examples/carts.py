@@ -80,7 +80,7 @@ def cart_c() -> da.System:
     idle = system.parameter("idle", 4 * math.pi, "rad/s")
     system.initial(chassis.velocity[0], system.parameter("v0", 0.0, "m/s"))
     turning = wheel.angular_velocity - chassis.angular_velocity  # clockwise, so negative
-    system.add(planar.Moment("motor", wheel, -torque * (1 + turning / idle), reaction_on=chassis))
+    system.add(planar.Torque("motor", wheel, -torque * (1 + turning / idle), reaction_on=chassis))
     return system
 
 

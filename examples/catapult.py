@@ -1,7 +1,7 @@
-"""A catapult that throws as far as it can: where its axle is best, and when to let go of the ball.
+"""Maximum range of a catapult: optimal position of its axle and instant of release.
 
-The run ends by an event, the arm at the angle of release, and the throw is read off there. Its
-gradient includes that the instant of release moves with the parameters.
+The run ends at an event, the release angle of the arm, whose state determines the range. The
+gradient includes the change of the instant of release with the parameters.
 """
 
 import math

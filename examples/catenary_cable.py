@@ -1,8 +1,8 @@
-"""A cable between two poles: its sag and pull against the closed form of the catenary.
+"""A cable between two poles: its sag and tension compared with the closed form of the catenary.
 
-A chain of length L between supports a distance d apart hangs as ``y = c cosh(x/c)`` with
-``2 c sinh(d/(2c)) = L``, and pulls its supports together by ``w c``. The cable is a beam that
-hardly resists bending, hung from an arc that fits between the poles.
+A chain of length L between supports a distance d apart hangs as ``y = c cosh(x/c)`` with ``2 c
+sinh(d/(2c)) = L``, and pulls its supports together with the force ``w c``. The cable is a beam of
+very small bending stiffness; its initial shape is an arc between the poles.
 """
 
 import sys

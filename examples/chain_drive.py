@@ -1,9 +1,9 @@
-"""A roller chain on two sprockets: ratio of speeds, tension of the strands, effect of the polygon.
+"""A roller chain on two sprockets: speed ratio, strand tensions, polygon effect.
 
-Links, each a body, run over 9 and 14 teeth; every roller may touch every tooth. The motor turns
-evenly. In the mean the driven wheel turns by the ratio of the teeth, and the strands differ in
-tension by what the load asks for. A link that comes on a wheel of z teeth moves along the strand
-with ``ω R cos θ``, ``|θ| ≤ π/z``, so the speed of the chain falls and rises by ``1 − cos(π/z)``.
+Every link is a body; the sprockets have 9 and 14 teeth, and every roller may touch every tooth. The
+motor has constant speed. The mean speed of the driven sprocket follows from the ratio of teeth, and
+the tensions of the strands differ by the load. A link that enters a sprocket of z teeth moves along
+the strand with ``ω R cos θ``, ``|θ| ≤ π/z``, so the speed of the chain varies by ``1 − cos(π/z)``.
 """
 
 import math
@@ -86,7 +86,7 @@ def build() -> da.System:
     for k, link in enumerate(links):
         system.add(planar.Revolute(f"pin{k}", links[k - 1].end, link.start))
         bend = {"stiffness": 0.0, "damping": BENDING}
-        system.add(planar.RotationalSpring(f"bend{k}", links[k - 1], link, **bend))
+        system.add(planar.TorsionSpring(f"bend{k}", links[k - 1], link, **bend))
     law = speed * (da.t + RAMP * (da.exp(-da.t / RAMP) - 1))
     press = planar.contact.KelvinVoigt(stiffness=2e6, damping=400.0)
     for name, x, teeth, radius in zip(NAMES, (0.0, apart), TEETH, RADII, strict=True):
@@ -99,7 +99,7 @@ def build() -> da.System:
         if name == "driver":
             system.add(planar.RotationalDriver("motor", system.ground, wheel, angle + law))
         else:
-            system.add(planar.Moment("resistance", wheel, -load))
+            system.add(planar.Torque("resistance", wheel, -load))
         sprocket = planar.contact.Sprocket(wheel.center, teeth, PITCH, ROLLER)
         for k, link in enumerate(links):
             roller = planar.contact.Circle(link.start, ROLLER / 2)

@@ -1,11 +1,11 @@
 """Formulations and stabilisations compared on the four-bar of the book's section 5.4.3, all by RK4.
 
-Left: what accuracy costs. All formulations solve the same equations, so at the same step their
-errors agree and their times do not. Only the penalty method solves other equations, with slightly
-soft joints, and its error soon stops falling.
+Left: cost over accuracy. All formulations solve the same equations, so at the same step their
+errors agree but their times differ. Only the penalty method solves other equations, with slightly
+compliant joints, and its error soon stops decreasing.
 
-Right: the energy with four ways to treat the constraint violation, at the same steps. Projection
-closes the joints to round-off and yet loses energy; energy projection keeps both, and the motion
+Right: the energy with four treatments of the constraint violation, at the same steps. Projection
+closes the joints to round-off but loses energy; energy projection conserves both, but the motion
 still has an error.
 """
 
@@ -18,7 +18,7 @@ import style
 import dalembert as da
 from dalembert import planar
 
-FORMULATIONS = ("RangeSpace", "Kkt", "NullSpace", "AugmentedLagrangian", "Penalty")
+FORMULATIONS = ("RangeSpace", "KKT", "NullSpace", "AugmentedLagrangian", "Penalty")
 STABILIZATIONS = ("Stabilization", "Baumgarte", "Projection", "EnergyProjection")
 STEPS = (0.01, 0.005, 0.0025)
 
@@ -57,7 +57,7 @@ def main(folder=None) -> dict[str, float]:
     if folder:
         figure, axes = plt.subplots(1, 2, figsize=(11, 4.6), layout="none")
         figure.subplots_adjust(0.07, 0.11, 0.99, 0.94, wspace=0.2)
-        costs.sel(formulation=["RangeSpace", "Kkt", "Penalty"]).plot(ax=axes[0])
+        costs.sel(formulation=["RangeSpace", "KKT", "Penalty"]).plot(ax=axes[0])
         kept.plot("energy", ax=axes[1])
         style.save(figure, folder, "compare_four_bar")
     return numbers

@@ -1,8 +1,8 @@
-"""A gripper jaw on two leaf springs: the exact beam beside its pseudo-rigid-body model.
+"""A gripper jaw on two leaf springs: the exact beam compared with its pseudo-rigid-body model.
 
-Two parallel leaves guide the jaw without a hinge. Howell's model (Compliant Mechanisms, 2001) puts
-rigid links of ``γ l`` and springs ``K = 2 γ K_Θ E I/l`` in the place of each leaf, γ = 0.8517 and
-K_Θ = 2.65: a parallelogram of rigid bars, which is built here as well.
+Two parallel leaves guide the jaw without a hinge. Howell's model (Compliant Mechanisms, 2001)
+replaces each leaf by a rigid link of length ``γ l`` and springs ``K = 2 γ K_Θ E I/l``, γ = 0.8517
+and K_Θ = 2.65: a parallelogram of rigid bars, which is also computed here.
 """
 
 import sys
@@ -68,7 +68,7 @@ def pseudo_rigid() -> da.Model:
         for name, place, end, body in ends:
             system.add(planar.Revolute(f"{name}{k + 1}", place, end))
             system.add(
-                planar.RotationalSpring(
+                planar.TorsionSpring(
                     f"{name}_spring{k + 1}", body, link, stiffness=spring, free_angle=np.pi / 2
                 )
             )

@@ -1,6 +1,6 @@
-"""A hundred discs fall into a box: contacts by the hundred, none of which lets anything through.
+"""A hundred discs fall into a box: hundreds of contacts without penetration.
 
-Nonsmooth steps keep every gap open to round-off, and contacts only ever take energy.
+Nonsmooth steps keep every gap nonnegative to round-off, and contacts only dissipate energy.
 """
 
 import sys
@@ -83,7 +83,7 @@ def main(folder=None, count: int = 100) -> dict[str, float]:
         "deepest penetration [radii]": float(motion.data["penetration"].max()) / LARGEST,
         "largest gain of energy [share]": float(np.diff(energy).max()) / energy[0],
         "energy left [share]": float(energy[-1] / energy[0]),
-        "most contacts pressing": float(motion.statistics["most contacts pressing"]),
+        "maximum active contacts": float(motion.statistics["maximum active contacts"]),
         "finished": float(motion.status.success),
     }
     for name, value in found.items():

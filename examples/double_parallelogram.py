@@ -1,8 +1,8 @@
-"""A coupler on three parallel cranks: the third one is redundant, but carries its share.
+"""A coupler on three parallel cranks: the third crank is redundant, but carries a share of load.
 
-``RangeSpace`` leaves one redundant equation out, so what each crank carries depends on which.
-``AugmentedLagrangian`` takes all equations and finds the smallest of all possible multipliers;
-three equal cranks then carry the same. The motion is the same in both.
+``RangeSpace`` removes one redundant equation, so the load of each crank depends on the choice of
+this equation. ``AugmentedLagrangian`` retains all equations and computes the smallest possible
+multipliers; three equal cranks then carry equal loads. The motion is the same.
 """
 
 import sys

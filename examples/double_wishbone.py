@@ -1,9 +1,8 @@
 """Double-wishbone suspension on a bump: camber, toe, and the gradient of bump steer.
 
-Points of the usual template of a passenger car. Two wishbones on hinges, the upright on two balls
-and a tie rod leave the wheel one freedom, its travel. The gradient says where the inner end of the
-tie rod has to go so that the wheel does not steer when it starts to rise; Newton's method takes it
-there.
+The points are those of a passenger car. Two wishbones on hinges, the upright on two spherical
+joints and a tie rod leave one degree of freedom, the wheel travel. Newton's method with the exact
+gradient moves the inner end of the tie rod so that the initial bump steer vanishes.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""Slider-crank with an elastic connecting rod: how far its middle bends off the line of its ends.
+"""Slider-crank with an elastic connecting rod: deflection of its mid-point.
 
 Data of Simeon (Modelling a flexible slider crank mechanism by a mixed system of DAEs and PDEs,
 Mathematical Modelling of Systems 2, 1996): a steel rod, driven at 150 rad/s.

@@ -1,8 +1,8 @@
-"""An excavator's arm digs: three cylinders fed by one pump, against soil that was measured.
+"""The arm of an excavator digs: three cylinders fed by one pump, against measured soil resistance.
 
-The model is a file, ``excavator.toml``, in the units of such machines, with the soil's resistance
-in ``soil.csv``. At rest the bucket cylinder holds the bucket's weight alone, F = m g x/h with the
-lever x of the weight about the wrist and h of the cylinder.
+The model is the file ``excavator.toml``, in the usual units of such machines, with the soil
+resistance in ``soil.csv``. At rest the bucket cylinder carries only the weight of the bucket, F = m
+g x/h with the lever arms x of the weight about the wrist and h of the cylinder.
 """
 
 import sys

@@ -1,10 +1,10 @@
 """Step size of finite differences: example 8.10 of the book, its Tables 8.1 and 8.2.
 
 Two springs in a row carry 1 N and 2 N; the compliance is 9/k1 + 4/k2 = 11 J and its gradient by the
-stiffnesses (-9, -1). By k1 a forward difference of step h is -9/(1 + h), a central one
--9/(1 - h^2), until round-off takes over: it grows like eps/h, eps being 2e-16 in double and 1e-7 in
-single precision.
-So single precision leaves a central difference three digits to trust, double precision ten.
+stiffnesses (-9, -1). By k1 a forward difference of step h is -9/(1 + h), a central one -9/(1 -
+h^2), until round-off takes over: it grows like eps/h, eps being 2e-16 in double and 1e-7 in single
+precision. Therefore a central difference has at most three correct digits in single precision, ten
+in double precision.
 """
 
 import sys

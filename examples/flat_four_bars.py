@@ -81,7 +81,7 @@ def main(folder=None) -> dict[str, float]:
         "y of the first crank's end after 10 s [m]": y,
         "largest error of the angle [rad]": float(abs(found - angle).max()),
         "largest error of the energy [J]": float(abs(motion.data.balance_error).max()),
-        "largest |C v̇ − ξ|": motion.statistics["largest |C v̇ − ξ|"],
+        "maximum |C v̇ − ξ|": motion.statistics["maximum |C v̇ − ξ|"],
     }
     print(*(f"{name}: {value:.9g}" for name, value in numbers.items()), sep="\n")
     if folder:

@@ -1,7 +1,7 @@
-"""A light robot arm of two flexible links: how far its tip swings on after a fast move.
+"""A light robot arm with two flexible links: residual vibration of its tip after a fast move.
 
-Both joints turn by laws of motion that end at rest; a rigid arm would stand still from then on. The
-links are tubes whose bending rings on, damped by their material.
+Both joints follow motion laws that end at rest; a rigid arm would then be at rest. The links are
+tubes that vibrate in bending, damped by their material.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""Four-bar linkage swinging under gravity, and what its parameters do to it.
+"""Four-bar linkage swinging under gravity, and the influence of its parameters.
 
 Data of the book's section 5.4.3: bars of 5 kg/m between fixed pivots 1 m apart, released with
 the crank upright at 1 rad/s.

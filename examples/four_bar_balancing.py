@@ -1,9 +1,9 @@
-"""A four-bar balanced: counterweights that take its shaking force, and what that costs in moment.
+"""Balancing of a four-bar: counterweights cancel its shaking force but increase its shaking moment.
 
-By Berkof and Lowen (1969) weights opposite to crank and rocker can take the whole shaking force: a
-uniform coupler counts as half its mass at either pin, and each weight has to balance its link with
-that half. The search over the shaking force finds these weights; the shaking moment grows, and a
-second search gives up a part of the force for less moment.
+By Berkof and Lowen (1969) counterweights on crank and rocker can cancel the whole shaking force: a
+uniform coupler is equivalent to half its mass at each pin, and each weight balances its link with
+that half. Minimising the shaking force yields these weights. The shaking moment increases; a second
+optimisation accepts some force for a smaller moment.
 """
 
 import math
@@ -83,7 +83,7 @@ def main(folder=None) -> dict[str, float]:
     return numbers
 
 
-def picture(folder, still: da.Optimum, compromise: da.Optimum) -> None:
+def picture(folder, still: da.OptimizationResult, compromise: da.OptimizationResult) -> None:
     figure, axes = plt.subplots(1, 3, figsize=(11, 3.6))
     style.draw(axes[0], still.motion, 0.0)
     for name in ARMS:

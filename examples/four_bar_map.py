@@ -1,10 +1,10 @@
 """A map of four-bars: 1,600 designs of coupler and rocker in one call.
 
-A crank with a flywheel turns a rocker. Where Grashof's rule holds, shortest + longest length ≤ sum
-of the others, the crank goes round and round; beyond that line it is thrown back. The map shows the
-largest force in the joint of coupler and rocker and, where the crank goes round, the smallest
-transmission angle, whose closed form is cos μ = [b² + c² − (d ∓ a)²] / (2bc). White designs cannot
-be assembled, or pass so near a change point that the steps do not do.
+A crank with a flywheel drives a rocker. If Grashof's rule holds, shortest + longest length ≤ sum of
+the others, the crank makes full turns; otherwise it reverses. The map shows the largest force in
+the joint of coupler and rocker and, for full turns, the smallest transmission angle, with the
+closed form cos μ = [b² + c² − (d ∓ a)²] / (2bc). White designs cannot be assembled, or pass too
+close to a change point for these steps.
 """
 
 import sys

@@ -1,8 +1,9 @@
-"""A study of a four-bar: how its transmission angle and swing depend on its lengths.
+"""A study of a four-bar: dependence of transmission angle and swing on its lengths.
 
-128 designs fill the ranges of three lengths evenly. Sobol' indices, taken from a Gaussian
-process through the designs, tell which length matters; the process tells its own error. The extreme
-transmission angles lie where crank and ground are in one line, cos μ = (c² + f² − (g ∓ d)²)/(2cf).
+128 designs fill the ranges of three lengths evenly. Sobol' indices of a Gaussian process through
+the designs measure the influence of each length; the process estimates its own error. The
+transmission angle is extreme where crank and ground are collinear, cos μ = (c² + f² − (g ∓
+d)²)/(2cf).
 """
 
 import math
@@ -42,15 +43,15 @@ def main(folder=None) -> dict[str, float]:
     ]
     study = da.sweep(
         build(),
-        da.Design.sobol(RANGES, 128, rng=1),
+        da.DesignTable.sobol(RANGES, 128, rng=1),
         analysis=da.Kinematics(duration=1.0, outputs=73),
         responses=responses,
     )
     surface = da.gaussian_process(study, "transmission angle [deg]")
 
-    def run(design: da.Design) -> da.Study:
+    def run(design: da.DesignTable) -> da.SweepResult:
         values = surface(**dict(zip(design.names, design.values.T, strict=True)))
-        return da.Study(
+        return da.SweepResult(
             "surface", design, (surface.response,), values[:, None], ("",) * len(design)
         )
 

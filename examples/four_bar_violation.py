@@ -4,11 +4,11 @@ RK-Gill with the coarse step 0.05 s over 8 s, in the angles of the chain opened 
 (a) no correction, (b) Baumgarte with alpha = 10, beta = 25, (c) projection, (d) projection and
 correction of the energy; the reference takes steps of 0.0005 s.
 
-The book prints neither the direction of gravity nor which of the two four-bars is meant, nor the
-sign of the crank's 1 rad/s. We put the fixed pivots one above the other, with the crank square to
+The book states neither the direction of gravity nor the assembly configuration, nor the sign of the
+crank's 1 rad/s. Here the fixed pivots are one above the other, with the crank perpendicular to
 their line (alpha_1 = pi/2): then all four cases stay finite and (d) stays within the 1.5 degrees
-that the book reports. With the pivots level the crank starts at the top of its path, passes it with
-hardly any speed in every turn, and (a) diverges.
+that the book reports. With pivots at the same height the crank starts at the top of its path,
+passes it very slowly in every turn, and (a) diverges.
 """
 
 import math

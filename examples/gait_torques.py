@@ -1,9 +1,9 @@
 """Torques of hip and knee from measured positions of knee and ankle: inverse dynamics of a leg.
 
-A leg swings in the sagittal plane. Cameras see its knee and ankle 60 times a second, with an error
-of 2 mm. Differences of that taken twice are half noise; splines of the joint angles, as stiff as
-cross validation finds right, are not, but at the very ends. The angles are those of a motion that
-is known, and so are the true torques.
+A leg swings in the sagittal plane. Cameras measure its knee and ankle 60 times a second, with an
+error of 2 mm. Second differences of these data are half noise. Splines of the joint angles, with a
+smoothing by cross validation, are accurate except at the very ends. The data are synthetic, so the
+true torques are known.
 """
 
 import sys
@@ -29,11 +29,11 @@ def angles(t) -> tuple[np.ndarray, np.ndarray]:
     return hip, knee
 
 
-def build(knots) -> tuple[da.System, list[da.History]]:
+def build(knots) -> tuple[da.System, list[da.InputHistory]]:
     system = da.System("leg", gravity=(0.0, -G))
     hip0, knee0 = angles(0.0)
-    hip = da.history(system, "hip", knots, float(hip0), "rad")
-    knee = da.history(system, "knee", knots, float(knee0), "rad")
+    hip = da.input_history(system, "hip", knots, float(hip0), "rad")
+    knee = da.input_history(system, "knee", knots, float(knee0), "rad")
     down = -np.pi / 2
     thigh = system.add(planar.Bar("thigh", angle=down + float(hip0), **THIGH))
     shank = system.add(planar.Bar("shank", angle=down + float(hip0 + knee0), **SHANK))

@@ -1,9 +1,9 @@
-"""A Geneva wheel of four slots: a pin that turns evenly moves a wheel by quarters.
+"""A Geneva wheel with four slots: a pin with constant speed moves the wheel by quarter turns.
 
-The pin enters a slot along it, so that the wheel starts without a jerk, and leaves it after a
-quarter turn of its own. While it is in, ``tan ψ = r sin θ/(a − r cos θ)`` for the distance a of the
-axes and r = a/√2. Here the wheel is four blocks with play for the pin, which presses and parts; a
-brake holds it in between, where others have a locking disc.
+The pin enters a slot along its direction, so that the wheel starts at zero speed, and leaves it
+after a quarter turn of the pin. In between, ``tan ψ = r sin θ/(a − r cos θ)`` for the distance a of
+the axes and r = a/√2. Here the wheel consists of four blocks with clearance for the pin, so that
+contact opens and closes; a brake holds the wheel between its motions, in place of a locking disc.
 """
 
 import math

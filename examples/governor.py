@@ -1,8 +1,8 @@
 """Centrifugal governor: balls on two arms lift a sleeve until speed and weight balance.
 
-The arms hang in hinges on the spindle, two links without mass carry the sleeve, a spring and a
-dashpot press it down. A motor brings the spindle to speed and holds it; the sleeve settles where
-the moments about the hinges balance. The gradient tells how much it rises with the speed.
+The arms are hinged on the spindle, two massless links carry the sleeve, and a spring and a damper
+press it down. A motor accelerates the spindle to a constant speed; the sleeve settles where the
+moments about the hinges balance. The gradient is the rise of the sleeve per speed.
 """
 
 import math

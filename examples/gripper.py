@@ -1,9 +1,9 @@
-"""A gripper by synthesis: a slider opens two fingers by links, with the same grip all the way.
+"""Synthesis of a gripper: a slider opens two fingers by links, with a constant force ratio.
 
-Only the upper half is built. The slider goes by 20 mm; the tip of the finger has to go from 10 to
-40 mm evenly (function generation, with a slider for a motor). Then the force on the slider that
-holds a force at the tip does not vary: by virtual work it is the ratio of their speeds, 30 over 20.
-The places of all pins and of the tip are varied.
+The model is the upper half. The slider moves by 20 mm; the tip of the finger must move linearly
+from 10 to 40 mm (function generation, driven by a slider). Then the ratio of slider force and tip
+force is constant: by virtual work it is the ratio of their speeds, 30 over 20. The variables are
+the positions of all pins and of the tip.
 """
 
 import sys
@@ -44,7 +44,7 @@ def build() -> da.System:
         )
     )
     ground = system.ground
-    system.add(planar.Translational("guide", ground.point(0, 0), slider.center, axis=(1, 0)))
+    system.add(planar.Prismatic("guide", ground.point(0, 0), slider.center, axis=(1, 0)))
     system.add(planar.Revolute("pivot", ground.point(px, py), finger.center))
     system.add(planar.Revolute("ear", slider.point(0.0, value["slider_y"]), link.center))
     system.add(planar.Revolute("pin", link.points["end"], finger.points["pin"]))
@@ -81,7 +81,7 @@ def main(folder=None) -> dict[str, float]:
     return numbers
 
 
-def picture(folder, best: da.Optimum) -> None:
+def picture(folder, best: da.OptimizationResult) -> None:
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(11, 3.6))
     motion = best.motion
     for k, alpha in ((0, 1.0), (20, 0.5), (40, 0.3)):

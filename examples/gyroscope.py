@@ -1,8 +1,8 @@
-"""A gyroscope in gimbals: a weight on the inner ring makes it precess instead of fall.
+"""A gyroscope in gimbals: a weight on the inner ring causes precession.
 
-With the axis of the rotor level and started at Ω = m g l / (J ω), the axis stays level and goes
-round at Ω for ever, whatever the inertia of the rings. Let go at rest, it nods: the axis drops
-until the precession carries the weight, and goes round at Ω on average, if the rotor is fast.
+With a horizontal axis and the initial precession Ω = m g l / (J ω), the axis stays horizontal and
+precesses steadily at Ω, for any inertia of the rings. Released at rest, it also nutates: the axis
+drops until the precession carries the weight. The mean precession is Ω if the rotor is fast.
 """
 
 import sys

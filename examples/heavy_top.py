@@ -1,8 +1,8 @@
-"""Heavy top: a rotor on a ball joint nods and precesses.
+"""Heavy top: a rotor on a spherical joint nutates and precesses.
 
-Data of the benchmark of Brüls, Cardona, Arnold, Terze and others: 15 kg, the axis level at the
-start, 150 rad/s about it and 4.6 rad/s about the vertical. That is too slow to stay up: the axis
-swings down until the top nearly hangs, and up again, while it goes round.
+Data of the benchmark of Brüls, Cardona, Arnold, Terze and others: 15 kg, an initially horizontal
+axis, 150 rad/s about it and 4.6 rad/s about the vertical. The spin is too slow for a steady
+precession: the axis swings down until the top nearly hangs, and up again, while it precesses.
 """
 
 import sys

@@ -1,8 +1,8 @@
-"""Two-link arm identified from noisy angles: masses and friction, with intervals that hold.
+"""Two-link arm identified from noisy angles: masses and friction, with confidence intervals.
 
-The arm hangs in gravity and is shaken by known torques. Its angles are 'measured' with noise of
-0.01 rad; least squares with exact gradients finds the masses of both links, the payload in the
-hand and the damping of both joints, from two runs of which each has its own initial angle.
+The arm hangs under gravity and is excited by known torques. Its simulated angles have a noise of
+0.01 rad. Least squares with exact gradients estimates the masses of both links, the payload and the
+damping of both joints, from two runs with unknown initial angles.
 """
 
 import sys
@@ -32,11 +32,11 @@ def build() -> da.System:
     system.add(planar.Revolute("shoulder", system.ground.point(0, 0), upper.start))
     system.add(planar.Revolute("elbow", upper.end, lower.start))
     system.add(planar.Revolute("grip", lower.end, hand.center))
-    system.add(planar.Moment("motor1", upper, TORQUES[0] * da.sin(5 * da.t)))
-    system.add(planar.Moment("motor2", lower, TORQUES[1] * da.sin(9 * da.t)))
+    system.add(planar.Torque("motor1", upper, TORQUES[0] * da.sin(5 * da.t)))
+    system.add(planar.Torque("motor2", lower, TORQUES[1] * da.sin(9 * da.t)))
     rates = upper.angular_velocity, lower.angular_velocity - upper.angular_velocity
-    system.add(planar.Moment("friction1", upper, -damping[0] * rates[0] + damping[1] * rates[1]))
-    system.add(planar.Moment("friction2", lower, -damping[1] * rates[1]))
+    system.add(planar.Torque("friction1", upper, -damping[0] * rates[0] + damping[1] * rates[1]))
+    system.add(planar.Torque("friction2", lower, -damping[1] * rates[1]))
     return system
 
 
@@ -71,7 +71,7 @@ def main(folder=None) -> dict[str, float]:
     return numbers
 
 
-def picture(folder, found: da.Identification) -> None:
+def picture(folder, found: da.IdentificationResult) -> None:
     figure, axes = plt.subplots(1, 3, figsize=(11.5, 3.6), width_ratios=(1.3, 1, 1))
     observation, predicted = found.misfit.observations[0], found.predicted[0]
     for j, column in enumerate(observation.columns):

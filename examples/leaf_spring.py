@@ -1,8 +1,8 @@
 """A leaf spring of minimum mass for its stiffness: thicknesses of its leaves by exact gradients.
 
-Of all cantilevers of a given width and deflection under a small load, that of thickness
-``h ~ √x`` is the lightest (x from the tip): the strain energy per mass is the same everywhere.
-In steps, each thickness goes with the fourth root of the mean of ``x²`` over its step.
+Of all cantilevers of a given width and deflection under a small load, that with the thickness ``h ~
+√x`` is the lightest (x from the tip): its strain energy per mass is uniform. In steps, each
+thickness is proportional to the fourth root of the mean of ``x²`` over its step.
 """
 
 import sys

@@ -1,10 +1,10 @@
-"""The lightest two-bar truss for every reliability index: the weight of reliability.
+"""The lightest two-bar truss over the reliability index.
 
-Section and height of a timber truss are chosen so that deflection and buckling are as improbable as
-asked for, each with an index β, while load, timber and the cut of the saw scatter.
-The lightest truss without any scatter, and the one that keeps three standard deviations away from
-its limits, stand beside. All is lognormal and both limits are products of powers, so that
-the index of any design has a closed form.
+Section and height of a timber truss are optimised with limits of deflection and buckling, each with
+a required reliability index β; load, material and sawn section are random. The page also shows the
+deterministic optimum, and the optimum with three standard deviations of distance from its limits.
+All variables are lognormal and both limits are products of powers, so that the index of any design
+has a closed form.
 """
 
 import sys
@@ -91,7 +91,12 @@ def main(folder=None) -> dict[str, float]:
     return numbers
 
 
-def picture(folder, plain: da.Optimum, sure: list[da.ReliableOptimum], steady: da.Optimum) -> None:
+def picture(
+    folder,
+    plain: da.OptimizationResult,
+    sure: list[da.ReliableOptimizationResult],
+    steady: da.OptimizationResult,
+) -> None:
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.8), width_ratios=(1, 1.25))
     left.plot(
         INDICES, [best.optimum.fun for best in sure], "o-", color=style.BLUE, label="reliable"

@@ -1,9 +1,9 @@
-"""A marimba bar: its arch is cut so that the first three tones are 1 : 4 : 10.
+"""A marimba bar: its arch is optimised for the frequency ratios 1 : 4 : 10.
 
-A bar of even depth that floats on its strings sounds 1 : 2.76 : 5.40, which nobody calls music.
-Makers cut an arch below it. Here the depth at eleven places of one half, mirrored, is found with
-the exact gradients of the frequencies: the smoothest arch that gives C4, the tone two octaves above
-it and ten times its frequency.
+A free bar of constant depth has the frequency ratios 1 : 2.76 : 5.40. An arch cut into its lower
+side tunes it. The variables are the depths at eleven positions of one half. With exact gradients of
+the frequencies, the smoothest arch is computed that has the frequency of C4, four times and ten
+times this frequency.
 """
 
 import sys

@@ -1,4 +1,4 @@
-"""A four-bar whose coupler has no mass: it only hands a force from pin to pin.
+"""A four-bar with a massless coupler, which only transmits a force from pin to pin.
 
 Without mass the coupler is a two-force member, so the forces at its ends are opposite and along
 it. With a small mass the motion differs from this limit in proportion to the mass.

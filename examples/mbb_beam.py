@@ -1,9 +1,9 @@
-"""The MBB beam: where material should be, by topology optimisation with a thousand parameters.
+"""The MBB beam: topology optimisation with a thousand parameters.
 
-Half of a beam on two supports, loaded in the middle. Every element has a density of its own; its
-modulus is the cube of the densities about it, weighted by a cone (SIMP with a density filter), half
-of the volume may be filled, and the compliance is to be least: adjoint gradients and the method of
-moving asymptotes. The problem of Sigmund (2001); Andreassen et al. (2011) give a compliance of
+The model is half of a beam on two supports with a central load. Every element has a density; its
+modulus is the cube of the densities around it, weighted by a cone (SIMP with a density filter). The
+compliance is minimised for half of the volume, with adjoint gradients and the method of moving
+asymptotes. The problem is that of Sigmund (2001); Andreassen et al. (2011) report a compliance of
 233.71 for 60 by 20 elements and this filter, by 88 lines of Matlab and optimality criteria.
 
     python examples/mbb_beam.py FOLDER 60

@@ -1,10 +1,10 @@
-"""Book example 6.2: which speed may be independent, and a run that changes its mind.
+"""Book example 6.2: conditioning of the choice of the independent speed, and a run that changes it.
 
 Slider, link and crank with a spring: nine coordinates, eight constraints, one independent speed u.
 The others follow from w = -W^-1 U u, so det W must not vanish. With the crank's angle as u it never
-does (figure 6.4); with the link's angle or the slider's path it does twice in every turn. The last
-panel shows a run that chooses by itself: it watches the fastest dependent speed per independent
-one, in units of energy, and exchanges u before that number grows.
+does (figure 6.4); with the angle of the link or the displacement of the slider it does twice in
+every turn. The last panel shows a run with automatic choice: it monitors the largest ratio of a
+dependent to an independent speed, in units of energy, and changes u before this ratio grows.
 """
 
 import math
@@ -30,7 +30,7 @@ def build() -> da.System:
     link = system.add(planar.Bar("link", length=L2, mass=1.0, angle=0.6))
     slider = system.add(planar.Body("slider", mass=2.0, inertia=0.1, position=(1.2, 0.4), angle=0))
     foot = slider.point(0, -0.4)
-    system.add(planar.Translational("A", system.ground.center, foot))
+    system.add(planar.Prismatic("A", system.ground.center, foot))
     system.add(planar.Revolute("B", slider.point(0, L1 - 0.4), link.start))
     system.add(planar.Revolute("D", link.end, crank.end))
     system.add(planar.Revolute("E", system.ground.point(A, B), crank.start))
@@ -79,7 +79,7 @@ def main(folder=None) -> dict[str, float]:
     numbers = {f"smallest det W, {name}": float(det[once].min()) for name, det in found.items()}
     numbers |= {
         "largest det W, crank.angle": float(found["crank.angle"][once].max()),
-        "changes of partition": float(motion.statistics["changes of variant"]),
+        "changes of partition": float(motion.statistics["variant changes"]),
         "largest number watched": float(number.max()),
         "velocity violation [m/s]": float(motion.data.velocity_violation.max()),
         "energy error [J]": float(abs(motion["balance_error"]).max()),

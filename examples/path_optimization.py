@@ -1,8 +1,8 @@
-"""A four-bar made to walk: its lengths are optimised until the coupler point follows a given path.
+"""A walking four-bar: its lengths are optimised so that the coupler point follows a given path.
 
-The path is 48 points of a foot with a straight stance, passed in one turn of the crank. The mean
-square distance to it is minimised over nine parameters, with Grashof's limits so that the crank can
-turn all the way.
+The path is 48 points of a foot with a straight stance phase, passed in one turn of the crank. The
+mean square distance to it is minimised over nine parameters, with Grashof's limits so that the
+crank makes full turns.
 """
 
 import math

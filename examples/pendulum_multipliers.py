@@ -1,8 +1,8 @@
-"""Book example 4.4: one pendulum, three ways to write its constraint, two kinds of multipliers.
+"""Book example 4.4: a pendulum with three forms of its constraint and two kinds of multipliers.
 
 ``√(x² + y²) − l`` is the prohibited displacement: its multiplier is the tension in newtons, the
-same as that of a ``RigidLink``. ``x² + y² − l²`` keeps the same motion, but its multiplier is
-λ/(2l), in newtons per metre, and no force.
+same as that of a ``RigidLink``. ``x² + y² − l²`` has the same motion, but its multiplier λ/(2l), in
+newtons per metre, is not a force.
 """
 
 import sys

@@ -1,7 +1,7 @@
-"""Bracket plate: a deep cantilever as a mesh of quadrilaterals, against the theory of beams.
+"""Bracket plate: a deep cantilever as a mesh of quadrilaterals, compared with beam theory.
 
-The deflection of the end is that of a beam with shear deformation, P L³/(3 E I) + P L/(κ G A) with
-κ = 5/6; the colours are the equivalent stress, averaged at the nodes.
+The end deflection agrees with that of a beam with shear deformation, P L³/(3 E I) + P L/(κ G A)
+with κ = 5/6. Colours show the equivalent stress, averaged at the nodes.
 """
 
 import sys

@@ -1,8 +1,8 @@
-"""Pareto front of a plunger pump: smooth motor torque against small bearing load.
+"""Pareto front of a plunger pump: smooth motor torque and small bearing load.
 
-The plunger pump of ``smooth_torque`` with its spring. One spring makes the motor's torque smooth,
-another the load of the crank's bearing small; between them lies a front of springs, each best for
-its torque. The slope of the front is the price of torque in bearing load.
+The model is the plunger pump of ``smooth_torque`` with its spring. One spring minimises the
+variation of the motor torque, another one the load of the crank bearing; the Pareto front between
+them is computed. Its slope is the price of torque in bearing load.
 """
 
 import sys
@@ -17,7 +17,7 @@ TORQUE = da.rms("motor.effort", name="motor torque, rms")
 LOAD = da.rms("O.force_norm", name="bearing load, rms")
 
 
-def front(model: da.Model, points: int = 7) -> da.Front:
+def front(model: da.Model, points: int = 7) -> da.ParetoResult:
     """Springs between the smoothest torque and the smallest bearing load."""
     return da.pareto(
         model,

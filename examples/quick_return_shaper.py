@@ -1,8 +1,8 @@
-"""Crank shaper: a pin sliding in a slotted lever gives a slow cut and a quick return.
+"""Crank shaper: a pin sliding in a slotted lever produces a slow cutting stroke and a quick return.
 
-Seen from the lever's pivot the crank circle spans the angle 2 asin(r/d). The ram turns back where
-the crank is normal to the lever, hence time ratio = (pi + 2 asin(r/d))/(pi - 2 asin(r/d)) and
-stroke = 2 L r/d.
+The crank circle subtends the angle 2 asin(r/d) at the pivot of the lever. The ram reverses where
+the crank is normal to the lever. Therefore the time ratio is (pi + 2 asin(r/d))/(pi - 2 asin(r/d))
+and the stroke 2 L r/d.
 """
 
 import math
@@ -51,7 +51,7 @@ def build() -> da.System:
     system.add(planar.PinInSlot("slot", lever.start, crank.end))
     system.add(planar.Revolute("A", lever.end, link.start))
     system.add(planar.Revolute("B", link.end, ram.center))
-    system.add(planar.Translational("guide", system.ground.point(0, HEIGHT), ram.center))
+    system.add(planar.Prismatic("guide", system.ground.point(0, HEIGHT), ram.center))
     system.add(planar.RotationalDriver("motor", system.ground, crank, speed * da.t))
     cutting = (1 - da.tanh(ram.velocity[0] / 0.02)) / 2  # while the ram moves to the left
     system.add(planar.Force("chip", ram.point("tool"), (cut * cutting, 0.0)))

@@ -1,8 +1,8 @@
-"""How safe is a two-bar truss? Deflection and buckling with random load, timber and section.
+"""Reliability of a two-bar truss: deflection and buckling with random load, timber and section.
 
-Two equal bars stand against each other; the load presses the apex down. Too much deflection or a
-buckled bar is failure. All variables are lognormal and both limits are products of powers, so that
-the reliability indices are known: ``ln`` of capacity over demand is normal.
+Two equal inclined bars carry a load at their apex. Too much deflection or a buckled bar is failure.
+All variables are lognormal and both limits are products of powers, so that the reliability indices
+have a closed form: ``ln`` of capacity over demand is normal.
 """
 
 import sys
@@ -61,7 +61,7 @@ def main(folder=None) -> dict[str, float]:
     return numbers
 
 
-def picture(folder, found: da.Reliability) -> None:
+def picture(folder, found: da.ReliabilityResult) -> None:
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.8), width_ratios=(1.25, 1))
     nataf = found.nataf
     side = found.point.u[2]  # the section held where failure is likeliest

@@ -1,11 +1,11 @@
 """Six-axis robot arm: the torques of its motors along a smooth motion.
 
-Geometry and masses of the Unimation Puma 560 after Armstrong, Khatib and Burdick (1986), as in
-P. Corke's *Robotics, Vision and Control*; the third link's tensor is brought within what a body can
-have. Each joint is a hinge about z of the link before, its frames by Denavit and Hartenberg. The
-arm goes from rest to rest; inverse dynamics gives the torques, the gradient what a kilogram in the
-hand costs. Held still in the pose of the book, the motors of shoulder and elbow carry 31.64 N m and
-6.04 N m.
+Geometry and masses of the Unimation Puma 560 after Armstrong, Khatib and Burdick (1986), as in P.
+Corke's *Robotics, Vision and Control*; the inertia tensor of the third link is corrected to be
+physically possible. Each joint is a hinge about z of the previous link, with frames by Denavit and
+Hartenberg. The arm moves from rest to rest. Inverse dynamics computes the torques, and the gradient
+their increase per payload. At rest in the pose of the book, the motors of shoulder and elbow carry
+31.64 N m and 6.04 N m.
 """
 
 import sys

@@ -1,9 +1,10 @@
-"""A disc rolls without slip: the steady circle of a leaning coin, and a disc that reels.
+"""A disc rolls without slip: the steady circle of an inclined coin, and an unsteady motion.
 
 With the inclination θ of the axle from the vertical, the rate Ω of the heading and the angular
 velocity ω about the axle, (Ia + m r²) ω Ω sin θ = (It Ω² sin θ − m g r) cos θ is steady: the centre
-runs in a circle of radius r ω / Ω. Started otherwise, the disc nods, and energy is still kept: the
-wheel's two nonholonomic equations do no work. Five coordinates are left, but three speeds.
+runs in a circle of radius r ω / Ω. From other initial speeds the inclination oscillates. Energy is
+conserved, because the two nonholonomic equations do no work. The disc has five free coordinates,
+but three free speeds.
 """
 
 import sys

@@ -1,8 +1,8 @@
-"""RSSR four-bar: a crank about z swings a rocker about x through a rod with a ball at each end.
+"""RSSR four-bar: a crank about z drives a rocker about x through a rod with two spherical joints.
 
 The closure |A − B|² = l² is one equation for the angle ψ of the rocker, P cos ψ + Q sin ψ = R, with
-two roots: two ways in which the mechanism closes, and both are found. The rod is a link without
-mass; as a body on two balls it could spin about itself.
+two roots, the two assembly configurations; both are computed. The rod is a massless link; a body
+between two spherical joints could rotate about its own axis.
 """
 
 import sys

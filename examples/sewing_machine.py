@@ -77,7 +77,7 @@ def build() -> da.System:
     system.add(planar.Revolute("R2", crank.point("needle_pin"), needle_link.start))
     system.add(planar.Revolute("R3", needle_link.end, needle_bar.point("pin")))
     system.add(
-        planar.Translational("T", frame.point("needle_guide"), needle_bar.point("pin"), axis=(0, 1))
+        planar.Prismatic("T", frame.point("needle_guide"), needle_bar.point("pin"), axis=(0, 1))
     )
     system.add(planar.Revolute("R4", crank.point("lever_pin"), take_up.point("pin")))
     system.add(planar.Revolute("R5", take_up.point("rocker_pin"), rocker.end))

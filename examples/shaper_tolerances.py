@@ -1,8 +1,8 @@
-"""Stroke of a crank shaper within the tolerances of its drawing, and the cheapest ones.
+"""Stroke of a crank shaper with the tolerances of its drawing, and tolerances of minimum cost.
 
-The ram of the quick-return shaper goes ``2 L r/d``: crank r, distance d of the pivots and lever L
-decide, the link does not. First order, second order and Monte Carlo beside the worst case; then the
-tolerances that cost least, where a finer one costs more, ``c/t``.
+The stroke of the quick-return shaper is ``2 L r/d``, with crank r, distance d of the pivots and
+lever L; the link has no influence. The example compares first order, second order, Monte Carlo and
+worst case, and then allocates tolerances of minimum cost with the cost ``c/t`` of each.
 """
 
 import math
@@ -49,7 +49,7 @@ def main(folder=None) -> dict[str, float]:
     return numbers
 
 
-def picture(folder, found: da.Toleranced, chosen: dict[str, float]) -> None:
+def picture(folder, found: da.ToleranceResult, chosen: dict[str, float]) -> None:
     figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6))
     off = 1e3 * (found.sampled - found.nominal)
     left.hist(off, bins=18, density=True, color=style.SKY, alpha=0.6, label="Monte Carlo")

@@ -1,9 +1,10 @@
 """Book examples 4.3 and 4.5: slider and link, constraints stated implicitly and explicitly.
 
-Implicitly, Φ(y) = 0 names what the joints prohibit and its multipliers are their reactions:
-guide force and moment, two components of the pin force. Explicitly, y = g(s, φ) names what is
-left free; C D = 0 and C γ = ξ tie the two (4.18)-(4.19). Both move alike. The link falls from the
-horizontal; momentum and energy give its speed and the guide force at the lowest point.
+The implicit form Φ(y) = 0 describes the prevented motions, and its multipliers are the reactions:
+guide force and moment, two components of the pin force. The explicit form y = g(s, φ) describes the
+free motions; C D = 0 and C γ = ξ relate the two (4.18)-(4.19). Both have the same motion. The link
+falls from the horizontal; momentum and energy determine its speed and the guide force at the lowest
+point.
 """
 
 import sys
@@ -28,7 +29,7 @@ def build() -> da.System:
         planar.Body("slider", mass=M1, inertia=J1, position=(A1, 0), angle=0.0, velocity=(0, 0))
     )
     link = system.add(planar.Body("link", mass=M2, inertia=J2, angle=0.0, angular_velocity=0.0))
-    system.add(planar.Translational("A", system.ground.center, slider.point(-A1, 0)))
+    system.add(planar.Prismatic("A", system.ground.center, slider.point(-A1, 0)))
     system.add(planar.Revolute("B", slider.point(B1, 0), link.point(-A2, 0)))
     return system
 

@@ -25,7 +25,7 @@ def build() -> da.System:
     system.add(planar.Revolute("O", system.ground.center, crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, piston.center))
-    system.add(planar.Translational("guide", system.ground.center, piston.center))
+    system.add(planar.Prismatic("guide", system.ground.center, piston.center))
     system.add(planar.RotationalDriver("motor", system.ground, crank, speed * da.t))
 
     outward = (

@@ -1,7 +1,7 @@
-"""Slider-crank with clearance (play) in the pin: the journal flies and strikes in its bearing.
+"""Slider-crank with clearance (play) in the pin: free flight and impacts of the journal.
 
-Data of Flores and Ambrosio (2004): crank 50 mm at 5000 rpm, connecting rod 120 mm, journal of
-10 mm, play of 0.5 mm in the radius, steel, restitution 0.9 by the law of Lankarani and Nikravesh.
+Data of Flores and Ambrosio (2004): crank 50 mm at 5000 rpm, connecting rod 120 mm, journal of 10
+mm, radial clearance of 0.5 mm, steel, restitution 0.9 by the law of Lankarani and Nikravesh.
 """
 
 import math
@@ -46,7 +46,7 @@ def build(ideal: bool = False, play: float = PLAY) -> da.System:
     slider = system.add(planar.Body("slider", mass=0.14, inertia=1e-4, position=(0.17, 0)))
     system.add(planar.Revolute("O", system.ground.center, crank.point("O")))
     system.add(planar.Revolute("A", crank.point("A"), rod.point("A")))
-    system.add(planar.Translational("guide", system.ground.center, slider.center, axis=(1, 0)))
+    system.add(planar.Prismatic("guide", system.ground.center, slider.center, axis=(1, 0)))
     system.add(planar.RotationalDriver("motor", system.ground, crank, SPEED * da.t))
     pin = rod.point("B"), slider.center
     if ideal:

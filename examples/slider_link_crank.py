@@ -1,9 +1,9 @@
 """Book examples 6.2 and 6.4: slider, link and crank, the loop cut at D.
 
 Joint coordinates of the open chain q = (s, θ2, θ3), two closing equations, one degree of freedom.
-With u = θ̇3 independent the dependent speeds follow as long as det W = l2 cos θ2 is not zero,
-which for these lengths holds all the way round (Fig. 6.4). The system is conservative: after a
-turn the crank is as fast as before.
+With the independent speed u = θ̇3 the others follow if det W = l2 cos θ2 is not zero, which holds
+for the whole turn with these lengths (Fig. 6.4). The system is conservative: after a turn the crank
+has its initial speed.
 """
 
 import math
@@ -38,7 +38,7 @@ def build() -> da.System:
     crank = system.add(
         planar.Bar("crank", length=L3, mass=0.6, angle=ANGLE, angular_velocity=SPEED)
     )
-    system.add(planar.Translational("A", system.ground.center, slider.point("A")))
+    system.add(planar.Prismatic("A", system.ground.center, slider.point("A")))
     system.add(planar.Revolute("B", slider.point("B"), link.start))
     system.add(planar.Revolute("D", crank.end, link.end))
     system.add(planar.Revolute("E", system.ground.point(A, B), crank.start))

@@ -34,7 +34,7 @@ def build() -> da.System:
             points={"hinge": (0, arm)},
         )
     )
-    system.add(planar.Translational("rail", wall, slider.center))
+    system.add(planar.Prismatic("rail", wall, slider.center))
     system.add(planar.Revolute("hinge", slider.center, pendulum.point("hinge")))
     system.add(planar.Spring("spring", wall, slider.center, stiffness=k, free_length=free))
     return system

@@ -1,8 +1,8 @@
 """The smallest cams for one law: a roller with pressure angles up to 30°, and a flat face.
 
-The follower rises by a cycloidal law, dwells and returns. A roller asks for a base circle by the
-pressure angle and by the curvature of the pitch curve, a flat face by the curvature alone, as its
-profile must not be hollow: ρ = R + s + s''.
+The follower rises by a cycloidal law, dwells and returns. The base circle for a roller is limited
+by the pressure angle and by the curvature of the pitch curve, that for a flat face only by the
+curvature, because its profile must be convex: ρ = R + s + s''.
 """
 
 import math
@@ -20,8 +20,8 @@ def main(folder=None) -> dict[str, float]:
         height=0.02, duration=math.pi / 2, dwell=math.pi / 4, fall=math.pi / 2, period=2 * math.pi
     )
     limit = math.radians(30)
-    roller = da.RollerCam.smallest(law, limit, roller_radius=0.006, least_radius=0.003)
-    flat = da.FlatFaceCam.smallest(law, least_radius=0.003)
+    roller = da.RollerCam.smallest(law, limit, roller_radius=0.006, minimum_radius=0.003)
+    flat = da.FlatFaceCam.smallest(law, minimum_radius=0.003)
     pressure = math.degrees(abs(roller.pressure_angle()).max())
     print(f"roller: base radius {1e3 * roller.base_radius:.2f} mm")
     print(f"        pressure angle at most {pressure:.2f} deg")

@@ -1,4 +1,4 @@
-"""A plunger pump with a spring that relieves the motor: its best stiffness and length."""
+"""A plunger pump with a spring that smooths the motor torque: optimal stiffness and free length."""
 
 import math
 import sys
@@ -28,7 +28,7 @@ def build() -> da.System:
     system.add(planar.Revolute("O", system.ground.center, crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, plunger.center))
-    system.add(planar.Translational("guide", system.ground.center, plunger.center, axis=(0, 1)))
+    system.add(planar.Prismatic("guide", system.ground.center, plunger.center, axis=(0, 1)))
     system.add(planar.RotationalDriver("motor", system.ground, crank, speed * da.t))
     system.add(
         planar.Spring(

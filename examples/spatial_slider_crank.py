@@ -1,7 +1,8 @@
-"""Spatial slider-crank: the crank turns about the line of travel of the slider, beside it.
+"""Spatial slider-crank: the axis of the crank is parallel to the path of the slider.
 
-Data of the IFToMM benchmark after Haug (1989). Revolute, spherical, universal and prismatic joint
-take 5 + 3 + 4 + 5 of 18 freedoms and leave one; with two spherical joints the rod could spin.
+Data of the IFToMM benchmark after Haug (1989). The revolute, spherical, universal and prismatic
+joints remove 5 + 3 + 4 + 5 of 18 degrees of freedom; with two spherical joints the rod could rotate
+about its axis.
 """
 
 import sys

@@ -1,7 +1,7 @@
-"""Spring pendulum in two-to-one resonance: its modes, and how its energy wanders between them.
+"""Spring pendulum in two-to-one resonance: its modes, and the exchange of energy between them.
 
-About the equilibrium it bounces with sqrt(k/m) and swings with sqrt(g/L); with k = 3 m g / free
-the first is twice the second, and a bounce soon becomes a swing and a bounce again.
+About the equilibrium the vertical frequency is sqrt(k/m) and the pendulum frequency sqrt(g/L). With
+k = 3 m g / free the first is twice the second, and the energy moves between the two modes.
 """
 
 import sys

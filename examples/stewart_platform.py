@@ -1,8 +1,8 @@
 """Stewart platform: the forces in six legs that carry a platform along a prescribed motion.
 
-The platform heaves, sways and nods. The legs, taken without mass, are drivers of distances whose
-laws are the lengths that this motion asks for, formulas of time; inverse dynamics gives their
-forces. They balance Newton's and Euler's equations of the platform alone.
+The platform heaves, sways and pitches. The massless legs are distance drivers whose laws are the
+leg lengths of this motion, as formulas of time; inverse dynamics computes their forces. They
+satisfy Newton's and Euler's equations of the platform.
 """
 
 import sys

@@ -1,9 +1,9 @@
-"""Synthesis: a four-bar whose coupler goes through six points on a line, and its two cognates.
+"""Synthesis of a four-bar whose coupler point passes six points on a line, and its two cognates.
 
-A problem from the literature on evolutionary search, where the sum of squared distances fell from
-1.5e-2 to 4.1e-5. From an atlas of coupler curves and by exact derivatives the points are met to
-round-off. The theorem of Roberts and Chebyshev gives two more four-bars that draw the same curve;
-one of them has a crank that turns with the first.
+The problem is from the literature on evolutionary search, where the sum of squared distances
+decreased from 1.5e-2 to 4.1e-5. With an atlas of coupler curves and exact derivatives the points
+are met to round-off. The theorem of Roberts and Chebyshev yields two more four-bars with the same
+coupler curve; one of them has a crank that rotates with the first.
 """
 
 import math

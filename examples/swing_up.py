@@ -1,9 +1,9 @@
-"""A pole swung up on a cart with minimum force, and a four-bar moved from rest to rest.
+"""Swing-up of a pole on a cart with minimum force, and a four-bar moved from rest to rest.
 
-Trajectory optimisation by direct collocation on the model itself: the force on the cart in time,
-for the problem of Kelly (SIAM Review 2017); then the torque at the crank of a four-bar, a closed
-loop, with the length of its crank designed at once for a rocker that swings by 0.7 rad. Dots are
-planned, lines are runs under these controls.
+Trajectory optimisation by direct collocation: the force on the cart over time, for the problem of
+Kelly (SIAM Review 2017); then the torque at the crank of a four-bar, a closed loop, together with
+the length of its crank for a rocker swing of 0.7 rad. Dots are the plan, lines the simulation under
+these controls.
 """
 
 import math
@@ -24,7 +24,7 @@ def build() -> da.System:
     bob = system.parameter("bob", 0.3, "kg")
     cart = system.add(planar.Body("cart", mass=1.0, inertia=0.1, position=(0, 0), angle=0))
     pole = system.add(planar.Body("pole", mass=bob, inertia=0.0, position=(0, -length), angle=0))
-    system.add(planar.Translational("rail", system.ground.point(0, 0), cart.center))
+    system.add(planar.Prismatic("rail", system.ground.point(0, 0), cart.center))
     system.add(planar.Revolute("pivot", cart.center, pole.point(0, length)))
     system.add(planar.Force("force", cart.center, (push, 0.0)))
     return system
@@ -41,11 +41,11 @@ def four_bar() -> da.System:
     system.add(planar.Revolute("A", crank.end, coupler.start))
     system.add(planar.Revolute("B", coupler.end, rocker.end))
     system.add(planar.Revolute("O2", system.ground.point(1, 0), rocker.start))
-    system.add(planar.Moment("motor", crank, torque))
+    system.add(planar.Torque("motor", crank, torque))
     return system
 
 
-def swung() -> da.OptimalTrajectory:
+def swung() -> da.TrajectoryResult:
     return da.optimize_trajectory(
         build().build(),
         da.integral("push**2"),
@@ -57,7 +57,7 @@ def swung() -> da.OptimalTrajectory:
     )
 
 
-def moved(vary=()) -> da.OptimalTrajectory:
+def moved(vary=()) -> da.TrajectoryResult:
     ends = {"end": da.final("rocker.angle"), "begin": da.at(0.0, "rocker.angle")}
     swing = da.combined("end - begin", "swing of the rocker", **ends)
     return da.optimize_trajectory(

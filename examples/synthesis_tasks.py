@@ -1,8 +1,9 @@
 """Six synthesis tasks, each with a mechanism that solves it.
 
-A function (the logarithm from 1 to 2 by cranks of 60° and 90°), poses of a body, a crank–rocker of
-given swing between its dead centres, all four-bars through five points with given pivots, a six-bar
-of Watt's second kind along a line, and a geared five-bar along another.
+The tasks are a function (the logarithm from 1 to 2 by crank angles of 60° and 90°), poses of a
+body, a crank–rocker with a given swing between its dead centres, all four-bars through five points
+with given pivots, a six-bar of Watt's second kind along a line, and a geared five-bar along another
+line.
 """
 
 import math

@@ -1,9 +1,9 @@
-"""The profile of a flexible arm that swings a load: its four heights are optimised.
+"""Optimisation of the profile of a flexible arm with a payload: four heights are optimised.
 
-The arm is a structure of finite elements in a floating frame. The mean square of how far its tip
-lags behind while the hub turns is minimised at constant mass, with gradients through the reduction
-of the structure to its shapes. Were the load all that weighs, heights in proportion to
-``(∫ s² ds)^(1/4)`` would be best, with the distances ``s`` of a piece's sections from the load.
+The arm is a structure of finite elements in a floating frame. The mean square of the lag of its tip
+during the motion of the hub is minimised at constant mass, with gradients through the reduction of
+the structure to its shapes. If only the payload had mass, optimal heights would be proportional to
+``(∫ s² ds)^(1/4)``, with the distances ``s`` of the sections of a piece from the load.
 """
 
 import sys
@@ -69,7 +69,7 @@ LAG = da.mean("(1e3*arm.tip.deflection.y)**2", name="mean square lag [mm^2]")
 MASS = da.final("mass")
 
 
-def best_profile(model: da.Model) -> da.Optimum:
+def best_profile(model: da.Model) -> da.OptimizationResult:
     """Least lag at constant mass."""
     mass = DENSITY * WIDTH * LENGTH * HEIGHT
     return da.optimize(

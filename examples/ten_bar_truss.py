@@ -1,4 +1,4 @@
-"""The lightest ten-bar truss: areas chosen for stress and deflection with adjoint gradients."""
+"""Minimum mass of a ten-bar truss with limits of stress and deflection, by adjoint gradients."""
 
 import sys
 

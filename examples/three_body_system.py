@@ -1,8 +1,9 @@
-"""Book examples 6.1 and 6.3: three bodies, three joint coordinates, three ways to their equations.
+"""Book examples 6.1 and 6.3: three bodies, three joint coordinates, three derivations.
 
 A bar on a pin, a slider on the bar held by a spring, a second bar hanging from the slider. In the
-joint coordinates q = (φ, s, θ) of Fig. 6.1b the library finds M̄ = DᵀMD, d̄ = Dᵀ(Mγ + d), f̄ = Dᵀf
-(6.2); by hand they fill a page; the Gibbs-Appell function gives them by differentiation (6.13).
+joint coordinates q = (φ, s, θ) of Fig. 6.1b the library computes M̄ = DᵀMD, d̄ = Dᵀ(Mγ + d), f̄ =
+Dᵀf (6.2); by hand they fill a page. The Gibbs-Appell function yields them by differentiation
+(6.13).
 """
 
 import sys
@@ -50,7 +51,7 @@ def build() -> da.System:
     )
     pin = system.ground.center
     system.add(planar.Revolute("O", pin, bar.point("O")))
-    system.add(planar.Translational("guide", bar.point("O"), slider.center))
+    system.add(planar.Prismatic("guide", bar.point("O"), slider.center))
     system.add(planar.Revolute("A", slider.point(A2, 0), rod.point("A")))
     system.add(planar.Spring("spring", pin, slider.center, stiffness=K, free_length=FREE))
     return system

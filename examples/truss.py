@@ -1,7 +1,7 @@
-"""Warren truss under snow and wind: forces in its bars, and the lightest design that carries them.
+"""Warren truss under snow and wind: bar forces, and the design of minimum mass.
 
-By the method of sections a chord carries the bending moment over the height, and the diagonals the
-shear force: the picture shows both for two load cases, and what the optimiser makes of it.
+By the method of sections a chord carries the bending moment divided by the height, and the
+diagonals carry the shear force. The picture shows both for two load cases, and the optimised truss.
 """
 
 import itertools

@@ -1,9 +1,9 @@
-"""The lightest shape of a cantilever of eighteen bars: areas and the places of joints at once.
+"""Minimum mass of a cantilever of eighteen bars: areas and positions of joints.
 
-Five loads stand on the upper chord, whose joints stay where they are; the four lower ones may move.
-No bar may be stressed beyond 20 ksi, or buckle at the stress 4 E A/L². Four areas and eight
-coordinates vary. A test of shape optimisation since Imai and Schmit (1981), with 4,668 lb; later
-searches came to 4,530 lb and less. Exact gradients take a dozen runs from the first sketch.
+Five loads act on the upper chord, whose joints are fixed; the four lower ones may move. The stress
+of no bar may exceed 20 ksi or the buckling stress 4 E A/L². The variables are four areas and eight
+coordinates. This is a standard test of shape optimisation since Imai and Schmit (1981), with 4,668
+lb; later searches reached 4,530 lb and less. With exact gradients a dozen runs suffice.
 """
 
 import sys
@@ -79,7 +79,7 @@ def places(x: dict[str, float]) -> dict[int, tuple[float, float]]:
     return {**upper, **{k: (x[f"x{k}"], x[f"y{k}"]) for k in LOWER}, 11: (0.0, 0.0)}
 
 
-def picture(folder, best: da.Optimum) -> None:
+def picture(folder, best: da.OptimizationResult) -> None:
     figure, ax = plt.subplots(figsize=(9.5, 2.9))
     colours = dict(zip(GROUPS, style.COLOURS, strict=False))
     first = places(best.history[0].parameters)

@@ -1,8 +1,8 @@
-"""A tuned mass on a tower whose ground shakes, and what its spring does to the largest sway.
+"""A tuned mass on a tower under ground motion, and the influence of its spring on the largest sway.
 
-A steel tower of 40 m stands on ground that moves in a burst near its first frequency. A mass of 5 %
-of what moves in that mode hangs at its top on a spring. The gradient of the root mean square and of
-the largest sway with respect to the spring's stiffness comes from the adjoint of the time steps; a
+The ground of a steel tower of 40 m moves in a burst near its first frequency. A mass of 5 % of its
+modal mass is attached to its top by a spring. The gradient of the root mean square and of the
+largest sway with respect to the stiffness of the spring comes from the adjoint of the time steps; a
 sweep over stiffnesses shows that it is the slope of the curves.
 """
 

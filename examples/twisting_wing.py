@@ -1,10 +1,10 @@
-"""A wing that its own lift twists, coupled with the air in OpenMDAO, and its lightest spar.
+"""A wing twisted by its lift, coupled with the aerodynamics in OpenMDAO, and its lightest spar.
 
-Lift acts before the spar and twists it, which gives more lift. The spar's statics are an implicit
-component, strips of air are components of OpenMDAO, and its solvers find the twist at which both
-agree; a uniform spar has a closed form. Then its driver finds the wall of the spar, part by part,
-that is lightest while the tip may twist by a quarter of the angle of attack: the mass is an
-explicit component.
+Lift acts in front of the spar and twists it, which increases the lift. The statics of the spar are
+an implicit component, aerodynamic strips are components of OpenMDAO, and its solvers compute the
+twist in equilibrium; a uniform spar has a closed form. Then its driver minimises the mass over the
+wall thicknesses of the spar, with the tip twist limited to a quarter of the angle of attack; the
+mass is an explicit component.
 """
 
 import math

@@ -1,9 +1,10 @@
-"""Driveline with two universal joints: the middle shaft runs unevenly, the output evenly again.
+"""Driveline with two universal joints: varying speed of the middle shaft, constant output speed.
 
 With the first fork in the plane of the shafts at the start, tan φ2 = tan φ1 / cos β: the speed of
-the middle shaft swings between ω cos β and ω / cos β, and its inertia asks for a torque that swings
-with it. The forks of the middle shaft lie in one plane, so the second joint takes it all back.
-Revolute, universal, prismatic, universal and revolute joint leave four bodies one freedom.
+the middle shaft varies between ω cos β and ω / cos β, and its inertia causes a varying torque. The
+forks of the middle shaft are in one plane, so the second joint compensates the variation. The
+revolute, universal, prismatic, universal and revolute joints leave one degree of freedom to four
+bodies.
 """
 
 import math

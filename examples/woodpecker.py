@@ -1,8 +1,8 @@
 """The woodpecker toy: a bird pecks its way down a pole, with impacts, sticking and free flight.
 
-A bird hangs by a spring on a sleeve with play on the pole (Pfeiffer and Glocker 1996). The sleeve
-jams, slides and falls in turn, the beak hits the pole once a cycle, and what gravity gives is lost
-in the impacts. The gradient of the way down goes through all of them.
+A bird is connected by a spring to a sleeve with clearance on the pole (Pfeiffer and Glocker 1996).
+The sleeve alternately jams, slides and falls, the beak hits the pole once a cycle, and the work of
+gravity is dissipated in the impacts. The gradient of the distance travelled includes all impacts.
 """
 
 import sys
@@ -47,7 +47,7 @@ def build() -> da.System:
     system.add(planar.UserConstraint("plane", bird.x))
     arm = sleeve.y + PIVOT * sleeve.angle + HANG * bird.angle
     system.add(planar.UserConstraint("arm", bird.y - arm))
-    system.add(planar.RotationalSpring("spring", sleeve, bird, stiffness=stiffness))
+    system.add(planar.TorsionSpring("spring", sleeve, bird, stiffness=stiffness))
     play, tip = INNER - POLE, PIVOT + HANG - BEAK_AT - POLE
     edge = sleeve.vy + INNER * sleeve.angular_velocity
     beak = sleeve.vy + PIVOT * sleeve.angular_velocity + (HANG - BEAK_AT) * bird.angular_velocity

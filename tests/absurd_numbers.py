@@ -104,7 +104,7 @@ def choices() -> Iterator[Case]:
                 make = with_number(cls, {}, name, value)
 
                 def run(make=make, key=key, kind=kind) -> Any:
-                    chosen = {key: make()} | ({"integrator": da.Radau()} if kind == "Dae" else {})
+                    chosen = {key: make()} | ({"integrator": da.Radau()} if kind == "DAE" else {})
                     return da.solve_dynamics(model, 0.02, step=0.01, **chosen)
 
                 yield f"{kind}({name}={value!r:.20})", run

@@ -25,7 +25,7 @@ DRIVER = "GL Driver Message"
 """In what the machine's graphics driver says of itself, as when pixels are read back."""
 
 
-def _missing(what: str) -> None:
+def missing(what: str) -> None:
     """Skip the test, or fail it where everything has to be there."""
     if os.environ.get("CI", "").lower() == "true":
         pytest.fail(f"{what} is missing", pytrace=False)
@@ -88,11 +88,11 @@ def chromium() -> Iterator[Any]:
     """Start the browser; skip, or under CI=true fail, when there is none."""
     path = shutil.which("chromium")
     if path is None:
-        _missing("chromium")
+        missing("chromium")
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
-        _missing("playwright")
+        missing("playwright")
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=path, args=ARGS)
         try:

@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.elements.fem.cells import Cell
 from dalembert.elements.fem.reference_cells import REFERENCE_CELLS
-from dalembert.structures.meshes.generators import box_mesh, rectangle_mesh
+from dalembert.model.meshes.generators import box_mesh, rectangle_mesh
 
 CORNERS = {
     "triangle6": "triangle",

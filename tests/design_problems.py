@@ -25,7 +25,7 @@ def solve(
     objective: str,
     limits: Sequence[tuple[str, float | None, float | None]] = (),
     **options: Any,
-) -> da.Optimum:
+) -> da.OptimizationResult:
     """The optimum of a formula within limits on others, through ``da.optimize``."""
     bounded = [
         da.Limit(da.final(formula, name=f"g{k}"), lower=lower, upper=upper)

@@ -9,7 +9,7 @@ import dalembert as da
 
 def accelerations(view, formulation=None) -> list[np.ndarray]:
     """``y, v, v̇, λ`` of the bodies at the start."""
-    model, e, f = view.model, view.equations, formulation or da.Kkt()
+    model, e, f = view.model, view.equations, formulation or da.KKT()
     start, p = model.start, model.nominal
     q, u = (x.full().ravel() for x in view.reduce.function(0.0, start.y, start.v, p))
     f = f.choose(e, 0.0, q, p)

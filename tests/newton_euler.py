@@ -57,7 +57,7 @@ class Snapshot:
             return self._user(joint)
         if isinstance(joint, AlongDirection):
             along = self.number(joint.direction)
-            effort = float(self.data.driver_effort.sel(driver=joint.name))
+            effort = float(self.data.effort.sel(driver=joint.name))
             place = self.frame(joint.point.body).at(self.number(joint.point.local))
             force = effort * along / np.linalg.norm(along)
             return [(joint.point.body.name, force, place, 0.0 if len(force) == 2 else 0 * force)]

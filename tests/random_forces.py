@@ -40,7 +40,7 @@ class Mechanism(BeamTwin):
     def rotational_spring(self, i: str, j: str) -> None:
         k, c, free = self.rng.uniform(0.5, 5, 3)
         more = {"stiffness": k, "damping": c, "free_angle": free}
-        self.add(planar.RotationalSpring, self.bodies[i], self.bodies[j], **more)
+        self.add(planar.TorsionSpring, self.bodies[i], self.bodies[j], **more)
         self.energies.append(lambda f: k / 2 * (f[j].phi - f[i].phi - free) ** 2)
         self.damped(lambda f: f[j].phi - f[i].phi, c)
 
@@ -121,7 +121,7 @@ class Mechanism(BeamTwin):
         base = i if i != "ground" and self.turns(i) and self.rng.random() < 0.5 else "ground"
         if base != "ground":
             speed, more = speed - self.bodies[i].angular_velocity, {"reaction_on": self.bodies[i]}
-        self.add(planar.Moment, body, size * cos(3 * da.t) - fade * speed, **more)
+        self.add(planar.Torque, body, size * cos(3 * da.t) - fade * speed, **more)
         self.loads.append(
             (
                 lambda f: f[j].phi - f[base].phi,

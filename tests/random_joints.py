@@ -9,8 +9,9 @@ from mechanism_twin import MechanismTwin, direction_of
 from twins import direction, left, length, turn
 
 import dalembert as da
-from dalembert import FormulaCurve, cos, planar, sin, u
+from dalembert import FormulaCurve, cos, planar, sin
 from dalembert.elements.base import Constraint
+from dalembert.elements.curves import u
 
 
 class JointTwin(MechanismTwin):
@@ -43,7 +44,7 @@ class JointTwin(MechanismTwin):
             offset = left(f[i].vector(axis)) @ (q - p)
             return np.array([offset, f[j].phi - f[i].phi - angle])
 
-        made = self.join(planar.Translational, i, j, residual, a, b, axis=tuple(axis), angle=angle)
+        made = self.join(planar.Prismatic, i, j, residual, a, b, axis=tuple(axis), angle=angle)
         self.work_in(made, {"displacement": self._travel(i, j, a, b, axis)})
 
     def slot(self, i: str, j: str, a, b) -> None:

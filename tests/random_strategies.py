@@ -17,7 +17,7 @@ COORDINATES = (
     da.JointCoordinates(angles="absolute"),
     da.JointCoordinates(reactions="projected"),
 )
-LEVELS = (da.Dae(index=2), da.Dae(index=2, stabilized=True), da.Dae(index=1))
+LEVELS = (da.DAE(index=2), da.DAE(index=2, stabilized=True), da.DAE(index=1))
 EVERY_FORMULATION = (*FORMULATIONS.values(), *SOFT.values(), *LEVELS)
 COSTLY = da.NullSpace("svd")
 """Its graph is ten times as large as others: seldom enough that it takes no third of all time."""

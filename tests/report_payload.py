@@ -73,7 +73,7 @@ def four_bar(frames: int = 161, duration: float = 0.8) -> dict[str, Any]:
         fx, fy = forces[name]
         return {
             "name": name,
-            "what": "revolute",
+            "description": "revolute",
             "symbol": "pin",
             "body": body,
             "point": point,
@@ -404,7 +404,7 @@ def crowd(bodies: int = 80, frames: int = 4000) -> dict[str, Any]:
         joints.append(
             {
                 "name": f"J{k}",
-                "what": "revolute",
+                "description": "revolute",
                 "symbol": "pin",
                 "body": "ground",
                 "point": [x0, y0],

@@ -10,7 +10,8 @@ from registry import AXES, LAWS
 from spatial_twins import Hold, Solid, about, cross, norm, unit, wrapped
 from twins import CENTER
 
-from dalembert import FormulaCurve, cos, sin, spatial, u
+from dalembert import FormulaCurve, cos, sin, spatial
+from dalembert.elements.curves import u
 from dalembert.elements.laws import Harmonic
 
 case = functools.partial(registry.case, dimension=3)

@@ -10,7 +10,7 @@ import dalembert as da
 from dalembert import structures
 from dalembert.elements.fem.continuum import Continuum
 from dalembert.elements.fem.registry import SHAPES
-from dalembert.structures.model import StructuralModel
+from dalembert.model.assembled.model import StructuralModel
 
 
 def triangle(kind: type, dimension: int, numbers: dict[str, float]) -> StructuralModel:

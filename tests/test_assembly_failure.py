@@ -61,19 +61,19 @@ def blocked() -> da.System:
     system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, piston.center))
-    system.add(planar.Translational("rail", system.ground.point(0, 1), piston.center))
+    system.add(planar.Prismatic("rail", system.ground.point(0, 1), piston.center))
     return system
 
 
 FAILURES = {
     "too long a span": (lambda: four_bar(1.0, 2.0), "B", "0.1 m apart at best, 0 m wanted"),
     "too short a coupler": (lambda: four_bar(0.05, 1.0), "B", "0.05 m apart at best, 0 m wanted"),
-    "too long a link": (linked, "link", "asks for 2.5 m, at most 1.9 m can be reached"),
-    "too far a ram": (driven, "ram", "asks for 2 m, at most 1.3 m can be reached"),
+    "too long a link": (linked, "link", "requires 2.5 m, at most 1.9 m can be reached"),
+    "too far a ram": (driven, "ram", "requires 2 m, at most 1.3 m can be reached"),
     "too high a point": (
         prescribed,
         "the initial value of crank.end.y",
-        "asks for 3 m, at most 0.3 m can be reached",
+        "requires 3 m, at most 0.3 m can be reached",
     ),
     "too high a rail": (blocked, "B", "0.2 m apart at best, 0 m wanted"),
 }

@@ -18,16 +18,16 @@ CHOICES: dict[str, tuple[str, list[str]]] = {
         ["analysis.formulation.basis", "text in quotes", "3"],
     ),
     "index out of range": (
-        'formulation = { type = "Dae", index = 4 }',
+        'formulation = { type = "DAE", index = 4 }',
         ["analysis.formulation", "index=4", "3 (positions)"],
     ),
     "index not whole": (
-        'formulation = { type = "Dae", index = 2.5 }',
+        'formulation = { type = "DAE", index = 2.5 }',
         ["analysis.formulation.index", "whole number", "2.5"],
     ),
     "index 3 stabilised": (
-        'formulation = { type = "Dae", stabilized = true }',
-        ["analysis.formulation", "Dae(index=2, stabilized=True)"],
+        'formulation = { type = "DAE", stabilized = true }',
+        ["analysis.formulation", "DAE(index=2, stabilized=True)"],
     ),
     "strategy without type": (
         'formulation = { basis = "qr" }',
@@ -79,40 +79,40 @@ CHOICES: dict[str, tuple[str, list[str]]] = {
         ["analysis.integrator", "rtol=-0.001", "positive"],
     ),
     "tolerance a word": (
-        'integrator = { type = "Bdf", rtol = "small" }',
+        'integrator = { type = "BDF", rtol = "small" }',
         ["analysis.integrator.rtol", "'small'", "number"],
     ),
     "order out of range": (
-        'integrator = { type = "Bdf", max_order = 9 }',
+        'integrator = { type = "BDF", max_order = 9 }',
         ["analysis.integrator", "max_order=9", "1, 2, 3, 4 or 5"],
     ),
     "order of another name": (
-        'integrator = { type = "Bdf", order = 3 }',
+        'integrator = { type = "BDF", order = 3 }',
         ["analysis.integrator.order", "did you mean 'max_order'"],
     ),
     "projection never": (
         'stabilization = { type = "Projection", every = 0 }',
         ["analysis.stabilization", "every=0", "at least 1"],
     ),
-    "Dae explicit": (
-        'formulation = "Dae"',
+    "DAE explicit": (
+        'formulation = "DAE"',
         ["analysis.integrator: RK4", "explicit", "Radau()", "RangeSpace()"],
     ),
-    "Dae with Baumgarte": (
-        'formulation = "Dae"\nstabilization = "Baumgarte"\nintegrator = "Radau"',
-        ["analysis.stabilization: Dae(index=3)", "Projection()"],
+    "DAE with Baumgarte": (
+        'formulation = "DAE"\nstabilization = "Baumgarte"\nintegrator = "Radau"',
+        ["analysis.stabilization: DAE(index=3)", "Projection()"],
     ),
-    "Dae with Baumgarte, explicit": (
-        'formulation = "Dae"\nstabilization = "Baumgarte"',
-        ["analysis.stabilization: Dae(index=3)", "Projection()"],
+    "DAE with Baumgarte, explicit": (
+        'formulation = "DAE"\nstabilization = "Baumgarte"',
+        ["analysis.stabilization: DAE(index=3)", "Projection()"],
     ),
-    "Dae with Ida": (
-        'formulation = "Dae"\nintegrator = "Ida"',
-        ["analysis.integrator: Ida", "index 3", "Dae(index=1)"],
+    "DAE with IDA": (
+        'formulation = "DAE"\nintegrator = "IDA"',
+        ["analysis.integrator: IDA", "index 3", "DAE(index=1)"],
     ),
-    "Dae with Cvodes": (
-        'formulation = "Dae"\nintegrator = "Cvodes"',
-        ["analysis.integrator: Cvodes", "Radau()"],
+    "DAE with CVODES": (
+        'formulation = "DAE"\nintegrator = "CVODES"',
+        ["analysis.integrator: CVODES", "Radau()"],
     ),
     "iterated and implicit": (
         'formulation = "AugmentedLagrangian"\nintegrator = "Radau"',

@@ -1,11 +1,11 @@
-"""Joints in space that cannot be: one message with the entity and the cure."""
+"""Joints and drivers that cannot be: one message with the entity and the cure."""
 
 from __future__ import annotations
 
 import pytest
 
 import dalembert as da
-from dalembert import spatial
+from dalembert import planar, spatial
 
 
 def body(system: da.System, name: str, **more) -> spatial.Body:
@@ -100,3 +100,40 @@ WRONG = {
 def test_joints_that_cannot_be_are_refused(told):
     with pytest.raises(da.ModelError, match=told):
         WRONG[told]()
+
+
+PLANE_WRONG = {
+    "D: joint must leave a turn free; got Weld W": lambda s, w, r: planar.RotationalDriver(
+        "D", w, 0.0
+    ),
+    "D: joint must leave a displacement free; got Revolute R": lambda s, w, r: (
+        planar.TranslationalDriver("D", r, 0.0)
+    ),
+    "D: has no law; give a law": lambda s, w, r: planar.RotationalDriver("D", r),
+    "D: give a joint that leaves a turn free, or body_i and body_j": lambda s, w, r: (
+        planar.RotationalDriver("D", law=0.0)
+    ),
+    "D: give the joint, or body_i and body_j, not both": lambda s, w, r: planar.RotationalDriver(
+        "D", s.ground, s.ground, 0.0, joint=r
+    ),
+    "D: axis is that of its joint; leave it out": lambda s, w, r: planar.TranslationalDriver(
+        "D", planar.Prismatic("P", s.ground.center, r.point_j), law=0.0, axis=(0, 1)
+    ),
+}
+
+
+@pytest.mark.parametrize("told", PLANE_WRONG)
+def test_drivers_of_the_plane_that_cannot_be_are_refused(told):
+    system = da.System("s")
+    bodies = [system.add(planar.Body(name, mass=1.0, inertia=1.0)) for name in "ab"]
+    weld = system.add(planar.Weld("W", system.ground.center, bodies[0].center))
+    revolute = system.add(planar.Revolute("R", system.ground.center, bodies[1].center))
+    with pytest.raises(da.ModelError, match=told):
+        PLANE_WRONG[told](system, weld, revolute)
+
+
+def test_a_driver_of_the_plane_takes_no_joint_of_space():
+    _, i, j = two()
+    joint = spatial.Revolute("J", i, j)
+    with pytest.raises(da.ModelError, match=r"^D: joint J is in space, and RotationalDriver is a"):
+        planar.RotationalDriver("D", joint, 0.0)

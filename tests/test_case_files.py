@@ -24,7 +24,7 @@ duration = 0.1
 outputs = 11
 [cases.post]
 model = "rod.toml"
-given = { load = "bearing" }
+inputs = { load = "bearing" }
 [cases.fast]
 analysis = { type = "Kinematics", duration = 0.1, outputs = 3 }
 [responses]
@@ -85,7 +85,7 @@ def test_an_event_of_a_case_is_one_of_its_own_analysis(tmp_path, capsys):
             '"mass", case = "past" }',
             "responses.mass.case: unknown case 'past'",
         ),
-        ('load = "bearing"', 'load = "beering"', "cases.post.given.load: unknown response"),
+        ('load = "bearing"', 'load = "beering"', "cases.post.inputs.load: unknown response"),
         ('load = "bearing"', 'loud = "bearing"', "unknown parameter 'loud'"),
         ('load = "bearing"', 'load = "stress"', "responses.stress: depends on itself"),
         ("mass - 60*reach", "moss + 2", "combined.cost: 'moss + 2' names no response"),

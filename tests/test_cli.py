@@ -135,11 +135,11 @@ def test_run_as_json(model, tmp_path, capsys):
     made = told(capsys)
     assert made["ok"]
     assert made["time"] == pytest.approx(0.5)
-    assert made["largest"]["position_violation"] < 1e-10
+    assert made["maxima"]["position_violation"] < 1e-10
     assert all(Path(f).exists() for f in made["files"])
 
 
-@pytest.mark.parametrize("kind", ["Equilibrium", "Linearization"])
+@pytest.mark.parametrize("kind", ["Equilibrium", "Modal"])
 def test_another_analysis(kind, model, tmp_path, capsys):
     text = model.read_text(encoding="utf-8").replace('angle = "pi/2"', 'angle = "-pi/2"')
     model.write_text(text, encoding="utf-8")

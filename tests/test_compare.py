@@ -164,11 +164,11 @@ def test_choices_that_nobody_made_are_combined_where_they_can_work():
     made = da.compare(pendulum(), 0.1, steps=0.01, tolerances=1e-4, outputs=3)
     runs = made.table()
     assert made.finished.all()
-    assert set(runs["integrator"][runs["formulation"] == "Dae"]) == {"Radau"}
+    assert set(runs["integrator"][runs["formulation"] == "DAE"]) == {"Radau"}
     joint = runs[runs["coordinates"] == "JointCoordinates"]
     assert set(joint["formulation"]) == {"RangeSpace"}
     asked = da.compare(
-        pendulum(), 0.1, formulations=["Dae"], integrators="RK4", steps=0.01, outputs=3
+        pendulum(), 0.1, formulations=["DAE"], integrators="RK4", steps=0.01, outputs=3
     )
     assert only(asked)["outcome"] == "UnsupportedError"  # who asks is answered
 
@@ -219,7 +219,7 @@ def test_parameters_change_the_run_not_the_model():
     ("options", "message"),
     [
         ({"integrators": "RK5"}, "did you mean 'RK4'"),
-        ({"formulations": ["Range"]}, "known: RangeSpace, Kkt"),
+        ({"formulations": ["Range"]}, "known: RangeSpace, KKT"),
         ({"stabilizations": []}, "at least one"),
         ({"integrators": da.RangeSpace()}, "integrators: RangeSpace"),
         ({"steps": [0.01, 0]}, "not a positive number"),
@@ -358,7 +358,7 @@ def test_command_with_wrong_input(arguments, message, model, tmp_path, capsys):
         ("steps = [0.02, 0.01]", "repeat = 0", "compare: repeat"),
         ("steps = [0.02, 0.01]", "steps = [100.0]", "compare: step 100 s"),
         ('formulations = ["RangeSpace"]', "formulations = []", "compare: formulations"),
-        ('["RangeSpace"]', '[{ type = "Dae", index = 4 }]', "compare.formulations: Dae(index=4)"),
+        ('["RangeSpace"]', '[{ type = "DAE", index = 4 }]', "compare.formulations: DAE(index=4)"),
         (
             'formulations = ["RangeSpace"]',
             'coordinates = [{ type = "JointCoordinates", cut = ["nope"] }]',

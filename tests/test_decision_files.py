@@ -15,7 +15,7 @@ from dalembert.cli.app import EXAMPLES
 from dalembert.cli.pareto import _show as show_front
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.optimize.problem import DesignProblem
-from dalembert.design.pareto.front import Front
+from dalembert.design.pareto.pareto_result import ParetoResult
 from dalembert.design.synthesis.linkage_fit import LinkageFit
 from dalembert.io.decisions.designs import make_design
 from dalembert.io.model_file import load_model_file
@@ -299,7 +299,9 @@ def test_files_of_examples_are_there():
 def test_a_front_without_points_is_told(capsys):
     """As where Ctrl-C comes before the first: it is no success, and it can be shown."""
     nothing = np.zeros((0, 2))
-    front = Front(["a", "b"], ["", ""], ["x"], nothing, nothing[:, :1], [1.0, 1.0], "none found")
+    front = ParetoResult(
+        ["a", "b"], ["", ""], ["x"], nothing, nothing[:, :1], [1.0, 1.0], "none found"
+    )
     assert not front.success and front.summary()["points"] == []
     assert "<iframe" in front._repr_html_() and front.data.sizes["point"] == 0
     show_front(front.summary())

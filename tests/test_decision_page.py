@@ -30,7 +30,7 @@ def slider():
     system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
     system.add(planar.Revolute("A", crank.end, link.start))
     system.add(planar.Revolute("B", link.end, block.center))
-    system.add(planar.Translational("rail", system.ground.point(0, 0), block.center))
+    system.add(planar.Prismatic("rail", system.ground.point(0, 0), block.center))
     system.add(planar.RotationalDriver("motor", system.ground, crank, 10 * da.t))
     return system.build()
 
@@ -86,7 +86,7 @@ def test_draws(show, front, viewport, scheme):  # noqa: F811
 
 
 def test_a_range_of_an_axis_keeps_designs(show, slider):  # noqa: F811
-    design = da.Design.grid({"r": [0.06, 0.1, 0.14, 0.45], "l": [0.4, 0.5]})
+    design = da.DesignTable.grid({"r": [0.06, 0.1, 0.14, 0.45], "l": [0.4, 0.5]})
     study = da.sweep(slider, design, analysis=ANALYSIS, responses=[FORCE, REACH])
     assert 0 < len(study.failures) < len(design)
     found = show(study)
@@ -103,13 +103,13 @@ def test_a_range_of_an_axis_keeps_designs(show, slider):  # noqa: F811
     low, high = found.js("[...dalembert.choice.ranges.get(2)]")
     kept = (design.values[:, 0] >= low) & (design.values[:, 0] <= high) & study.success
     assert 0 < kept.sum() < done
-    assert found.page.locator("#view-0 path.design:not(.left)").count() == kept.sum()
+    assert found.page.locator("#view-0 path.design:not(.outside)").count() == kept.sum()
     found.page.locator("#view-0 svg").focus()
     found.page.keyboard.press("Home")
     assert kept[chosen(found)]
     box = grips.nth(2).bounding_box()
     found.page.mouse.dblclick(x, box["y"] + box["height"] / 2)
-    assert found.page.locator("#view-0 path.design:not(.left)").count() == done
+    assert found.page.locator("#view-0 path.design:not(.outside)").count() == done
     assert "failed" in found.page.inner_text("#panels").lower()
 
 

@@ -65,7 +65,7 @@ fy = "-0.1*t"
 type = "Revolute"
 connect = ["car", "a"]
 [joints.rails]
-type = "Translational"
+type = "Prismatic"
 connect = [{ body = "ground", at = [0, 0] }, "car"]
 [joints.tip]
 type = "Revolute"
@@ -96,7 +96,7 @@ def in_python() -> da.System:
     system.support(c, uy=-0.01 * da.t, ux=0)
     system.load(flag.nearest(0.5, 0.1), fy=-0.1 * da.t)
     system.add(planar.Revolute("foot", car.center, a))
-    system.add(planar.Translational("rails", system.ground.center, car.center))
+    system.add(planar.Prismatic("rails", system.ground.center, car.center))
     middle = flag.node("mesh_nodes", 1)
     system.add(planar.Revolute("tip", system.ground.point(0.25, 0.0), middle))
     return system

@@ -277,7 +277,7 @@ def test_files_that_are_no_meshes(tmp_path: Path, monkeypatch) -> None:
         with pytest.raises(da.FileError, match=name):
             structure.add_mesh("m", tmp_path / name)
     monkeypatch.setitem(sys.modules, "meshio", None)
-    with pytest.raises(da.UnsupportedError, match=r"pip install dalembert\[mesh\]"):
+    with pytest.raises(da.UnsupportedError, match=r"pip install 'dalembert\[mesh\]'"):
         structure.add_mesh("m", tmp_path / "text.msh")
 
 

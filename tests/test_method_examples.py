@@ -92,7 +92,7 @@ def test_massless_coupler_is_the_limit_of_light_ones(pictures: Path) -> None:
 def test_comparison_of_formulations(pictures: Path) -> None:
     """Exact formulations make the same error, the penalty method another one."""
     found = numbers("compare_four_bar", pictures)
-    for name in ("Kkt", "NullSpace", "AugmentedLagrangian"):
+    for name in ("KKT", "NullSpace", "AugmentedLagrangian"):
         assert found[f"error {name}"] == pytest.approx(found["error RangeSpace"], rel=1e-4)
     assert found["error Penalty"] > 5 * found["error RangeSpace"]
     assert found["violation Projection"] < 1e-12

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from pathlib import Path
 
@@ -67,7 +68,7 @@ ELEMENTS = {
     },
     "joints": {
         "Revolute": TWO_POINTS,
-        "Translational": TWO_POINTS + 'axis = ["k", 1]\nangle = 0.1',
+        "Prismatic": TWO_POINTS + 'axis = ["k", 1]\nangle = 0.1',
         "PinInSlot": TWO_POINTS,
         "Weld": TWO_POINTS,
         "RigidLink": TWO_POINTS + "length = 1.0",
@@ -87,10 +88,10 @@ ELEMENTS = {
     },
     "forces": {
         "Force": 'connect = ["a.P"]\nvector = ["k*sin(t)", "-b.vx"]\nfollowing = true',
-        "Moment": 'connect = ["a"]\nvalue = "-0.1*a.angular_velocity"\nreaction_on = "b"',
+        "Torque": 'connect = ["a"]\nvalue = "-0.1*a.angular_velocity"\nreaction_on = "b"',
         "Spring": TWO_POINTS
         + 'stiffness = "k"\nfree_length = 0.5\nlaw = "k*extension**3 + 0*rate"',
-        "RotationalSpring": TWO_BODIES + "stiffness = 1\ndamping = 0.1",
+        "TorsionSpring": TWO_BODIES + "stiffness = 1\ndamping = 0.1",
         "Actuator": TWO_POINTS + 'force = "t"',
         "Bushing": TWO_POINTS + "stiffness = [1, 2]\nrotational_stiffness = 3",
         "JointFriction": 'joint = "J"\ncoulomb = "0.1*J.force_norm"\nviscous = 0.1',
@@ -222,7 +223,7 @@ NAMED = [(key, name) for key, registry in STRATEGIES.items() for name in registr
 @pytest.mark.parametrize("form", ["{!r}", "{{ type = {!r} }}"])
 def test_every_strategy_can_be_named(key, name, form, tmp_path, schema):
     text = f'{HEAD}[analysis]\ntype = "Dynamics"\nduration = 1\n{key} = {form.format(name)}\n'
-    if name == "Dae":  # refused with the default, which is explicit
+    if name == "DAE":  # refused with the default, which is explicit
         text += 'integrator = "Radau"\n'
     file = load_model_file(written(tmp_path, text))
     analysis = make_analysis(file, file.model())
@@ -326,7 +327,7 @@ def test_a_thousand_derived(tmp_path):
 
 def test_forces_may_name_later_ones(tmp_path):
     text = HEAD + (
-        '[forces.first]\ntype = "Moment"\nconnect = ["a"]\nvalue = "0.1*Spring.force"\n'
+        '[forces.first]\ntype = "Torque"\nconnect = ["a"]\nvalue = "0.1*Spring.force"\n'
         '[forces.Spring]\ntype = "Spring"\n' + TWO_POINTS + "stiffness = 1\n"
     )
     assert set(load(written(tmp_path, text)).elements) >= {"first", "Spring"}
@@ -365,12 +366,26 @@ def test_rows_from_a_file_beside_the_model(tmp_path):
     assert len(system.elements["cam"].curve.points) == 3
 
 
+def test_rows_of_a_file_in_the_units_of_its_heading(tmp_path):
+    rows = "time [ms], angle [deg]\n0, 0\n1000, 180\n2000, 0\n"
+    (tmp_path / "law.csv").write_text(rows, encoding="utf-8")
+    text = HEAD + (
+        '[drivers.new]\ntype = "RotationalDriver"\nconnect = ["ground", "a"]\n'
+        'law = { type = "Table", file = "law.csv" }\n'
+    )
+    spline = load(written(tmp_path, text)).elements["new"].law.spline
+    assert spline.knots == pytest.approx([0, 1, 2])
+    assert spline.values == pytest.approx([0, math.pi, 0])
+
+
 @pytest.mark.parametrize(
     ("rows", "words"),
     [
         ("0,0\n1;1\n", "line 2"),
         ("", "no rows"),
-        ("0,0,0\n0,0,0\n", "line 2"),
+        ("0,0,0\n0,0,0\n", "has 3 columns; expected 2"),
+        ("time [mm], angle [rad]\n0, 0\n1, 1\n2, 0\n", "'time' is in 'mm'; expected a unit of s"),
+        ("a, a\n0, 0\n1, 1\n2, 0\n", "two columns are named 'a'"),
         ("0,0\n2,1\n1,0\n", "increase"),
     ],
 )
@@ -479,3 +494,25 @@ def test_checking_makes_no_step():
     analysis = make_analysis(file, model)
     variants = analysis.kernel(model).variants
     assert variants and not any({"step", "attempt"} & set(vars(v)) for v in variants)
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "by_ends"),
+    [
+        ("RotationalDriver", '"k*t"', 'connect = ["ground", "a"]'),
+        ("TranslationalDriver", '"0.1*t"', 'connect = ["a.P", "b"]\naxis = [1, 2]'),
+    ],
+)
+def test_a_driver_names_its_joint_or_its_ends(name, law, by_ends, tmp_path):
+    """Both forms state the same equation; a driver with neither is refused."""
+    slot = '[joints.S]\ntype = "PinInSlot"\nconnect = ["a.P", "b"]\naxis = [1, 2]\n'
+    joint = "J" if name == "RotationalDriver" else "S"
+    equations = []
+    for k, ends in enumerate((f'joint = "{joint}"', by_ends)):
+        text = f'{HEAD}{slot}[drivers.D]\ntype = "{name}"\n{ends}\nlaw = {law}\n'
+        model = load(written(tmp_path, text, f"{k}.toml")).build()
+        equations.append(str(model.constraints[-1].equations))
+    assert equations[0] == equations[1]
+    text = f'{HEAD}[drivers.D]\ntype = "{name}"\nlaw = {law}\n'
+    with pytest.raises(da.ModelError, match=r"drivers.D: .*give a joint that leaves a .* free, or"):
+        load(written(tmp_path, text))

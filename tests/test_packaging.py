@@ -6,7 +6,10 @@ import re
 import tomllib
 from pathlib import Path
 
+import pytest
+
 import dalembert
+from dalembert import packages
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -29,3 +32,13 @@ def test_the_licence_is_the_same_everywhere() -> None:
 def test_three_systems_are_tested() -> None:
     workflow = (ROOT / ".github/workflows/tests.yml").read_text(encoding="utf-8")
     assert all(f"{system}-latest" in workflow for system in ("ubuntu", "macos", "windows"))
+
+
+@pytest.mark.parametrize(("package", "target"), packages.INSTALL.items())
+def test_the_extra_of_an_optional_package_installs_it(package: str, target: str) -> None:
+    name = {"sklearn": "scikit-learn"}.get(package, package)
+    if "[" not in target:
+        assert target == name
+        return
+    extra = target.removeprefix("dalembert[").removesuffix("]")
+    assert any(re.match(rf"{name}\b", line) for line in PROJECT["optional-dependencies"][extra])

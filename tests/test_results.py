@@ -41,7 +41,7 @@ def test_dataset_and_measures_are_the_same(motion):
         (motion["crank.angle"], data["angle"].sel(body="crank")),
         (motion["crank.end.velocity"], data["point_velocity"].sel(point="crank.end")),
         (motion["pin.force"], data["reaction_force"].sel(joint="pin")),
-        (motion["motor.effort"], data["driver_effort"].sel(driver="motor")),
+        (motion["motor.effort"], data["effort"].sel(driver="motor")),
         (motion["spring.length"], data["element_length"].sel(element_length_of="spring")),
     ]
     for measure, variable in pairs:
@@ -149,12 +149,12 @@ def test_modes_are_written_as_other_results_are(tmp_path):
     assert [f.name for f in files] == ["swing.nc", "swing.csv"] and all(f.exists() for f in files)
     found = da.load_results(files[0])["frequency"].values
     assert found == pytest.approx(modes.frequencies)
-    with pytest.raises(da.UnsupportedError, match="no report of Modes"):
+    with pytest.raises(da.UnsupportedError, match="no report of MechanismModes"):
         modes.report(tmp_path / "swing.html")
 
 
 def test_a_state_brings_its_own_parameters():
-    """``at`` is a motion with its parameters and options: others are refused, not passed over."""
+    """``about`` is a motion with parameters and options: others are refused, not passed over."""
     system = da.System("swing", gravity=(0.0, -9.81))
     mass = system.parameter("m", 2.0)
     bob = system.add(planar.Bar("bob", length=1.0, mass=mass, angle=-1.5))
@@ -162,7 +162,7 @@ def test_a_state_brings_its_own_parameters():
     model = system.build()
     rest = da.solve_equilibrium(model)
     for given in ({"parameters": {"m": 1.0}}, {"time": 1.0}):
-        with pytest.raises(da.AnalysisError, match=r"linearize: (m|time) cannot be given with at="):
+        with pytest.raises(da.AnalysisError, match=r"(m|time) cannot be given with about="):
             da.linearize(model, rest, **given)
 
 

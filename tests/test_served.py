@@ -38,7 +38,6 @@ def test_one_name_for_one_meaning(bar):
 @pytest.mark.parametrize(
     ("solve", "cure"),
     [
-        (da.linearize, "use solve_modes"),
         (da.solve_kinematics, "use solve_statics"),
         (da.solve_inverse_dynamics, "use solve_transient"),
         (da.solve_assembly, "use solve_statics"),
@@ -52,9 +51,7 @@ def test_those_of_mechanisms_name_that_of_structures(solve, cure, bar):
 @pytest.mark.parametrize(
     ("solve", "cure"),
     [
-        (da.solve_statics, "use solve_equilibrium"),
         (da.solve_transient, "use solve_dynamics"),
-        (da.solve_modes, "use linearize"),
         (da.solve_buckling, "use linearize"),
         (da.solve_load_path, "use solve_equilibrium"),
     ],

@@ -186,8 +186,8 @@ REFUSED = {
     "RotationalDriver": lambda ground, body: planar.RotationalDriver("A", ground, body, 1.0),
     "CoordinateDriver": lambda ground, body: planar.CoordinateDriver("A", body.center, 1.0),
     "Force": lambda ground, body: planar.Force("A", body.center, (1.0, 0.0)),
-    "Moment": lambda ground, body: planar.Moment("A", body, 1.0),
-    "RotationalSpring": lambda ground, body: planar.RotationalSpring("A", ground, body),
+    "Torque": lambda ground, body: planar.Torque("A", body, 1.0),
+    "TorsionSpring": lambda ground, body: planar.TorsionSpring("A", ground, body),
     "Bushing": lambda ground, body: planar.Bushing(
         "A", ground.point(0, 0, 0), body.center, stiffness=(1.0, 1.0)
     ),

@@ -63,7 +63,7 @@ def test_a_mechanism_fails_with_its_nodes(tmp_path: Path, capsys) -> None:
 
 def test_a_path_that_is_lost_is_a_failure(tmp_path: Path, capsys) -> None:
     text = HEAD + '[[loads]]\nnodes = "b"\nfx = 1e8\n'
-    text += '[analysis]\ntype = "NonlinearStatics"\nmax_iterations = 1\n'
+    text += '[analysis]\ntype = "Equilibrium"\nmax_iterations = 1\n'
     assert main(["run", str(written(tmp_path, text)), "--output", str(tmp_path), "-q"]) == 1
     assert "no equilibrium beyond" in capsys.readouterr().err
 

@@ -79,7 +79,7 @@ def test_every_element_can_be_written(name: str, tmp_path: Path, schema) -> None
 
 OPTIONS = {
     "Statics": "",
-    "NonlinearStatics": "steps = 2",
+    "Equilibrium": "steps = 2",
     "ArcLength": "first = 0.2\nmax_points = 5",
     "Modal": "count = 2",
     "Buckling": "count = 1",

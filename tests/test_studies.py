@@ -37,12 +37,12 @@ SHORT = da.Dynamics(duration=0.2, step=0.02, backend="vm")
 RESPONSES = [da.final("bar.angle", name="angle"), da.maximum("O.force_norm", name="force")]
 
 
-def study(design: da.Design, **how) -> da.Study:
+def study(design: da.DesignTable, **how) -> da.SweepResult:
     return da.sweep(pendulum, design, analysis=SHORT, responses=RESPONSES, **how)
 
 
 def test_a_study_carries_the_warnings_of_its_extreme_designs():
-    design = da.Design.table({"length": [1.0, 0.005, 1.2], "mass": [1.0, 1.0, 1.0]})
+    design = da.DesignTable.table({"length": [1.0, 0.005, 1.2], "mass": [1.0, 1.0, 1.0]})
     fast = da.sweep(pendulum, design, analysis=da.Dynamics(0.5, step=0.02), responses=RESPONSES)
     assert fast.success.all()
     assert any(text.startswith("design 1: steps of 0.02 s are long") for text in fast.warnings)
@@ -52,9 +52,9 @@ def test_a_study_carries_the_warnings_of_its_extreme_designs():
 
 
 def test_designs():
-    grid = da.Design.grid({"a": [1, 2, 3], "b": [10, 20]})
+    grid = da.DesignTable.grid({"a": [1, 2, 3], "b": [10, 20]})
     assert grid.values.tolist() == [[1, 10], [1, 20], [2, 10], [2, 20], [3, 10], [3, 20]]
-    for sample in (da.Design.latin_hypercube, da.Design.sobol):
+    for sample in (da.DesignTable.latin_hypercube, da.DesignTable.sobol):
         found = sample(RANGES, 16, rng=1)
         for (lower, upper), column in zip(RANGES.values(), found.values.T, strict=True):
             # one in each sixteenth of the range
@@ -63,21 +63,21 @@ def test_designs():
         assert np.array_equal(found.values, sample(RANGES, 16, rng=1).values)
     from scipy import stats
 
-    drawn = da.Design.monte_carlo({"a": stats.norm(3, 2), "b": (0, 1)}, 4000, rng=2)
+    drawn = da.DesignTable.monte_carlo({"a": stats.norm(3, 2), "b": (0, 1)}, 4000, rng=2)
     assert drawn.values.mean(axis=0) == pytest.approx([3, 0.5], abs=0.1)
-    assert len(da.Design.table({"a": [1.0, 2.0]})) == 2
+    assert len(da.DesignTable.table({"a": [1.0, 2.0]})) == 2
 
 
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: da.Design.grid({}), "at least one parameter"),
-        (lambda: da.Design.sobol({"a": (2, 1)}, 4), "a: a range"),
-        (lambda: da.Design.sobol({"a": (1, 2)}, 0), "number of designs"),
-        (lambda: da.Design.table({"a": [1, 2], "b": [1]}), "same length"),
-        (lambda: da.Design.table({"a": [1, float("nan")]}), "design 1: a is nan"),
-        (lambda: study(da.Design.grid({"lenght": [1]})), "length"),
-        (lambda: study(da.Design.grid({"length": [1]}), workers=0), "workers"),
+        (lambda: da.DesignTable.grid({}), "at least one parameter"),
+        (lambda: da.DesignTable.sobol({"a": (2, 1)}, 4), "a: a range"),
+        (lambda: da.DesignTable.sobol({"a": (1, 2)}, 0), "number of designs"),
+        (lambda: da.DesignTable.table({"a": [1, 2], "b": [1]}), "same length"),
+        (lambda: da.DesignTable.table({"a": [1, float("nan")]}), "design 1: a is nan"),
+        (lambda: study(da.DesignTable.grid({"lenght": [1]})), "length"),
+        (lambda: study(da.DesignTable.grid({"length": [1]}), workers=0), "workers"),
     ],
 )
 def test_wrong_designs(make, words):
@@ -86,7 +86,7 @@ def test_wrong_designs(make, words):
 
 
 def test_each_design_is_its_own_run():
-    design = da.Design.grid({"length": [0.8, 1.1], "mass": [2.5]})
+    design = da.DesignTable.grid({"length": [0.8, 1.1], "mass": [2.5]})
     found = study(design)
     model = pendulum()
     for row, values in zip(design.values, found.values, strict=True):
@@ -97,21 +97,21 @@ def test_each_design_is_its_own_run():
 
 
 def test_failed_designs_keep_their_reason():
-    found = study(da.Design.grid({"length": [1.0, -1.0, 1.5]}))
+    found = study(da.DesignTable.grid({"length": [1.0, -1.0, 1.5]}))
     assert found.success.tolist() == [True, False, True]
     assert "length" in found.failures[1]
     assert np.isnan(found.values[1]).all() and np.isfinite(found.values[[0, 2]]).all()
 
 
 def test_processes_find_the_same():
-    design = da.Design.sobol(RANGES, 9, rng=0)
+    design = da.DesignTable.sobol(RANGES, 9, rng=0)
     one, two = study(design), study(design, workers=2, chunk=2)
     assert np.array_equal(one.values, two.values)
 
 
 def test_side_by_side_is_one_by_one():
     """The same numbers to round-off, and the same designs fail."""
-    design = da.Design.table({"length": [0.5, 0.8, -1.0, 1.1, 1.4, 2.0]})
+    design = da.DesignTable.table({"length": [0.5, 0.8, -1.0, 1.1, 1.4, 2.0]})
     numbers = np.arange(len(design))
     tasks = [StudyTask(pendulum(), SHORT, RESPONSES, together=t) for t in (True, False)]
     assert [task.batched for task in tasks] == [True, False]
@@ -135,7 +135,7 @@ class Deadly(StudyTask):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are not forked there")
 def test_dead_workers(tmp_path):
-    design = da.Design.sobol(RANGES, 8, rng=0)
+    design = da.DesignTable.sobol(RANGES, 8, rng=0)
     Deadly.once = tmp_path / "died"
     task = Deadly(pendulum(), SHORT, RESPONSES, together=False)
     whole = Chunk(np.arange(8), design.names, design.values)
@@ -164,7 +164,7 @@ def stored(request, monkeypatch) -> str:
 
 
 def test_folder_goes_on(tmp_path, stored):
-    design = da.Design.sobol(RANGES, 8, rng=0)
+    design = da.DesignTable.sobol(RANGES, 8, rng=0)
     whole = study(design, folder=tmp_path / "whole", chunk=3)
 
     def stop(fraction):
@@ -174,16 +174,16 @@ def test_folder_goes_on(tmp_path, stored):
     with pytest.raises(KeyboardInterrupt):
         study(design, folder=tmp_path / "parts", chunk=3, progress=stop)
     again = study(design, folder=tmp_path / "parts", chunk=2)
-    assert again.reused == 3
+    assert again.reused_count == 3
     assert np.array_equal(whole.values, again.values)
     name = f"table.{stored}"
-    assert again.stored == tmp_path / "parts" / name
+    assert again.table_path == tmp_path / "parts" / name
     assert bool(again.findings()["note"]) == (stored == "csv")
     if stored == "csv":
         assert (tmp_path / "whole" / name).read_text() == (tmp_path / "parts" / name).read_text()
     else:
         assert table_of(tmp_path / "whole").equals(table_of(tmp_path / "parts"))
-    assert study(design, folder=tmp_path / "parts").reused == 8
+    assert study(design, folder=tmp_path / "parts").reused_count == 8
 
 
 DAMAGE = {
@@ -199,7 +199,7 @@ DAMAGE = {
 @pytest.mark.parametrize("kind", DAMAGE)
 def test_damaged_parts_are_evaluated_again(kind, tmp_path, stored):
     """At random places, the last number among them; the damaged part is kept under another name."""
-    design = da.Design.table({"length": [1.0, -1.0, 1.5, 0.8]})
+    design = da.DesignTable.table({"length": [1.0, -1.0, 1.5, 0.8]})
     task = StudyTask(pendulum(), SHORT, RESPONSES)
     answers = task.answers(np.arange(4), design.names, design.values)
     about = {"responses": [r.label for r in RESPONSES]}
@@ -224,19 +224,19 @@ def test_damaged_parts_are_evaluated_again(kind, tmp_path, stored):
 
 
 def test_a_study_with_a_damaged_part_goes_on(tmp_path, stored):
-    design = da.Design.grid({"length": [1.0, 1.5, 0.8]})
+    design = da.DesignTable.grid({"length": [1.0, 1.5, 0.8]})
     whole = study(design, folder=tmp_path, chunk=1)
     part = sorted((tmp_path / "parts").glob("part-*"))[1]
     part.write_bytes(part.read_bytes()[:-9])
     again = study(design, folder=tmp_path)
-    assert again.reused == 2 and np.array_equal(whole.values, again.values)
+    assert again.reused_count == 2 and np.array_equal(whole.values, again.values)
     assert part.exists() and part.with_name(f"{part.name}.damaged").exists()
 
 
 def test_failures_are_kept(tmp_path, stored):
-    design = da.Design.grid({"length": [1.0, -1.0, 1.5]})
+    design = da.DesignTable.grid({"length": [1.0, -1.0, 1.5]})
     first, again = (study(design, folder=tmp_path) for _ in range(2))
-    assert again.reused == 3 and again.failures == first.failures
+    assert again.reused_count == 3 and again.failures == first.failures
     assert np.array_equal(first.values, again.values, equal_nan=True)
 
 
@@ -245,7 +245,7 @@ def test_another_mass_is_another_study(tmp_path):
     system = da.System("pendulum")
     bar = system.add(planar.Bar("bar", length=system.parameter("length", 1.0), mass=1.0))
     system.add(planar.Revolute("O", system.ground.point(0, 0), bar.start))
-    design = da.Design.grid({"length": [1.0]})
+    design = da.DesignTable.grid({"length": [1.0]})
     task = StudyTask(system.build(), SHORT, RESPONSES)
     other = da.System("pendulum")
     rod = other.add(planar.Bar("bar", length=other.parameter("length", 1.0), mass=2.0))
@@ -256,13 +256,13 @@ def test_another_mass_is_another_study(tmp_path):
 
 def test_folder_of_another_study(tmp_path):
     pytest.importorskip("pyarrow")
-    study(da.Design.grid({"mass": [1, 2]}), folder=tmp_path)
+    study(da.DesignTable.grid({"mass": [1, 2]}), folder=tmp_path)
     with pytest.raises(da.FileError, match="another study"):
-        study(da.Design.grid({"mass": [1, 3]}), folder=tmp_path)
+        study(da.DesignTable.grid({"mass": [1, 3]}), folder=tmp_path)
     with pytest.raises(da.FileError, match="another study"):
         da.sweep(
             pendulum,
-            da.Design.grid({"mass": [1, 2]}),
+            da.DesignTable.grid({"mass": [1, 2]}),
             analysis=da.Dynamics(duration=0.2, step=0.01, backend="vm"),
             responses=RESPONSES,
             folder=tmp_path,
@@ -272,7 +272,7 @@ def test_folder_of_another_study(tmp_path):
 SCRIPT = f"""
 import sys; sys.path.insert(0, {str(HERE.parent)!r})
 import test_studies as t
-design = t.da.Design.sobol(t.RANGES, int(sys.argv[2]), rng=0)
+design = t.da.DesignTable.sobol(t.RANGES, int(sys.argv[2]), rng=0)
 t.study(design, folder=sys.argv[1], workers=2, chunk=3)
 """
 
@@ -301,7 +301,7 @@ def killed_study(folder: Path, count: int, kills: int, rng: random.Random) -> in
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL there")
 def test_killed_at_random_times(tmp_path):
     pytest.importorskip("pyarrow")
-    design = da.Design.sobol(RANGES, 60, rng=0)
+    design = da.DesignTable.sobol(RANGES, 60, rng=0)
     assert killed_study(tmp_path / "killed", 60, 3, random.Random(1)) >= 2
     study(design, folder=tmp_path / "whole")
     assert table_of(tmp_path / "killed").equals(table_of(tmp_path / "whole"))

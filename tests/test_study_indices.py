@@ -15,9 +15,9 @@ RANGES = dict.fromkeys(("a", "b", "c"), (-math.pi, math.pi))
 def runner(function):
     """Studies of a function of the parameters, without a model."""
 
-    def run(design: da.Design) -> da.Study:
+    def run(design: da.DesignTable) -> da.SweepResult:
         values = function(*design.values.T)[:, None]
-        return da.Study("function", design, ("f",), values, ("",) * len(design))
+        return da.SweepResult("function", design, ("f",), values, ("",) * len(design))
 
     return run
 
@@ -51,7 +51,7 @@ def test_morris_of_a_plane():
 def test_surfaces():
     pytest.importorskip("sklearn")
     ranges = {"a": (0.0, 2.0), "b": (-1.0, 1.0)}
-    design = da.Design.latin_hypercube(ranges, 40, rng=1)
+    design = da.DesignTable.latin_hypercube(ranges, 40, rng=1)
     parabola = da.response_surface(runner(lambda a, b: 1 + a * b - 2 * a**2)(design))
     assert parabola.error < 1e-9 and parabola.determination == pytest.approx(1)
     assert parabola(a=0.5, b=0.25) == pytest.approx(1 + 0.125 - 0.5)
@@ -69,9 +69,9 @@ def test_surfaces():
 def test_indices_need_every_design():
     pytest.importorskip("SALib")
 
-    def run(design: da.Design) -> da.Study:
+    def run(design: da.DesignTable) -> da.SweepResult:
         reasons = ("broke", *[""] * (len(design) - 1))
-        return da.Study("function", design, ("f",), design.values[:, :1], reasons)
+        return da.SweepResult("function", design, ("f",), design.values[:, :1], reasons)
 
     with pytest.raises(da.AnalysisError, match="broke"):
         da.sobol_indices(run, RANGES, samples=4)
@@ -79,7 +79,7 @@ def test_indices_need_every_design():
 
 def test_what_cannot_be():
     pytest.importorskip("sklearn")
-    design = da.Design.grid({"a": [0.0, 1.0], "b": [1.0]})
+    design = da.DesignTable.grid({"a": [0.0, 1.0], "b": [1.0]})
     study = runner(lambda a, b: a)(design)
     with pytest.raises(da.AnalysisError, match="too few"):
         da.response_surface(study)

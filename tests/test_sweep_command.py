@@ -63,7 +63,7 @@ def test_sweep(model, capsys):
     assert "length" in first["failed"]["4"]
     assert main(["sweep", str(model), "--workers", "2", "--json"]) == 0
     again = told(capsys)
-    assert again["reused"] == 10 and again["responses"] == first["responses"]
+    assert again["reused_count"] == 10 and again["responses"] == first["responses"]
     assert main(["sweep", str(model), "--workers", "1"]) == 0
     assert "8 of 10 designs" in capsys.readouterr().out
     assert main(["sweep", str(model), "--set", "mass=3", "--json"]) == 2

@@ -62,7 +62,7 @@ block = { mass = 1.0, inertia = 1.0, position = [0.5, 0] }
 O = { type = "Revolute", connect = ["ground", "disc.start"] }
 A = { type = "Revolute", connect = ["disc.end", "link.start"] }
 B = { type = "Revolute", connect = ["link.end", "block"] }
-rail = { type = "Translational", connect = ["ground", "block"] }
+rail = { type = "Prismatic", connect = ["ground", "block"] }
 [drivers]
 motor = { type = "RotationalDriver", connect = ["ground", "disc"], law = "3*t" }
 [analysis]

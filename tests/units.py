@@ -14,11 +14,11 @@ import casadi as ca
 import numpy as np
 
 import dalembert as da
-from dalembert import planar, spatial, t, u
+from dalembert import planar, spatial, t
 from dalembert.elements.base import Constraint, Element
 from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
-from dalembert.elements.curves import Curve, FormulaCurve
+from dalembert.elements.curves import Curve, FormulaCurve, u
 from dalembert.elements.frame import Frame
 from dalembert.elements.laws.base import Law
 from dalembert.elements.springs import SpringDamper

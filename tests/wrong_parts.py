@@ -94,7 +94,7 @@ PARTS: dict[str, tuple[str, list[str]]] = {
         ["forces.floor", "does not depend on any speed", "a body's vx"],
     ),
     "friction of no slip": (floor(friction="0.3"), ["forces.floor", "friction is 0.3", "slip="]),
-    "gap of a speed": (floor(distance='"disc.vy"'), ["forces.floor", "disc.dy", "positions"]),
+    "gap of a speed": (floor(distance='"disc.vy"'), ["forces.floor", "disc.vy", "positions"]),
     "no structure": (
         flexible(structure='"wrong.toml"'),
         ["bodies.arm.structure", "wrong.toml is no structure", 'kind = "structure"'],

@@ -25,7 +25,7 @@ from benchmarks.solvers import ours
 from benchmarks.solvers.base import Contestant, installed
 from benchmarks.solvers.exudyn import settings_for
 from dalembert import spatial, structures
-from dalembert.structures.reduction.rigid import node_positions
+from dalembert.model.assembled.reduction.rigid import node_positions
 
 LENGTH, SIDE, MODULUS, POISSON, DENSITY = 1.0, 0.05, 5e8, 0.3, 1000.0
 GRAVITY, DURATION, MODES, ERROR, MANY = 9.81, 0.5, 6, 1e-5, 16_000

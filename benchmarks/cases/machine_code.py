@@ -58,7 +58,7 @@ def cost(count: int, rounds: int) -> Cost:
     build = lap()
     kernel = da.Dynamics(1.0, step=STEP).kernel(model)
     x, mode = kernel.initial(model.start, 0.0, model.nominal)
-    made = kernel.fixed.prepared(mode)
+    made = kernel.fixed.marched(mode).forms
     form = compiled_form(made.function, made.called)
     graph = lap()
     with tempfile.TemporaryDirectory() as folder:

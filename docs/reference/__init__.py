@@ -1,1 +1,1 @@
-"""What the documentation says again of the code: tables of keys, names and examples."""
+"""Generated tables of the documentation: keys, names and examples."""

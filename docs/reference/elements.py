@@ -28,6 +28,7 @@ from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.io import fields
 from dalembert.io.fields import FROM_FILE, connected_fields, keyed_fields
 from dalembert.model.coordinates import Coordinates
+from dalembert.results.structural.result import StructuralResult
 from reference.markdown import field_texts, summary, table
 
 HOLDS: dict[object, str] = {
@@ -36,15 +37,16 @@ HOLDS: dict[object, str] = {
     fields.Measured: "measure",
     Event: "name of an event",
     float: "number",
-    int: "whole number",
+    int: "integer",
     bool: "true or false",
     str: "text",
-    Path: "path beside the model file",
+    Path: "path relative to the model file",
     BodyElement: "name of a body",
     Point: "point",
     Frame: "frame",
     Constraint: "name of a joint",
     FlexibleStructure: "file of a structure",
+    StructuralResult: "table of an analysis",
     Interfaces: "name of a section: nodes; or list of nodes",
     Numbers: "table of formulas",
     Rows: "list",
@@ -98,17 +100,17 @@ NEEDED = {
     "Cable.length",
     "Cable.stiffness",
 }
-"""Keys that their class refuses to miss, although the field has a default."""
+"""Required keys whose field has a default."""
 REFUSED = {
     "Particle": {"inertia", "angle", "angular_velocity", "rotation", "center_of_mass"},
 }
-"""Keys that a class inherits and refuses."""
+"""Inherited keys that a class does not accept."""
 COUNTS = {1: "one", 2: "two", 3: "three", 6: "six"}
 
 
 def shown_default(field: dataclasses.Field, needed: bool) -> str:
     if needed:
-        return "needed"
+        return "required"
     default = field.default
     if default is dataclasses.MISSING and field.default_factory is not dataclasses.MISSING:
         default = field.default_factory()
@@ -132,7 +134,8 @@ def record(name: str, cls: type, heading: str = "###") -> str:
     ties = connected_fields(cls)
     if ties:
         listed = ", ".join(f.name for f in ties)
-        parts.append(f"`connect = [{listed}]`")
+        optional = not any(f.is_needed for f in ties)
+        parts.append(f"`connect = [{listed}]`{', or `joint`' if optional else ''}")
     texts, from_file, rows = field_texts(cls), FROM_FILE.get(name, ()), []
     for field in keyed_fields(cls):
         if field.name in REFUSED.get(name, ()):
@@ -161,17 +164,17 @@ def record(name: str, cls: type, heading: str = "###") -> str:
         text = f"CSV file with two columns, instead of {names}"
         rows.append(("`file`", "text", "", "none", text))
     if rows:
-        parts.append(table(("key", "holds", "unit", "default", "meaning"), rows))
+        parts.append(table(("key", "value", "unit", "default", "meaning"), rows))
     else:
         parts.append("No keys of its own.")
     return "\n\n".join(parts)
 
 
 def held(field: fields.FileField) -> str:
-    """What a key holds, in words."""
+    """Description of the value of a key."""
     if field.holds is not fields.Quantities:
         return HOLDS[field.holds]
-    fewer = f"{COUNTS[field.least]} or " if field.least else ""
+    fewer = f"{COUNTS[field.minimum_size]} or " if field.minimum_size else ""
     return f"{fewer}{COUNTS[field.size]} formulas"
 
 

@@ -18,7 +18,7 @@ CATEGORIES: dict[str, tuple[str, str]] = {
         "cart_a cart_b cart_c "
         "gait_torques smooth_torque chain_drive excavator four_bar_balancing",
     ),
-    "Mechanisms in space": (
+    "Spatial mechanisms": (
         "rssr_four_bar",
         "bicycle bricard bump_steer double_wishbone governor gyroscope heavy_top robot_arm "
         "rssr_four_bar spatial_slider_crank stewart_platform universal_driveline",
@@ -38,7 +38,7 @@ CATEGORIES: dict[str, tuple[str, str]] = {
         "gripper lightest_reliable_truss reliable_truss shaper_tolerances smallest_cam "
         "straight_line_synthesis swing_up synthesis_tasks twisting_wing",
     ),
-    "Cases of the book, methods side by side": (
+    "Book examples and comparisons of methods": (
         "spring_pendulum",
         "bar_slider_mass body_about_a_point compare_four_bar finite_difference_steps "
         "four_bar_violation oscillator_energy partition_conditioning pendulum_multipliers "
@@ -46,15 +46,16 @@ CATEGORIES: dict[str, tuple[str, str]] = {
         "spring_pendulum three_body_system",
     ),
 }
-"""Topic → a moving picture, and the names of its examples."""
+"""Topic → animated picture, and names of examples."""
 TITLES = {
     "mbb_beam": "MBB beam",
     "n_four_bar": "N four-bars",
     "rssr_four_bar": "RSSR four-bar",
+    "slider_crank_with_play": "Slider crank with clearance",
 }
-"""Titles that are not the capitalised names of the files."""
+"""Titles other than the capitalised file name."""
 COLUMNS = 3
-"""Cards in a row."""
+"""Cards per row."""
 
 
 def gallery() -> str:
@@ -76,7 +77,7 @@ def gallery() -> str:
 
 
 def _cards(folder: Path, stems: list[str], moving: str) -> str:
-    """A table of pictures with titles and summaries; the moving picture comes first."""
+    """A table of pictures with titles and summaries; the animated picture comes first."""
     order = sorted(stems, key=lambda stem: (stem != moving, not _picture(stem, moving)))
     cards = [_card(folder, stem, moving) for stem in order]
     cards += [" "] * (-len(cards) % COLUMNS)
@@ -99,7 +100,7 @@ def _title(stem: str) -> str:
 
 
 def _picture(stem: str, moving: str = "") -> str:
-    """Path of the picture of an example; empty where it has none."""
+    """Path of the picture of an example; empty without one."""
     name = f"gallery/{stem}.{'gif' if stem == moving else 'png'}"
     return name if (DOCS / name).exists() else ""
 

@@ -10,7 +10,7 @@ FIELD = re.compile(r"^(\w+(?:, \w+)*) : (.*)$")
 
 
 def summary(cls: type) -> str:
-    """Everything a docstring says before its sections, as Markdown."""
+    """Text of a docstring before its sections, as Markdown."""
     text = inspect.getdoc(cls) or ""
     return markdown(re.split(r"\n\n\w+\n-+\n", text)[0])
 

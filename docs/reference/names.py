@@ -10,10 +10,10 @@ from reference.markdown import table
 
 NAMED = {
     "t": "time, in laws, forces and user constraints",
-    "u": "parameter of a curve that is written as formulas",
+    "u": "parameter of a `FormulaCurve`",
     "laws": "motion laws for drivers",
     "planar": "planar bodies, joints, drivers and forces",
-    "spatial": "bodies, joints, drivers and forces in space",
+    "spatial": "spatial bodies, joints, drivers and forces",
     "rotation": "orientations: `axis_angle`, `euler`, `bryant`, `from_matrix`",
 }
 
@@ -23,7 +23,7 @@ def api() -> str:
     rows = []
     for name in sorted(dalembert.__all__, key=lambda n: (n[0].islower(), n.lower())):
         rows.append((f"`{name}`", _kind(getattr(dalembert, name)), _first(name)))
-    return table(("name", "is", "what it is for"), rows)
+    return table(("name", "kind", "description"), rows)
 
 
 def _kind(value: object) -> str:

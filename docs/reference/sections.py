@@ -1,4 +1,4 @@
-"""Keys of the fixed tables of model files, with the texts that the schema does not give."""
+"""Keys of the fixed tables of model files, with texts for keys without a description."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dalembert.io import orientations, schema, tables
 from dalembert.io.decisions import design_tables, task_tables
 from reference.markdown import table
 
-ABOUT = "text for people"
+ABOUT = "free text"
 UNIT = "coherent unit of the formula, such as `m^3/s`"
 FIXED = {
     "document": (
@@ -18,38 +18,38 @@ FIXED = {
             "parameters": "name → number, or a table as below",
             "derived": "name → formula of parameters, or a table as below",
             "ground": "named points and frames, in `[ground.points]` and `[ground.frames]`",
-            "bodies": "name → body; the type `Body` may be left out",
-            "beams": "name → beam; the type `Beam` may be left out",
+            "bodies": "name → body; the type is `Body` by default",
+            "beams": "name → beam; the type is `Beam` by default",
             "joints": "name → joint",
             "drivers": "name → driver",
             "forces": "name → force",
-            "initial": "measure → number or formula that it has at the start, exactly",
-            "analysis": "what `dalembert run` computes",
-            "compare": "what `dalembert compare` combines",
+            "initial": "measure → its exact initial value, a number or formula",
+            "analysis": "analysis of `dalembert run`",
+            "compare": "strategies of `dalembert compare`",
             "responses": "name → response",
-            "cases": "name → another run that a design is judged by",
+            "cases": "name → another run for objectives and limits",
             "combined": "name → formula of responses, or a table as below",
-            "robust": "name → response with its scatter",
-            "pareto": "between which aims `dalembert pareto` lets choose",
+            "robust": "name → mean and standard deviations of a response",
+            "pareto": "objectives of `dalembert pareto`",
             "random": "list of random parameters",
-            "reliability": "which limits `dalembert reliability` looks at",
-            "tolerance": "which tolerances `dalembert tolerance` follows",
-            "invert": "from what `dalembert invert` finds the histories",
-            "synthesis": "what linkages `dalembert synthesize` finds",
-            "trajectory": "which motion `dalembert trajectory` looks for",
-            "sensitivity": "what `dalembert sensitivity` computes",
-            "optimize": "what `dalembert optimize` computes",
-            "identify": "what `dalembert identify` finds",
-            "sweep": "which designs `dalembert sweep` runs",
-            "report": "what the report shows first",
+            "reliability": "limit states of `dalembert reliability`",
+            "tolerance": "tolerances of `dalembert tolerance`",
+            "invert": "data of `dalembert invert`",
+            "synthesis": "task of `dalembert synthesize`",
+            "trajectory": "task of `dalembert trajectory`",
+            "sensitivity": "gradients of `dalembert sensitivity`",
+            "optimize": "objective, variables and limits of `dalembert optimize`",
+            "identify": "data and unknowns of `dalembert identify`",
+            "sweep": "designs of `dalembert sweep`",
+            "report": "initial selection of the report",
         },
     ),
     "parameter": (
         schema.ParameterTable,
         {
             "value": 'nominal value in `unit`, or a text with its unit: `"45 mm"`',
-            "unit": 'what value and bounds are given in: `"mm"`, `"deg"`; SI units if left out',
-            "bounds": "`[lower, upper]` for designs, in `unit`; `inf` leaves a side open",
+            "unit": 'unit of value and bounds: `"mm"`, `"deg"`; SI by default',
+            "bounds": "`[lower, upper]` for designs, in `unit`; `inf` for an open side",
             "description": ABOUT,
         },
     ),
@@ -61,13 +61,16 @@ FIXED = {
             "description": ABOUT,
         },
     ),
-    "inline": (tables.InlinePoint, {"body": "name of a body", "at": "its coordinates there [m]"}),
+    "inline": (
+        tables.InlinePoint,
+        {"body": "name of a body", "at": "coordinates in the body frame [m]"},
+    ),
     "frame": (orientations.InlineFrame, {}),
     "event": (
         tables.EventTable,
         {
             "measure": "measure or formula that crosses zero",
-            "terminal": "the run ends there",
+            "terminal": "the run ends at the event",
             "direction": "`1` rising, `-1` falling, `0` both",
         },
     ),
@@ -94,11 +97,11 @@ FIXED = {
     "optimize": (
         design_tables.OptimizeTable,
         {
-            "minimize": "name of the response to make small; this or `maximize`",
-            "maximize": "name of the response to make large",
-            "method": "how it is searched for, see [methods](optimization.md#methods)",
+            "minimize": "name of the response to minimise; this or `maximize`",
+            "maximize": "name of the response to maximise",
+            "method": "optimiser, see [methods](optimization.md#methods)",
             "gradient": "method of the gradients",
-            "max_iterations": "of the optimiser",
+            "max_iterations": "upper limit of iterations of the optimiser",
             "tolerance": "on the relative change of the objective",
         },
     ),
@@ -106,25 +109,25 @@ FIXED = {
         design_tables.LimitTable,
         {
             "response": "name of a response",
-            "lower": "it must not be below",
-            "upper": "it must not be above",
+            "lower": "lower limit",
+            "upper": "upper limit",
         },
     ),
     "identify": (
         task_tables.IdentifyTable,
         {
-            "data": "file of measurements beside this one, .csv or .parquet",
+            "data": "file of measurements in the same folder, .csv or .parquet",
             "time": "column of the times; `time` or `t` by default",
             "loss": '`"linear"`, or against outliers `"soft_l1"`, `"huber"`, `"cauchy"`, '
             '`"arctan"`',
-            "max_iterations": "of least squares",
+            "max_iterations": "upper limit of iterations of least squares",
         },
     ),
     "experiment": (
         task_tables.ExperimentTable,
         {
             "data": "file of measurements",
-            "name": "in results; its number by default",
+            "name": "name in results; its number by default",
         },
     ),
     "case": (schema.CaseTable, {}),
@@ -133,9 +136,9 @@ FIXED = {
     "pareto": (
         design_tables.ParetoTable,
         {
-            "method": "how it is searched for, see [several aims](optimization.md#several-aims)",
+            "method": "method, see [several objectives](optimization.md#several-objectives)",
             "gradient": "method of the gradients",
-            "max_iterations": "of each point",
+            "max_iterations": "upper limit of iterations for each point",
             "tolerance": "on the relative change of the objective",
         },
     ),
@@ -144,15 +147,15 @@ FIXED = {
         {
             "method": '`"sqp"`, `"improved-hlrf"` or `"hlrf"`',
             "tolerance": "on residual and distance of the design point",
-            "max_iterations": "of each search",
+            "max_iterations": "upper limit of iterations of each search",
         },
     ),
     "tolerance": (design_tables.ToleranceTable, {}),
     "allot": (
         design_tables.AllotTable,
         {
-            "exponent": "of the tolerance in its cost",
-            "worst_case": "all tolerances used up at once; statistical by default",
+            "exponent": "exponent of the tolerance in its cost",
+            "worst_case": "worst case of all tolerances; statistical by default",
         },
     ),
     "synthesis": (design_tables.SynthesisTable, {}),
@@ -161,7 +164,10 @@ FIXED = {
         {"method": "name, or a table with `type` and keys, see [trajectories](trajectories.md)"},
     ),
     "history": (task_tables.HistoryTable, {}),
-    "invert": (task_tables.InvertTable, {"max_iterations": "of least squares"}),
+    "invert": (
+        task_tables.InvertTable,
+        {"max_iterations": "upper limit of iterations of least squares"},
+    ),
     "report": (task_tables.ReportTable, {}),
 }
 
@@ -170,7 +176,7 @@ def section(model: type, texts: dict[str, str]) -> str:
     """Keys of a fixed table of the schema; every key needs a text here or in the schema."""
     rows = []
     for name, field in model.model_fields.items():
-        default = "needed" if field.is_required() else _plain_default(field)
+        default = "required" if field.is_required() else _plain_default(field)
         text = texts.get(name) or field.description or ""
         rows.append((f"`{field.alias or name}`", default, text))
     missing = [key for key, _, text in rows if not text]

@@ -34,7 +34,8 @@ __all__ = list(_PUBLIC)
 
 def __getattr__(name: str) -> object:
     if name not in _PUBLIC:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        wording = import_module("dalembert.text.wording")
+        raise AttributeError(wording.no_attribute(__name__, name, __all__))
     module, original = _PUBLIC[name]
     value = vars(import_module(module)).get(original)
     if value is None:  # a package, not a name in the module

@@ -12,9 +12,13 @@ from dalembert.analysis.equilibrium.equilibrium import (
     Equilibrium as Equilibrium,
     solve_equilibrium as solve_equilibrium,
 )
-from dalembert.analysis.equilibrium.linearization import (
-    Linearization as Linearization,
-    linearize as linearize,
+from dalembert.analysis.equilibrium.load_path import (
+    ArcLength as ArcLength,
+    solve_load_path as solve_load_path,
+)
+from dalembert.analysis.equilibrium.statics import (
+    Statics as Statics,
+    solve_statics as solve_statics,
 )
 from dalembert.analysis.events import Event as Event
 from dalembert.analysis.kinematics.inverse_dynamics import (
@@ -25,23 +29,15 @@ from dalembert.analysis.kinematics.kinematics import (
     Kinematics as Kinematics,
     solve_kinematics as solve_kinematics,
 )
-from dalembert.analysis.nonsmooth.nonsmooth import (
-    Nonsmooth as Nonsmooth,
-    solve_nonsmooth as solve_nonsmooth,
-)
-from dalembert.analysis.structural.buckling import (
+from dalembert.analysis.modes.buckling import (
     Buckling as Buckling,
     solve_buckling as solve_buckling,
 )
-from dalembert.analysis.structural.load_path import (
-    ArcLength as ArcLength,
-    solve_load_path as solve_load_path,
-)
-from dalembert.analysis.structural.modal import Modal as Modal, solve_modes as solve_modes
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics as NonlinearStatics
-from dalembert.analysis.structural.statics import (
-    Statics as Statics,
-    solve_statics as solve_statics,
+from dalembert.analysis.modes.modal import Modal as Modal
+from dalembert.analysis.modes.solve import linearize as linearize, solve_modes as solve_modes
+from dalembert.analysis.nonsmooth.nonsmooth import (
+    Nonsmooth as Nonsmooth,
+    solve_nonsmooth as solve_nonsmooth,
 )
 from dalembert.analysis.structural.transient import (
     Transient as Transient,
@@ -56,29 +52,34 @@ from dalembert.design.ecosystem.openmdao_implicit import (
 )
 from dalembert.design.ecosystem.pymoo_problem import pymoo_problem as pymoo_problem
 from dalembert.design.identification.experiment import Experiment as Experiment
-from dalembert.design.identification.identification import Identification as Identification
+from dalembert.design.identification.identification_result import (
+    IdentificationResult as IdentificationResult,
+)
 from dalembert.design.identification.identify import identify as identify
-from dalembert.design.inverse.history import History as History, history as history
-from dalembert.design.inverse.inversion import Inversion as Inversion
+from dalembert.design.inverse.input_history import (
+    InputHistory as InputHistory,
+    input_history as input_history,
+)
+from dalembert.design.inverse.inversion_result import InversionResult as InversionResult
 from dalembert.design.inverse.invert import invert as invert
 from dalembert.design.limit import Limit as Limit
 from dalembert.design.methods.branch_and_bound import BranchAndBound as BranchAndBound
-from dalembert.design.methods.cma_es import CmaEs as CmaEs
+from dalembert.design.methods.cma_es import CMAES as CMAES
 from dalembert.design.methods.differential_evolution import (
     DifferentialEvolution as DifferentialEvolution,
 )
 from dalembert.design.methods.enumeration import Enumeration as Enumeration
 from dalembert.design.methods.ipopt import Ipopt as Ipopt
 from dalembert.design.methods.least_squares import LeastSquares as LeastSquares
-from dalembert.design.methods.moving_asymptotes import Mma as Mma
+from dalembert.design.methods.moving_asymptotes import MMA as MMA
 from dalembert.design.methods.multistart import Multistart as Multistart
-from dalembert.design.methods.nlopt_ccsa import Ccsaq as Ccsaq
-from dalembert.design.methods.slsqp import Slsqp as Slsqp
+from dalembert.design.methods.nlopt_ccsa import CCSAQ as CCSAQ
+from dalembert.design.methods.slsqp import SLSQP as SLSQP
 from dalembert.design.methods.trust_constr import TrustConstr as TrustConstr
 from dalembert.design.optimize.optimization import optimize as optimize
-from dalembert.design.optimize.optimum import Optimum as Optimum
-from dalembert.design.pareto.front import Front as Front
+from dalembert.design.optimize.optimization_result import OptimizationResult as OptimizationResult
 from dalembert.design.pareto.pareto import pareto as pareto
+from dalembert.design.pareto.pareto_result import ParetoResult as ParetoResult
 from dalembert.design.quantity import SumOfSquares as SumOfSquares, combined as combined
 from dalembert.design.reliability.distributions import (
     Gumbel as Gumbel,
@@ -90,21 +91,23 @@ from dalembert.design.reliability.distributions import (
 )
 from dalembert.design.reliability.optimize_reliable import optimize_reliable as optimize_reliable
 from dalembert.design.reliability.reliability import reliability as reliability
-from dalembert.design.reliability.reliability_result import Reliability as Reliability
-from dalembert.design.reliability.reliable_optimum import ReliableOptimum as ReliableOptimum
+from dalembert.design.reliability.reliability_result import ReliabilityResult as ReliabilityResult
+from dalembert.design.reliability.reliable_optimization_result import (
+    ReliableOptimizationResult as ReliableOptimizationResult,
+)
 from dalembert.design.robust import Robust as Robust, robust as robust
-from dalembert.design.studies.design import Design as Design
+from dalembert.design.studies.design_table import DesignTable as DesignTable
 from dalembert.design.studies.indices import (
     morris_indices as morris_indices,
     sobol_indices as sobol_indices,
 )
-from dalembert.design.studies.study import Study as Study
 from dalembert.design.studies.surfaces import (
     Surface as Surface,
     gaussian_process as gaussian_process,
     response_surface as response_surface,
 )
 from dalembert.design.studies.sweep import sweep as sweep
+from dalembert.design.studies.sweep_result import SweepResult as SweepResult
 from dalembert.design.synthesis.burmester import burmester_dyads as burmester_dyads
 from dalembert.design.synthesis.cam import FlatFaceCam as FlatFaceCam, RollerCam as RollerCam
 from dalembert.design.synthesis.chains import (
@@ -124,23 +127,27 @@ from dalembert.design.synthesis.swinging_cam import (
     SwingingFlatCam as SwingingFlatCam,
     SwingingRollerCam as SwingingRollerCam,
 )
-from dalembert.design.synthesis.synthesis import Solution as Solution, Synthesis as Synthesis
+from dalembert.design.synthesis.synthesis_result import (
+    Solution as Solution,
+    SynthesisResult as SynthesisResult,
+)
 from dalembert.design.synthesis.synthesize import synthesize as synthesize
 from dalembert.design.synthesis.synthesize_mechanism import (
     synthesize_mechanism as synthesize_mechanism,
 )
 from dalembert.design.synthesis.target import Target as Target
 from dalembert.design.tolerance.tolerance import tolerance as tolerance
-from dalembert.design.tolerance.toleranced import Toleranced as Toleranced
+from dalembert.design.tolerance.tolerance_result import ToleranceResult as ToleranceResult
 from dalembert.design.trajectory.collocation import DirectCollocation as DirectCollocation
 from dalembert.design.trajectory.control import Control as Control
-from dalembert.design.trajectory.optimal import OptimalTrajectory as OptimalTrajectory
 from dalembert.design.trajectory.optimize_trajectory import (
     optimize_trajectory as optimize_trajectory,
 )
 from dalembert.design.trajectory.shooting import MultipleShooting as MultipleShooting
+from dalembert.design.trajectory.trajectory_result import TrajectoryResult as TrajectoryResult
 from dalembert.design.variables import Catalogue as Catalogue, Integer as Integer
 from dalembert.elements import (
+    curves as curves,
     laws as laws,
     planar as planar,
     rotation as rotation,
@@ -149,7 +156,6 @@ from dalembert.elements import (
 from dalembert.elements.curves import (
     FormulaCurve as FormulaCurve,
     SplineCurve as SplineCurve,
-    u as u,
 )
 from dalembert.elements.laws.base import (
     Formula as Formula,
@@ -178,9 +184,9 @@ from dalembert.formulations.augmented_lagrangian import AugmentedLagrangian as A
 from dalembert.formulations.automatic_formulation import (
     AutomaticFormulation as AutomaticFormulation,
 )
-from dalembert.formulations.dae import Dae as Dae
+from dalembert.formulations.dae import DAE as DAE
 from dalembert.formulations.energy_projection import EnergyProjection as EnergyProjection
-from dalembert.formulations.kkt import Kkt as Kkt
+from dalembert.formulations.kkt import KKT as KKT
 from dalembert.formulations.null_space import NullSpace as NullSpace
 from dalembert.formulations.penalty import Penalty as Penalty
 from dalembert.formulations.range_space import RangeSpace as RangeSpace
@@ -193,7 +199,7 @@ from dalembert.formulations.velocity_partitioning import (
     VelocityPartitioning as VelocityPartitioning,
 )
 from dalembert.integrators.automatic import AutomaticIntegrator as AutomaticIntegrator
-from dalembert.integrators.bdf.bdf import Bdf as Bdf
+from dalembert.integrators.bdf.bdf import BDF as BDF
 from dalembert.integrators.contact.contact_solver import ContactSolver as ContactSolver
 from dalembert.integrators.contact.schemes import (
     AnticipatedImpacts as AnticipatedImpacts,
@@ -217,11 +223,13 @@ from dalembert.integrators.runge_kutta.implicit import (
     Radau as Radau,
     Trapezoidal as Trapezoidal,
 )
-from dalembert.integrators.sundials import Cvodes as Cvodes, Ida as Ida
+from dalembert.integrators.sundials import CVODES as CVODES, IDA as IDA
 from dalembert.io.model_file import load_model as load_model
+from dalembert.model.assembled.model import StructuralModel as StructuralModel
 from dalembert.model.automatic_coordinates import AutomaticCoordinates as AutomaticCoordinates
 from dalembert.model.coordinates import AbsoluteCoordinates as AbsoluteCoordinates
 from dalembert.model.model import Model as Model
+from dalembert.model.structure import Structure as Structure
 from dalembert.model.system import System as System
 from dalembert.model.tree.joint_coordinates import JointCoordinates as JointCoordinates
 from dalembert.responses.base import Response as Response
@@ -238,9 +246,9 @@ from dalembert.responses.extremes import (
     minimum as minimum,
 )
 from dalembert.responses.integrals import (
+    RMS as RMS,
     Integral as Integral,
     Mean as Mean,
-    Rms as Rms,
     Total as Total,
     integral as integral,
     mean as mean,
@@ -264,8 +272,6 @@ from dalembert.sensitivity.second_order import hessian_product as hessian_produc
 from dalembert.sensitivity.structural.eigenvalue_slopes import (
     eigenvalue_slopes as eigenvalue_slopes,
 )
-from dalembert.structures.model import StructuralModel as StructuralModel
-from dalembert.structures.structure import Structure as Structure
 from dalembert.symbolic.formulas.expression import Expression as Expression, t as t
 from dalembert.symbolic.formulas.functions import (
     absolute as absolute,
@@ -288,7 +294,7 @@ from dalembert.symbolic.formulas.functions import (
     tanh as tanh,
     where as where,
 )
-from dalembert.symbolic.formulas.interpolation import Interpolation as Interpolation, table as table
+from dalembert.symbolic.formulas.interpolation import Interpolation as Interpolation
 from dalembert.symbolic.formulas.parameter import Parameter as Parameter
 from dalembert.symbolic.native.code_cache import clear_cache as clear_cache
 

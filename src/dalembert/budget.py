@@ -18,7 +18,7 @@ ROUNDS = 1e6
 LARGEST = 1e100
 """Upper limit of the magnitude of a number; products of a few larger ones overflow."""
 STEP = 48
-"""Memory of a time step beside its state: time, length, flags, and copies of these [bytes]."""
+"""Memory of a time step without its state: time, length, flags, and copies of these [bytes]."""
 VARIABLE = "DALEMBERT_BUDGET"
 
 
@@ -32,7 +32,7 @@ def check_budget(
     subject : the option at fault and its value, e.g. ``"outputs = 1e12"``
     memory : estimated memory [bytes]
     rounds : estimated number of rounds
-    cure : what to change
+    cure : recommended change
     margin : factor by which the estimate may exceed the limits
 
     Raises
@@ -65,7 +65,7 @@ def _factor() -> float:
 
 
 def numeral(number: float) -> str:
-    """A number in few characters, whatever its magnitude."""
+    """Short text of a number of any magnitude."""
     if isinstance(number, int) and abs(number) >= 10**15:
         return f"{'-' if number < 0 else ''}1e{math.log10(abs(number)):.0f}"
     return f"{number:.6g}" if isinstance(number, float) else str(number)

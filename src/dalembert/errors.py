@@ -10,7 +10,7 @@ LONGEST, BEGIN, END = 2000, 1400, 400
 
 
 def brief(message: str) -> str:
-    """A message shortened to a readable length, whatever input it quotes."""
+    """A message shortened to a readable length."""
     if len(message) <= LONGEST:
         return message
     return f"{message[:BEGIN]} … ({len(message)} characters) … {message[-END:]}"
@@ -42,7 +42,7 @@ class ModelError(DalembertError):
     Parameters
     ----------
     message : str
-        What is wrong and how to fix it.
+        Description of the problem, and a remedy.
     entity : str, optional
         Element, parameter or field at fault, e.g. ``"crank.mass"``.
 

@@ -21,7 +21,7 @@ WEIGHT = 200
 """Memory per byte of a model, a table or a deck [bytes]."""
 KINDS = {
     stat.S_IFDIR: "a folder; give the name of a file in it",
-    stat.S_IFIFO: "a named pipe and no regular file; copy what it holds into one",
+    stat.S_IFIFO: "a named pipe, not a regular file; copy its content to a file",
     stat.S_IFSOCK: "a socket and no regular file",
     stat.S_IFCHR: "a device and no regular file",
     stat.S_IFBLK: "a device and no regular file",

@@ -99,7 +99,7 @@ def defer_ctrl_c() -> None:
 
 @contextmanager
 def raising_ctrl_c() -> Iterator[None]:
-    """Convert Ctrl-C to ``KeyboardInterrupt``, whatever exception compiled code raises."""
+    """Convert Ctrl-C to ``KeyboardInterrupt``, for any exception of compiled code."""
     try:
         yield
         check_ctrl_c()

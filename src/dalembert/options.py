@@ -12,7 +12,7 @@ import numpy as np
 
 from dalembert.budget import LARGEST, check_budget, numeral
 from dalembert.errors import ExpressionError, UnsupportedError
-from dalembert.text.spelling import OfInit, spelled_fields
+from dalembert.text.arguments import ConstructorSignature, check_constructor
 from dalembert.units.measured import measured
 
 Class = TypeVar("Class", bound=type)
@@ -22,11 +22,18 @@ UNROLLED = {"iterations"}
 """Options that count copies of equations in an expression graph."""
 MOST = 10**15
 """Upper limit of the magnitude of an integer."""
+RandomSource = int | np.random.Generator | None
+"""Seed or generator of random numbers; None for an arbitrary seed."""
 COPY = 4_000_000
 """Memory of one copy, with derivatives, for a mechanism of a few bodies [bytes]."""
 
 
-@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field,))
+def only_for(kind: str, *, default: Any) -> Any:
+    """Option that applies to one kind of model, ``"mechanism"`` or ``"structure"``."""
+    return dataclasses.field(default=default, metadata={"model": kind})
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(dataclasses.field, only_for))
 def options(cls: Class | None = None, /, **settings: bool) -> Any:
     """Make a frozen dataclass that checks its fields against their annotations.
 
@@ -51,8 +58,8 @@ def options(cls: Class | None = None, /, **settings: bool) -> Any:
             check_fields(self)
 
     cls.__post_init__ = __post_init__  # type: ignore[attr-defined]
-    setattr(cls, "__new__", spelled_fields)  # noqa: B010
-    setattr(cls, "__signature__", OfInit())  # noqa: B010
+    setattr(cls, "__new__", check_constructor)  # noqa: B010
+    setattr(cls, "__signature__", ConstructorSignature())  # noqa: B010
     return dataclasses.dataclass(frozen=True, **settings)(cls)  # type: ignore[call-overload]
 
 
@@ -109,7 +116,7 @@ def is_whole(value: Any) -> bool:
     return is_integer and abs(value) <= MOST
 
 
-def random_generator(rng: Any) -> np.random.Generator:
+def random_generator(rng: RandomSource) -> np.random.Generator:
     """The random number generator of an argument ``rng``.
 
     Raises

@@ -57,7 +57,7 @@ def pendulum():
         (lambda m: da.solve_dynamics(m, 1.0, step=1e-9), "1e[+]09 steps of 1e-09 s .*48 GB"),
         (lambda m: da.Projection(iterations=10**6), "iterations=1000000.* 4 TB"),
         (lambda m: da.AugmentedLagrangian(iterations=10**12), "iterations=10{12}.* 4 EB"),
-        (lambda m: da.NonlinearStatics(steps=10**8), "steps=100000000.* 1e[+]08 rounds"),
+        (lambda m: da.Equilibrium(steps=10**8), "steps=100000000.* 1e[+]08 rounds"),
         (lambda m: structures.box_mesh((1, 1, 1), (1000, 1000, 1000)), "1000000000 cells.* 1 TB"),
         (
             lambda m: da.solve_dynamics(
@@ -96,7 +96,7 @@ def test_the_budget_can_be_raised(monkeypatch):
         (pendulum, da.Dynamics(1.0, step=1e-4)),
         (driven, da.Kinematics(1.0, step=1e-4)),
         (beam, da.Transient(1.0, step=1e-3)),
-        (beam, da.NonlinearStatics(steps=20)),
+        (beam, da.Equilibrium(steps=20)),
         (beam, da.ArcLength(first=0.01)),
     ],
     ids=lambda given: type(given).__name__,

@@ -50,7 +50,7 @@ def test_the_end_of_a_branch_is_distinguished_from_lengths_that_fit_nowhere():
             call(model, {"l0": 12.0})
         assert "cannot be assembled" in str(refused.value) and refused.value.others == 0
         assert "no start of 300 random ones" in str(refused.value)
-        assert "leg0 (ground, plate) asks for 12 m, at most" in str(refused.value)
+        assert "leg0 (ground, plate) requires 12 m, at most" in str(refused.value)
 
 
 def test_a_held_guess_that_cannot_be_kept_is_named():

@@ -48,10 +48,10 @@ def test_arms_of_hinges_go_by_joints_and_loops_of_ball_joints_by_bodies(ball, ki
 
 
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank"])
-@pytest.mark.parametrize("formulation", [da.RangeSpace(), da.Dae()], ids=["fewest", "uncounted"])
+@pytest.mark.parametrize("formulation", [da.RangeSpace(), da.DAE()], ids=["fewest", "uncounted"])
 def test_the_run_is_that_of_the_coordinates_it_names(name, formulation):
     options = {"step": 0.005, "outputs": 5, "backend": "vm", "formulation": formulation}
-    if isinstance(formulation, da.Dae):
+    if isinstance(formulation, da.DAE):
         options["integrator"] = da.GeneralizedAlpha()
     model = mechanism(name)
     found = da.solve_dynamics(model, 0.05, coordinates=AUTOMATIC, **options)

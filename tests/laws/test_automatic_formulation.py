@@ -71,15 +71,15 @@ def test_implicit_integrators_eliminate_themselves():
     ("merits", "kind"),
     [
         ({"RangeSpace": (9, 1e-3), "NullSpace": (20, 1e-12)}, da.NullSpace),
-        ({"RangeSpace": (9, 1e-3), "NullSpace": (20, 1e-4)}, da.Kkt),
-        ({"RangeSpace": (9, float("inf"))}, da.Kkt),
+        ({"RangeSpace": (9, 1e-3), "NullSpace": (20, 1e-4)}, da.KKT),
+        ({"RangeSpace": (9, float("inf"))}, da.KKT),
         ({"RangeSpace": (LONG + 1, 0.0), "NullSpace": (1, 0.0)}, da.RangeSpace),
         ({}, da.RangeSpace),
     ],
     ids=["inaccurate", "all inaccurate", "no value", "long", "all refuse"],
 )
 def test_accuracy_comes_before_operations(merits, kind):
-    merits |= {"Kkt": (100, 1e-12)} if merits else {}
+    merits |= {"KKT": (100, 1e-12)} if merits else {}
 
     def told(formulation):
         name = type(formulation).__name__

@@ -131,7 +131,7 @@ def test_gradients_hold_across_changes_of_the_method():
 
 
 def test_formulations_choose_among_the_methods_that_suit_them():
-    implicit = da.solve_dynamics(buffered(1e4, 1e3), 0.1, formulation=da.Dae())
+    implicit = da.solve_dynamics(buffered(1e4, 1e3), 0.1, formulation=da.DAE())
     explicit = da.solve_dynamics(buffered(1e4, 1e3), 0.1, formulation=da.AugmentedLagrangian())
     assert methods(implicit).keys() == {"Radau"}
     assert methods(explicit).keys() == {"DormandPrince"}

@@ -14,7 +14,7 @@ from dalembert import planar
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.integrators.base import Problem
 from dalembert.integrators.bdf.control import Accuracy
-from dalembert.integrators.bdf.step import BdfStep
+from dalembert.integrators.bdf.step import BDFStep
 from dalembert.integrators.marching.adaptive import AdaptiveMarch
 from dalembert.integrators.marching.march import FixedMarch
 from dalembert.integrators.marching.steps import Watch
@@ -23,9 +23,9 @@ from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 
 FORMS = {
     "index 1": da.RangeSpace(),
-    "index 2": da.Dae(index=2),
-    "index 3": da.Dae(index=3),
-    "stabilized": da.Dae(index=2, stabilized=True),
+    "index 2": da.DAE(index=2),
+    "index 3": da.DAE(index=3),
+    "stabilized": da.DAE(index=2, stabilized=True),
 }
 OUTPUTS = np.linspace(0.0, 0.64, 23)
 
@@ -86,7 +86,7 @@ def run(form: str, tolerance: float, **options):
     return da.solve_dynamics(
         chain(),
         0.64,
-        integrator=da.Bdf(tolerance, tolerance),
+        integrator=da.BDF(tolerance, tolerance),
         formulation=FORMS[form],
         outputs=OUTPUTS,
         **options,
@@ -100,9 +100,9 @@ def test_order_with_constant_steps(form, stabilization, order):
     """Started on exact differences, errors fall with the order; corrections do not spoil it."""
     begin, length, counts = 0.2, 0.4, np.array([100, 140, 200])
     choices = {"formulation": FORMS[form], "stabilization": stabilization}
-    kernel, p = Dynamics(1.0, integrator=da.Bdf(), **choices).kernel(chain()), chain().nominal
+    kernel, p = Dynamics(1.0, integrator=da.BDF(), **choices).kernel(chain()), chain().nominal
     mode = kernel.choose(0.0, np.zeros(chain().start.y.size), p)
-    step = BdfStep(kernel.variants[mode].problem, Accuracy(1e-9, 1e-9, order, order))
+    step = BDFStep(kernel.variants[mode].problem, Accuracy(1e-9, 1e-9, order, order))
     end = exact((begin + length,))
     true, errors = np.concatenate([end.y, end.v])[:, 0], []
     for count in counts:
@@ -137,9 +137,9 @@ def van_der_pol(mu: float) -> Problem:
 def test_stiff_oscillator_like_another_implementation(tolerance):
     """Van der Pol's equation, μ = 1000: no more steps than SciPy's BDF, no larger error."""
     mu, end, x0, p = 1e3, 2000.0, np.array([2.0, 0.0]), np.zeros(0)
-    method, problem = da.Bdf(tolerance, 1e-2 * tolerance), van_der_pol(mu)
+    method, problem = da.BDF(tolerance, 1e-2 * tolerance), van_der_pol(mu)
     step = method.step(problem)
-    memory = step.begin(0.0, x0, p).full().ravel()
+    memory = step.begin.function(0.0, x0, p).full().ravel()
     attempt = method.attempt(problem, step)
     march = AdaptiveMarch(lambda mode: attempt)
     found = march.run(0.0, end, np.concatenate([x0, memory]), p, 1e-4, end, 0, Watch())
@@ -170,7 +170,7 @@ def test_stiff_bushing_needs_few_steps():
     pin, hard = system.ground.point(0, 0), {"stiffness": (1e7, 1e7), "damping": (1e4, 1e4)}
     system.add(planar.Bushing("bush", pin, bar.start, **hard))
     model, outputs = system.build(), [0.25, 0.5, 1.0]
-    implicit = da.solve_dynamics(model, 1.0, integrator=da.Bdf(1e-5, 1e-7), outputs=outputs)
+    implicit = da.solve_dynamics(model, 1.0, integrator=da.BDF(1e-5, 1e-7), outputs=outputs)
     explicit = da.solve_dynamics(
         model, 1.0, integrator=da.DormandPrince(1e-8, 1e-10), outputs=outputs
     )
@@ -182,7 +182,7 @@ def test_stiff_bushing_needs_few_steps():
 def test_steps_can_be_repeated_and_differentiated(form):
     """Replays are the run itself; direct = adjoint to round-off, both = differences of replays."""
     analysis = Dynamics(
-        0.64, integrator=da.Bdf(1e-5, 1e-5), formulation=FORMS[form], outputs=OUTPUTS
+        0.64, integrator=da.BDF(1e-5, 1e-5), formulation=FORMS[form], outputs=OUTPUTS
     )
     motion = analysis.run(chain())
     again = analysis.replay(motion, motion.parameters)
@@ -202,7 +202,7 @@ def test_a_fall_into_a_singular_force_ends_with_a_status():
     system = da.System("fall")
     body = system.add(planar.Particle("body", mass=1.0, position=(1.0, 0.0)))
     system.add(planar.Force("pull", body.center, (-1 / body.x**3, 0.0)))
-    motion = da.solve_dynamics(system.build(), 2.0, integrator=da.Bdf())
+    motion = da.solve_dynamics(system.build(), 2.0, integrator=da.BDF())
     assert not motion.status.success
     assert motion.status.time == pytest.approx(1.0, abs=1e-3)
     x, t = motion.data.position.values[:, 0, 0], motion.time
@@ -221,7 +221,7 @@ def test_a_fall_into_a_singular_force_ends_with_a_status():
 )
 def test_wrong_options_are_refused(options, words):
     with pytest.raises(da.UnsupportedError, match=words):
-        da.Bdf(**options)
+        da.BDF(**options)
 
 
 @pytest.mark.parametrize("coordinates", [da.AbsoluteCoordinates(), da.JointCoordinates()])
@@ -233,7 +233,7 @@ def test_corrected_energy_costs_no_steps(coordinates):
     model = system.build()
     for rtol in (1e-6, 1e-10):
         run = functools.partial(
-            da.solve_dynamics, model, 2.0, integrator=da.Bdf(rtol=rtol), coordinates=coordinates
+            da.solve_dynamics, model, 2.0, integrator=da.BDF(rtol=rtol), coordinates=coordinates
         )
         plain = run(stabilization=da.Projection())
         corrected = run(stabilization=da.EnergyProjection())

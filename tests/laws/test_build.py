@@ -99,7 +99,7 @@ def test_what_stands_at_the_end_of_its_way_is_not_held():
     system.add(planar.Revolute("O", system.ground.center, crank.point(-r / 2, 0.0)))
     system.add(planar.Revolute("A", crank.point(r / 2, 0.0), rod.start))
     system.add(planar.Revolute("B", rod.end, slider.center))
-    system.add(planar.Translational("rail", system.ground.center, slider.center, axis=(0.0, 1.0)))
+    system.add(planar.Prismatic("rail", system.ground.center, slider.center, axis=(0.0, 1.0)))
     model = system.build()
     y = math.sqrt(0.4**2 - 0.1**2)
     assert abs(model.start.y[1]) < 1e-15

@@ -54,11 +54,11 @@ def test_curvature_is_that_of_the_points(offset):
 
 def test_smallest_cams():
     limit = math.radians(30)
-    cam = da.RollerCam.smallest(RISE, limit, roller_radius=0.005, least_radius=0.002)
+    cam = da.RollerCam.smallest(RISE, limit, roller_radius=0.005, minimum_radius=0.002)
     assert abs(cam.pressure_angle()).max() <= limit * (1 + 1e-9) and not cam.undercut()
     centred = da.RollerCam(law=RISE, base_radius=cam.base_radius, roller_radius=0.005)
     assert abs(centred.pressure_angle()).max() >= limit * (1 - 1e-3)  # the offset pays, or is none
-    flat = da.FlatFaceCam.smallest(RISE, least_radius=0.004)
+    flat = da.FlatFaceCam.smallest(RISE, minimum_radius=0.004)
     assert flat.radius().min() == pytest.approx(0.004)
     tight = da.FlatFaceCam(law=RISE, base_radius=flat.base_radius - 0.005)
     assert tight.undercut() and not flat.undercut()

@@ -68,7 +68,7 @@ def test_energy_is_never_created(settled):
     energy = settled.data["energy"].values
     assert np.diff(energy).max() <= 1e-12 * energy[0]
     assert np.abs(settled.data["balance_error"]).max() <= 1e-12 * energy[0]
-    assert settled.statistics["energy lost in contacts [J]"] > 0
+    assert settled.statistics["energy dissipated in contacts [J]"] > 0
 
 
 def test_impulses_carry_the_weight():

@@ -45,7 +45,7 @@ STRATEGIES = {
     "joint coordinates": {"coordinates": da.JointCoordinates()},
     "adaptive": {"integrator": da.DormandPrince()},
     "solved steps": {"integrator": da.Trapezoidal()},
-    "variable order": {"integrator": da.Bdf()},
+    "variable order": {"integrator": da.BDF()},
     "generalized-alpha": {"integrator": da.GeneralizedAlpha()},
 }
 
@@ -282,7 +282,7 @@ def test_parameters_stay_inputs_of_what_was_compiled(compilations):
 
 @pytest.mark.parametrize("backend", COMPILED)
 def test_what_cannot_be_written_as_c_runs_on_the_virtual_machine_and_says_so(backend):
-    motion = run(four_bar(), backend, step=0.1, outputs=5, integrator=da.Cvodes())
+    motion = run(four_bar(), backend, step=0.1, outputs=5, integrator=da.CVODES())
     assert motion.status.success
     assert motion.statistics["backend"].startswith("VM (")
 

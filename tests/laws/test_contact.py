@@ -51,7 +51,7 @@ def ellipse_distance(place) -> float:
                                  options={"xatol": 1e-12}).fun)  # fmt: skip
 
 
-ELLIPSE = da.FormulaCurve(0.5 * da.cos(da.u), 0.3 * da.sin(da.u))
+ELLIPSE = da.FormulaCurve(0.5 * da.cos(da.curves.u), 0.3 * da.sin(da.curves.u))
 CORNERS = np.array(SQUARE)
 
 
@@ -198,7 +198,7 @@ def test_a_curve_that_is_a_circle_is_one():
     ends = []
     for round_one in (True, False):
         system = da.System("discs", gravity=(0.0, -9.81))
-        circle = da.FormulaCurve(0.3 * da.cos(da.u), 0.3 * da.sin(da.u))
+        circle = da.FormulaCurve(0.3 * da.cos(da.curves.u), 0.3 * da.sin(da.curves.u))
         start = {"position": (0, 0), "angle": 0.0, "angular_velocity": 2.0}
         cam = system.add(planar.Body("cam", mass=1.0, inertia=0.05, **start))
         system.add(planar.Revolute("O", system.ground.point(0, 0), cam.center))

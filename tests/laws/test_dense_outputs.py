@@ -20,7 +20,7 @@ INTEGRATORS = {
     "default": {},
     "DormandPrince853": {"integrator": da.DormandPrince853()},
     "Radau": {"integrator": da.Radau()},
-    "Bdf": {"integrator": da.Bdf(1e-9)},
+    "BDF": {"integrator": da.BDF(1e-9)},
 }
 
 
@@ -127,7 +127,7 @@ def test_extremes_are_those_of_the_motion(name, outputs):
         assert direct == pytest.approx(slope, rel=1e-5, abs=1e-6), case
 
 
-@pytest.mark.parametrize("name", ["default", "DormandPrince853", "Bdf"])
+@pytest.mark.parametrize("name", ["default", "DormandPrince853", "BDF"])
 def test_smooth_extremes_are_means_over_time(name):
     """``(1/ρ) ln((1/T) ∫ exp(ρ m) dt)``, also where an event ends the run within its only step."""
     ended = {"half": da.Event("ball.y - 0.5", terminal=True)}

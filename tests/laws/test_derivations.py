@@ -33,7 +33,7 @@ def test_same_equations_as_the_projective_scheme(name, road):
 def test_solved_by_the_constrained_motion(name, road):
     """The accelerations of the saddle system (5.7) satisfy them; no multiplier is left."""
     e, motion = partition(name)
-    saddle = da.Kkt().acceleration(e, e.constraint_acceleration, [e.a])
+    saddle = da.KKT().acceleration(e, e.constraint_acceleration, [e.a])
     rates = saddle.function(e.t, ca.vertcat(e.y, e.v, ca.SX.zeros(2)), e.p)
     rates = ca.mtimes(motion.basis.T, motion.seen(e, rates) - motion.gamma)
     rates = ca.solve(ca.mtimes(motion.basis.T, motion.basis), rates)  # u̇ of v̇ = D u̇ + γ

@@ -41,7 +41,7 @@ def test_step(name):
     x, mode = kernel.initial(model.start, 0.0, p)
     step, n = kernel.variants[mode].step, x.size
     dx, dp, w = rng.standard_normal(n), relative_parameters(p, rng), rng.standard_normal(n)
-    change = step.tangent(0.0, STEP, x, p, dx, dp).full().ravel()
+    change = step.tangents(1)(0.0, STEP, x, p, dx, dp).full().ravel()
     x_bar, p_bar = (a.full().ravel() for a in step.adjoint(0.0, STEP, x, p, w))
     forward, backward = w @ change, x_bar @ dx + p_bar @ dp
     size = np.abs(w) @ np.abs(change) + np.abs(x_bar) @ np.abs(dx) + np.abs(p_bar) @ np.abs(dp)

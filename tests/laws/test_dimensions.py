@@ -127,14 +127,14 @@ def test_numbers_of_decisions_have_units():
     with pytest.raises(da.ModelError, match="tolerance of l: 1 deg does not fit"):
         da.tolerance(model, end, {"l": "1 deg"}, analysis=run)
     for design in (
-        da.Design.grid({"l": ["10 cm", 0.2]}),
-        da.Design.table({"l": ["100 mm", "0.2 m"]}),
+        da.DesignTable.grid({"l": ["10 cm", 0.2]}),
+        da.DesignTable.table({"l": ["100 mm", "0.2 m"]}),
     ):
         assert design.values.ravel() == pytest.approx([0.1, 0.2])
     with pytest.raises(da.ModelError, match="10 s does not fit, expected m"):
-        da.sweep(model, da.Design.grid({"l": ["10 s"]}), analysis=run, responses=[end])
+        da.sweep(model, da.DesignTable.grid({"l": ["10 s"]}), analysis=run, responses=[end])
     with pytest.raises(da.AnalysisError, match=r"l: .* unknown name"):
-        da.Design.grid({"l": ["wide"]})
+        da.DesignTable.grid({"l": ["wide"]})
     assert da.Normal("12 mm", std="1e-1 mm").moments == pytest.approx((0.012, 1e-4))
     with pytest.raises(da.ModelError, match=r"l\.mean: 12 s does not fit, expected m"):
         da.Normal("12 s", std=1e-4).check_units("m", "l")
@@ -200,4 +200,4 @@ def test_the_first_value_of_a_history_is_in_its_unit(tmp_path):
         history = f"[histories.push]\nknots = [0, 1, 2, 3]\nvalue = {value}\nunit = 'kN'\n"
         path.write_text(FILE + history)
         parameter = load_model_file(path).model().parameters["push_0"]
-        assert (parameter.value, parameter.unit, parameter.given_unit) == (5000.0, "N", "kN")
+        assert (parameter.value, parameter.unit, parameter.declared_unit) == (5000.0, "N", "kN")

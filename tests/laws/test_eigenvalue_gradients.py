@@ -254,8 +254,8 @@ def test_what_modes_refuse():
     with pytest.raises(da.AnalysisError, match="a mode has no"):
         modes.values(model["p0.x"])
     motion = da.solve_dynamics(model, 0.2, step=0.01)
-    moving = da.linearize(model, at=motion)
-    with pytest.raises(da.UnsupportedError, match="MotionLinearization"):
+    moving = da.linearize(model, about=motion)
+    with pytest.raises(da.UnsupportedError, match="about the end of a motion"):
         da.sensitivity(moving, da.at(1.0, "frequency"))
     difference = da.sensitivity(moving, da.at(1.0, "frequency"), ["k0"], "finite-difference")
     assert np.isfinite(difference.values).all()
@@ -264,7 +264,7 @@ def test_what_modes_refuse():
 def test_about_a_given_equilibrium():
     """Modes about an equilibrium that was solved for are those of a search from scratch."""
     model = RESTING["hung four-bar"]()
-    given = da.linearize(model, at=da.solve_equilibrium(model))
+    given = da.linearize(model, about=da.solve_equilibrium(model))
     found = modes_about("rest", "hung four-bar")
     response = da.at(1.0, "damping_ratio")
     assert given.eigenvalues == pytest.approx(found.eigenvalues, rel=1e-9)
@@ -275,7 +275,7 @@ def test_about_a_given_equilibrium():
 def test_optimization_to_a_frequency():
     """A design problem reads modes like any result: the length of a seconds pendulum."""
     gap = da.at(1.0, "100*(frequency - 0.5)**2", name="gap")
-    analysis = da.Linearization()
+    analysis = da.Modal()
     best = da.optimize(pendulum(), gap, vary=["l"], analysis=analysis, tolerance=1e-12)
     assert best.x["l"] == pytest.approx(G / np.pi**2, rel=1e-4)
 
@@ -287,7 +287,7 @@ def test_slow_modes_beside_fast_ones_have_gradients():
     for name, mass, k in (("a", 1.0, slow), ("b", 1e-7, fast)):
         body = system.add(planar.Body(name, mass=mass, inertia=mass, position=(1.0, 0.0)))
         ground = system.ground.center
-        system.add(planar.Translational(f"rail_{name}", ground, body.center))
+        system.add(planar.Prismatic(f"rail_{name}", ground, body.center))
         system.add(planar.Spring(f"s_{name}", ground, body.center, stiffness=k, free_length=1.0))
     modes = da.linearize(system.build())
     gradient = da.sensitivity(modes, [da.at(1, "frequency", name="1"), da.at(2, "frequency", "2")])

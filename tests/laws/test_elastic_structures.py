@@ -156,7 +156,7 @@ def test_a_mesh_in_a_system_is_that_of_a_structure():
     structure.load(alone.nodes().nearest(1.0, 0.2), fy=-1.0)
     structure.gravity(0, -9.81)
     found = da.solve_equilibrium(system.build())
-    known = da.NonlinearStatics().run(structure.build())
+    known = da.Equilibrium().run(structure.build())
     for k in range(10):
         start = float(plate.bodies[k].natural[1])
         expected = float(known[f"plate_nodes[{k}].uy"])
@@ -227,7 +227,7 @@ def displacement(motion: da.Motion, structure: structures.Structure, k: int = -1
 @pytest.mark.parametrize("shape", SHAPES)
 def test_statics_are_those_of_the_structure(shape):
     structure = alone(shape, 40.0)
-    known = da.NonlinearStatics().run(structure.build())
+    known = da.Equilibrium().run(structure.build())
     found = da.solve_equilibrium(held(shape, 40.0))
     axes = "xyz"[: structure.dimension]
     expected = [float(known[f"D.u{a}"]) for a in axes]

@@ -16,7 +16,7 @@ import dalembert as da
 from dalembert import planar
 
 DIFFERENCE = da.FiniteDifference("richardson", 3e-4)
-SUNDIALS = {"Cvodes", "Ida"}
+SUNDIALS = {"CVODES", "IDA"}
 
 
 def pendulum():
@@ -26,7 +26,7 @@ def pendulum():
     mass, damping = system.parameter("mass", 1.4), system.parameter("damping", 0.11)
     rod = system.add(planar.Bar("rod", length=length, mass=mass, angle=start))
     pin = system.add(planar.Revolute("pin", system.ground.center, rod.start))
-    system.add(planar.Moment("drag", rod, -damping * rod.angular_velocity))
+    system.add(planar.Torque("drag", rod, -damping * rod.angular_velocity))
     system.initial(rod.angle, start)
     return (
         system.build(),
@@ -72,7 +72,7 @@ def slider_crank():
     system.add(planar.Revolute("O", system.ground.center, crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, slider.center))
-    system.add(planar.Translational("guide", system.ground.center, slider.center, axis=(1, 0)))
+    system.add(planar.Prismatic("guide", system.ground.center, slider.center, axis=(1, 0)))
     wall = system.ground.point(0.8, 0)
     system.add(planar.Spring("spring", slider.center, wall, stiffness, free_length=0.3))
     system.add(planar.Force("thrust", slider.center, (-push * da.cos(3 * da.t), 0.0)))
@@ -146,7 +146,7 @@ CHOICES = {
     "seldom corrected": {"stabilization": da.Projection(every=4), "step": 0.005},
     "energy": {"stabilization": da.EnergyProjection()},
     "partition": {"formulation": da.VelocityPartitioning()},
-    "index 3": {"formulation": da.Dae(index=3), "integrator": da.Radau()},
+    "index 3": {"formulation": da.DAE(index=3), "integrator": da.Radau()},
     "joint coordinates": {"coordinates": da.JointCoordinates()},
 }
 
@@ -158,7 +158,7 @@ def test_every_choice(choice, terminal):
 
 
 @pytest.mark.parametrize("beyond", [0.0, 1e-13, -1e-13, 1e-10, -1e-10])
-@pytest.mark.parametrize("integrator", ["RK4", "BackwardEuler", "Newmark", "Bdf"])
+@pytest.mark.parametrize("integrator", ["RK4", "BackwardEuler", "Newmark", "BDF"])
 def test_events_at_the_end_of_a_step(integrator, beyond):
     """Where the last step or the last interval is nearly nothing, gradients stay what they are."""
     model, _, (force, _, _) = mechanism("pendulum")
@@ -211,7 +211,7 @@ def test_driven_mechanisms(solve):
     crank = system.add(planar.Bar("crank", length=r, mass=1.0, angle=0.1))
     yoke = system.add(planar.Body("yoke", mass=2.0, inertia=0.1, position=(0.2, 0)))
     system.add(planar.Revolute("O", system.ground.center, crank.start))
-    system.add(planar.Translational("guide", system.ground.center, yoke.center, axis=(1, 0)))
+    system.add(planar.Prismatic("guide", system.ground.center, yoke.center, axis=(1, 0)))
     system.add(planar.PinInSlot("slot", yoke.center, crank.end, axis=(0, 1)))
     law = da.Polynomial(0.0, omega, a)
     system.add(planar.RotationalDriver("motor", system.ground, crank, law))

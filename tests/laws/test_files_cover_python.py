@@ -19,7 +19,7 @@ from dalembert.integrators.base import Integrator
 from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES_OF, STRUCTURAL_ANALYSES
 from dalembert.responses.base import Response
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 
 
 def exported(module, base: type) -> set[str]:

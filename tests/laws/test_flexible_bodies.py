@@ -9,9 +9,9 @@ from flexible_bodies import KINDS, beam, block, flexible
 
 import dalembert as da
 from dalembert import planar, spatial
+from dalembert.model.assembled.reduction.rigid import node_positions
 from dalembert.results.pictures.picture import pose_of
 from dalembert.results.pictures.scene import motion_scene
-from dalembert.structures.reduction.rigid import node_positions
 
 SPACES = pytest.mark.parametrize("dimension", [2, 3])
 BOTH = pytest.mark.parametrize("stiffening", [False, True])
@@ -302,7 +302,7 @@ def test_one_name_for_two_parameters_is_refused():
 def test_mean_axes_hold_no_joint():
     system = da.System("x")
     body = system.add(flexible(2, reference="mean"))
-    with pytest.raises(da.ModelError, match="nowhere fixed in it"):
+    with pytest.raises(da.ModelError, match="not fixed to its material"):
         system.add(planar.Revolute("pin", system.ground.center, body))
 
 

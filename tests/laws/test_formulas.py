@@ -13,7 +13,7 @@ from hypothesis import assume, given, settings, strategies as st
 from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import parse_formula
-from dalembert.symbolic.once import CACHE_SIZE, once
+from dalembert.symbolic.once import CACHE_SIZE, CacheOwner, once
 
 X, Y = Expression(ca.SX.sym("x")), Expression(ca.SX.sym("y"))
 NAMES = {"x": X, "y": Y, "body.x": Y}
@@ -205,7 +205,7 @@ def test_measures_are_made_once():
 def test_kept_results_are_bounded_and_go_with_their_owner():
     import weakref
 
-    class Owner:
+    class Owner(CacheOwner):
         made = 0
 
         @once
@@ -220,7 +220,7 @@ def test_kept_results_are_bounded_and_go_with_their_owner():
     assert (
         owner.square(3) == 9 and owner.made == CACHE_SIZE + 11
     )  # 3 was kept longer than the others
-    assert sum(len(kept) for kept in vars(owner)["_once"].values()) == CACHE_SIZE
+    assert sum(len(kept) for kept in owner.cache.values()) == CACHE_SIZE
     seen = weakref.ref(owner)
     del owner
     assert seen() is None

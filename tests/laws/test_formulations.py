@@ -28,13 +28,13 @@ def _law(model, formulation):
     return made.acceleration(e, e.constraint_acceleration).function
 
 
-@pytest.mark.parametrize(("name", "formulation"), [c for c in COMBINED if c[1] != "Kkt"])
+@pytest.mark.parametrize(("name", "formulation"), [c for c in COMBINED if c[1] != "KKT"])
 def test_all_formulations_agree(name, formulation):
     """The same v̇ and λ to 1e-9, massless coordinates included."""
     model = model_of(name)
     state = (0.0, model.start.y, model.start.v, model.nominal)
     for found, expected in zip(
-        solution(model, formulation, *state), solution(model, "Kkt", *state), strict=True
+        solution(model, formulation, *state), solution(model, "KKT", *state), strict=True
     ):
         scale = 1 + np.abs(expected).max(initial=0)
         np.testing.assert_allclose(found, expected, atol=1e-9 * scale)
@@ -73,8 +73,8 @@ def test_forces_do_not_depend_on_the_observer(name):
     y, v = here.start.y, here.start.v
     y_moved = moved(here, y, MOVED.angle, MOVED.shift, MOVED.angle)
     v_moved = moved(here, v, MOVED.angle, MOVED.boost, 0.0)
-    a, multiplier = solution(here, "Kkt", 0.0, y, v, here.nominal)
-    a_moved, multiplier_moved = solution(there, "Kkt", 0.0, y_moved, v_moved, there.nominal)
+    a, multiplier = solution(here, "KKT", 0.0, y, v, here.nominal)
+    a_moved, multiplier_moved = solution(there, "KKT", 0.0, y_moved, v_moved, there.nominal)
     limit = 1e-10 * (1 + np.abs(a).max())
     np.testing.assert_allclose(a_moved, moved(here, a, MOVED.angle, 0.0, 0.0), atol=limit)
     if multiplier.size:

@@ -128,7 +128,7 @@ def test_no_parameters():
 
 def test_switches_between_independent_speeds():
     motion = four_bar(duration=1.5, formulation=da.VelocityPartitioning(limit=1.5))
-    changes = motion.statistics["changes of variant"]
+    changes = motion.statistics["variant changes"]
     found = having(notes(motion, da.final("crank.angle")), "independent speeds")
     assert len(found) == 1
     assert f"{changes} time(s)" in found[0]

@@ -17,8 +17,8 @@ ADAPTIVE = {
     "DormandPrince": da.DormandPrince(1e-10, 1e-10),
     "DormandPrince853": da.DormandPrince853(1e-10, 1e-10),
     "Radau": da.Radau(1e-10, 1e-10),
-    "Bdf": da.Bdf(1e-8, 1e-8),
-    "Bdf of order 2": da.Bdf(1e-5, 1e-5, max_order=2),
+    "BDF": da.BDF(1e-8, 1e-8),
+    "BDF of order 2": da.BDF(1e-5, 1e-5, max_order=2),
 }
 
 

@@ -11,7 +11,7 @@ from scipy.signal import cont2discrete
 
 import dalembert as da
 from dalembert import planar
-from dalembert.design.inverse.history import History
+from dalembert.design.inverse.input_history import InputHistory
 from dalembert.design.inverse.invert import _covariance, _RegularisedProblem
 
 TIMES = np.linspace(0, 2, 101)
@@ -61,7 +61,7 @@ class Linear:
 
 
 def blocks(count: int, order: int) -> list[np.ndarray]:
-    rough = History("f", KNOTS, (), None).roughness(order)
+    rough = InputHistory("f", KNOTS, (), None).roughness(order)
     return [np.kron(np.eye(count)[k : k + 1], rough) for k in range(count)]
 
 
@@ -139,7 +139,7 @@ def test_the_true_noise_is_no_error():
 def test_bands_of_joint_forces():
     """The force of a drive, ``m s̈``, from its measured path: intervals that hold the truth."""
     system = da.System("slide")
-    way = da.history(system, "way", np.linspace(0, 1, 25), unit="m")
+    way = da.input_history(system, "way", np.linspace(0, 1, 25), unit="m")
     mass = system.add(planar.Particle("mass", mass=2.0))
     system.add(planar.CoordinateDriver("guide", mass.center, 0.0, direction=(0, 1)))
     system.add(planar.CoordinateDriver("motor", mass.center, way.law, direction=(1, 0)))

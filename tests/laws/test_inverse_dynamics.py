@@ -44,5 +44,5 @@ def test_effort_of_the_motor(name):
     forward = da.solve_dynamics(model, TIMES[-1], step=0.005, outputs=TIMES)
     for motion in (inverse, forward):
         np.testing.assert_allclose(motion["bar.angle"].values, phi, atol=1e-11)
-        effort = motion.data.driver_effort.sel(driver="motor").values
+        effort = motion.data.effort.sel(driver="motor").values
         np.testing.assert_allclose(effort, expected, rtol=1e-8)

@@ -19,7 +19,7 @@ def wanted(t):
 @pytest.fixture(scope="module")
 def pushed():
     system = da.System("pushed")
-    push = da.history(system, "push", KNOTS, unit="N")
+    push = da.input_history(system, "push", KNOTS, unit="N")
     mass = system.add(planar.Particle("mass", mass=2.0, position=(0.0, 0)))
     system.add(planar.CoordinateDriver("guide", mass.center, 0.0, direction=(0, 1)))
     wall = system.ground.point(-1, 0)
@@ -70,7 +70,7 @@ def test_noise_is_smoothed_about_as_well_as_can_be(pushed, choice):
 def test_a_drive_is_found_from_the_path(pushed):
     """Kinematics: the angle of a crank from where its end was seen, ten samples for 12 knots."""
     system = da.System("crank")
-    angle = da.history(system, "angle", np.linspace(0, 1, 12), 0.5, "rad")
+    angle = da.input_history(system, "angle", np.linspace(0, 1, 12), 0.5, "rad")
     crank = system.add(planar.Bar("crank", length=0.5, mass=1.0, angle=0.5))
     system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
     system.add(planar.RotationalDriver("motor", system.ground, crank, angle.law))
@@ -102,4 +102,4 @@ def test_what_cannot_be_is_told(pushed, more, tells):
     with pytest.raises(da.DalembertError, match=tells):
         da.invert(model, motion(pushed, 1e-3), **asked)
     with pytest.raises(da.ModelError, match="four knots"):
-        da.history(da.System("few"), "f", [0, 1, 2])
+        da.input_history(da.System("few"), "f", [0, 1, 2])

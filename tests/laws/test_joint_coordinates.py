@@ -117,7 +117,7 @@ def with_particle(kind: type, first: bool, **numbers):
 JOINTS = {
     "revolute": between_bodies(planar.Revolute),
     "weld": between_bodies(planar.Weld, angle=-0.8),
-    "translational": between_bodies(planar.Translational, angle=-0.8),
+    "translational": between_bodies(planar.Prismatic, angle=-0.8),
     "pin in slot": between_bodies(planar.PinInSlot),
     "rigid link": between_bodies(planar.RigidLink, length=0.8),
 }
@@ -336,7 +336,7 @@ def light_coupler() -> da.Model:
 
 
 @pytest.mark.parametrize(("build", "massless"), [(light_rod, 0), (light_coupler, 1)])
-@pytest.mark.parametrize("formulation", [da.RangeSpace(), da.Kkt()])
+@pytest.mark.parametrize("formulation", [da.RangeSpace(), da.KKT()])
 @pytest.mark.parametrize("choice", VARIANTS, ids=lambda c: f"{c.angles}-{c.reactions}")
 def test_bodies_without_mass(build, massless, formulation, choice):
     model = build()
@@ -355,7 +355,7 @@ def test_redundant_loops(formulation):
     e = model.all_equations
     pull = ca.Function("f", [e.t, e.y, e.p, e.multiplier], [ca.mtimes(e.jacobian.T, e.multiplier)])
     results = []
-    for v, method in ((view, formulation), (da.AbsoluteCoordinates().view(model), da.Kkt())):
+    for v, method in ((view, formulation), (da.AbsoluteCoordinates().view(model), da.KKT())):
         y, speed, a, multiplier = accelerations(v, method)
         felt = pull(0.0, y, model.nominal, multiplier).full().ravel()
         results.append([y, speed, a, felt])

@@ -13,7 +13,6 @@ import pytest
 import dalembert as da
 from dalembert import planar
 from dalembert.analysis import keywords
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
 from dalembert.elements.registry import SPACES
 from dalembert.errors import KeywordError
 
@@ -160,15 +159,13 @@ ANALYSES = {
     keywords.OverTimeKeywords: [da.Kinematics],
     keywords.NonsmoothKeywords: [da.Nonsmooth],
     keywords.EquilibriumKeywords: [da.Equilibrium],
-    keywords.LinearizationKeywords: [da.Linearization],
     keywords.TransientKeywords: [da.Transient],
-    keywords.NonlinearStaticsKeywords: [NonlinearStatics],
-    keywords.StaticsKeywords: [da.Statics, NonlinearStatics],
+    keywords.StaticsKeywords: [da.Statics, da.Equilibrium],
     keywords.ModalKeywords: [da.Modal],
     keywords.BucklingKeywords: [da.Buckling],
     keywords.ArcLengthKeywords: [da.ArcLength],
 }
-SPOKEN = {"duration", "count", "case", "coordinates"}
+SPOKEN = {"duration", "count", "case", "coordinates", "about"}
 """Arguments that verbs name themselves."""
 
 

@@ -57,7 +57,7 @@ def test_steps_of_several_designs(sets, called):
     rng = np.random.default_rng(2)
     designs = model.nominal * rng.uniform(0.8, 1.2, (sets, model.nominal.size))
     x, mode = kernel.initial(model.start, 0.0, model.nominal)
-    step = kernel.fixed.step_of(mode).marching
+    step = kernel.fixed.step_of(mode).prepared.forms
     values = np.array([step.values(p).full().ravel() for p in designs])
     h, t = np.full((1, 50), 0.01), 0.01 * np.arange(50.0)[None]
     function, kind = (step.called, ca.MX) if called else (step.function, ca.SX)

@@ -14,9 +14,9 @@ OPTIONS = [
     {"step": 0.01},
     {"integrator": da.DormandPrince()},
     {"integrator": da.Radau()},
-    {"integrator": da.Bdf(rtol=1e-10, atol=1e-15)},
+    {"integrator": da.BDF(rtol=1e-10, atol=1e-15)},
     {"integrator": da.Newmark(), "step": 0.01},
-    {"integrator": da.GeneralizedAlpha(), "step": 0.01, "formulation": da.Dae(2, stabilized=True)},
+    {"integrator": da.GeneralizedAlpha(), "step": 0.01, "formulation": da.DAE(2, stabilized=True)},
 ]
 """Integrators with and without memory; that of the last but one grows with the constraints."""
 

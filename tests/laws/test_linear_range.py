@@ -156,7 +156,7 @@ def test_strains_of_beams():
         rigid = {"axial_rigidity": 12e4, "shear_rigidity": 5e4, "bending_rigidity": 1.0}
         beam = system.add(planar.Beam("beam", length=1.0, elements=2, angle=0.0, **rigid))
         system.add(planar.Weld("clamp", system.ground.center, beam.start.center))
-        system.add(planar.Moment("M", beam.end, moment))
+        system.add(planar.Torque("M", beam.end, moment))
         return da.solve_equilibrium(system.build())
 
     assert not rest(6.0).warnings  # a full turn of a thin strip, h = 1/100

@@ -65,7 +65,7 @@ def test_every_case_can_be_drawn(name):
     motion = still(model_of(name))
     scene = motion_scene(motion, np.arange(motion.time.size))
     drawn = [item for key in ("joints", "links", "symbols") for item in scene[key]]
-    assert all({"name", "what", "symbol"} <= item.keys() for item in drawn)
+    assert all({"name", "description", "symbol"} <= item.keys() for item in drawn)
     bodies = {"ground", *(b.name for b in motion.model.bodies)}
     assert {item["body"] for item in drawn if "body" in item} <= bodies
     known = set(motion.model.parts.elements)
@@ -149,7 +149,7 @@ def test_what_lies_on_a_bar_is_drawn_over_it():
 def slider_with_stop(**limits) -> da.System:
     system = da.System("stopped")
     slider = system.add(planar.Body("slider", mass=1, inertia=1, velocity=(1, 0)))
-    system.add(planar.Translational("S", system.ground.point(0, 0), slider.center))
+    system.add(planar.Prismatic("S", system.ground.point(0, 0), slider.center))
     system.add(planar.Stop("stop", slider.x, stiffness=1.0, **limits))
     return system
 
@@ -182,8 +182,8 @@ def test_rotary_looks_stand_on_the_pin_of_their_bodies():
     two = system.add(planar.Bar("two", length=1.0, mass=1, position=(1.5, 0)))
     system.add(planar.Revolute("O", system.ground.point(0, 0), one.start))
     system.add(planar.Revolute("A", one.end, two.start))
-    system.add(planar.RotationalSpring("k", one, two, stiffness=1.0, damping=0.1))
-    system.add(planar.Moment("m", two, 3.0, reaction_on=one))
+    system.add(planar.TorsionSpring("k", one, two, stiffness=1.0, damping=0.1))
+    system.add(planar.Torque("m", two, 3.0, reaction_on=one))
     scene = motion_scene(still(system.build()), np.array([0, 1]))
     spots = {s["symbol"]: (s["body"], s["point"]) for s in scene["symbols"]}
     assert spots.keys() == {"spiral", "brake", "motor", "twist"}

@@ -74,7 +74,7 @@ INTEGRATORS = {
     "BackwardEuler": da.BackwardEuler(),
     "GeneralizedAlpha": da.GeneralizedAlpha(),
     "Radau": da.Radau(),
-    "Bdf": da.Bdf(),
+    "BDF": da.BDF(),
 }
 
 

@@ -37,7 +37,7 @@ def falling() -> da.Model:
     return system.build()
 
 
-@pytest.mark.parametrize("integrator", [da.Cvodes(), da.Ida()])
+@pytest.mark.parametrize("integrator", [da.CVODES(), da.IDA()])
 def test_steps_that_cannot_be_repeated_are_an_error_with_their_time(integrator, capfd):
     """With ``c = 100`` the end of a run to 0.6 s lies behind the singularity."""
     analysis = da.Dynamics(0.6, step=0.15, integrator=integrator, outputs=[0.05, 0.6])
@@ -49,7 +49,7 @@ def test_steps_that_cannot_be_repeated_are_an_error_with_their_time(integrator, 
 
 
 @pytest.mark.parametrize("method", ["adjoint", "direct"])
-@pytest.mark.parametrize("integrator", [da.Cvodes, da.Ida])
+@pytest.mark.parametrize("integrator", [da.CVODES, da.IDA])
 def test_failure_inside_a_gradient_is_an_error_of_this_package(integrator, method, capfd):
     """States put beside the pole let the solver give up in the march, not in the run."""
     motion = da.Dynamics(0.6, step=0.15, integrator=integrator(), outputs=[0.6]).run(falling())

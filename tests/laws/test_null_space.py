@@ -103,7 +103,7 @@ def massless_rod() -> da.Model:
     system.add(da.planar.Revolute("O", system.ground.point(0, 0), crank.start))
     system.add(da.planar.Revolute("A", crank.end, rod.start))
     system.add(da.planar.Revolute("B", rod.end, slider.center))
-    system.add(da.planar.Translational("C", system.ground.point(0, 0), slider.center))
+    system.add(da.planar.Prismatic("C", system.ground.point(0, 0), slider.center))
     return system.build()
 
 
@@ -118,7 +118,7 @@ def test_massless_body(formulation):
     state = (0.0, np.concatenate([model.start.y, model.start.v, [0, 0]]), model.nominal)
     (a, force), (a_kkt, force_kkt) = (
         definite(f, model).acceleration(e, e.constraint_acceleration).function(*state)
-        for f in (formulation, da.Kkt())
+        for f in (formulation, da.KKT())
     )
     np.testing.assert_allclose(a.full(), a_kkt.full(), rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(force.full(), force_kkt.full(), rtol=1e-9, atol=1e-9)

@@ -56,7 +56,7 @@ def test_an_interrupt_keeps_the_design_reached(monkeypatch, at):
     model, goal = system.build(), da.final((ball.x - 1.2) ** 2 + (ball.y - 0.3) ** 4, name="miss")
     monkeypatch.setattr(owner, name, stopped)
 
-    def optimum() -> da.Optimum:
+    def optimum() -> da.OptimizationResult:
         calls[0] = 0
         analysis = da.Dynamics(0.5, step=0.05)
         follow = {"progress": lambda number, objective: told.append(objective)}

@@ -18,7 +18,7 @@ from dalembert.errors import AnalysisError, FileError, ModelError, UnsupportedEr
 EXTRA = {"ccsaq": "nlopt", "cma-es": "cma"}
 QUICK = {
     "differential-evolution": da.DifferentialEvolution(population=4, generations=8),
-    "cma-es": da.CmaEs(generations=10),
+    "cma-es": da.CMAES(generations=10),
     "multistart": da.Multistart(starts=3),
 }
 CONSTRAINED = [
@@ -74,7 +74,7 @@ def test_cma_es_takes_two_variables_or_more():
 def test_prices_are_slopes_of_the_optimum():
     """``df*/d(bound)`` by differences of solved problems, for limits and bounds of parameters."""
 
-    def at(limit: float, lower: float) -> da.Optimum:
+    def at(limit: float, lower: float) -> da.OptimizationResult:
         variables = {"x": (3.0, lower, 10.0), "y": (3.0, 0.1, 10.0)}
         return solve(variables, "x**2 + 2*y**2 + x*y", [("x*y", limit, None), ("x + y", None, 9.0)])
 
@@ -154,7 +154,7 @@ def test_several_analyses_and_a_chain():
     member.support(ends[1], uy=0.0)
     member.load(ends[1], fx=load + 5000.0)
     force = turn[da.rms("O.force_norm", name="force")]
-    strength = da.Case(member.build(), da.Statics(), given={"load": force})
+    strength = da.Case(member.build(), da.Statics(), inputs={"load": force})
     stress = strength[da.final("bar.stress", name="stress")]
 
     goal = da.combined(

@@ -178,5 +178,5 @@ def test_extras_that_are_missing_are_named(monkeypatch):
         ),
     ):
         monkeypatch.setitem(sys.modules, name, None)
-        with pytest.raises(UnsupportedError, match="pip install dalembert"):
+        with pytest.raises(UnsupportedError, match="pip install 'dalembert"):
             call()

@@ -48,7 +48,7 @@ def test_drivers_give_the_power_they_report(name):
             if isinstance(joint, UserConstraint):
                 continue
             drives = isinstance(joint, Driver)
-            told = float(now.data.driver_power.sel(driver=joint.name)) if drives else 0.0
+            told = float(now.data.power.sel(driver=joint.name)) if drives else 0.0
             assert now.power(now.reaction(joint)) == pytest.approx(told, rel=1e-10, abs=1e-10)
 
 

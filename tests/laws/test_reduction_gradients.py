@@ -9,8 +9,8 @@ from flexible_bodies import ENDS, tapered
 
 import dalembert as da
 from dalembert.elements.flexible.shapes import SectionShapes
+from dalembert.model.assembled.reduction.slopes import ReductionSlopes
 from dalembert.structures import Frame, rectangle_mesh
-from dalembert.structures.reduction.slopes import ReductionSlopes
 
 
 def frames():

@@ -131,7 +131,7 @@ def test_a_mechanism():
     system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, slider.center))
-    system.add(planar.Translational("rail", system.ground.point(0, 0), slider.center))
+    system.add(planar.Prismatic("rail", system.ground.point(0, 0), slider.center))
     system.add(planar.RotationalDriver("motor", system.ground, crank, 2 * da.t))
     random = {"r": da.Normal(0.1, 2e-3), "l": da.Normal(0.3, 1e-3)}
     limit = da.Limit(da.final("slider.x"), upper=0.367)

@@ -9,7 +9,7 @@ from test_structural_modes import check_gradients
 
 import dalembert as da
 from dalembert import structures
-from dalembert.structures.model import StructuralModel
+from dalembert.model.assembled.model import StructuralModel
 
 
 def square_truss() -> tuple[StructuralModel, da.Structure]:

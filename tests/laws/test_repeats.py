@@ -37,7 +37,7 @@ def four_bars(count: int) -> da.Model:
         crank = system.add(planar.Bar(f"c{i}", length=1.0, mass=mass, angle=1.4))
         ground = system.ground.point(float(i), 0.0)
         system.add(planar.Revolute(f"O{i}", ground, crank.start))
-        system.add(planar.RotationalSpring(f"S{i}", system.ground, crank, damping=0.1 + 0.01 * i))
+        system.add(planar.TorsionSpring(f"S{i}", system.ground, crank, damping=0.1 + 0.01 * i))
         if last is not None:
             bar = system.add(planar.Bar(f"b{i}", length=1.0, mass=0.5, angle=0.0))
             system.add(planar.Revolute(f"A{i}", last.end, bar.start))
@@ -50,7 +50,7 @@ def step_of(model: da.Model, lanes: bool = False) -> tuple[ca.Function, np.ndarr
     """A step as it is compiled, a state, and what the step needs of the parameters."""
     kernel = da.Dynamics(0.1, step=0.01).kernel(model)
     x, mode = kernel.initial(model.start, 0.0, model.nominal)
-    made = kernel.fixed.prepared(mode)
+    made = kernel.fixed.marched(mode).forms
     function = made.side_by_side if lanes else made.called or made.function
     return function, x, made.values(model.nominal).full().ravel()
 
@@ -150,5 +150,5 @@ def test_gradients_go_the_same_way(method, monkeypatch):
     for backend in ("vm", "jit"):
         motion = da.solve_dynamics(model, 0.2, step=1e-3, outputs=[0.2], backend=backend)
         gradients.append(da.sensitivity(motion, da.final("c0.angle"), method=method).values)
-    assert motion.statistics["different pieces"] < motion.statistics["pieces of code"]
+    assert motion.statistics["distinct code blocks"] < motion.statistics["code blocks"]
     np.testing.assert_allclose(gradients[1], gradients[0], rtol=1e-10, atol=1e-12)

@@ -22,7 +22,7 @@ from dalembert.elements.fem.attached import GroundSpring
 from dalembert.elements.fem.cells import CELLS
 from dalembert.elements.fem.registry import ELEMENTS, cell_of
 from dalembert.elements.fem.rotations import spin_map
-from dalembert.structures.loads.load_case import CHANGES
+from dalembert.model.assembled.loads.load_case import CHANGES
 
 NUMBERS = {
     "area": 0.02,

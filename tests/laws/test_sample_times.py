@@ -11,7 +11,7 @@ from dalembert.responses.integrals import Quadrature
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 9])
-@pytest.mark.parametrize("kind", [da.Integral, da.Mean, da.Rms, da.Final, da.Maximum])
+@pytest.mark.parametrize("kind", [da.Integral, da.Mean, da.RMS, da.Final, da.Maximum])
 def test_times_of_samples(kind, count):
     """``∂R/∂t_k`` against differences, and the sum of all is zero but for what a shift adds."""
     rng = np.random.default_rng(count)

@@ -22,7 +22,7 @@ OTHERS = [
 ]
 STEP, DURATION = 0.01, 0.2
 STRATEGIES = {
-    "Kkt": {"formulation": da.Kkt()},
+    "KKT": {"formulation": da.KKT()},
     "NullSpace": {"formulation": da.NullSpace()},
     "VelocityPartitioning": {"formulation": da.VelocityPartitioning()},
     "AugmentedLagrangian": {"formulation": da.AugmentedLagrangian()},
@@ -30,18 +30,18 @@ STRATEGIES = {
     "EnergyProjection": {"stabilization": da.EnergyProjection()},
     "DormandPrince": {"integrator": da.DormandPrince()},
     "Radau": {"integrator": da.Radau()},
-    "Bdf": {"integrator": da.Bdf(rtol=1e-6)},
-    "Cvodes": {"integrator": da.Cvodes()},
-    "Ida": {"integrator": da.Ida(), "formulation": da.Dae(index=1)},
+    "BDF": {"integrator": da.BDF(rtol=1e-6)},
+    "CVODES": {"integrator": da.CVODES()},
+    "IDA": {"integrator": da.IDA(), "formulation": da.DAE(index=1)},
     "BackwardEuler": {"integrator": da.BackwardEuler()},
     "GeneralizedAlpha, index 3": {
         "integrator": da.GeneralizedAlpha(),
-        "formulation": da.Dae(index=3),
+        "formulation": da.DAE(index=3),
     },
-    "Radau, index 3": {"integrator": da.Radau(), "formulation": da.Dae(index=3)},
+    "Radau, index 3": {"integrator": da.Radau(), "formulation": da.DAE(index=3)},
     "Radau, stabilised index 2": {
         "integrator": da.Radau(),
-        "formulation": da.Dae(index=2, stabilized=True),
+        "formulation": da.DAE(index=2, stabilized=True),
     },
 }
 GAINS = {
@@ -52,7 +52,7 @@ GAINS = {
     },
 }
 MEASURED = {"crank.angle": "rad", "coupler.vx": "m/s", "A.force_norm": "N"}
-COUNTED = {"DormandPrince", "Radau", "Bdf", "Radau, index 3"}
+COUNTED = {"DormandPrince", "Radau", "BDF", "Radau, index 3"}
 
 
 def linkage(motor: bool = False, crank: float = 0.3) -> da.System:

@@ -34,7 +34,7 @@ def crank_on_springs(length=1.0, mass=1.0, time=1.0):
     system.add(planar.Revolute("O", origin, crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, piston.center))
-    system.add(planar.Translational("guide", origin, piston.center))
+    system.add(planar.Prismatic("guide", origin, piston.center))
     stiffness = 40.0 * mass / time**2
     system.add(
         planar.Spring("s", origin, piston.center, stiffness=stiffness, free_length=0.4 * length)

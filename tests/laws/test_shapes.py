@@ -206,7 +206,7 @@ def test_unreadable_meshes_are_refused(tmp_path, monkeypatch):
 
 def test_without_trimesh_the_cure_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "trimesh", None)
-    with pytest.raises(da.UnsupportedError, match=re.escape("pip install dalembert[mesh]")):
+    with pytest.raises(da.UnsupportedError, match=re.escape("pip install 'dalembert[mesh]'")):
         spatial.Mesh("m", file=tmp_path / "any.stl", density=1.0)
 
 

@@ -40,14 +40,14 @@ def test_both_ways_meet(marched):
     """From states on the manifold, and from some that are off it, by so little and so much."""
     kernel, mode, x, p = marched
     step = kernel.fixed.step_of(mode)
-    q = step.marching.values(p)
-    assert step.marching.lanes is not None
+    q = step.prepared.forms.values(p)
+    assert step.prepared.forms.lanes is not None
     for away, arrives in ((0.0, True), (1e-6, True), (1e-2, False)):
         moved = x.copy()
         moved[: kernel.equations.coordinate_count] += away * np.cos(np.arange(1, 1 + 27))
         whole = step.function(0.0, STEP, moved, p).full().ravel()
-        mostly = step.marching.function(0.0, STEP, moved, q).full().ravel()
-        short = step.marching.lanes(0.0, STEP, moved, q).full().ravel()
+        mostly = step.prepared.forms.function(0.0, STEP, moved, q).full().ravel()
+        short = step.prepared.forms.lanes(0.0, STEP, moved, q).full().ravel()
         np.testing.assert_allclose(mostly, whole, rtol=1e-12, atol=1e-12)
         assert np.isfinite(short).all() == arrives
         if arrives:
@@ -71,4 +71,4 @@ def test_lanes_that_do_not_arrive_are_run_alone():
 
 def test_a_long_step_has_lanes(marched):
     kernel, mode, *_ = marched
-    assert LaneColumns(kernel.fixed.prepared(mode).side_by_side, True, (4,)).side_by_side
+    assert LaneColumns(kernel.fixed.marched(mode).forms.side_by_side, True, (4,)).side_by_side

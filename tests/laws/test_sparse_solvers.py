@@ -8,10 +8,10 @@ import scipy.sparse as sparse
 
 import dalembert as da
 from dalembert import structures
+from dalembert.model.assembled.evaluation.stiffness_solvers import better_iterative
 from dalembert.sparse import factorise, pardiso
 from dalembert.sparse.factorise import SuperLUFactors
 from dalembert.sparse.pardiso import PardisoFactors
-from dalembert.structures.evaluation.stiffness_solvers import better_iterative
 
 PARDISO = pytest.param(
     "PARDISO",

@@ -215,7 +215,7 @@ def test_redundant_hinges(formulation):
     pull = ca.Function("f", [e.t, e.y, e.p, e.multiplier], [ca.mtimes(e.jacobian.T, e.multiplier)])
     view = JointCoordinates().view(model, formulation.every_equation)
     results = []
-    for seen, method in ((view, formulation), (da.AbsoluteCoordinates().view(model), da.Kkt())):
+    for seen, method in ((view, formulation), (da.AbsoluteCoordinates().view(model), da.KKT())):
         y, speed, a, multiplier = accelerations(seen, method)
         felt = pull(0.0, y, model.nominal, multiplier).full().ravel()
         results.append([y, speed, a, felt])

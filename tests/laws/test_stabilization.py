@@ -242,7 +242,7 @@ def test_a_driven_mechanism_limits_the_step_by_its_corrections(integrator):
     system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, piston.center))
-    system.add(planar.Translational("guide", system.ground.point(0, 0), piston.center))
+    system.add(planar.Prismatic("guide", system.ground.point(0, 0), piston.center))
     system.add(planar.RotationalDriver("motor", system.ground, crank, 0.3 + 40 * da.t))
     model = system.build()
     motion = da.solve_dynamics(model, 0.5, integrator=INTEGRATORS[integrator], outputs=21)

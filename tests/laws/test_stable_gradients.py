@@ -47,7 +47,7 @@ def model(name: str) -> da.Model:
         start = {"velocity": (speed, 0)}
     body = system.add(planar.Body("body", mass=1.0, inertia=4e-3, **start))
     if CASES[name] is None:
-        guide = planar.Translational("guide", system.ground.center, body.center, axis=(1, 0))
+        guide = planar.Prismatic("guide", system.ground.center, body.center, axis=(1, 0))
         system.add(planar.JointFriction("rub", system.add(guide), coulomb=40.0))
         return system.build()
     law, friction = CASES[name]

@@ -87,7 +87,7 @@ def test_soft_beside_stiff(stiffness):
     system = da.System("trolley", gravity=(0.0, -9.81))
     cart = system.add(planar.Body("cart", mass=1.0, inertia=1.0, position=(0.1, 0.0)))
     bar = system.add(planar.Bar("bar", length=1.0, mass=0.5, angle=-0.4))
-    system.add(planar.Translational("rail", system.ground.point(0, 0), cart.center, axis=(1, 0)))
+    system.add(planar.Prismatic("rail", system.ground.point(0, 0), cart.center, axis=(1, 0)))
     system.add(planar.Revolute("pin", cart.center, bar.start))
     anchor = system.ground.point(-1, 0)
     system.add(planar.Spring("s", anchor, cart.center, stiffness=stiffness, free_length=1.0))
@@ -129,7 +129,7 @@ def test_what_is_soft_is_solved_beside_what_is_stiff(ratio):
     for k, stiffness in enumerate((50.0 * ratio, 50.0)):
         bar = system.add(planar.Bar(f"b{k}", length=1.0, mass=1.0, angle=0.1))
         system.add(planar.Revolute(f"O{k}", pin, bar.start))
-        system.add(planar.RotationalSpring(f"T{k}", body, bar, stiffness=stiffness))
+        system.add(planar.TorsionSpring(f"T{k}", body, bar, stiffness=stiffness))
         body, pin = bar, bar.end
     rest = da.solve_equilibrium(system.build())
     assert rest.status.success, rest.status

@@ -65,7 +65,7 @@ def test_the_number_is_about_the_error(memory):
 def test_short_steps_and_error_control_are_not_doubted():
     assert not run(2e-5, da.RK4()).warnings
     assert not run(None, da.DormandPrince()).warnings
-    assert not run(1e-2, da.Cvodes()).warnings
+    assert not run(1e-2, da.CVODES()).warnings
 
 
 @pytest.mark.parametrize("coordinates", [da.AbsoluteCoordinates(), da.JointCoordinates()])

@@ -157,7 +157,7 @@ def test_many_displacements_by_iteration(vibrating, monkeypatch):
         return da.solve_modes(model, 5) if vibrating else da.solve_buckling(model, 5)
 
     found = solved()
-    monkeypatch.setattr("dalembert.structures.evaluation.eigenpairs.DENSE", 1000)
+    monkeypatch.setattr("dalembert.model.assembled.evaluation.eigenpairs.DENSE", 1000)
     whole = solved()
     np.testing.assert_allclose(found.eigenvalues, whole.eigenvalues, rtol=1e-8)
     gap = np.abs(found.shapes - whole.shapes).max()

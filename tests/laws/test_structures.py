@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 
 import dalembert as da
 from dalembert import structures
-from dalembert.analysis.structural.statics import solve_statics
+from dalembert.analysis.equilibrium.statics import solve_statics
 from dalembert.elements.fem.registry import ELEMENTS
-from dalembert.structures.evaluation.inertia import from_rest
+from dalembert.model.assembled.evaluation.inertia import from_rest
 
 
 def triangle(dimension: int, make):

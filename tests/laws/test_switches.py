@@ -18,9 +18,9 @@ from dalembert.symbolic.formulas.switches import freeze_branches
 INTEGRATORS = {
     "Dormand-Prince": (da.DormandPrince, da.RangeSpace()),
     "Dormand-Prince 853": (da.DormandPrince853, da.RangeSpace()),
-    "Radau, index 3": (da.Radau, da.Dae(index=3)),
+    "Radau, index 3": (da.Radau, da.DAE(index=3)),
     "Radau, ODE": (da.Radau, da.RangeSpace()),
-    "BDF": (da.Bdf, da.Dae(index=3)),
+    "BDF": (da.BDF, da.DAE(index=3)),
 }
 END = 2.0
 

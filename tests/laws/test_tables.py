@@ -23,8 +23,11 @@ BETWEEN = np.linspace(X[0], X[-1], 41)
 @pytest.mark.parametrize("ends", [None, "not-a-knot", "clamped", "natural", "periodic"])
 def test_the_spline_is_that_of_scipy_and_the_line_the_straight_one(ends):
     y = Y if ends != "periodic" else np.r_[Y[:-1], Y[0]]
-    spline, line = CubicSpline(X, y, bc_type=ends or "not-a-knot"), da.table(X, y, kind="linear")
-    made = da.table(X, y, **({"ends": ends} if ends else {}))
+    spline, line = (
+        CubicSpline(X, y, bc_type=ends or "not-a-knot"),
+        da.Interpolation(X, y, kind="linear"),
+    )
+    made = da.Interpolation(X, y, **({"ends": ends} if ends else {}))
     for x in BETWEEN:
         assert float(made(x)) == pytest.approx(spline(x), abs=1e-13)
         assert float(line(x)) == pytest.approx(np.interp(x, X, y), abs=1e-14)
@@ -36,9 +39,9 @@ def test_the_second_derivative_holds_up_to_the_ends():
     for rows in (4, 7, 40):
         knots = np.linspace(0.2, 1.7, rows)
         for law in (
-            da.table(knots, knots**3)(da.Expression(x)).sx,
+            da.Interpolation(knots, knots**3)(da.Expression(x)).sx,
             da.Table(list(knots), list(knots**3)).value(x),
-            da.table(knots, knots**3, outside="clamp")(da.Expression(x)).sx,
+            da.Interpolation(knots, knots**3, outside="clamp")(da.Expression(x)).sx,
         ):
             bend = ca.Function("bend", [x], [ca.gradient(ca.gradient(law, x), x)])
             for place in (0.2, 0.9, 1.7):
@@ -61,13 +64,13 @@ def test_inverse_dynamics_of_a_sampled_motion():
     times = np.linspace(0, 2, 41)
     q, bend = 0.5 * np.cos(2 * times) + times**2, 2 - 2 * np.cos(2 * times)
     exact = (bend + 3 * 9.81 * 0.5 * np.cos(q))[::2]
-    for law in (da.Table(list(times), list(q)), da.table(times, q)(da.t)):
+    for law in (da.Table(list(times), list(q)), da.Interpolation(times, q)(da.t)):
         effort, doubts = robot_arm(law)
         np.testing.assert_allclose(effort, exact, atol=2e-2)
         assert not doubts
     rough = [
         (da.Table(list(times), list(q), ends="natural"), "natural ends"),
-        (2 * da.table(times, q / 2, ends="natural")(da.t), "natural ends"),
+        (2 * da.Interpolation(times, q / 2, ends="natural")(da.t), "natural ends"),
         (da.Table(list(times), list(q - times), ends="clamped"), "clamped ends"),
         (da.Table(list(times[::5]), list(q[::5])), "uncertain by"),
     ]
@@ -82,12 +85,12 @@ def test_beyond_the_ends(kind):
     if kind == "linear":
         slope = (Y[-1] - Y[-2]) / (X[-1] - X[-2])
     beyond = X[-1] + 0.25
-    assert np.isnan(float(da.table(X, Y, kind)(beyond).sx))
-    assert float(da.table(X, Y, kind, "clamp")(beyond)) == pytest.approx(Y[-1])
+    assert np.isnan(float(da.Interpolation(X, Y, kind)(beyond).sx))
+    assert float(da.Interpolation(X, Y, kind, "clamp")(beyond)) == pytest.approx(Y[-1])
     straight = Y[-1] + 0.25 * slope
-    assert float(da.table(X, Y, kind, "extrapolate")(beyond)) == pytest.approx(straight)
+    assert float(da.Interpolation(X, Y, kind, "extrapolate")(beyond)) == pytest.approx(straight)
     for x in (X[0], X[-1]):  # the ends themselves are inside
-        assert np.isfinite(float(da.table(X, Y, kind)(x)))
+        assert np.isfinite(float(da.Interpolation(X, Y, kind)(x)))
 
 
 @pytest.mark.parametrize(
@@ -118,7 +121,7 @@ def pendulum(rows=30, kind="spline", outside="error", top=4.0, angle=0.5, consta
     x = np.linspace(-top, top, rows)
     values = [*np.sin(3 * x[:-1]), 0.3 if constant else level]
     torque = system.table("torque", x, values, kind=kind, outside=outside)
-    system.add(planar.Moment("M", bob, size * torque(bob.angle)))
+    system.add(planar.Torque("M", bob, size * torque(bob.angle)))
     return system.build()
 
 
@@ -136,11 +139,11 @@ def test_rows_that_are_looked_up_are_those_written_out(rows):
     x = np.arange(rows) + RNG.uniform(0.0, 0.5, rows)
     y = np.sin(x)
     at = np.concatenate([RNG.uniform(x[0], x[-1], 500), (x[:-1] + x[1:]) / 2])
-    spline, line = CubicSpline(x, y), da.table(x, y, kind="linear")
+    spline, line = CubicSpline(x, y), da.Interpolation(x, y, kind="linear")
     for order in range(3):
-        found = evaluated(da.table(x, y), at, order)
+        found = evaluated(da.Interpolation(x, y), at, order)
         assert found == pytest.approx(spline(at, order), abs=1e-13)
-    assert evaluated(da.table(x, y), x) == pytest.approx(y, abs=1e-14)
+    assert evaluated(da.Interpolation(x, y), x) == pytest.approx(y, abs=1e-14)
     assert evaluated(line, at) == pytest.approx(np.interp(at, x, y), abs=1e-14)
 
 
@@ -148,7 +151,7 @@ def test_many_rows_cost_a_formula_no_more_than_few():
     x, angle = np.linspace(0, 1, 1000), ca.SX.sym("angle")
 
     def operations(rows):
-        value = da.table(x[:rows], x[:rows] ** 2)(da.Expression(angle)).sx
+        value = da.Interpolation(x[:rows], x[:rows] ** 2)(da.Expression(angle)).sx
         both = [value, ca.jacobian(value, angle)]
         return ca.Function("y", [angle], both, {"cse": True}).n_instructions()
 
@@ -158,7 +161,11 @@ def test_many_rows_cost_a_formula_no_more_than_few():
 def test_look_ups_among_many_operations_are_compiled():
     """In text of several pieces, for numbers and for lanes."""
     x = np.linspace(0, 1, 50)
-    curve, begin, size = da.table(x, np.cos(3 * x), outside="clamp"), ca.SX.sym("a"), ca.SX.sym("b")
+    curve, begin, size = (
+        da.Interpolation(x, np.cos(3 * x), outside="clamp"),
+        ca.SX.sym("a"),
+        ca.SX.sym("b"),
+    )
     value = begin
     for _ in range(20):
         value = curve(da.Expression(value)).sx
@@ -181,7 +188,7 @@ def test_look_ups_among_many_operations_are_compiled():
 
 def test_absurd_numbers_are_not_looked_up():
     x = np.arange(30.0)
-    absurd = evaluated(da.table(1e-40 * x, 1e80 * x**2), 1e-40 * (x + 0.5))
+    absurd = evaluated(da.Interpolation(1e-40 * x, 1e80 * x**2), 1e-40 * (x + 0.5))
     usual = CubicSpline(x, x**2)(3.5)
     assert absurd[3] == pytest.approx(1e80 * usual, rel=1e-12)
 
@@ -243,7 +250,7 @@ def test_a_driven_motion_that_leaves_a_table_names_it():
     system.add(planar.Revolute("O", system.ground.center, bob.start))
     system.add(planar.RotationalDriver("motor", system.ground, bob, law=2 * da.t))
     torque = system.table("torque", [-0.5, 0, 0.5], [1, 2, 3])
-    system.add(planar.Moment("M", bob, torque(bob.angle)))
+    system.add(planar.Torque("M", bob, torque(bob.angle)))
     motion = da.solve_inverse_dynamics(system.build(), 1.0, step=0.01)
     assert not motion.status.success and motion.time[-1] == pytest.approx(0.25)
     assert "after t = 0.25 s the table 'torque' goes from -0.5 to 0.5" in motion.status.message
@@ -282,7 +289,7 @@ inertia = 0
 pin = ["10 mm", 0]
 
 [joints.guide]
-type = "Translational"
+type = "Prismatic"
 connect = [{ body = "ground", at = [0, 0] }, "piston.pin"]
 
 [forces.push]
@@ -370,7 +377,7 @@ def test_a_table_within_a_switch_is_held_with_it():
     system.add(planar.Revolute("O", system.ground.center, bob.start))
     x = np.linspace(0, 4, 60)
     torque = system.table("torque", x, x**2)
-    system.add(planar.Moment("M", bob, da.where(torque(bob.angle) > 0.25, torque(bob.angle), 0)))
+    system.add(planar.Torque("M", bob, da.where(torque(bob.angle) > 0.25, torque(bob.angle), 0)))
     for integrator in (da.DormandPrince(rtol=1e-10, atol=1e-12), da.Radau(rtol=1e-10, atol=1e-12)):
         motion = da.solve_dynamics(system.build(), 1.0, outputs=3, integrator=integrator)
         assert motion.values("bob.angle")[1] == pytest.approx(0.5, abs=1e-9)  # at 0.5 s

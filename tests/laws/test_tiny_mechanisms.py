@@ -22,7 +22,7 @@ COORDINATES = (
     da.JointCoordinates(angles="absolute"),
     da.JointCoordinates(reactions="projected"),
 )
-LEVELS = (da.Dae(index=2), da.Dae(index=2, stabilized=True), da.Dae(index=1))
+LEVELS = (da.DAE(index=2), da.DAE(index=2, stabilized=True), da.DAE(index=1))
 DURATION, ROUGHLY = 0.02, 5e-3
 """Two steps, of which the first order makes errors of some millimetres."""
 
@@ -105,8 +105,8 @@ TINY = {
 CHOICES = list(
     itertools.product((*FORMULATIONS.values(), *SOFT.values(), *LEVELS), INTEGRATORS.values())
 )
-UNSOLVED = (da.Penalty, da.Ida)
-"""Ida's Newton gives up on equations that are all but redundant, and says so."""
+UNSOLVED = (da.Penalty, da.IDA)
+"""IDA's Newton gives up on equations that are all but redundant, and says so."""
 
 
 @pytest.fixture(scope="module")

@@ -26,7 +26,7 @@ def crank():
     system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, slider.center))
-    system.add(planar.Translational("rail", system.ground.point(0, off), slider.center))
+    system.add(planar.Prismatic("rail", system.ground.point(0, off), slider.center))
     system.add(planar.RotationalDriver("motor", system.ground, crank, 2 * da.t))
     return system.build()
 

@@ -18,7 +18,7 @@ def pendulum(moving: str = "torque") -> da.Model:
     length = system.parameter("length", 1.0, "m", bounds=(0.5, 2.0))
     bar = system.add(planar.Bar("bar", length=length, mass=1.0, angle=-math.pi / 2))
     system.add(planar.Revolute("pivot", system.ground.point(0, 0), bar.start))
-    system.add(planar.Moment("motor", bar, {"torque": torque, "length": 2 * length}[moving]))
+    system.add(planar.Torque("motor", bar, {"torque": torque, "length": 2 * length}[moving]))
     return system.build()
 
 
@@ -27,7 +27,7 @@ FEW = da.DirectCollocation(intervals=16)
 
 
 @pytest.fixture(scope="module")
-def swing() -> da.OptimalTrajectory:
+def swing() -> da.TrajectoryResult:
     return da.optimize_trajectory(
         pendulum(),
         da.integral("torque**2"),

@@ -75,7 +75,7 @@ CHANGED += [(n, "speeds") for n in SPATIAL]
 
 def accelerations(e: Equations, formulation=None) -> ca.SX:
     """``[v̇; λ]`` as expressions of ``t, y, v, p``."""
-    solved = (formulation or da.Kkt()).acceleration(e, e.constraint_acceleration)
+    solved = (formulation or da.KKT()).acceleration(e, e.constraint_acceleration)
     state = ca.vertcat(e.y, e.v, ca.SX.zeros(2))
     return ca.vertcat(*solved.function(e.t, state, e.p))
 
@@ -141,7 +141,7 @@ def test_speeds_without_mass_stay_known(name):
     e, to = other_speeds(name)
     new = to.apply(e)
     assert new.massless == e.massless
-    both = [accelerations(new, method) for method in (da.RangeSpace(), da.Kkt())]
+    both = [accelerations(new, method) for method in (da.RangeSpace(), da.KKT())]
     found, expected = evaluated(new, both, general_state(new, 2, name))
     scale = 1 + np.abs(expected).max()
     np.testing.assert_allclose(found, expected, atol=TOLERANCE * scale)

@@ -60,7 +60,7 @@ def test_guess_out_of_reach_is_corrected():
     system.add(planar.Revolute("O", system.ground.center, crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, slider.center))
-    system.add(planar.Translational("C", system.ground.center, slider.center))
+    system.add(planar.Prismatic("C", system.ground.center, slider.center))
     model = system.build()
     assert model.start.residual < 1e-10
     assert model.diagnosis.corrections
@@ -76,7 +76,7 @@ def test_point_goes_to_the_nearest_place_of_a_curve(direction):
     assert np.linalg.norm(system.build().start.y[:2] - place) < 0.5
 
 
-@pytest.mark.parametrize("formulation", [da.Kkt(), da.RangeSpace()])
+@pytest.mark.parametrize("formulation", [da.KKT(), da.RangeSpace()])
 def test_inertia_zero_by_parameter(formulation):
     """A parameter that is zero acts as the number zero."""
     system = da.System("pendulum", gravity=(0.0, -9.81))
@@ -93,7 +93,7 @@ def test_friction_by_the_load_is_refused():
     sledge = system.add(
         planar.Body("sledge", mass=2, inertia=1, position=(0, 0), angle=0, velocity=(3, 0))
     )
-    joint = system.add(planar.Translational("rail", system.ground.center, sledge.center))
+    joint = system.add(planar.Prismatic("rail", system.ground.center, sledge.center))
     load = system.lookup("rail.force_norm")
     system.add(planar.JointFriction("friction", joint, coulomb=0.3 * load, transition=1e-3))
     with pytest.raises(da.ModelError, match=r"^friction: depends on rail.lambda0; only"):
@@ -155,7 +155,7 @@ def _distance_not_positive(system):
 
 def _particle_without_turn(system):
     bob = system.add(planar.Particle("bob", mass=1, position=(0, 0)))
-    system.add(planar.Translational("rail", _body(system).center, bob.center))
+    system.add(planar.Prismatic("rail", _body(system).center, bob.center))
 
 
 def _particle_with_an_arm(system):
@@ -242,7 +242,7 @@ def crank_of_a_short_rod():
     system.add(planar.Revolute("O", ground, crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, slider.center))
-    system.add(planar.Translational("rail", ground, slider.center, axis=axis))
+    system.add(planar.Prismatic("rail", ground, slider.center, axis=axis))
     law = da.laws.Polynomial(velocity=1.0, start=0.2)
     system.add(planar.RotationalDriver("motor", system.ground, crank, law))
     return system.build()
@@ -251,7 +251,7 @@ def crank_of_a_short_rod():
 @pytest.mark.parametrize(
     "choice",
     [
-        {"integrator": da.Radau(), "formulation": da.Dae(2, stabilized=True)},
+        {"integrator": da.Radau(), "formulation": da.DAE(2, stabilized=True)},
         {"integrator": da.DormandPrince()},
         {"step": 0.002},
         {"step": 0.01},
@@ -272,7 +272,7 @@ def test_a_lock_is_found_and_what_was_reached_is_kept(choice):
 
 @pytest.mark.parametrize(
     "choice",
-    [{"formulation": "Kkt"}, {"integrator": da.RK4}, {"stabilization": None}, {"coordinates": 1}],
+    [{"formulation": "KKT"}, {"integrator": da.RK4}, {"stabilization": None}, {"coordinates": 1}],
     ids=repr,
 )
 def test_what_is_no_strategy_is_told_with_one(choice):

@@ -13,7 +13,7 @@ from spatial_twins import rotation
 
 import dalembert as da
 from dalembert import planar, sin, spatial, t
-from dalembert.analysis.equilibrium import equilibrium
+from dalembert.analysis.equilibrium import mechanism_equilibrium
 from dalembert.analysis.kinematics.run import KinematicsRun
 from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.formulations.base import Level
@@ -135,14 +135,14 @@ def test_a_wrong_equilibrium_is_a_status(monkeypatch, moved, told):
     system.add(planar.CoordinateDriver("rail", ball.center, 1.0, direction=(0.0, 1.0)))
     place = system.ground.point(0.0, 1.0)
     system.add(planar.Bushing("tie", place, ball.center, stiffness=(300.0, 200.0)))
-    model, solve = system.build(), equilibrium.solve
+    model, solve = system.build(), mechanism_equilibrium.solve
 
     def spoilt(*given):
         found = solve(*given)
         return replace(found, x=found.x + moved)
 
     assert da.solve_equilibrium(model).status.success
-    monkeypatch.setattr(equilibrium, "solve", spoilt)
+    monkeypatch.setattr(mechanism_equilibrium, "solve", spoilt)
     rest = da.solve_equilibrium(model)
     assert rest.status.outcome is Outcome.VIOLATED and told in rest.status.message
     with pytest.raises(da.AnalysisError, match="no equilibrium"):

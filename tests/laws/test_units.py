@@ -30,7 +30,7 @@ LENGTHS = [1e-11, 1e-9, 1e-3, 1.0, 1e3, 1e9]
 def facts(model: da.Model) -> dict:
     """All that the diagnosis says without a unit."""
     told = model.diagnosis.to_dict()
-    tables = set(told.pop("doubts"))  # with numbers that have units
+    tables = set(told.pop("element_warnings"))  # with numbers that have units
     levels = [
         (m["level"], m["text"].partition(":")[0])
         for m in told.pop("messages")

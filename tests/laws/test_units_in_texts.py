@@ -142,9 +142,9 @@ def test_units_that_do_not_fit_are_refused_by_name(given, message):
 def test_the_unit_of_a_parameter_is_meant():
     system = da.System("x")
     l = system.parameter("l", 45, unit="mm", bounds=(30, "6 cm"))
-    assert (l.value, l.unit, l.given_unit) == (0.045, "m", "mm")
+    assert (l.value, l.unit, l.declared_unit) == (0.045, "m", "mm")
     assert l.bounds == pytest.approx((0.03, 0.06), rel=1e-15)
-    assert l.shown(0.05) == pytest.approx(50)
+    assert l.in_declared_unit(0.05) == pytest.approx(50)
     speed = system.parameter("speed", "60 rpm")
     assert speed.value == pytest.approx(2 * math.pi) and speed.unit == "rad/s"
     with pytest.raises(da.ModelError, match=r"bar.mass: l .m. does not fit, expected kg"):
@@ -385,6 +385,17 @@ def test_a_derived_parameter_says_an_si_unit():
     assert area.unit == "m^2"
     with pytest.raises(da.ModelError, match=r"a formula gives m\^2, not mm\^2"):
         system.derived("other", math.pi * bore**2 / 4, "mm^2")
+
+
+def test_a_stop_of_an_angle_measures_a_moment():
+    system = da.System("flap")
+    flap = system.add(planar.Bar("flap", length=1.0, mass=1.0))
+    system.add(planar.Revolute("O", system.ground.center, flap.start))
+    system.add(planar.Stop("stop", flap.angle, lower=-0.1, stiffness="10 N m/rad"))
+    system.add(planar.Stop("end", flap.y, lower=-9.0, stiffness="10 N/m"))
+    model = system.build()
+    names = ("stop.coordinate", "stop.force", "end.coordinate", "end.force")
+    assert [model[name].unit for name in names] == ["rad", "N m", "m", "N"]
 
 
 def test_pint_is_imported_where_it_is_needed_only():

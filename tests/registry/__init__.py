@@ -23,7 +23,7 @@ SPATIAL = [n for n in CASES if n not in PLANAR]
 RELATED = [n for n in CONSTRAINED if n.removeprefix("rotational driver ") not in list(LAWS)[1:]]
 """All that are constrained, but a driver with one law: others change its right side only."""
 EACH = [n for n in PLANAR if n in RELATED]
-IN_TURN = [f for f in FORMULATIONS if f not in ("Kkt", "NullSpace svd")]  # svd: for few speeds only
+IN_TURN = [f for f in FORMULATIONS if f not in ("KKT", "NullSpace svd")]  # svd: for few speeds only
 COMBINED = [(n, f) for n in EACH for f in FORMULATIONS] + [
     (n, IN_TURN[k % len(IN_TURN)]) for k, n in enumerate(n for n in CASES if n not in EACH)
 ]

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from twins import cubic, left, length, turn
 
-from dalembert import FormulaCurve, SplineCurve, cos, planar, sin, u
+from dalembert import FormulaCurve, SplineCurve, cos, planar, sin
+from dalembert.elements.curves import u
 from registry.cases import Q, case
 
 CORNERS = np.array(

@@ -9,7 +9,7 @@ from dalembert import planar
 from dalembert.elements.laws import (
     Harmonic,
 )
-from registry.cases import P, Q, case
+from registry.cases import CASES, P, Q, case
 from registry.joints import sliding_axis
 from registry.motion_laws import LAWS, LawCase
 
@@ -44,6 +44,38 @@ def _wave(q, mean: float):
 def _(q):
     axis = q.numbers(axis_x=1.2, axis_y=0.9)
     q.add(planar.TranslationalDriver("J", *q.points(), axis=axis, law=_wave(q, 0.3)))
+
+
+def _slot(q) -> planar.PinInSlot:
+    axis = q.numbers(axis_x=1.2, axis_y=0.9)
+    return q.add(planar.PinInSlot("J", *q.points(), axis=axis))
+
+
+def _with_slot(equation):
+    """Twin of a slot and of a driver of it."""
+    return lambda c: np.array([CASES["pin in slot"].residual(c), equation(c)])
+
+
+@case(
+    "rotational driver of a joint",
+    planar.RotationalDriver,
+    scleronomic=False,
+    residual=_with_slot(lambda c: c.b.phi - c.a.phi - LAWS["Harmonic"].twin(c.p, c.t)),
+)
+def _(q):
+    q.add(planar.RotationalDriver("D", _slot(q), _wave(q, 0.3)))
+
+
+@case(
+    "translational driver of a joint",
+    planar.TranslationalDriver,
+    scleronomic=False,
+    residual=_with_slot(
+        lambda c: sliding_axis(c) @ (Q(c) - P(c)) - LAWS["Harmonic"].twin(c.p, c.t)
+    ),
+)
+def _(q):
+    q.add(planar.TranslationalDriver("D", _slot(q), _wave(q, 0.3)))
 
 
 @case(

@@ -62,25 +62,25 @@ def _(q):
 
 @case(
     "moment",
-    planar.Moment,
+    planar.Torque,
     conservative=False,
     loads=lambda c: [("a", np.zeros(2), c.a.r, c.p.m0 * (1 - c.a.w / c.p.w0))],
 )
 def _(q):
     a, _ = q.pair()
     m0, w0 = q.numbers(m0=2.0, w0=5.0)
-    q.add(planar.Moment("F", a, m0 * (1 - a.angular_velocity / w0)))
+    q.add(planar.Torque("F", a, m0 * (1 - a.angular_velocity / w0)))
 
 
 @case(
     "moment with reaction",
-    planar.Moment,
+    planar.Torque,
     conservative=False,
     loads=lambda c: opposite(c, np.zeros(2), c.a.r, c.b.r, c.p.m0 * np.cos(2 * c.t)),
 )
 def _(q):
     a, b = q.pair()
-    q.add(planar.Moment("F", b, q.number("m0", 2.0) * cos(2 * t), reaction_on=a))
+    q.add(planar.Torque("F", b, q.number("m0", 2.0) * cos(2 * t), reaction_on=a))
 
 
 @case(
@@ -119,7 +119,7 @@ def _(q):
 
 @case(
     "rotational spring",
-    planar.RotationalSpring,
+    planar.TorsionSpring,
     loads=lambda c: opposite(
         c,
         np.zeros(2),
@@ -130,12 +130,12 @@ def _(q):
 )
 def _(q):
     k, d, a0 = q.numbers(k=4.0, d=0.3, a0=-0.2)
-    q.add(planar.RotationalSpring("F", *q.pair(), stiffness=k, damping=d, free_angle=a0))
+    q.add(planar.TorsionSpring("F", *q.pair(), stiffness=k, damping=d, free_angle=a0))
 
 
 @case(
     "rotational spring with law",
-    planar.RotationalSpring,
+    planar.TorsionSpring,
     conservative=False,
     loads=lambda c: opposite(
         c,
@@ -148,7 +148,7 @@ def _(q):
 def _(q):
     k, d, a0 = q.numbers(k=4.0, d=0.3, a0=-0.2)
     q.add(
-        planar.RotationalSpring(
+        planar.TorsionSpring(
             "F",
             *q.pair(),
             free_angle=a0,

@@ -39,7 +39,7 @@ def _sliding_friction(c):
 )
 def _(q):
     axis = q.numbers(axis_x=1.2, axis_y=0.9)
-    joint = q.add(planar.Translational("J", *q.points(), axis=axis, angle=q.number("angle", -0.8)))
+    joint = q.add(planar.Prismatic("J", *q.points(), axis=axis, angle=q.number("angle", -0.8)))
     f, v, w = q.numbers(coulomb=2.0, viscous=0.5, transition=0.8)
     q.add(planar.JointFriction("F", joint, coulomb=f, viscous=v, transition=w))
 
@@ -69,7 +69,7 @@ def _(q):
 )
 def _(q):
     axis = q.numbers(axis_x=1.2, axis_y=0.9)
-    joint = q.add(planar.Translational("J", *q.points(), axis=axis, angle=q.number("angle", -0.8)))
+    joint = q.add(planar.Prismatic("J", *q.points(), axis=axis, angle=q.number("angle", -0.8)))
     q.add(planar.JointActuator("F", joint, q.number("push", 6.0) * cos(4 * t)))
 
 

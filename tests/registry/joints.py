@@ -47,14 +47,14 @@ def sliding_axis(c):
 
 @case(
     "translational",
-    planar.Translational,
+    planar.Prismatic,
     residual=lambda c: np.array(
         [cross(sliding_axis(c), Q(c) - P(c)), c.b.phi - c.a.phi - c.p.angle]
     ),
 )
 def _(q):
     axis = q.numbers(axis_x=1.2, axis_y=0.9)
-    q.add(planar.Translational("J", *q.points(), axis=axis, angle=q.number("angle", -0.8)))
+    q.add(planar.Prismatic("J", *q.points(), axis=axis, angle=q.number("angle", -0.8)))
 
 
 @case("pin in slot", planar.PinInSlot, residual=lambda c: cross(sliding_axis(c), Q(c) - P(c)))

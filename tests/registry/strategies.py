@@ -5,9 +5,9 @@ from __future__ import annotations
 import dalembert as da
 
 FORMULATIONS = {
-    "Kkt": da.Kkt(),
+    "KKT": da.KKT(),
     "RangeSpace": da.RangeSpace(),
-    "Dae": da.Dae(),
+    "DAE": da.DAE(),
     "AugmentedLagrangian": da.AugmentedLagrangian(),
     "NullSpace": da.NullSpace(),
     "NullSpace qr": da.NullSpace("qr"),
@@ -37,7 +37,7 @@ INTEGRATORS = {
     "HHT": da.HHT(),
     "GeneralizedAlpha": da.GeneralizedAlpha(),
     "Radau": da.Radau(),
-    "Bdf": da.Bdf(),
-    "Cvodes": da.Cvodes(),
-    "Ida": da.Ida(),
+    "BDF": da.BDF(),
+    "CVODES": da.CVODES(),
+    "IDA": da.IDA(),
 }

@@ -16,10 +16,10 @@ INTEGRATORS = (
     da.DormandPrince(1e-10, 1e-11),
     da.DormandPrince853(1e-10, 1e-11),
     da.Radau(1e-9, 1e-11),
-    da.Bdf(1e-9, 1e-11),
-    da.Cvodes(1e-9, 1e-11),
+    da.BDF(1e-9, 1e-11),
+    da.CVODES(1e-9, 1e-11),
 )
-COSTLY = ("NullSpace svd", "Kkt")
+COSTLY = ("NullSpace svd", "KKT")
 """Formulations whose graphs are large; taken less often."""
 
 

@@ -52,7 +52,7 @@ def rigid(seed: int, rng: np.random.Generator) -> tuple[str, str, str]:
         system.add(planar.Revolute("hinge", bars[0].end, bars[1].start))
     for k, tip in enumerate(corners):
         system.add(planar.UnilateralConstraint(f"c{k}", tip.y, tip.velocity[0], **law))
-    formulation = str(rng.choice([n for n in FORMULATIONS if n not in ("NullSpace svd", "Dae")]))
+    formulation = str(rng.choice([n for n in FORMULATIONS if n not in ("NullSpace svd", "DAE")]))
     choices = {
         "integrator": (da.DormandPrince(), da.DormandPrince(1e-9, 1e-11))[int(rng.integers(2))],
         "formulation": FORMULATIONS[formulation],

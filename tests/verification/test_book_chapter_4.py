@@ -82,7 +82,7 @@ def test_example_4_2_body_about_a_point_that_is_not_its_centre():
     system = da.System("body")
     body = system.add(planar.Body("body", mass=m, inertia=inertia, position=(0, 0), angle=0))
     system.add(planar.Force("push", body.center, (fx, fy)))
-    system.add(planar.Moment("turn", body, moment))
+    system.add(planar.Torque("turn", body, moment))
     old = system.build().equations
     c, s = ca.cos(old.y[2]), ca.sin(old.y[2])
     basis = ca.blockcat(
@@ -124,7 +124,7 @@ def slider_and_link() -> da.Model:
         planar.Body("slider", mass=M1, inertia=J1, position=(0.3, 0), angle=0, velocity=(0.5, 0))
     )
     link = system.add(planar.Body("link", mass=M2, inertia=J2, angle=-0.7, angular_velocity=2.0))
-    system.add(planar.Translational("A", system.ground.center, slider.point(-A1, 0)))
+    system.add(planar.Prismatic("A", system.ground.center, slider.point(-A1, 0)))
     system.add(planar.Revolute("B", slider.point(B1, 0), link.point(-A2, 0)))
     return system.build()
 
@@ -207,7 +207,7 @@ def by_hand(angle: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
 def test_example_4_5_reactions_are_forces_and_a_moment(slider_and_link):
     """λ = (guide force, guide moment, two pin forces); r = Cᵀλ as the book expands it."""
     e, start = slider_and_link.equations, slider_and_link.start
-    solved = da.Kkt().acceleration(e, e.constraint_acceleration).function
+    solved = da.KKT().acceleration(e, e.constraint_acceleration).function
     state = np.concatenate([start.y, start.v, [0, 0]])
     a, multiplier = (out.full().ravel() for out in solved(0.0, state, slider_and_link.nominal))
     rates, (l1, l2, l3, l4) = by_hand(start.y[5], start.v[5])
@@ -251,7 +251,7 @@ def pendulum(constrain) -> np.ndarray:
     constrain(system, bob)
     model = system.build()
     e = model.equations
-    solved = da.Kkt().acceleration(e, e.constraint_acceleration).function
+    solved = da.KKT().acceleration(e, e.constraint_acceleration).function
     state = np.concatenate([model.start.y, model.start.v, [0, 0]])
     return solved(0.0, state, model.nominal)[1].full().ravel()
 

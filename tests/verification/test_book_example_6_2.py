@@ -36,7 +36,7 @@ def mechanism() -> da.Model:
     slider = system.add(planar.Body("slider", mass=2.0, inertia=0.1, position=(1.2, A1), angle=0.0))
     link = system.add(planar.Bar("link", length=L2, mass=1.0, angle=0.6))
     crank = system.add(planar.Bar("crank", length=L3, mass=0.8, angular_velocity=5.0))
-    system.add(planar.Translational("A", system.ground.center, slider.point(0, -A1)))
+    system.add(planar.Prismatic("A", system.ground.center, slider.point(0, -A1)))
     system.add(planar.Revolute("B", slider.point(0, L1 - A1), link.start))
     system.add(planar.Revolute("D", link.end, crank.end))
     system.add(planar.Revolute("E", system.ground.point(A, B), crank.start))

@@ -64,7 +64,7 @@ def three_bodies() -> JointView:
     rod = system.add(planar.Body("rod", mass=M3, inertia=J3, angle=-1.2))
     pin = system.ground.center
     system.add(planar.Revolute("O", pin, bar.point(-A1, 0)))
-    system.add(planar.Translational("guide", bar.point(-A1, 0), slider.center))
+    system.add(planar.Prismatic("guide", bar.point(-A1, 0), slider.center))
     system.add(planar.Revolute("A", slider.point(TO_PIN, 0), rod.point(-TO_ROD, 0)))
     system.add(planar.Spring("spring", pin, slider.center, stiffness=K, free_length=FREE))
     return ABSOLUTE.view(system.build())
@@ -101,7 +101,7 @@ def mechanism() -> JointView:
         )
     )
     foot = slider.point(0, -L1 / 2)
-    system.add(planar.Translational("A", system.ground.center, foot))
+    system.add(planar.Prismatic("A", system.ground.center, foot))
     system.add(planar.Revolute("B", slider.point(0, L1 / 2), link.start))
     system.add(planar.Revolute("D", link.end, crank.end))
     system.add(planar.Revolute("E", system.ground.point(A, B), crank.start))
@@ -239,7 +239,7 @@ def hanging(angle=-1.1, length=0.55, swing=-1.9) -> da.Model:
     start = bar.point(-TO_BAR, 0)
     hook = slider.point(C2_B, 0)
     system.add(planar.Revolute("O", system.ground.center, start))
-    system.add(planar.Translational("guide", start, slider.point(-A_C2, 0)))
+    system.add(planar.Prismatic("guide", start, slider.point(-A_C2, 0)))
     system.add(planar.RigidLink("string", hook, load.center, length=STRING))
     spring = planar.Spring(
         "spring", start, slider.point(-A_C2, 0), stiffness=SPRING, free_length=UNLOADED

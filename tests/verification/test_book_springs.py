@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import dalembert as da
-from dalembert.analysis.structural.statics import solve_statics
+from dalembert.analysis.equilibrium.statics import solve_statics
 from dalembert.io.spring_deck import load_deck
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -39,7 +39,7 @@ def equations() -> Equations:
     rod = system.add(planar.Body("rod", mass=M3, inertia=J3, angle=-1.2))
     pin = system.ground.center
     system.add(planar.Revolute("O", pin, bar.point(-A1, 0)))
-    system.add(planar.Translational("guide", bar.center, slider.center))
+    system.add(planar.Prismatic("guide", bar.center, slider.center))
     system.add(planar.Revolute("A", slider.point(A2, 0), rod.point(-A3, 0)))
     system.add(planar.Spring("spring", pin, slider.center, stiffness=K, free_length=FREE))
     return system.build().equations

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 import dalembert as da
 from dalembert import structures
-from dalembert.structures.model import StructuralModel
+from dalembert.model.assembled.model import StructuralModel
 
 E, A, INERTIA, LENGTH = 210e9, 2e-3, 4e-6, 2.5
 

@@ -56,7 +56,7 @@ def test_state_and_multipliers_at_the_end():
 
 
 @pytest.mark.parametrize(
-    "formulation", [da.Dae(2), da.Dae(2, stabilized=True), da.Dae(3)], ids=["2", "stabilised", "3"]
+    "formulation", [da.DAE(2), da.DAE(2, stabilized=True), da.DAE(3)], ids=["2", "stabilised", "3"]
 )
 @pytest.mark.parametrize("stabilization", [da.Stabilization(), da.Projection()], ids=repr)
 def test_backward_differentiation_of_every_index(formulation, stabilization):
@@ -64,7 +64,7 @@ def test_backward_differentiation_of_every_index(formulation, stabilization):
     motion = da.solve_dynamics(
         axle().build(),
         3.0,
-        integrator=da.Bdf(1e-9, 1e-10),
+        integrator=da.BDF(1e-9, 1e-10),
         formulation=formulation,
         stabilization=stabilization,
         outputs=[3.0],

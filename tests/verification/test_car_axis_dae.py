@@ -15,10 +15,10 @@ from test_car_axis import MULTIPLIERS, POSITION, VELOCITY, L, axle
 import dalembert as da
 
 FORMS = {
-    "index 3": da.Dae(),
-    "index 2": da.Dae(index=2),
-    "stabilised": da.Dae(index=2, stabilized=True),
-    "index 1": da.Dae(index=1),
+    "index 3": da.DAE(),
+    "index 2": da.DAE(index=2),
+    "stabilised": da.DAE(index=2, stabilized=True),
+    "index 1": da.DAE(index=1),
 }
 TOLERANCE = 1e-9
 model = functools.cache(lambda: axle().build())

@@ -80,7 +80,7 @@ def test_motor():
     """C: a motor of torque 20 (1 − |ω|/4π) N m between chassis and wheel 2."""
     system, chassis, wheel = cart()
     torque = -20 * (1 - da.absolute(wheel.angular_velocity) / (4 * np.pi))
-    system.add(planar.Moment("motor", wheel, torque, reaction_on=chassis))
+    system.add(planar.Torque("motor", wheel, torque, reaction_on=chassis))
     times = np.array([1.0, 10.0])
     x, v = travel(system, times)
     top, tau = 0.4 * np.pi, 124 * 0.4 * np.pi / 200

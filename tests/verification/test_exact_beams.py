@@ -46,7 +46,7 @@ def test_force_and_moment_on_a_thick_cantilever():
     system, arm = thick(7.9615e10, angle_i=math.pi / 4, elements=6, mass_per_length=1.0)
     pull = 6.25e7 * math.sqrt(0.5)
     system.add(planar.Force("F", arm.end.center, (pull, -pull)))
-    system.add(planar.Moment("M", arm.end, -5e8))
+    system.add(planar.Torque("M", arm.end, -5e8))
     x, y, angle = tip(system, "x", "y", "angle")
     there = 2 * math.sqrt(0.5)
     assert x - there == pytest.approx(-1.1973740690, abs=1e-6)
@@ -77,7 +77,7 @@ def test_slender_cantilever():
 
 def test_a_moment_rolls_it_up():
     system, arm = thick(MODULUS / 2.6, height=0.1, mass_per_length=1.0)
-    system.add(planar.Moment("M", arm.end, 2 * math.pi * MODULUS * 0.1**4 / 12 / 2))
+    system.add(planar.Torque("M", arm.end, 2 * math.pi * MODULUS * 0.1**4 / 12 / 2))
     x, y, angle = tip(system, "x", "y", "angle")
     assert [x, y] == pytest.approx([0, 0], abs=1e-4)
     assert angle == pytest.approx(2 * math.pi, rel=1e-6)

@@ -41,7 +41,7 @@ def motion() -> da.Motion:
         )
     )
     system.add(planar.Force("F", rod.start.center, (8 * pulled, 0)))
-    system.add(planar.Moment("M", rod.start, -80 * pulled))
+    system.add(planar.Torque("M", rod.start, -80 * pulled))
     return da.solve_dynamics(system.build(), 10.0, step=1e-3, outputs=list(ENDS))
 
 

@@ -62,7 +62,7 @@ def test_crank_held_by_its_motor():
     system.add(planar.RotationalDriver("motor", system.ground, crank, np.pi / 6))
     system.add(planar.Force("load", crank.end, (0.0, -8.0)))
     data = at_rest(system)
-    assert float(data.driver_effort[0]) == pytest.approx(8 * 0.5 * np.cos(np.pi / 6))
+    assert float(data.effort[0]) == pytest.approx(8 * 0.5 * np.cos(np.pi / 6))
     assert float(data.reaction_moment.sel(joint="motor")) == pytest.approx(
         8 * 0.5 * np.cos(np.pi / 6)
     )
@@ -79,10 +79,10 @@ def test_gear_tooth_force_loads_the_bearings():
     system.add(planar.Revolute("b", system.ground.point(0.6, 0), large.center))
     system.add(planar.GearPair("mesh", small.center, large.center, radius_i=0.2, radius_j=0.4))
     system.add(planar.RotationalDriver("brake", system.ground, large, 0.0))
-    system.add(planar.Moment("torque", small, 3.0))
+    system.add(planar.Torque("torque", small, 3.0))
     data = at_rest(system)
     # the small gear, turned anticlockwise, pushes the large one up at the pitch point
     np.testing.assert_allclose(data.reaction_force.sel(joint="mesh"), [0.0, 15.0], atol=1e-12)
     np.testing.assert_allclose(data.reaction_force.sel(joint="b"), [0.0, -15.0], atol=1e-12)
     np.testing.assert_allclose(data.reaction_force.sel(joint="a"), [0.0, 15.0], atol=1e-12)
-    assert float(data.driver_effort[0]) == pytest.approx(6.0)
+    assert float(data.effort[0]) == pytest.approx(6.0)

@@ -23,7 +23,7 @@ def mechanism(rod_length: float) -> da.System:
     system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, slider.center))
-    system.add(planar.Translational("C", system.ground.point(0, 0), slider.center))
+    system.add(planar.Prismatic("C", system.ground.point(0, 0), slider.center))
     system.add(planar.RotationalDriver("motor", system.ground, crank, np.pi / 4 + 2 * np.pi * da.t))
     return system
 

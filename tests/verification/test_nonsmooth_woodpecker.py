@@ -58,7 +58,7 @@ def woodpecker() -> da.Model:
     system.add(planar.UserConstraint("beside", bird.x))
     arm = l_m * sleeve.angle + l_g * bird.angle  # the toy is described for small angles
     system.add(planar.UserConstraint("arm", bird.y - sleeve.y - arm))
-    system.add(planar.RotationalSpring("spring", sleeve, bird, stiffness=0.0056))
+    system.add(planar.TorsionSpring("spring", sleeve, bird, stiffness=0.0056))
     beak = l_m + l_g - l_s - r_o - h_s * bird.angle
     along = sleeve.y + l_m * sleeve.angle + (l_g - l_s) * bird.angle
     system.add(Play("beak", ((beak, along),), 0.5))

@@ -123,7 +123,7 @@ def cart_and_pole() -> da.Model:
     push = system.parameter("push", 0.0, "N", bounds=(-20.0, 20.0))
     cart = system.add(planar.Body("cart", mass=1.0, inertia=0.1, position=(0, 0), angle=0))
     pole = system.add(planar.Body("pole", mass=0.3, inertia=0.0, position=(0, -0.5), angle=0))
-    system.add(planar.Translational("rail", system.ground.point(0, 0), cart.center))
+    system.add(planar.Prismatic("rail", system.ground.point(0, 0), cart.center))
     system.add(planar.Revolute("pivot", cart.center, pole.point(0, 0.5)))
     system.add(planar.Force("force", cart.center, (push, 0.0)))
     return system.build()
@@ -199,7 +199,7 @@ def parallelogram() -> da.Model:
     system.add(planar.Revolute("A", crank.end, coupler.start))
     system.add(planar.Revolute("B", coupler.end, rocker.end))
     system.add(planar.Revolute("O2", system.ground.point(1, 0), rocker.start))
-    system.add(planar.Moment("motor", crank, torque))
+    system.add(planar.Torque("motor", crank, torque))
     return system.build()
 
 

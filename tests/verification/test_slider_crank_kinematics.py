@@ -22,7 +22,7 @@ def mechanism() -> da.System:
     system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
     system.add(planar.Revolute("A", crank.end, rod.start))
     system.add(planar.Revolute("B", rod.end, slider.center))
-    system.add(planar.Translational("C", system.ground.point(0, 0), slider.center))
+    system.add(planar.Prismatic("C", system.ground.point(0, 0), slider.center))
     system.add(planar.RotationalDriver("motor", system.ground, crank, 0.3 + W * da.t))
     return system
 

@@ -33,7 +33,7 @@ def mechanism() -> da.System:
         planar.Body("slider", mass=5.0, inertia=4.0, angle=0.0, position=(0.999999405396684, 0.2))
     )
     rod = system.add(planar.Body("rod", mass=2.0, inertia=0.2, angle=0.523601521953373))
-    system.add(planar.Translational("rail", rail, slider.center))
+    system.add(planar.Prismatic("rail", rail, slider.center))
     system.add(planar.Revolute("pin", slider.center, rod.point(0.0, 0.5)))
     system.add(planar.Spring("spring", rail, slider.center, stiffness=20.0, free_length=0.6))
     return system

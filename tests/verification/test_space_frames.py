@@ -11,8 +11,8 @@ import dalembert as da
 from dalembert import structures
 from dalembert.elements.fem.graphs import ElementGraphs
 from dalembert.elements.fem.rotations import rotation_matrix, rotation_vector
-from dalembert.structures.evaluation.block import ElementKind
-from dalembert.structures.loads.load_case import CHANGES
+from dalembert.model.assembled.evaluation.block import ElementKind
+from dalembert.model.assembled.loads.load_case import CHANGES
 
 SECTION = {
     "area": 2.0,

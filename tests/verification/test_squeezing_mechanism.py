@@ -62,11 +62,11 @@ def squeezer() -> da.Model:
         system.add(planar.Revolute(name, i, j))
     spring = k3.point(SD - SB, SA - SC)
     system.add(planar.Spring("spring", c, spring, stiffness=STIFFNESS, free_length=FREE_LENGTH))
-    system.add(planar.Moment("motor", k1, TORQUE))
+    system.add(planar.Torque("motor", k1, TORQUE))
     return system.build()
 
 
-@pytest.mark.parametrize("formulation", [da.RangeSpace(), da.Kkt()])
+@pytest.mark.parametrize("formulation", [da.RangeSpace(), da.KKT()])
 def test_angles_after_thirty_milliseconds(formulation):
     model = squeezer()
     assert model.diagnosis.degrees_of_freedom == 1

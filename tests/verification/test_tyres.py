@@ -48,7 +48,7 @@ def strut():
     system = da.System("strut", gravity=(0.0, -GRAVITY))
     chassis = system.add(planar.Body("chassis", mass=300.0, inertia=10.0, position=(0, 0.3)))
     ground = system.ground.point(0, 0)
-    system.add(planar.Translational("column", ground, chassis.point(0, 0), axis=(0, 1)))
+    system.add(planar.Prismatic("column", ground, chassis.point(0, 0), axis=(0, 1)))
     wheel = system.add(planar.Body("wheel", mass=30.0, inertia=1.2, position=(LINK, 0.3)))
     system.add(planar.Revolute("pin", chassis.point(0, 0), wheel.point(-LINK, 0)))
     k, c, free = STRUT
@@ -116,14 +116,14 @@ def model(name: str):
 
 
 INTEGRATORS = {
-    "Radau, index 3": (da.Radau, da.Dae(index=3)),
-    "Radau, index 2": (da.Radau, da.Dae(index=2)),
-    "Radau, index 1": (da.Radau, da.Dae(index=1)),
-    "Radau, stabilised": (da.Radau, da.Dae(index=2, stabilized=True)),
+    "Radau, index 3": (da.Radau, da.DAE(index=3)),
+    "Radau, index 2": (da.Radau, da.DAE(index=2)),
+    "Radau, index 1": (da.Radau, da.DAE(index=1)),
+    "Radau, stabilised": (da.Radau, da.DAE(index=2, stabilized=True)),
     "Radau, ODE": (da.Radau, da.RangeSpace()),
     "Dormand-Prince": (da.DormandPrince, da.RangeSpace()),
     "Dormand-Prince 853": (da.DormandPrince853, da.RangeSpace()),
-    "BDF": (da.Bdf, da.Dae(index=3)),
+    "BDF": (da.BDF, da.DAE(index=3)),
 }
 
 

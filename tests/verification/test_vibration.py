@@ -7,8 +7,8 @@ import pytest
 
 import dalembert as da
 from dalembert import structures
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.structural.modes import VibrationModes
-from dalembert.structures.model import StructuralModel
 
 E, A, INERTIA, LENGTH, DENSITY = 210e9, 2e-3, 4e-6, 2.5, 7850.0
 

@@ -49,7 +49,7 @@ def woodpecker() -> da.Model:
     system.add(planar.UserConstraint("upright", bird.x))
     arm = sleeve.y + L_M * sleeve.angle + L_G * bird.angle
     system.add(planar.UserConstraint("arm", bird.y - arm))
-    system.add(planar.RotationalSpring("spring", sleeve, bird, stiffness=C))
+    system.add(planar.TorsionSpring("spring", sleeve, bird, stiffness=C))
     play = R_M - R_O
     beak_slip = sleeve.vy + L_M * sleeve.angular_velocity + (L_G - L_S) * bird.angular_velocity
     slip = sleeve.vy + R_M * sleeve.angular_velocity

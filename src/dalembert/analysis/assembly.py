@@ -14,7 +14,7 @@ from dalembert.model.assembly.assemblies import Assemblies, Completeness
 from dalembert.model.assembly.guesses import AssembledState
 from dalembert.model.model import Model
 from dalembert.options import is_number, is_whole, random_generator
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +140,7 @@ def solve_assembly(
 ) -> AllAssemblies: ...
 
 
-@spelled
+@check_arguments
 def solve_assembly(
     model: Model,
     parameters: Mapping[str, float] | None = None,

@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.structural.linear_range import (
+from dalembert.analysis.equilibrium.linear_range import (
     QUIET,
     RELATIVE,
     SHORT,
@@ -19,11 +19,11 @@ from dalembert.analysis.structural.linear_range import (
 from dalembert.elements.flexible.beam import Beam
 from dalembert.elements.flexible.body import MEAN, Flexible
 from dalembert.elements.flexible.shapes import FloatingShapes
+from dalembert.model.assembled.evaluation.assembly import Assembly
+from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of, free_displacements
+from dalembert.model.assembled.reduction.rigid import interfaces_of, node_positions
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
-from dalembert.structures.evaluation.assembly import Assembly
-from dalembert.structures.evaluation.stiffness_solvers import factors_of, free_displacements
-from dalembert.structures.reduction.rigid import interfaces_of, node_positions
 from dalembert.symbolic.once import once
 
 STRAIN = 0.1

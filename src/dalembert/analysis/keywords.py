@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from dalembert.integrators.newmark.family import NewmarkFamily
     from dalembert.model.coordinates import Coordinates
     from dalembert.results.structural.load_path import LoadPathResult
-    from dalembert.results.structural.result import StructuralResult
 
 
 class OverTimeKeywords(TypedDict, total=False):
@@ -58,14 +57,8 @@ class EquilibriumKeywords(TypedDict, total=False):
 
     time: Time
     tolerance: float
-    max_iterations: int
-
-
-class LinearizationKeywords(TypedDict, total=False):
-    """Keywords of ``Linearization``."""
-
-    time: Time
-    equilibrium: bool
+    max_iterations: int | None
+    steps: int
 
 
 class TransientKeywords(TypedDict, total=False):
@@ -81,16 +74,8 @@ class TransientKeywords(TypedDict, total=False):
     start: str
 
 
-class NonlinearStaticsKeywords(TypedDict, total=False):
-    """Keywords of ``NonlinearStatics``."""
-
-    steps: int
-    tolerance: float
-    max_iterations: int
-
-
-class StaticsKeywords(NonlinearStaticsKeywords, total=False):
-    """Keywords of ``Statics``, and of ``NonlinearStatics`` with ``nonlinear=True``."""
+class StaticsKeywords(EquilibriumKeywords, total=False):
+    """Keywords of ``Statics``, and of ``Equilibrium`` with ``nonlinear=True``."""
 
     solver: str
 
@@ -98,9 +83,11 @@ class StaticsKeywords(NonlinearStaticsKeywords, total=False):
 class ModalKeywords(TypedDict, total=False):
     """Keywords of ``Modal``."""
 
+    time: Time
+    equilibrium: bool
+    coordinates: Coordinates
     lumped: bool
     shift: float
-    about: StructuralResult | None
 
 
 class BucklingKeywords(TypedDict, total=False):

@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
-from dalembert.structures.model import StructuralModel
 
 
 def need_model(model: Any, verb: str) -> None:
@@ -60,7 +60,7 @@ def need_count(strategy: Any) -> None:
     UnsupportedError
         The count is zero or less.
     """
-    if not strategy.count > 0:
+    if strategy.count is not None and not strategy.count > 0:
         kind = type(strategy).__name__
         raise UnsupportedError(f"{kind}: count is {strategy.count}; it must be positive")
 

@@ -15,7 +15,7 @@ from dalembert.elements.driver import Driver
 from dalembert.errors import AnalysisError, BudgetError
 from dalembert.model.model import Model
 from dalembert.options import inherit_texts, options
-from dalembert.results.result import Analysis, R
+from dalembert.results.analysis import Analysis, R
 
 OUTPUT = 400
 """Minimum memory of an output of any model [bytes]."""

@@ -11,8 +11,8 @@ import numpy as np
 
 from dalembert.analysis.requirements import need_model
 from dalembert.errors import AnalysisError, ModelError
+from dalembert.results.analysis import Analysis
 from dalembert.results.batch.designs import are_designs
-from dalembert.results.result import Analysis
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.units.amounts import check_unit

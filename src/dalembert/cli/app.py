@@ -118,7 +118,7 @@ def _run(arguments: list[str]) -> int:
             raise
     code = returned if isinstance(returned, int) else DONE
     if signals.pressed and code == DONE:  # an import may have swallowed the exception
-        print("Error: interrupted; what is written is complete", file=sys.stderr)
+        print("Error: interrupted; all written files are complete", file=sys.stderr)
         return INTERRUPTED
     return code
 

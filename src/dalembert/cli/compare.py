@@ -17,6 +17,7 @@ from dalembert.cli.console import (
     AsJson,
     Quiet,
     Settings,
+    aligned_table,
     console,
     print_files,
     print_json,
@@ -62,10 +63,10 @@ def compare(
     duration
         Length of the runs [s].
     formulations
-        Comma-separated names; RangeSpace,Kkt,NullSpace,AugmentedLagrangian,Dae by
+        Comma-separated names; RangeSpace,KKT,NullSpace,AugmentedLagrangian,DAE by
         default. Options of a strategy are written in the file, under [compare].
     integrators
-        Names; RK4,DormandPrince by default, and Radau for Dae.
+        Names; RK4,DormandPrince by default, and Radau for DAE.
     stabilizations
         Names; Projection by default.
     coordinates
@@ -163,9 +164,7 @@ def _document(comparison: Comparison, code: int, files: list[Path]) -> dict[str,
 
 
 def _print(comparison: Comparison, files: list[Path]) -> None:
-    from rich import box
     from rich.padding import Padding
-    from rich.table import Table
     from rich.text import Text
 
     from dalembert.results.comparison.table import cells, notes, title
@@ -175,14 +174,7 @@ def _print(comparison: Comparison, files: list[Path]) -> None:
     columns, rows = cells(comparison, terminal.width if has_width else None)
     texts = zip([column.heading for column in columns], *rows, strict=True)
     terminal.width = max(terminal.width, sum(max(map(len, column)) + 2 for column in texts))
-    table = Table(
-        title=Text(title(comparison)),
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        show_edge=False,
-        pad_edge=False,
-        collapse_padding=True,
-    )
+    table = aligned_table(title(comparison))
     for column in columns:
         side: Any = "left" if column.text else "right"
         table.add_column(Text(column.heading), justify=side, no_wrap=True)

@@ -15,6 +15,7 @@ from dalembert.text.wording import as_document, visible
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.table import Table
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 
@@ -106,3 +107,19 @@ def fail(error: Exception, code: int, as_json: bool) -> int:
     else:
         print(f"Error: {visible(str(error))}", file=sys.stderr)
     return code
+
+
+def aligned_table(title: str = "", columns_touch: bool = True) -> Table:
+    """Empty table with a rule below its headings; ``columns_touch``: no padding between columns."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    return Table(
+        title=Text(title) if title else None,
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+        show_edge=False,
+        pad_edge=False,
+        collapse_padding=columns_touch,
+    )

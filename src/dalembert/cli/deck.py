@@ -51,7 +51,7 @@ def solve_deck(path: Path, settings: list[str] | None) -> StructuralResult:
     WrongInput
         The deck, the structure or a setting is invalid.
     """
-    from dalembert.analysis.structural.statics import solve_statics
+    from dalembert.analysis.equilibrium.statics import solve_statics
     from dalembert.io.spring_deck import load_deck
 
     with wrong_input():

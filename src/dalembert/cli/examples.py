@@ -57,7 +57,7 @@ def examples(
 
 
 def example_folder() -> Path:
-    """Folder of the examples: in the installed package, or beside ``src`` in a checkout.
+    """Folder of the examples: in the installed package, or next to ``src`` in a checkout.
 
     Raises
     ------

@@ -26,7 +26,7 @@ def film(
     results
         Result file written by 'dalembert run'.
     output
-        File name, .gif or .mp4 (which needs ffmpeg); by default a GIF beside the results.
+        File name, .gif or .mp4 (which needs ffmpeg); by default a GIF in the folder of the results.
     fps
         Frames per second.
     seconds

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.cli.console import console, print_line
+from dalembert.cli.console import aligned_table, console, print_line
 from dalembert.results.pictures.influence import by_influence, relative_influence
 
 if TYPE_CHECKING:
@@ -113,20 +113,12 @@ def _share(value: float) -> str:
 
 
 def _print_box(title: str, headings: list[str], lines: list[list[str]]) -> None:
-    from rich import box
-    from rich.table import Table
     from rich.text import Text
 
     terminal = console()
     if not (terminal.is_terminal or "COLUMNS" in os.environ):
         terminal.width = 1000  # unlimited width in files and pipes
-    table = Table(
-        title=Text(title),
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        show_edge=False,
-        pad_edge=False,
-    )
+    table = aligned_table(title, columns_touch=False)
     for k, heading in enumerate(headings):
         table.add_column(Text(heading), justify="right" if k else "left", no_wrap=k == 0)
     for line in lines:

@@ -56,7 +56,7 @@ def _show(summary: dict[str, Any]) -> None:
         low, high = summary["interval"][parameter]
         start = summary["start"][parameter]
         print_line(f"  {parameter:<10} {start:.8g} → {value:.8g}   95 %: {low:.6g} … {high:.6g}")
-    kind = "given" if summary["noise_given"] else "estimated"
+    kind = "specified" if summary["noise_specified"] else "estimated"
     for column, level in summary["noise"].items():
         print_line(f"  noise of {column}: {level:.3g} ({kind})")
     for note in summary["notes"]:

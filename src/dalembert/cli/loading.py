@@ -73,7 +73,7 @@ def draw_assembly_failure(path: Path, pages: Path | None) -> Iterator[None]:
 def model_printer(model: Any) -> ModelPrinter[Any]:
     """The printer of a mechanism or a structure."""
     from dalembert.cli.model_printer import MechanismPrinter, StructurePrinter
-    from dalembert.structures.model import StructuralModel
+    from dalembert.model.assembled.model import StructuralModel
 
     kind = StructurePrinter if isinstance(model, StructuralModel) else MechanismPrinter
     return kind(model)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, Generic, TypeVar
 
-from dalembert.cli.console import console, format_value, print_heading, print_line
+from dalembert.cli.console import aligned_table, console, format_value, print_heading, print_line
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
-from dalembert.structures.model import StructuralModel
 
 MAX_ROWS = 20
 """Upper limit of rows of a printed table."""
@@ -45,9 +45,15 @@ class ModelPrinter(ABC, Generic[M]):
     def explain(self) -> None:
         """Print the description of the model."""
 
-    @abstractmethod
     def show(self, summary: dict[str, Any]) -> None:
-        """Print the summary of a result."""
+        """Print energies, extremes, events and states of a result."""
+        energies = {f"{name} [J]": value for name, value in summary.get("final", {}).items()}
+        for name, value in (energies | summary.get("largest", {})).items():
+            print_line(f"  {name.replace('_', ' '):<24} {format_value(value)}")
+        for event in summary.get("events", [])[:20]:
+            print_line(f"  event {event['name']} at t = {event['time']:.9g} s")
+        if rows := summary.get("states", []):
+            _print_states(rows)
 
 
 class MechanismPrinter(ModelPrinter[Model]):
@@ -112,17 +118,6 @@ class MechanismPrinter(ModelPrinter[Model]):
         for level, text in d.messages:
             print_line(f"  {level}: {text}", "yellow" if level == "warning" else None)
 
-    def show(self, summary: dict[str, Any]) -> None:
-        """Print energies, extremes, events and modes of a result."""
-        energies = {f"{name} [J]": value for name, value in summary.get("final", {}).items()}
-        for name, value in (energies | summary.get("largest", {})).items():
-            print_line(f"  {name.replace('_', ' '):<24} {format_value(value)}")
-        for event in summary.get("events", [])[:20]:
-            print_line(f"  event {event['name']} at t = {event['time']:.9g} s")
-        for number, mode in enumerate(summary.get("modes", []), 1):
-            listed = ", ".join(f"{name} {value:.6g}" for name, value in mode.items())
-            print_line(f"  mode {number}: {listed}")
-
 
 class StructurePrinter(ModelPrinter[StructuralModel]):
     """Output of a structure and its results."""
@@ -163,24 +158,18 @@ class StructurePrinter(ModelPrinter[StructuralModel]):
             print_line(f"  load case       {case or '(without a name)'}")
         _print_parameters(self.model)
 
-    def show(self, summary: dict[str, Any]) -> None:
-        """Print the states of a result as a table."""
-        from rich import box
-        from rich.table import Table
 
-        rows = summary.get("states", [])
-        if not rows:
-            return
-        table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, collapse_padding=True)
-        for k, heading in enumerate(rows[0]):
-            side: Any = "right" if k else "left"
-            table.add_column(heading.replace("_", " "), justify=side, no_wrap=True)
-        for row in rows[:MAX_ROWS]:
-            table.add_row(*(_cell(value) for value in row.values()))
-        out = console()
-        out.print(table)
-        if len(rows) > MAX_ROWS:
-            print_line(f"  … and {len(rows) - MAX_ROWS} more in the result file")
+def _print_states(rows: list[dict[str, Any]]) -> None:
+    """Print load cases, instants or modes as a table."""
+    table = aligned_table()
+    for k, heading in enumerate(rows[0]):
+        side: Any = "right" if k else "left"
+        table.add_column(heading.replace("_", " "), justify=side, no_wrap=True)
+    for row in rows[:MAX_ROWS]:
+        table.add_row(*(_cell(value) for value in row.values()))
+    console().print(table)
+    if len(rows) > MAX_ROWS:
+        print_line(f"  … and {len(rows) - MAX_ROWS} more in the result file")
 
 
 def _cell(value: Any) -> str:
@@ -209,8 +198,10 @@ def _parameters(model: Any) -> dict[str, dict[str, Any]]:
 def _print_parameters(model: Any) -> None:
     """Print a line for each parameter, in the unit of its declaration."""
     for name, p in model.parameters.items():
-        low, high = map(p.shown, p.bounds)
-        unit = p.given_unit or p.unit
+        low, high = map(p.in_declared_unit, p.bounds)
+        unit = p.declared_unit or p.unit
         bounds = "" if low == -high == float("-inf") else f"  in [{low:g}, {high:g}]"
         about = f"  {p.description}" if p.description else ""
-        print_line(f"  parameter       {name} = {p.shown(p.value):g} {unit}{bounds}{about}")
+        print_line(
+            f"  parameter       {name} = {p.in_declared_unit(p.value):g} {unit}{bounds}{about}"
+        )

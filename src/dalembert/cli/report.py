@@ -32,9 +32,9 @@ def report(
     results
         Result file written by 'dalembert run'.
     other
-        Another run of the mechanism, drawn dashed beside the first.
+        Another run of the mechanism, drawn dashed.
     output
-        Name of the page; by default beside the results.
+        Name of the page; by default in the folder of the results.
     """
     from dalembert.report.overlay import overlay
     from dalembert.report.page import write_page

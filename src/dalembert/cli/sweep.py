@@ -13,7 +13,7 @@ from dalembert.cli.decision import NO_OPTIONS, DecisionCommand, Options, Run
 from dalembert.cli.loading import load_model, output_folder
 
 if TYPE_CHECKING:
-    from dalembert.design.studies.study import Study
+    from dalembert.design.studies.sweep_result import SweepResult
     from dalembert.design.studies.task import StudyTask
     from dalembert.io.model_file import ModelFile
 
@@ -75,15 +75,15 @@ def sweep(
         schedule = {"workers": workers or None, "scheduler": scheduler, "chunk": chunk}
         return lambda show: run_study(make, design, folder, progress=show, **schedule)  # type: ignore[arg-type]
 
-    def write(study: Study) -> list[Path]:
+    def write(study: SweepResult) -> list[Path]:
         return [study.report(folder / "report.html")]
 
     return DecisionCommand(model, folder, options).execute(read, _show, write=write)
 
 
 def _show(summary: dict[str, Any]) -> None:
-    if summary["reused"]:
-        print_line(f"  {summary['reused']} were there already")
+    if summary["reused_count"]:
+        print_line(f"  {summary['reused_count']} were there already")
     for name, numbers in summary["responses"].items():
         statistics = ", ".join(
             f"{key} {value:.6g}" for key, value in numbers.items() if key != "unit"

@@ -13,6 +13,7 @@ import numpy as np
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
 
 
 def axis_label(name: str, unit: str) -> str:
@@ -20,7 +21,7 @@ def axis_label(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
 
 
-def plot_axes(ax: Any, figsize: tuple[float, float]) -> Any:
+def plot_axes(ax: Axes | None, figsize: tuple[float, float]) -> Axes:
     """Matplotlib axes with a light grid: ``ax``, or new ones if it is None."""
     import matplotlib.pyplot as plt
 
@@ -38,7 +39,7 @@ class Decision(ABC):
     ----------
     success : whether the task reached its goal
     message : how it ended
-    interrupted : ended by Ctrl-C; the results until then are kept
+    interrupted : ended by Ctrl-C, with the results so far
     name : of the model
     warnings : reasons to doubt the result, each with the number that shows it
     """
@@ -82,7 +83,7 @@ class Decision(ABC):
         """All results with names and units."""
 
     def views(self) -> list[dict[str, Any]]:
-        """Views of its page beside the mechanism or structure."""
+        """Views of the page in addition to the mechanism or structure."""
         views: list[dict[str, Any]] = self._page_function("views")(self)
         return views
 

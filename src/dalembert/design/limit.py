@@ -49,7 +49,7 @@ class Limit:
             raise AnalysisError(f"limit on {label}: give lower or upper")
         if self.lower is not None and self.upper is not None and self.lower > self.upper:
             raise AnalysisError(f"limit on {label}: lower {self.lower} is above upper {self.upper}")
-        unit = self.response.known_unit if isinstance(self.response, Response) else ""
+        unit = self.response.declared_unit if isinstance(self.response, Response) else ""
         check_measured((self.lower, self.upper), unit, f"limit on {label}")
 
     @classmethod
@@ -92,7 +92,7 @@ class Bounded:
     lower, upper : bounds
     active : active side, ``"lower"``, ``"upper"`` or empty
     price : improvement of the objective per unit by which the active side is relaxed, ≥ 0
-    given_unit : unit in which a parameter was declared, such as ``mm``
+    declared_unit : unit in which a parameter was declared, such as ``mm``
     """
 
     name: str
@@ -103,14 +103,14 @@ class Bounded:
     upper: float | None
     active: str = ""
     price: float = 0.0
-    given_unit: str = ""
+    declared_unit: str = ""
 
     def shown_in(self, units: Sequence[str], objective: tuple[float, str]) -> Bounded:
         """Copy in the first of ``units`` with its dimension, else in the unit of its declaration.
 
         ``objective`` is the factor and the unit of the objective.
         """
-        declared = (self.given_unit,) if self.given_unit else ()
+        declared = (self.declared_unit,) if self.declared_unit else ()
         factor, unit = shown_in(self.unit, (*units, *declared))
 
         def converted(number: float | None) -> float | None:

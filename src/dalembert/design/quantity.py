@@ -6,16 +6,36 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
+from dalembert.results.result import Analysis
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import parse_formula
-from dalembert.text.spelling import Spelled, spelled
+from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.arguments import CheckedArguments, check_arguments
+
+
+class AnalysisCase(Protocol):
+    """A model, an analysis of it, and quantities of other cases that set its parameters."""
+
+    @property
+    def model(self) -> ParametricModel: ...
+
+    @property
+    def analysis(self) -> Analysis: ...
+
+    @property
+    def inputs(self) -> Mapping[str, Quantity]: ...
+
+    @property
+    def needs(self) -> Sequence[AnalysisCase]: ...
+
+    def __getitem__(self, response: Response, /) -> CaseResponse: ...
 
 
 class Quantity(ABC):
@@ -40,7 +60,7 @@ class Quantity(ABC):
         """Unit, from the units of its terms."""
         return ""
 
-    def of(self, case: Any) -> Quantity:
+    def of(self, case: AnalysisCase | None) -> Quantity:
         """Copy whose responses without a case belong to ``case``."""
         return self
 
@@ -49,11 +69,15 @@ class Quantity(ABC):
         return self
 
 
+Objective = Response | Quantity
+"""Response of a model, response of a case, or a combination of these."""
+
+
 @dataclass(frozen=True, eq=False)
 class CaseResponse(Quantity):
     """Response of one case."""
 
-    case: Any
+    case: AnalysisCase
     response: Response
 
     @property
@@ -110,7 +134,7 @@ class Combined(Quantity):
     formula: str
     parts: Mapping[str, Any]
     name: str = ""
-    given_unit: str = ""
+    declared_unit: str = ""
 
     @property
     def label(self) -> str:  # type: ignore[override]
@@ -145,21 +169,21 @@ class Combined(Quantity):
         return np.concatenate([o * part.slope(v) for o, part, v in split])
 
     def unit(self, units: Sequence[str]) -> str:
-        return self.given_unit
+        return self.declared_unit
 
-    def of(self, case: Any) -> Quantity:
+    def of(self, case: AnalysisCase | None) -> Quantity:
         parts = {name: with_case(part, case) for name, part in self.parts.items()}
-        combination = Combined(self.formula, parts, self.name, self.given_unit)
+        combination = Combined(self.formula, parts, self.name, self.declared_unit)
         combination.function  # noqa: B018 - refuses unknown names
         return combination
 
     def varying(self, names: Sequence[str]) -> Quantity:
         parts = {name: part.varying(names) for name, part in self.parts.items()}
-        return Combined(self.formula, parts, self.name, self.given_unit)
+        return Combined(self.formula, parts, self.name, self.declared_unit)
 
 
-@spelled
-def combined(formula: str, name: str = "", unit: str = "", **parts: Any) -> Combined:
+@check_arguments
+def combined(formula: str, name: str = "", unit: str = "", **parts: Objective) -> Combined:
     """Combine responses by a formula into one objective or constraint.
 
     Parameters
@@ -186,7 +210,7 @@ def combined(formula: str, name: str = "", unit: str = "", **parts: Any) -> Comb
 
 
 @dataclass(frozen=True, eq=False)
-class SumOfSquares(Spelled, Quantity):
+class SumOfSquares(CheckedArguments, Quantity):
     """``Σ ((r_i − target_i) / scale_i)²``; ``method="least-squares"`` uses its residuals.
 
     Parameters
@@ -248,7 +272,7 @@ class SumOfSquares(Spelled, Quantity):
     def slope(self, values: np.ndarray) -> np.ndarray:
         return 2 * self.residuals(values) / np.asarray(self.scales)
 
-    def of(self, case: Any) -> Quantity:
+    def of(self, case: AnalysisCase | None) -> Quantity:
         parts = [with_case(part, case) for part in self.responses]
         if any(not isinstance(part, CaseResponse) for part in parts):
             raise AnalysisError(f"{self.name}: give responses, not formulas of responses")
@@ -260,7 +284,7 @@ def split_terms(parts: Sequence[Quantity], values: np.ndarray) -> list[np.ndarra
     return np.split(values, np.cumsum([len(part.terms) for part in parts])[:-1])
 
 
-def with_case(response: Any, case: Any) -> Quantity:
+def with_case(response: Objective, case: AnalysisCase | None) -> Quantity:
     """Quantity of a response or quantity whose terms without a case belong to ``case``.
 
     Raises

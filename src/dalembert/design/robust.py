@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.design.case import Case
-from dalembert.design.quantity import CaseResponse, Quantity
+from dalembert.design.quantity import AnalysisCase, CaseResponse, Quantity
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Correlation, Nataf
 from dalembert.design.reliability.shifted import case_at
@@ -97,7 +97,7 @@ class Robust(Quantity):
     def unit(self, units: Sequence[str]) -> str:
         return units[0]
 
-    def of(self, case: Any) -> Quantity:
+    def of(self, case: AnalysisCase | None) -> Quantity:
         """Copy with the integration points of a case."""
         if self.case is not None:
             return self

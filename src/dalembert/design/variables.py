@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.symbolic.formulas.parameter import Parameter
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 from dalembert.text.wording import nearest
 from dalembert.units.measured import check_measured, measured
 
 
 @dataclass(frozen=True)
-class Integer(Spelled):
+class Integer(CheckedArguments):
     """Integer parameter within its bounds, such as a number of teeth.
 
     Examples
@@ -50,7 +49,7 @@ class Integer(Spelled):
 
 
 @dataclass(frozen=True)
-class Catalogue(Spelled):
+class Catalogue(CheckedArguments):
     """Catalogue of standard sizes: values of one parameter, or of several that belong together.
 
     Between two sizes the relaxed problem interpolates the other parameters over the first by a
@@ -104,6 +103,14 @@ class Catalogue(Spelled):
         return {name: values[order] for name, values in columns.items()}
 
 
+Variable = str | Integer | Catalogue
+"""Entry of ``vary``: the name of a parameter, an integer or a catalogue."""
+Vary = Variable | Sequence[Variable] | None
+"""Argument ``vary`` of design tasks; None for all parameters with two finite bounds."""
+Curve = Callable[..., float]
+"""Value of a parameter at a size, or its derivative of an order."""
+
+
 @dataclass
 class Variables:
     """The variables ``x`` of a design and the parameters that they set.
@@ -112,7 +119,7 @@ class Variables:
     ----------
     names : of the variables
     lower, upper, start : (n,)
-    units, given_units : SI units, and units in which the parameters were declared
+    units, declared_units : SI units, and units in which the parameters were declared
     sizes : index of a variable → its discrete values
     followers : (parameter, index of its variable, interpolant)
     """
@@ -122,9 +129,9 @@ class Variables:
     upper: np.ndarray
     start: np.ndarray
     units: list[str]
-    given_units: list[str]
+    declared_units: list[str]
     sizes: dict[int, np.ndarray] = field(default_factory=dict)
-    followers: list[tuple[str, int, Any]] = field(default_factory=list)
+    followers: list[tuple[str, int, Curve]] = field(default_factory=list)
 
     @property
     def parameter_names(self) -> list[str]:
@@ -160,7 +167,7 @@ class Variables:
 
 
 def make_variables(
-    parameters: Mapping[str, Parameter], vary: Iterable[Any] | None, start: Mapping[str, float]
+    parameters: Mapping[str, Parameter], vary: Vary, start: Mapping[str, float]
 ) -> Variables:
     """Variables of names, ``Integer`` and ``Catalogue`` entries.
 
@@ -179,7 +186,7 @@ def make_variables(
     bounds = np.array([parameters[n].bounds for n in names], dtype=float)
     values = [start.get(n, parameters[n].value) for n in names]
     units = [parameters[n].unit for n in names]
-    declared = [parameters[n].given_unit for n in names]
+    declared = [parameters[n].declared_unit for n in names]
     columns = bounds[:, 0].copy(), bounds[:, 1].copy()
     variables = Variables(names, *columns, np.array(values, float), units, declared)
     for k, entry in enumerate(entries):
@@ -207,7 +214,7 @@ def _add_sizes(variables: Variables, k: int, columns: dict[str, np.ndarray]) -> 
         variables.followers.append((name, k, _curve(lead[1], values)))
 
 
-def _curve(x: np.ndarray, y: np.ndarray) -> Any:
+def _curve(x: np.ndarray, y: np.ndarray) -> Curve:
     """Monotone cubic through the points; a constant through one."""
     from scipy.interpolate import PchipInterpolator
 
@@ -216,19 +223,19 @@ def _curve(x: np.ndarray, y: np.ndarray) -> Any:
     return PchipInterpolator(x, y)
 
 
-def _entries(parameters: Mapping[str, Parameter], vary: Any) -> list[Any]:
+def _entries(parameters: Mapping[str, Parameter], vary: Vary) -> list[Variable]:
     """Entries of ``vary``; by default all parameters with two bounds."""
     if vary is None:
         return [n for n, p in parameters.items() if np.all(np.isfinite(p.bounds))]
     return [vary] if isinstance(vary, (str, Integer, Catalogue)) else list(vary)
 
 
-def varied_names(parameters: Mapping[str, Parameter], vary: Any) -> list[str]:
+def varied_names(parameters: Mapping[str, Parameter], vary: Vary) -> list[str]:
     """Names of all parameters in the argument ``vary`` of ``optimize``."""
     return [name for entry in _entries(parameters, vary) for name in _names(entry)]
 
 
-def _names(entry: Any) -> list[str]:
+def _names(entry: Variable) -> list[str]:
     if isinstance(entry, Catalogue):
         if not entry.columns:
             raise AnalysisError("a catalogue has no columns; give {parameter: sizes}")

@@ -29,7 +29,7 @@ from dalembert.elements.representation import brief, fields_of
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, stack
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 from dalembert.text.wording import check_length
 
 Scalar = Any  # number or Expression
@@ -49,7 +49,7 @@ def quantity(
     *,
     default: Any = dataclasses.MISSING,
     size: int = 1,
-    least: int = 0,
+    minimum_size: int = 0,
     minimum: float = -math.inf,
     above: float = -math.inf,
     keyword: bool = False,
@@ -58,7 +58,7 @@ def quantity(
 
     Parameters
     ----------
-    least : smallest number of entries in a file, for classes that complete them
+    minimum_size : smallest number of entries in a file, for classes that complete them
     minimum : inclusive lower limit
     above : exclusive lower limit; limits are checked at the values of the parameters
     keyword : a field without default must be passed by keyword
@@ -68,7 +68,7 @@ def quantity(
         "unit": unit,
         "description": description,
         "size": size,
-        "least": least,
+        "minimum_size": minimum_size,
         "minimum": minimum,
         "above": above,
     }
@@ -89,7 +89,7 @@ class Look:
 
 
 @dataclass(eq=False)
-class Element(Spelled):
+class Element(CheckedArguments):
     """A named part that can be added to a system."""
 
     name: str

@@ -200,7 +200,7 @@ class BodyElement(Element, Coordinates):
         ----------
         place : (3,) its origin in the body frame [m], or the name of a frame
         axis : (3,) its z axis; x and y are chosen
-        x : (3,) its x axis, beside ``axis``
+        x : (3,) x axis, in addition to ``axis``
         axes : (3, 3) its axes as columns
         rotation : its orientation, specified like that of a body
         """

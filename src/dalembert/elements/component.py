@@ -10,11 +10,11 @@ from typing import Any
 from dalembert.elements.base import Condition
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 
 
 @dataclass(eq=False)
-class Component(Spelled):
+class Component(CheckedArguments):
     """A component of an element without a name, with quantities like an element."""
 
     def __post_init__(self) -> None:

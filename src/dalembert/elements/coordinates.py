@@ -13,6 +13,14 @@ import casadi as ca
 
 from dalembert.symbolic.formulas.expression import stack
 
+RATES = {
+    **{axis: (f"v{axis}", f"a{axis}") for axis in "xyz"},
+    "angle": ("angular_velocity", "angular_acceleration"),
+}
+"""Coordinate → names of its speed and its acceleration."""
+OTHER_RATES = ("rate", "acceleration")
+"""Endings of the names of the speeds and accelerations of all other coordinates."""
+
 
 class Coordinates:
     """A group of coordinates with their speeds: a body, or the parameter of a curve.
@@ -60,8 +68,9 @@ class Coordinates:
         self.pose_rate = self.twist
 
     def _make_speeds(self) -> None:
-        self.twist = stack(ca.SX.sym(f"{self.name}.d{n}") for n in self.speed_names)
-        self.acceleration_symbols = stack(ca.SX.sym(f"{self.name}.dd{n}") for n in self.speed_names)
+        self.twist, self.acceleration_symbols = _speeds_and_accelerations(
+            [f"{self.name}.{n}" for n in self.speed_names]
+        )
 
     @property
     def flat(self) -> bool:
@@ -152,9 +161,7 @@ class JointSpace(Coordinates):
             self.speed_names = tuple(f"{like.name}.{n}" for n in like.speed_names)
             self.speed_units = like.speed_units
         self.pose = stack(ca.SX.sym(name) for name in names)
-        self.twist = stack(ca.SX.sym(_rate_name(name, "d")) for name in self.speed_names)
-        rates = (ca.SX.sym(_rate_name(name, "dd")) for name in self.speed_names)
-        self.acceleration_symbols = stack(rates)
+        self.twist, self.acceleration_symbols = _speeds_and_accelerations(self.speed_names)
         self.pose_rate = self.twist
         if like is not None:
             substitution = ca.vertcat(like.pose, like.twist), ca.vertcat(self.pose, self.twist)
@@ -180,6 +187,14 @@ class JointSpace(Coordinates):
         return self._like.bounds(pose)
 
 
-def _rate_name(name: str, mark: str) -> str:
-    owner, dot, coordinate = name.rpartition(".")
-    return f"{owner}{dot}{mark}{coordinate}"
+def _speeds_and_accelerations(names: Sequence[str]) -> tuple[ca.SX, ca.SX]:
+    """Symbols of the rates of displacements, named as the measures of a body if it has them."""
+    symbols = []
+    for order in range(2):
+        columns = []
+        for name in names:
+            owner, dot, last = name.rpartition(".")
+            rate = RATES[last][order] if last in RATES else f"{last}_{OTHER_RATES[order]}"
+            columns.append(ca.SX.sym(f"{owner}{dot}{rate}"))
+        symbols.append(stack(columns))
+    return symbols[0], symbols[1]

@@ -18,13 +18,13 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, as_sx
 from dalembert.symbolic.formulas.spline import CubicSpline
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 
 u = Expression(ca.SX.sym("u (of curves)"), "u", "")
 """Curve parameter, for curves written as formulas."""
 
 
-class Curve(Spelled):
+class Curve(CheckedArguments):
     """Point ``c(u)`` of a curve in the frame of its body."""
 
     closed: bool
@@ -94,7 +94,7 @@ class SplineCurve(Curve):
             if np.any(chords <= 0):
                 k = int(np.argmax(chords <= 0))
                 raise ModelError(f"points {k + 1} and {k + 2} coincide", "SplineCurve")
-        else:  # knots must be constants: equal spacing, whatever the formulas
+        else:  # knots must be constants: equal spacing for all formulas
             chords = np.ones(len(columns) - 1)
         knots = np.concatenate([[0.0], np.cumsum(chords)])
         self._range = (0.0, float(knots[-1]))
@@ -124,10 +124,11 @@ class FormulaCurve(Curve):
     --------
     >>> import math
     >>> import dalembert as da
-    >>> wheel = da.FormulaCurve(0.1 * da.cos(da.u), 0.1 * da.sin(da.u))
+    >>> wheel = da.FormulaCurve(0.1 * da.cos(da.curves.u), 0.1 * da.sin(da.curves.u))
     >>> [round(float(x), 6) for x in wheel.position(math.pi / 2).elements()]
     [0.0, 0.1]
-    >>> helix = da.FormulaCurve(da.cos(da.u), da.sin(da.u), closed=False, z=0.1 * da.u)
+    >>> u = da.curves.u
+    >>> helix = da.FormulaCurve(da.cos(u), da.sin(u), closed=False, z=0.1 * u)
     >>> helix.dimension
     3
     """

@@ -86,7 +86,7 @@ class Frame(Point):
         return product(self.body.orientation, from_matrix(self.local_axes))
 
     def conditions(self) -> list[tuple[ca.SX, str, ca.SX]]:
-        """That its axes are orthonormal at the values of parameters, as ``Element.conditions``."""
+        """Orthonormality of its axes at the values of parameters, as ``Element.conditions``."""
         off = off_orthonormal(self.local_axes)
         wrong = (
             f"the axes of a frame of {self.body.name} are off orthonormal ones by {{:.3g}}: "

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,7 @@ from dalembert.errors import ModelError
 
 
 def free_motion(
-    joint: Any, free: Mapping[str, Any], motion: str | None, owner: str, kind: str = "motion"
+    joint: Any, free: Collection[str], motion: str | None, owner: str, kind: str = "motion"
 ) -> str:
     """Name of a free motion of a joint; the first one by default.
 
@@ -94,7 +94,7 @@ class JointFriction(AlongJoint):
     >>> from dalembert import planar
     >>> system = da.System("sledge")
     >>> sledge = system.add(planar.Body("sledge", mass=2.0, inertia=0.1, velocity=(3, 0)))
-    >>> rail = system.add(planar.Translational("rail", system.ground.center, sledge.center))
+    >>> rail = system.add(planar.Prismatic("rail", system.ground.center, sledge.center))
     >>> rub = system.add(planar.JointFriction("rub", rail, viscous=4.0))
     >>> motion = da.solve_dynamics(system.build(), 5.0, step=0.01)
     >>> round(motion["sledge.x"][-1].item(), 3)  # m v/c (1 - exp(-10))

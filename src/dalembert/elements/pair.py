@@ -43,11 +43,11 @@ def need_body(value: Any, owner: str, field: str) -> Any:
 
 
 def refuse_floating_frame(body: BodyElement, owner: str, field: str) -> None:
-    """Refuse the floating frame of a flexible body that follows its mean axes."""
+    """Refuse the floating frame of a flexible body with mean axes."""
     if not body.has_material_frame and body.owner is body:
         raise ModelError(
-            f"{field} is the frame of {body.name}, which follows its mean axes and is nowhere "
-            f"fixed in it; take one of its sections, {body.name}.section(…), or give the body "
+            f"{field} is the frame of {body.name}, which is not fixed to its material "
+            f"(mean axes); take one of its sections, {body.name}.section(…), or give the body "
             "reference= an interface",
             owner,
         )

@@ -12,7 +12,7 @@ from dalembert.elements.representation import brief, short, spot
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, t
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 
 AXES = "xyz"
 
@@ -30,7 +30,7 @@ class Carrier(Protocol):
         """Inertial components of a vector in its frame."""
 
 
-class Point(Spelled):
+class Point(CheckedArguments):
     """A point fixed in a body, in the plane or in space.
 
     Parameters

@@ -57,7 +57,7 @@ PLANAR = Space(
         "beams": named(planar.Beam),
         "joints": named(
             planar.Revolute,
-            planar.Translational,
+            planar.Prismatic,
             planar.PinInSlot,
             planar.Weld,
             planar.RigidLink,
@@ -76,9 +76,9 @@ PLANAR = Space(
         ),
         "forces": named(
             planar.Force,
-            planar.Moment,
+            planar.Torque,
             planar.Spring,
-            planar.RotationalSpring,
+            planar.TorsionSpring,
             planar.Actuator,
             planar.Bushing,
             planar.JointFriction,

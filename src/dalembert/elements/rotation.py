@@ -14,7 +14,7 @@ from dalembert.errors import ModelError
 from dalembert.symbolic import rotation as turning
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression, as_sx
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 __all__ = ["Orientation", "axis_angle", "bryant", "euler", "from_matrix", "identity"]
 
@@ -61,7 +61,7 @@ class Orientation(Expression):
         return Orientation(turning.product(self.sx, other.sx), off, warnings)
 
     def conditions(self) -> list[tuple[ca.SX, str, ca.SX]]:
-        """That it is a rotation at the values of the parameters, as ``Element.conditions``."""
+        """Orthonormality at the values of the parameters, as ``Element.conditions``."""
         off = ca.vertcat(self.off, ca.sumsqr(self.sx) - 1)
         wrong = (
             "its rotation is none: an axis has no length, or a matrix is off orthonormal by {:.3g}"
@@ -81,7 +81,7 @@ def identity() -> Orientation:
     return Orientation(ca.SX(list(turning.IDENTITY)))
 
 
-@spelled
+@check_arguments
 def axis_angle(axis, angle) -> Orientation:
     """Rotation about an axis.
 
@@ -151,7 +151,7 @@ def _singularity_warnings(letters: list[str], angles: Sequence) -> list[Conditio
     return [(sine - math.sin(NEAR), text, ca.asin(sine) * 180 / math.pi)]
 
 
-@spelled
+@check_arguments
 def bryant(x, y, z) -> Orientation:
     """Bryant (Cardan) angles: successive rotations about the body's x, y and z axes [rad].
 
@@ -175,7 +175,7 @@ def bryant(x, y, z) -> Orientation:
     return euler("xyz", x, y, z)
 
 
-@spelled
+@check_arguments
 def from_matrix(rows) -> Orientation:
     """Orientation from a rotation matrix, whose columns are the axes of the rotated frame.
 

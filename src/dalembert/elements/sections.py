@@ -15,14 +15,14 @@ from typing import Any
 from dalembert.elements.base import Element
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.symbolic.formulas.functions import where
-from dalembert.text.spelling import Spelled, spelled
+from dalembert.text.arguments import CheckedArguments, check_arguments
 from dalembert.units.measured import check_measured, measured
 
 Number = Any  # number, text of a number with its unit, or Expression
 
 
 @dataclass(frozen=True)
-class Section(Spelled):
+class Section(CheckedArguments):
     """A cross-section.
 
     Parameters
@@ -85,7 +85,7 @@ class Section(Spelled):
 
 
 @dataclass(frozen=True)
-class Material(Spelled):
+class Material(CheckedArguments):
     """An isotropic elastic material.
 
     Parameters
@@ -133,7 +133,7 @@ def _arguments_for(
     return {name: values[name] for name in fields if name in values}
 
 
-@spelled
+@check_arguments
 def rectangle(width: Number, height: Number) -> Section:
     """A solid rectangle.
 
@@ -158,7 +158,7 @@ def rectangle(width: Number, height: Number) -> Section:
     return Section(area, bend_y, bend_z, twist, 5 / 6 * area, 5 / 6 * area)
 
 
-@spelled
+@check_arguments
 def circle(diameter: Number) -> Section:
     """A solid circle.
 
@@ -179,7 +179,7 @@ def circle(diameter: Number) -> Section:
     return Section(area, bend, bend, 2 * bend, 0.9 * area, 0.9 * area)
 
 
-@spelled
+@check_arguments
 def tube(diameter: Number, wall: Number) -> Section:
     """A circular tube; shear areas of a thin wall.
 
@@ -201,7 +201,7 @@ def tube(diameter: Number, wall: Number) -> Section:
     return Section(area, bend, bend, 2 * bend, area / 2, area / 2)
 
 
-@spelled
+@check_arguments
 def i_section(width: Number, height: Number, flange: Number, web: Number) -> Section:
     """An I section, with the web along the height.
 

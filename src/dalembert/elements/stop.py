@@ -99,4 +99,6 @@ class Stop(ForceElement):
         return [(rate(self.coordinate.sx), self.force(rate) - elastic)]
 
     def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        return {"coordinate": (self.coordinate.sx, "m"), "force": (self.force(rate), "N")}
+        turns = self.coordinate.unit == "rad"
+        coordinate, force = ("rad", "N m") if turns else ("m", "N")
+        return {"coordinate": (self.coordinate.sx, coordinate), "force": (self.force(rate), force)}

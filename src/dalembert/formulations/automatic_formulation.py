@@ -9,7 +9,7 @@ import casadi as ca
 
 from dalembert.errors import DalembertError, UnsupportedError
 from dalembert.formulations.base import Formulation, Performance, SaddleSolver
-from dalembert.formulations.kkt import Kkt
+from dalembert.formulations.kkt import KKT
 from dalembert.formulations.null_space import NullSpace
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.velocity_partitioning import VelocityPartitioning
@@ -28,7 +28,7 @@ class AutomaticFormulation(Formulation):
     """``RangeSpace``, ``NullSpace`` or ``VelocityPartitioning`` with the fewest operations.
 
     The count includes accelerations and corrections. Formulations whose initial accelerations
-    differ from an independent solution of (5.7) are excluded; if all are, ``Kkt`` is used if it is
+    differ from an independent solution of (5.7) are excluded; if all are, ``KKT`` is used if it is
     more accurate. Implicit integrators, which perform the elimination themselves, use
     ``RangeSpace``.
 
@@ -52,8 +52,8 @@ class AutomaticFormulation(Formulation):
         if implicit:
             return CANDIDATES[0]
         evaluated: dict[Formulation, Performance] = {}
-        for candidate in (*CANDIDATES, Kkt()):
-            if isinstance(candidate, Kkt) and any(e.error <= ACCURATE for e in evaluated.values()):
+        for candidate in (*CANDIDATES, KKT()):
+            if isinstance(candidate, KKT) and any(e.error <= ACCURATE for e in evaluated.values()):
                 break
             try:
                 evaluated[candidate] = performance(candidate)

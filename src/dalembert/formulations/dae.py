@@ -24,7 +24,7 @@ from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 
 
 @options
-class Dae(Formulation):
+class DAE(Formulation):
     """``ẏ = A v``, ``M v̇ + d = f − Cᵀλ`` with the constraints at a chosen level.
 
     ===== ============================== ==========================================
@@ -58,7 +58,7 @@ class Dae(Formulation):
     >>> system = da.System("pendulum", gravity=(0, -10))
     >>> bob = system.add(planar.Particle("bob", mass=1.0, position=(1, 0)))
     >>> rod = system.add(planar.RigidLink("rod", system.ground.center, bob.center, length=1.0))
-    >>> dae = da.Dae(index=2, stabilized=True)
+    >>> dae = da.DAE(index=2, stabilized=True)
     >>> motion = da.solve_dynamics(system.build(), 1.0, integrator=da.Radau(), formulation=dae)
     >>> bool(motion["position_violation"].max() < 1e-9)
     True
@@ -70,13 +70,13 @@ class Dae(Formulation):
     def __post_init__(self) -> None:
         if self.index not in (1, 2, 3):
             raise UnsupportedError(
-                f"Dae(index={self.index}): the index is 3 (positions), 2 (speeds) or "
+                f"DAE(index={self.index}): the index is 3 (positions), 2 (speeds) or "
                 "1 (accelerations)"
             )
         if self.stabilized and self.index != 2:
             raise UnsupportedError(
-                f"Dae(index={self.index}, stabilized=True): the stabilised form has index 2; use "
-                "Dae(index=2, stabilized=True)"
+                f"DAE(index={self.index}, stabilized=True): the stabilised form has index 2; use "
+                "DAE(index=2, stabilized=True)"
             )
 
     @property
@@ -92,8 +92,8 @@ class Dae(Formulation):
             ""
             if self.index == 1
             else (
-                f"Dae(index={self.index}) has no equation ξ that Baumgarte could stabilise; use "
-                "stabilization=Projection() or Stabilization(), or Dae(index=1)"
+                f"DAE(index={self.index}) has no equation ξ that Baumgarte could stabilise; use "
+                "stabilization=Projection() or Stabilization(), or DAE(index=1)"
             )
         )
 

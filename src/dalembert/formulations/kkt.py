@@ -14,7 +14,7 @@ from dalembert.model.scales import Scales
 from dalembert.symbolic.equations.factor import QrFactor
 
 
-class KktSolver(SaddleSolver):
+class KKTSolver(SaddleSolver):
     """Sparse Householder QR of the saddle matrix (5.7), scaled by natural sizes if given."""
 
     def __init__(self, inertia: Inertia, jacobian: ca.SX, scales: Scales | None = None):
@@ -34,7 +34,7 @@ class KktSolver(SaddleSolver):
 
 
 @dataclass(frozen=True)
-class Kkt(Formulation):
+class KKT(Formulation):
     """Implicit elimination: ``[M Cᵀ; C 0] [v̇; λ] = [f − d; ξ]`` (5.7) solved directly.
 
     Supports massless bodies; costs more than ``RangeSpace``.
@@ -48,7 +48,7 @@ class Kkt(Formulation):
     >>> bob = system.add(planar.Particle("bob", mass=2.0, position=(1, 0)))
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, rod.start))
     >>> end = system.add(planar.Revolute("A", rod.end, bob.center))
-    >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.1, formulation=da.Kkt())
+    >>> motion = da.solve_dynamics(system.build(), 0.1, step=0.1, formulation=da.KKT())
     >>> round(motion["bob.ay"][0].item(), 6)
     -10.0
     """
@@ -57,8 +57,8 @@ class Kkt(Formulation):
     def needs_mass(self) -> bool:
         return False
 
-    def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> KktSolver:
-        return KktSolver(inertia, jacobian)
+    def solver(self, inertia: Inertia, jacobian: ca.SX, massless: tuple[int, ...]) -> KKTSolver:
+        return KKTSolver(inertia, jacobian)
 
-    def saddle_at(self, e: Equations, inertia: Inertia, jacobian: ca.SX) -> KktSolver:
-        return KktSolver(inertia, jacobian, e.scales)
+    def saddle_at(self, e: Equations, inertia: Inertia, jacobian: ca.SX) -> KKTSolver:
+        return KKTSolver(inertia, jacobian, e.scales)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dalembert.formulations.augmented_lagrangian import AugmentedLagrangian
 from dalembert.formulations.automatic_formulation import AutomaticFormulation
-from dalembert.formulations.dae import Dae
+from dalembert.formulations.dae import DAE
 from dalembert.formulations.energy_projection import EnergyProjection
-from dalembert.formulations.kkt import Kkt
+from dalembert.formulations.kkt import KKT
 from dalembert.formulations.null_space import NullSpace
 from dalembert.formulations.penalty import Penalty
 from dalembert.formulations.range_space import RangeSpace
@@ -15,10 +15,10 @@ from dalembert.formulations.velocity_partitioning import VelocityPartitioning
 
 FORMULATIONS: dict[str, type] = {
     "RangeSpace": RangeSpace,
-    "Kkt": Kkt,
+    "KKT": KKT,
     "NullSpace": NullSpace,
     "VelocityPartitioning": VelocityPartitioning,
-    "Dae": Dae,
+    "DAE": DAE,
     "AugmentedLagrangian": AugmentedLagrangian,
     "Penalty": Penalty,
     "AutomaticFormulation": AutomaticFormulation,

@@ -8,7 +8,6 @@ velocity constraints hold to round-off and only the position constraints can be 
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -24,6 +23,7 @@ from dalembert.options import options
 from dalembert.symbolic.equations.implicit import Stage
 from dalembert.symbolic.equations.null_space import PartitionBasis
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit
+from dalembert.text.wording import similar
 
 SMALLEST_LIMIT = 1.1
 LIMIT = 1.5
@@ -38,7 +38,7 @@ class VelocityPartitioning(Formulation):
 
     Parameters
     ----------
-    independent : names of the coordinates whose speeds are independent; None to let the run choose
+    independent : names of the coordinates with independent speeds; None for an automatic choice
         the best conditioned ones, monitor them and exchange them
     limit : largest dependent speed per independent one, in units of energy, ``√(m_ii/m_jj)
         |W⁻¹U|_ij``, before the run chooses others (None: 1.5), or upper limit for named ones
@@ -190,7 +190,7 @@ def indices_of(e: Equations, names: tuple[str, ...]) -> tuple[int, ...]:
     available, needed = _names(e), e.speed_count - e.constraint_count
     for name in names:
         if name not in available:
-            close = difflib.get_close_matches(name, available, 3, 0.4) or available
+            close = similar(name, available) or available
             raise UnsupportedError(
                 f"VelocityPartitioning: no coordinate {name!r}; nearest: {', '.join(close)}"
             )
@@ -236,5 +236,5 @@ def check_independent(
         reason = f"{chosen} do not determine the other speeds, det W = 0"
     raise SingularityError(
         f"VelocityPartitioning: at t = {t:.9g} s {reason}; name other coordinates, or leave "
-        "independent=None and let the run choose"
+        "independent=None for an automatic choice"
     )

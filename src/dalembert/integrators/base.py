@@ -20,6 +20,7 @@ from dalembert.options import inherit_texts, options
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.equations.newton import NewtonSettings
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit
+from dalembert.symbolic.once import CacheOwner
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +61,7 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Attempt:
+class Attempt(CacheOwner):
     """Attempted step of an adaptive integrator, as one function.
 
     ``function`` maps ``([t; h; memory; x], [end; longest; p])``, before the end, to the next such

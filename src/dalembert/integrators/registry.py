@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dalembert.integrators.automatic import AutomaticIntegrator
-from dalembert.integrators.bdf.bdf import Bdf
+from dalembert.integrators.bdf.bdf import BDF
 from dalembert.integrators.newmark.family import HHT, GeneralizedAlpha, Newmark
 from dalembert.integrators.runge_kutta.explicit import (
     RK4,
@@ -14,7 +14,7 @@ from dalembert.integrators.runge_kutta.explicit import (
     RKGill,
 )
 from dalembert.integrators.runge_kutta.implicit import BackwardEuler, Radau, Trapezoidal
-from dalembert.integrators.sundials import Cvodes, Ida
+from dalembert.integrators.sundials import CVODES, IDA
 
 INTEGRATORS: dict[str, type] = {
     "AutomaticIntegrator": AutomaticIntegrator,
@@ -30,7 +30,7 @@ INTEGRATORS: dict[str, type] = {
     "HHT": HHT,
     "GeneralizedAlpha": GeneralizedAlpha,
     "Radau": Radau,
-    "Bdf": Bdf,
-    "Cvodes": Cvodes,
-    "Ida": Ida,
+    "BDF": BDF,
+    "CVODES": CVODES,
+    "IDA": IDA,
 }

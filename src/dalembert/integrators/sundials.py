@@ -33,7 +33,7 @@ class SundialsIntegrator(Integrator, ABC):
 
     Gradients come from the sensitivity equations, integrated to a hundredth of the tolerances:
     direct and adjoint gradients are accurate to about the tolerances of the run, and agree with
-    each other more closely. For exact derivatives of the steps use ``Bdf``, ``Radau`` or ``RK4``.
+    each other more closely. For exact derivatives of the steps use ``BDF``, ``Radau`` or ``RK4``.
 
     Parameters
     ----------
@@ -105,11 +105,11 @@ class SundialsIntegrator(Integrator, ABC):
 
 
 @dataclass(frozen=True)
-class Cvodes(SundialsIntegrator):
+class CVODES(SundialsIntegrator):
     """Backward differentiation of ``ẋ = F(t, x, p)`` by CVODES, orders 1 to 5.
 
     The ``step`` of the run is the spacing of stored states; CVODES chooses its own steps.
-    Gradients are accurate to about the tolerances; for exact gradients see ``Bdf``.
+    Gradients are accurate to about the tolerances; for exact gradients see ``BDF``.
 
     Raises
     ------
@@ -124,7 +124,7 @@ class Cvodes(SundialsIntegrator):
     >>> boat = system.add(planar.Particle("boat", mass=1.0, velocity=(1, 0)))
     >>> water = system.add(planar.Force("water", boat.center, (-boat.vx, 0)))
     >>> model = system.build()
-    >>> motion = da.solve_dynamics(model, 2.0, step=0.5, integrator=da.Cvodes(rtol=1e-9))
+    >>> motion = da.solve_dynamics(model, 2.0, step=0.5, integrator=da.CVODES(rtol=1e-9))
     >>> round(motion["boat.vx"][-1].item(), 6)  # exp(-2)
     0.135335
     """
@@ -132,8 +132,8 @@ class Cvodes(SundialsIntegrator):
     def check(self, problem: Problem) -> None:
         if problem.rate is None:
             raise UnsupportedError(
-                "Cvodes integrates accelerations, which this formulation does not provide; use "
-                "integrator=Radau() or Bdf(), or formulation=RangeSpace()"
+                "CVODES integrates accelerations, which this formulation does not provide; use "
+                "integrator=Radau() or BDF(), or formulation=RangeSpace()"
             )
 
     def flow(self, problem: Problem) -> Flow:
@@ -145,12 +145,12 @@ class Cvodes(SundialsIntegrator):
 
 
 @dataclass(frozen=True)
-class Ida(SundialsIntegrator):
+class IDA(SundialsIntegrator):
     """Backward differentiation of ``ẋ = F(t, x, z, p)``, ``0 = G(t, x, z, p)`` by IDAS.
 
     The system has index 1: accelerations and multipliers are algebraic and left out of the error
     control. The ``step`` of the run is the spacing of stored states; IDAS chooses its own steps.
-    Gradients are accurate to about the tolerances; for exact gradients see ``Bdf``.
+    Gradients are accurate to about the tolerances; for exact gradients see ``BDF``.
 
     Raises
     ------
@@ -165,7 +165,7 @@ class Ida(SundialsIntegrator):
     >>> boat = system.add(planar.Particle("boat", mass=1.0, velocity=(1, 0)))
     >>> water = system.add(planar.Force("water", boat.center, (-boat.vx, 0)))
     >>> model = system.build()
-    >>> index_one = dict(formulation=da.Dae(index=1), integrator=da.Ida(rtol=1e-9))
+    >>> index_one = dict(formulation=da.DAE(index=1), integrator=da.IDA(rtol=1e-9))
     >>> motion = da.solve_dynamics(model, 2.0, step=0.5, **index_one)
     >>> round(motion["boat.x"][-1].item(), 6)  # 1 - exp(-2)
     0.864665
@@ -178,9 +178,9 @@ class Ida(SundialsIntegrator):
     def check(self, problem: Problem) -> None:
         if problem.system.index > 1:
             raise UnsupportedError(
-                f"Ida takes systems of index 1, but this formulation has index "
-                f"{problem.system.index}; use integrator=Bdf() or Radau(), or "
-                "formulation=Dae(index=1)"
+                f"IDA takes systems of index 1, but this formulation has index "
+                f"{problem.system.index}; use integrator=BDF() or Radau(), or "
+                "formulation=DAE(index=1)"
             )
 
     def _rate(self, problem: Problem) -> ca.Function:

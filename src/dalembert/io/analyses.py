@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.structural.statics import Statics
+from dalembert.analysis.requirements import need_structure
 from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.times import in_seconds
 from dalembert.errors import SingularityError
@@ -19,9 +20,9 @@ from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import STRATEGIES_OF
 from dalembert.io.tables import EventTable
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.model import StructuralModel
 from dalembert.text.wording import unknown
 
 
@@ -116,6 +117,7 @@ def _damping(file: ModelFile, model: StructuralModel, table: Any) -> Rayleigh:
 
 def _load_case_state(model: StructuralModel, case: str) -> StructuralResult:
     """Linear statics under one load case."""
+    need_structure(model, "about", "its modes are those about its equilibrium")
     solution = Statics().run(model)
     return solution.at(np.array([solution.case(case)]))
 

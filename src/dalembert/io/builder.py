@@ -53,8 +53,8 @@ from dalembert.io.schema import DerivedTable, Document
 from dalembert.io.structures.finite_elements import FiniteElements, MeshReader
 from dalembert.io.structures.structure_builder import StructureBuilder
 from dalembert.io.structures.structure_schema import StructureDocument
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.system import System
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import visible
@@ -189,8 +189,9 @@ class Builder:
         scope = Scope.MOTION if moving else Scope.PARAMETERS
         with self.located(*where):
             ties = []
-            ends = getattr(table, "connect", ())
-            for k, (field, end) in enumerate(zip(connected_fields(cls), ends, strict=True)):
+            ends = getattr(table, "connect", None) or ()
+            connections = connected_fields(cls) if ends else []
+            for k, (field, end) in enumerate(zip(connections, ends, strict=True)):
                 with self.located(*where, "connect", k):
                     ties.append(self.references.end(field.holds, end))
             keys = read_fields(

@@ -104,7 +104,7 @@ def read_columns(path: Path) -> dict[str, tuple[str, list[float]]]:
     Raises
     ------
     FileError
-        The file cannot be read, or a line is not numeric (states its number).
+        The file cannot be read, a line is not numeric (states its number), or names repeat.
     """
     heading: list[str] = []
     rows: list[list[float]] = []
@@ -135,5 +135,7 @@ def read_columns(path: Path) -> dict[str, tuple[str, list[float]]]:
     for k, column in enumerate(zip(*rows, strict=True)):
         match = re.fullmatch(r"(.*?)\s*(?:\[(.*)\])?", heading[k] if heading else str(k + 1))
         assert match is not None
+        if match[1] in columns:
+            raise FileError(f"{path}: two columns are named {match[1]!r}")
         columns[match[1]] = (match[2] or "", list(column))
     return columns

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
-from dalembert.design.inverse.history import History, history
+from dalembert.design.inverse.input_history import InputHistory, input_history
 from dalembert.errors import ExpressionError
 from dalembert.io.curve_tables import read_curve
 from dalembert.io.formulas import Formulas
@@ -72,6 +72,6 @@ def declare_tables(
             target.table(name, **read_curve(table, located.source, formulas.read))
 
 
-def declare_history(system: Any, name: str, table: Any) -> History:
+def declare_history(system: Any, name: str, table: Any) -> InputHistory:
     """Declare the parameters of a history on a system."""
-    return history(system, name, table.times(), table.value, table.unit, table.ends)
+    return input_history(system, name, table.times(), table.value, table.unit, table.ends)

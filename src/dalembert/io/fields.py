@@ -105,9 +105,9 @@ class FileField:
         return self.field.metadata.get("size", 1)
 
     @property
-    def least(self) -> int:
+    def minimum_size(self) -> int:
         """Minimum number of entries if the remaining ones have defaults; 0 if all are needed."""
-        return self.field.metadata.get("least", 0)
+        return self.field.metadata.get("minimum_size", 0)
 
     @property
     def is_needed(self) -> bool:
@@ -174,5 +174,8 @@ def read_fields(
     return values
 
 
-FROM_FILE = {"Table": ("times", "values"), "SplineCurve": ("points",)}
-"""Classes whose rows may come from a file of two columns → the fields that it fills."""
+FROM_FILE: dict[str, dict[str, tuple[str, ...]]] = {
+    "Table": {"times": ("s",), "values": ("",)},
+    "SplineCurve": {"points": ("m", "m")},
+}
+"""Classes whose rows may come from a file of two columns → fields, with units of their columns."""

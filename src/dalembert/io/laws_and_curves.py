@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +11,12 @@ from pydantic import BaseModel
 from dalembert.elements.curves import u
 from dalembert.elements.registry import CURVES, LAWS
 from dalembert.errors import FileError, ModelError
-from dalembert.files import read_text
+from dalembert.io.curve_tables import read_columns
 from dalembert.io.fields import FROM_FILE, Laws, Quantity, keyed_fields
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.location import Located
+from dalembert.text.wording import counted
+from dalembert.units.unit import unit
 
 KeyPath = tuple[str | int, ...]
 
@@ -48,7 +50,7 @@ class LawReader:
     def _read(
         self, registry: dict[str, Any], table: Any, where: KeyPath, scope: Scope, local: dict
     ) -> Any:
-        cls, rows = registry[table.type], FROM_FILE.get(table.type, ())
+        cls, rows = registry[table.type], FROM_FILE.get(table.type, {})
         keywords = self._columns(table, rows, where) if rows else {}
         for field in keyed_fields(cls, frozenset()):
             if field.name not in table.model_fields_set or field.name in rows:
@@ -63,20 +65,24 @@ class LawReader:
         with self.located(*where):
             return construct(cls, **keywords)
 
-    def _columns(self, table: Any, fields: tuple[str, ...], where: KeyPath) -> dict[str, Any]:
-        """The columns, given in the table or in a file in the folder of the model."""
-        columns_given = [name for name in fields if getattr(table, name) is not None]
-        if (table.file is None) != (len(columns_given) == len(fields)) or (
-            table.file and columns_given
-        ):
+    def _columns(
+        self, table: Any, fields: Mapping[str, tuple[str, ...]], where: KeyPath
+    ) -> dict[str, Any]:
+        """The rows, given in the table or in a file in the folder of the model."""
+        inline = [name for name in fields if getattr(table, name) is not None]
+        if (table.file is None) != (len(inline) == len(fields)) or (table.file and inline):
             raise self.located.error(f"give either {' and '.join(fields)}, or file", *where)
         if table.file is None:
             with self.located(*where):
                 return {name: [self._row(item) for item in getattr(table, name)] for name in fields}
+        path = Path(self.located.source).parent / table.file
         with self.located(*where, "file"):
-            pairs = read_pairs(Path(self.located.source).parent / table.file)
-        columns = zip(*pairs, strict=True) if len(fields) == 2 else [pairs]
-        return dict(zip(fields, columns, strict=True))
+            columns = iter(_si_columns(path, [si for units in fields.values() for si in units]))
+        rows = {name: [next(columns) for _ in units] for name, units in fields.items()}
+        return {
+            name: parts[0] if len(parts) == 1 else list(zip(*parts, strict=True))
+            for name, parts in rows.items()
+        }
 
     def _row(self, item: Any) -> Any:
         return [self._row(x) for x in item] if isinstance(item, list) else self.formulas.read(item)
@@ -90,36 +96,20 @@ def construct(cls: type, *arguments: Any, **keys: Any) -> Any:
         raise ModelError(f"cannot be created: {error}") from None
 
 
-def read_pairs(path: Path) -> list[tuple[float, float]]:
-    """The rows of a CSV file with two columns; a heading line and ``#`` comments are allowed.
+def _si_columns(path: Path, expected: list[str]) -> list[list[float]]:
+    """Columns of a CSV file in SI units, converted from the units of its heading.
 
     Raises
     ------
     FileError
-        The file cannot be read, or a line is not two numbers (states its number).
+        Another number of columns, or a unit of another dimension than expected.
     """
-    rows: list[tuple[float, float]] = []
-    try:
-        for number, row in enumerate(csv.reader(read_text(path).splitlines()), 1):
-            if not row or not "".join(row).strip() or row[0].lstrip().startswith("#"):
-                continue
-            pair = _numbers(row)
-            if pair is not None:
-                rows.append(pair)
-            elif rows or number > 1:
-                raise FileError(
-                    f"{path}: line {number}: expected two numbers, got {','.join(row)[:60]!r}"
-                )
-    except csv.Error as error:
-        raise FileError(f"{path}: not a CSV file ({error})") from None
-    if not rows:
-        raise FileError(f"{path}: has no rows of two numbers")
-    return rows
-
-
-def _numbers(row: list[str]) -> tuple[float, float] | None:
-    try:
-        first, second = (float(text) for text in row)
-    except ValueError:
-        return None
-    return first, second
+    columns = read_columns(path)
+    if len(columns) != len(expected):
+        raise FileError(f"{path}: has {counted(len(columns), 'column')}; expected {len(expected)}")
+    converted = []
+    for (name, (text, values)), si in zip(columns.items(), expected, strict=True):
+        if text and si and not unit(text).fits(si):
+            raise FileError(f"{path}: column {name!r} is in {text!r}; expected a unit of {si}")
+        converted.append([value * unit(text).factor for value in values])
+    return converted

@@ -19,10 +19,10 @@ from dalembert.io.schema import Document, ParameterTable, document_of
 from dalembert.io.structures.structure_builder import StructureBuilder
 from dalembert.io.structures.structure_schema import StructureDocument
 from dalembert.io.values import in_own_unit, short_repr
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
+from dalembert.model.structure import Structure
 from dalembert.model.system import ELEMENT_MEANINGS, System
-from dalembert.structures.model import StructuralModel
-from dalembert.structures.structure import Structure
 from dalembert.symbolic.formulas.declared import CONSTANTS, VARIABLES, check_free
 from dalembert.text.wording import nearest, visible
 

@@ -75,10 +75,10 @@ OrientationType: Any = one_of({name: table for name, (table, _) in ORIENTATIONS.
 class FrameTable(Record):
     """A frame of a body, in its axes."""
 
-    at: Direction = Field(default=(0.0, 0.0, 0.0), description="its origin [m]")
-    axis: Direction = Field(default=None, description="its z axis")
-    x: Direction = Field(default=None, description="its x axis, beside axis")
-    rotation: OrientationType = Field(default=None, description="its orientation, without axis")
+    at: Direction = Field(default=(0.0, 0.0, 0.0), description="origin [m]")
+    axis: Direction = Field(default=None, description="z axis")
+    x: Direction = Field(default=None, description="x axis, in addition to axis")
+    rotation: OrientationType = Field(default=None, description="orientation, instead of axis")
 
 
 InlineFrame = create_model(

@@ -101,9 +101,9 @@ class CaseTable(Record):
     analysis: _ANALYSIS = Field(  # type: ignore[valid-type]
         default=None, description="another analysis of this model, as `[analysis]`"
     )
-    given: dict[str, Text] = Field(
+    inputs: dict[str, Text] = Field(
         default_factory=dict,
-        description="parameter of that model → name of the response here that sets it",
+        description="parameter of that model → name of a response of this file, its value",
     )
 
 
@@ -123,7 +123,7 @@ class ModelDocument(Record):
     description: Text = ""
     parameters: dict[str, _PARAMETER] = Field(default_factory=dict)  # type: ignore[valid-type]
     tables: dict[str, CurveTable] = Field(
-        default_factory=dict, description="functions through measured values"
+        default_factory=dict, description="interpolated functions"
     )
     sensitivity: SensitivityTable = Field(default_factory=SensitivityTable)
     combined: dict[str, _COMBINED] = Field(default_factory=dict)  # type: ignore[valid-type]
@@ -180,7 +180,7 @@ class Document(ModelDocument):
     drivers: dict[str, Any] = Field(default_factory=dict)
     forces: dict[str, Any] = Field(default_factory=dict)
     initial: dict[str, Entry] = Field(
-        default_factory=dict, description="measures at the start, held exactly"
+        default_factory=dict, description="exact initial values of measures"
     )
     analysis: _ANALYSIS = None  # type: ignore[valid-type]
     responses: dict[str, _RESPONSE] = Field(default_factory=dict)  # type: ignore[valid-type]

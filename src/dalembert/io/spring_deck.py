@@ -20,7 +20,7 @@ from dalembert.elements.fem.lines import AxialSpring
 from dalembert.elements.fem.node import Node
 from dalembert.errors import FileError, ModelError
 from dalembert.files import read_text
-from dalembert.structures.structure import Structure
+from dalembert.model.structure import Structure
 from dalembert.text.wording import visible
 
 QUOTES = "'\"‘’`´"

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.equilibrium.linearization import Linearization
+from dalembert.analysis.equilibrium.load_path import ArcLength
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.kinematics.inverse_dynamics import InverseDynamics
 from dalembert.analysis.kinematics.kinematics import Kinematics
+from dalembert.analysis.modes.buckling import Buckling
+from dalembert.analysis.modes.modal import Modal
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
-from dalembert.analysis.structural.buckling import Buckling
-from dalembert.analysis.structural.load_path import ArcLength
-from dalembert.analysis.structural.modal import Modal
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient import Transient
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.registry import FORMULATIONS, STABILIZATIONS
@@ -26,7 +24,7 @@ from dalembert.model.registry import COORDINATES
 from dalembert.responses.base import Response
 from dalembert.responses.events import AtEvent
 from dalembert.responses.extremes import Maximum, Minimum
-from dalembert.responses.integrals import Integral, Mean, Rms, Total
+from dalembert.responses.integrals import RMS, Integral, Mean, Total
 from dalembert.responses.values import At, Final
 
 STRATEGIES_OF: dict[type, dict[str, type]] = {
@@ -51,13 +49,13 @@ ANALYSES: dict[str, type] = {
     "Kinematics": Kinematics,
     "InverseDynamics": InverseDynamics,
     "Equilibrium": Equilibrium,
-    "Linearization": Linearization,
+    "Modal": Modal,
     "Nonsmooth": Nonsmooth,
 }
 
 STRUCTURAL_ANALYSES: dict[str, type] = {
     "Statics": Statics,
-    "NonlinearStatics": NonlinearStatics,
+    "Equilibrium": Equilibrium,
     "ArcLength": ArcLength,
     "Modal": Modal,
     "Buckling": Buckling,
@@ -70,7 +68,7 @@ RESPONSES: dict[str, type[Response]] = {
     "AtEvent": AtEvent,
     "Integral": Integral,
     "Mean": Mean,
-    "Rms": Rms,
+    "RMS": RMS,
     "Total": Total,
     "Maximum": Maximum,
     "Minimum": Minimum,

@@ -58,7 +58,7 @@ from dalembert.io.values import (
     list_of,
     short_repr,
 )
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.results.structural.result import StructuralResult
 from dalembert.text.wording import unknown
 
@@ -152,8 +152,8 @@ TIMED: dict[Any, Any] = {
 
 def _quantities(field: FileField) -> Any:
     """Type of a list, or of a single entry where one is enough."""
-    listed = list_of(Entry, field.size, least=field.least)
-    return Entry | listed if field.least == 1 else listed
+    listed = list_of(Entry, field.size, least=field.minimum_size)
+    return Entry | listed if field.minimum_size == 1 else listed
 
 
 def value_type(field: FileField, dimension: int = 2) -> Any:
@@ -248,7 +248,7 @@ def table_of(
 
     Parameters
     ----------
-    optional_type : the type may be left out
+    optional_type : the type is optional
     dimension : number of coordinates of a point
     also : alias of its type
     title : its name in the schema, the type by default
@@ -261,10 +261,13 @@ def table_of(
         text = "connected bodies, points or frames, in order: " + ", ".join(
             f.name for f in connections
         )
-        keys["connect"] = (_connection(connections, dimension), Field(description=text))
-    from_file = FROM_FILE.get(name, ())
+        default = ... if any(f.is_needed for f in connections) else None
+        keys["connect"] = (_connection(connections, dimension), Field(default, description=text))
+    from_file = FROM_FILE.get(name, {})
     if from_file:
-        text = f"CSV file with two columns, instead of {' and '.join(from_file)}"
+        text = (
+            f"CSV file with two columns, units in its heading, instead of {' and '.join(from_file)}"
+        )
         keys["file"] = (Text, Field(default=None, description=text))
     for field in keyed_fields(cls):
         if field.name in (more or {}):

@@ -11,10 +11,10 @@ import numpy as np
 from dalembert.model.equations import Equations
 from dalembert.model.model import Model
 from dalembert.symbolic.equations.implicit import ImplicitFunction
-from dalembert.symbolic.once import once
+from dalembert.symbolic.once import CacheOwner, once
 
 
-class CoordinateView:
+class CoordinateView(CacheOwner):
     """Equations of a model in a choice of coordinates.
 
     Attributes

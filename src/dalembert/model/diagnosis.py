@@ -60,7 +60,7 @@ class Diagnosis:
     driven : number of driver equations
     free : degrees of freedom without drivers
     lost : joints that lose their independence in a singular position at the start
-    doubts : warnings of elements
+    element_warnings : warnings of elements
     searched : remark if the initial poses are far from an assembly; empty otherwise
     idle : idle degrees of freedom, such as a rod that rotates freely about its own axis
     corrections : initial coordinate → change by assembly; ``moved`` lists those to report
@@ -84,7 +84,7 @@ class Diagnosis:
     moved: tuple[str, ...]
     velocity_corrections: dict[str, float]
     lost: str = ""
-    doubts: tuple[str, ...] = ()
+    element_warnings: tuple[str, ...] = ()
     searched: str = ""
     idle: tuple[str, ...] = ()
     units: dict[str, str] = field(default_factory=dict)
@@ -145,7 +145,7 @@ class Diagnosis:
             )
         for name in self.topology.unconnected:
             items.append(("warning", f"body {name} is not connected to anything"))
-        items += [("warning", doubt) for doubt in self.doubts]
+        items += [("warning", text) for text in self.element_warnings]
         items += [("info", text) for text in self.idle]
         if self.searched:
             items.append(("warning", self.searched))
@@ -223,7 +223,7 @@ def diagnose(d: Description, closure: Closure, mass: scipy.sparse.csc_array) -> 
         moved=_moved(closure),
         velocity_corrections=closure.start.velocity_corrections,
         lost=closure.lost,
-        doubts=element_warnings(d, closure.nominal),
+        element_warnings=element_warnings(d, closure.nominal),
         searched=_searched(closure),
         idle=idle_freedoms(d, closure),
         units=_units(closure),

@@ -17,7 +17,8 @@ from dalembert.model.assembly.closure import Closure
 from dalembert.model.assembly.guesses import AssembledState, Guesses
 from dalembert.model.checks import ValueChecks
 from dalembert.model.description import Description
-from dalembert.model.diagnosis import diagnose
+from dalembert.model.diagnosis import Diagnosis, diagnose
+from dalembert.model.equations import Equations
 from dalembert.model.natural_units import scales_of
 from dalembert.model.scales import Scales
 from dalembert.symbolic.equations.implicit import ImplicitFunction
@@ -44,18 +45,16 @@ class Model(ParametricModel):
     Parameters
     ----------
     parts : Description of the mechanism
-    strict : refuse inconsistent initial speeds instead of projecting them
-
-    Attributes
-    ----------
-    parts : Description of the mechanism
     all_equations : Equations with all constraint rows
-    equations : Equations with independent constraint rows
-    parameters : name → Parameter
-    nominal : (n,) their values, and numbers computed from them
     closure : assembly of the mechanism
     diagnosis : Diagnosis
     build_time : time to build the model [s]
+
+    Attributes
+    ----------
+    equations : Equations with independent constraint rows
+    parameters : name → Parameter
+    nominal : (n,) their values, and numbers computed from them
 
     Examples
     --------
@@ -72,27 +71,52 @@ class Model(ParametricModel):
     True
     """
 
-    def __init__(self, parts: Description, strict: bool = False):
-        begin = perf_counter()
+    kind = "mechanism"
+
+    def __init__(
+        self,
+        parts: Description,
+        all_equations: Equations,
+        closure: Closure,
+        diagnosis: Diagnosis,
+        build_time: float,
+    ):
         self.parts = parts
         self.name, self.description = parts.name, parts.description
         self.parameters, self.derived_parameters = parts.parameters, parts.derived_parameters
         self.bodies, self.ground = parts.bodies, parts.ground
         self.constraints, self.forces = parts.constraints, parts.forces
         self.coordinates = parts.coordinates
-        self.nominal = self.completed(np.array([p.value for p in self.parameters.values()]))
-        guesses = Guesses.collect(parts)
-        equations = absolute_equations(parts)
-        mass = equations.mass_at(guesses.values(self.nominal)[0], self.nominal)
-        self.all_equations = replace(
+        self.all_equations, self.closure = all_equations, closure
+        self.equations = all_equations.with_rows(closure.rows)
+        self.nominal, self.diagnosis, self.build_time = closure.nominal, diagnosis, build_time
+
+    @classmethod
+    def assembled(cls, parts: Description, strict: bool = False) -> Model:
+        """The model of a description.
+
+        Parameters
+        ----------
+        parts : Description of the mechanism
+        strict : refuse inconsistent initial speeds instead of projecting them
+
+        Raises
+        ------
+        ModelError, AssemblyError
+            The mechanism is incomplete or contradictory, or cannot be assembled.
+        """
+        begin = perf_counter()
+        nominal = parts.space.complete(np.array([p.value for p in parts.parameters.values()]))
+        guesses, equations = Guesses.collect(parts), absolute_equations(parts)
+        mass = equations.mass_at(guesses.values(nominal)[0], nominal)
+        equations = replace(
             equations,
-            scales=scales_of(parts, equations, guesses, self.nominal),
+            scales=scales_of(parts, equations, guesses, nominal),
             massless=tuple(int(k) for k in np.flatnonzero(mass.diagonal() == 0)),
         )
-        self.closure = Closure(parts, self.all_equations, guesses, self.nominal, strict)
-        self.equations = self.all_equations.with_rows(self.closure.rows)
-        self.diagnosis = diagnose(parts, self.closure, mass)
-        self.build_time = perf_counter() - begin
+        closure = Closure(parts, equations, guesses, nominal, strict)
+        diagnosis = diagnose(parts, closure, mass)
+        return cls(parts, equations, closure, diagnosis, perf_counter() - begin)
 
     @property
     def guesses(self) -> Guesses:

@@ -95,7 +95,7 @@ def loads(nodes: Nodes, forces: dict[str, Any], number: int) -> Iterator[ForceEl
             yield kind.Force(name, _body(node).center, vector)
         moment = tuple(forces.get(f"m{axis}", 0.0) for axis in "xyz")
         if node.dimension == 2 and "mz" in forces:
-            yield planar.Moment(f"{name}_mz", _body(node), forces["mz"])
+            yield planar.Torque(f"{name}_mz", _body(node), forces["mz"])
         elif any(not _is_zero(component) for component in moment):
             yield spatial.Torque(f"{name}_moment", _body(node), moment)
 

@@ -14,10 +14,6 @@ from dalembert.model.assembly.guesses import AssembledState
 from dalembert.model.model import Model
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import stack, t
-from dalembert.symbolic.once import forget
-
-CACHED = {"names", "measure_names", "_value_checks", "_once"}
-"""Cached attributes of a model that depend on its formulas."""
 
 
 class ScheduledModel(Model):
@@ -27,24 +23,22 @@ class ScheduledModel(Model):
     ----------
     model : Model
     schedules : parameter → formula of time
+    p : SX symbols of the parameters of the equations, by default its own
     """
 
-    def __init__(self, model: Model, schedules: Mapping[str, ca.SX]):
+    def __init__(self, model: Model, schedules: Mapping[str, ca.SX], p: ca.SX | None = None):
         check_controls(model, list(schedules))
-        self.__dict__.update({k: v for k, v in vars(model).items() if k not in CACHED})
         self._replaced = stack(model.parameters[name].sx for name in schedules)
         self._schedules = stack(schedules.values())
         e = model.all_equations
-        self.all_equations = replace(
-            e, force=self._scheduled(e.force), powers=self._scheduled(e.powers)
-        )
-        self.equations = self.all_equations.with_rows(self.closure.rows)
+        force, powers = self._scheduled(e.force), self._scheduled(e.powers)
+        e = replace(e, force=force, powers=powers, p=e.p if p is None else p)
+        super().__init__(model.parts, e, model.closure, model.diagnosis, model.build_time)
         self._fixed_start: AssembledState | None = None
 
     def begun_at(self, y: np.ndarray, v: np.ndarray, p: np.ndarray) -> ScheduledModel:
         """The mechanism with this state as the start of its runs."""
         model = copy(self)
-        forget(model)
         model._fixed_start = replace(self.closure.state(y, p, 0.0), v=v)
         return model
 
@@ -88,10 +82,7 @@ class SteeredModel(ScheduledModel):
             first, middle, last = ca.vertsplit(self.steering[2 + 3 * k : 5 + 3 * k])
             slope, curvature = 4 * middle - 3 * first - last, 2 * (first - 2 * middle + last)
             schedules[name] = first + fraction * (slope + fraction * curvature)
-        super().__init__(model, schedules)
-        p = ca.vertcat(model.all_equations.p, self.steering)
-        self.all_equations = replace(self.all_equations, p=p)
-        self.equations = self.all_equations.with_rows(self.closure.rows)
+        super().__init__(model, schedules, ca.vertcat(model.all_equations.p, self.steering))
 
 
 def check_controls(model: Model, names: list[str]) -> None:
@@ -114,5 +105,5 @@ def check_controls(model: Model, names: list[str]) -> None:
             if ca.depends_on(formula, model.parameters[name].sx):
                 raise UnsupportedError(
                     f"the control {name!r} would change {affected}; a control is a parameter of "
-                    "forces and moments alone, such as planar.Moment(..., value) or a JointActuator"
+                    "forces and moments alone, such as planar.Torque(..., value) or a JointActuator"
                 )

@@ -9,16 +9,16 @@ from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.errors import ModelError
 from dalembert.model.checks import ValueChecks, check_membership, check_symbols
 from dalembert.model.description import Description
+from dalembert.model.elastic_structure import ElasticStructure
+from dalembert.model.meshes.mesh import Classes
 from dalembert.model.model import Model
 from dalembert.model.nodal_conditions import Nodes, loads, supports
-from dalembert.structures.elastic_structure import ElasticStructure
-from dalembert.structures.meshes.mesh import Classes
-from dalembert.structures.structure import Structure
+from dalembert.model.structure import Structure
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.declared import VARIABLES, Declared, check_free
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parameter import coherent
-from dalembert.text.spelling import Spelled, spelled
+from dalembert.text.arguments import CheckedArguments, check_arguments
 
 E = TypeVar("E", bound=Element)
 
@@ -26,7 +26,7 @@ ELEMENT_MEANINGS = {"ground": "the body at rest"}
 """Reserved names of elements, with their meaning."""
 
 
-class System(Spelled, Declared, Description):
+class System(CheckedArguments, Declared, Description):
     """A mechanism under construction.
 
     Parameters
@@ -57,7 +57,7 @@ class System(Spelled, Declared, Description):
             )
 
     # building ----------------------------------------------------------------
-    @spelled
+    @check_arguments
     def derived(self, name: str, formula, unit: str = "", description: str = "") -> Expression:
         """Name a formula of parameters; it is listed with the parameters.
 
@@ -138,7 +138,7 @@ class System(Spelled, Declared, Description):
         """
         return [self.add(force) for force in loads(nodes, forces, len(self.elements))]
 
-    @spelled
+    @check_arguments
     def initial(self, measure: Expression, value) -> None:
         """Prescribe a position-level measure, or a speed, at the start, exactly.
 
@@ -164,7 +164,7 @@ class System(Spelled, Declared, Description):
         return (self.elements,)
 
     # freezing ------------------------------------------------------------------
-    @spelled
+    @check_arguments
     def build(self, strict: bool = False) -> Model:
         """Check, assemble and freeze.
 
@@ -182,4 +182,4 @@ class System(Spelled, Declared, Description):
         check_membership(self)
         check_symbols(self)
         ValueChecks(self)([p.value for p in self.parameters.values()])
-        return Model(self.copy(), strict=strict)
+        return Model.assembled(self.copy(), strict)

@@ -59,10 +59,10 @@ def _structures(first: dict[str, Any], second: dict[str, Any], name: str) -> dic
     if first["scene"]["dimension"] != second["scene"]["dimension"]:
         raise FileError("the structures have different dimensions")
     states, mesh = first["states"], second["scene"]["mesh"]
-    displacements = dict(zip(second["states"]["names"], mesh["moved"], strict=True))
+    displacements = dict(zip(second["states"]["names"], mesh["vertex_displacements"], strict=True))
     if not any(state in displacements for state in states["names"]):
         raise FileError(f"the runs have no common {states['kind']}")
     rest = [0.0] * len(mesh["rest"])
     moved = [displacements.get(state, rest) for state in states["names"]]
-    scene = first["scene"] | {"ghosts": [{"mesh": mesh | {"moved": moved}}]}
+    scene = first["scene"] | {"ghosts": [{"mesh": mesh | {"vertex_displacements": moved}}]}
     return first | {"scene": scene, "other": name}

@@ -19,7 +19,7 @@ from typing import Any
 from dalembert.errors import FileError
 from dalembert.files import atomic_path
 from dalembert.report.packing import pack
-from dalembert.report.scripts import KINDS, asset, main_module, page_script
+from dalembert.report.scripts import KINDS, asset, page_kind, page_script
 from dalembert.text.wording import visible
 
 __all__ = ["as_json", "render_page", "write_page"]
@@ -27,6 +27,8 @@ __all__ = ["as_json", "render_page", "write_page"]
 #: Significant digits of the numbers of a page.
 DIGITS = 10
 
+INDENT = re.compile(r"^[ \n]+", re.MULTILINE)
+"""Indentation of scripts and blank lines."""
 # Characters that could end the data element early; the text is ASCII.
 _ESCAPES = {ord(c): f"\\u{ord(c):04x}" for c in "<>&"}
 
@@ -43,7 +45,7 @@ def render_page(payload: dict[str, Any]) -> str:
         "title": html.escape(title),
         "style": asset("page.css") + asset("views.css"),
         "data": _embed(payload),
-        "script": page_script(main_module(payload)),
+        "script": INDENT.sub("", page_script(page_kind(payload))),
     }
     # One pass over the template, so that inserted parts are not searched again.
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset("template.html"))

@@ -1,7 +1,7 @@
 """Scripts of the pages: modules joined into one scope, in the order of their imports.
 
 Modules use named imports of other files of this folder, and exports of declarations. The page has
-neither imports nor comments nor indentation; names at the top level are unique among the modules of a page.
+neither imports nor comments; names at the top level are unique among the modules of a page.
 """
 
 from __future__ import annotations
@@ -11,15 +11,22 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
+PAGES = {
+    "mechanism": "planar_mechanism.js",
+    "spatial mechanism": "spatial_mechanism.js",
+    "structure": "planar_structure.js",
+    "spatial structure": "spatial_structure.js",
+    "decision": "decision.js",
+}
+"""Kind of page, and its dimension → main module."""
 KINDS = ("mechanism", "spatial", "structure", "decision")
-"""Kinds of pages."""
+"""Kinds of payloads."""
 
 IMPORT = re.compile(r'^import (?:\{[^}]*\} from )?"\./([\w/.]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=const|let|class|function|async)", re.MULTILINE)
 COMMENT = re.compile(
     r"^ */\*\*(?:(?!\*/).)*\*/\n|^ *// [^\n]*\n|/\*\* .*? \*/ ?", re.MULTILINE | re.DOTALL
 )
-INDENT = re.compile(r"^ +|^\n", re.MULTILINE)
 
 
 def asset(name: str) -> str:
@@ -27,20 +34,20 @@ def asset(name: str) -> str:
     return (resources.files(__package__) / "assets" / name).read_text(encoding="utf-8")
 
 
-def main_module(payload: dict[str, Any]) -> str:
-    """Main module of the page of a payload."""
-    kind, scene = payload.get("kind"), payload.get("scene") or {}
-    if kind == "decision":
-        return "decision.js"
-    spatial = kind == "spatial" or scene.get("dimension") == 3
-    return "spatial_page.js" if spatial else "planar_page.js"
+def page_kind(payload: dict[str, Any]) -> str:
+    """Kind of the page of a payload; that of a spatial scene has three dimensions."""
+    kind = payload.get("kind", "mechanism")
+    if kind == "spatial":
+        return "spatial mechanism"
+    spatial = kind == "structure" and payload["scene"].get("dimension") == 3
+    return f"spatial {kind}" if spatial else str(kind)
 
 
 @cache
-def page_script(main: str) -> str:
-    """Script of a page: its main module after the modules that it imports."""
+def page_script(kind: str) -> str:
+    """Script of a kind of page."""
     scripts: dict[str, str] = {}
-    _collect(main, scripts)
+    _collect(PAGES[kind], scripts)
     return "\n".join(scripts.values())
 
 
@@ -51,6 +58,6 @@ def _collect(name: str, scripts: dict[str, str]) -> None:
         for imported in IMPORT.findall(text):
             if imported not in scripts:
                 _collect(imported, scripts)
-        for pattern in (IMPORT, EXPORT, COMMENT, INDENT):
+        for pattern in (IMPORT, EXPORT, COMMENT):
             text = pattern.sub("", text)
     scripts[name] = text

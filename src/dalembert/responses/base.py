@@ -100,7 +100,7 @@ class Response:
         return f"{type(self).__name__.lower()}({text})"
 
     @property
-    def known_unit(self) -> str:
+    def declared_unit(self) -> str:
         """Unit if it is available before a run, otherwise an empty text."""
         unit = self.measure.unit if isinstance(self.measure, Expression) else ""
         return self.unit(unit) if unit else ""
@@ -115,7 +115,7 @@ class Response:
         """Unit of the response for a result or model."""
         return self.unit(source.expression(self.measure).unit)
 
-    def over(self, motion: Result) -> Response:
+    def adapted_to(self, motion: Result) -> Response:
         """The response as it is evaluated on this result, with its quadrature rule or width."""
         return self
 
@@ -123,11 +123,11 @@ class Response:
         """Sampling times of the response, or None for the outputs of the motion."""
         return None
 
-    def stays(self, motion: Result) -> bool:
+    def has_fixed_times(self, motion: Result) -> bool:
         """Whether the sampling times are independent of the start and the end of the run."""
         return self.sample_times(motion) is not None
 
-    def searches(self, motion: Result) -> bool:
+    def has_adaptive_times(self, motion: Result) -> bool:
         """Whether the sampling times depend on the run and so differ from design to design."""
         return False
 
@@ -136,7 +136,7 @@ class Response:
         times = self.sample_times(motion)
         return motion if times is None else motion.at(times)
 
-    def moves_with(self, motion: Result) -> Occurrence | None:
+    def final_event(self, motion: Result) -> Occurrence | None:
         """The event that determines the last sampling time; None if all times are fixed."""
         return end_by_event(motion) if self.sample_times(motion) is None else None
 
@@ -164,7 +164,7 @@ class Response:
         """``∂R/∂t`` of an instant within the run at which the measure jumps."""
         return 0.0
 
-    def shares(self, times: np.ndarray) -> np.ndarray:
+    def time_derivatives(self, times: np.ndarray) -> np.ndarray:
         """``∂t_k/∂t_K``: shift of each sampling time per shift of the last one by an event."""
         return np.eye(1, times.size, times.size - 1).ravel()
 
@@ -213,14 +213,14 @@ class Combination(Response):
         return self.weighted
 
     @property
-    def known_unit(self) -> str:
-        return self._common([response.known_unit for _, response in self.weighted])
+    def declared_unit(self) -> str:
+        return self._common([response.declared_unit for _, response in self.weighted])
 
     def unit_of(self, source: Any) -> str:
         return self._common([response.unit_of(source) for _, response in self.weighted])
 
-    def searches(self, motion: Result) -> bool:
-        return any(response.searches(motion) for _, response in self.weighted)
+    def has_adaptive_times(self, motion: Result) -> bool:
+        return any(response.has_adaptive_times(motion) for _, response in self.weighted)
 
     def _common(self, units: Sequence[str]) -> str:
         """Unit of the sum if all terms share it; terms with a factor may have any unit.
@@ -303,4 +303,4 @@ def evaluate(motion: Result, response: Response) -> float:
         return response.constant + sum(w * evaluate(motion, r) for w, r in response.terms)
     sampled = response.sampled(motion)
     samples = sampled.values(scalar_measure(motion, response))
-    return response.over(motion).reduce(sampled.time, samples)
+    return response.adapted_to(motion).reduce(sampled.time, samples)

@@ -16,7 +16,7 @@ from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.samples import match_instants
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +33,7 @@ def evaluate(result: Batch, response: Response) -> xr.DataArray: ...
 def evaluate(result: Batch, response: Sequence[Response]) -> xr.Dataset: ...
 
 
-@spelled
+@check_arguments
 def evaluate(
     result: Result | Batch, response: Response | Sequence[Response]
 ) -> float | xr.DataArray | xr.Dataset:
@@ -132,7 +132,7 @@ def batch_response(batch: Batch, response: Response, like: Any = None) -> xr.Dat
     like = representative(batch) if like is None else like
     if like is not None:
         measure = scalar_measure(like, response)
-        unit = response.over(like).unit_of(like)
+        unit = response.adapted_to(like).unit_of(like)
         values[good] = _design_values(batch, response, like, measure, good)
     attributes = {"units": unit, "long_name": response.label}
     return xr.DataArray(values, batch.designs.coords, ("design",), response.label, attributes)
@@ -153,7 +153,7 @@ def batch_responses(batch: Batch, responses: Sequence[Response]) -> xr.Dataset:
 
     like = representative(batch)
     values = {r.label: batch_response(batch, r, like) for r in responses}
-    return xr.Dataset({"status": batch.status, **values}, attrs=batch.about)
+    return xr.Dataset({"status": batch.status, **values}, attrs=batch.attributes)
 
 
 def _has_all_outputs(batch: Batch, k: int) -> bool:
@@ -206,10 +206,10 @@ def _design_values(
     batch: Batch, response: Response, like: Result, measure: Expression, good: np.ndarray
 ) -> np.ndarray:
     """Values of the successful designs; ``like`` is the run of one of them."""
-    if response.searches(like):
+    if response.has_adaptive_times(like):
         return np.array([_single_value(batch, int(k), response) for k in good])
     sampled = response.sampled(like)
-    reducer, columns = response.over(like), match_instants(batch.time, sampled.time)
+    reducer, columns = response.adapted_to(like), match_instants(batch.time, sampled.time)
     if np.any(columns < 0):
         return _rerun_values(batch, response, sampled.time, measure, reducer, good)
     table = batch.samples.table([measure])[:, 0]

@@ -11,7 +11,7 @@ from dalembert.responses.base import Response
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression, t
 from dalembert.symbolic.once import once
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @options
@@ -55,7 +55,7 @@ class AtEvent(Response):
         suffix = "" if self.occurrence == 1 else f" {self.occurrence}"
         return f"at_event({Occurrence(self.event)}{suffix}, {measure}"
 
-    def stays(self, motion: Result) -> bool:
+    def has_fixed_times(self, motion: Result) -> bool:
         return True
 
     def sampled(self, motion: Result) -> Result:
@@ -64,7 +64,7 @@ class AtEvent(Response):
         except UnsupportedError as error:
             raise UnsupportedError(f"{self.label}: {error}") from None
 
-    def moves_with(self, motion: Result) -> Occurrence | None:
+    def final_event(self, motion: Result) -> Occurrence | None:
         return Occurrence(self.event, self.occurrence)
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
@@ -80,7 +80,7 @@ def _at_event(motion: Result, occurrence: Occurrence) -> Result:
     return motion.analysis.at_event(motion, occurrence)
 
 
-@spelled
+@check_arguments
 def at_event(
     event: str | Event, measure: str | Expression, occurrence: int = 1, name: str = ""
 ) -> AtEvent:
@@ -111,7 +111,7 @@ def at_event(
     return AtEvent(measure, name, event, occurrence)
 
 
-@spelled
+@check_arguments
 def event_time(event: str | Event, occurrence: int = 1, name: str = "") -> AtEvent:
     """Time of the n-th occurrence of an event [s].
 

@@ -16,7 +16,7 @@ from dalembert.responses.quadrature import rule_over
 from dalembert.responses.smooth_extreme import SmoothExtreme
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.units.measured import Measured, check_measured
 
 
@@ -86,17 +86,17 @@ class Maximum(Response):
             return motion
         return motion.analysis.over_peaks(motion, self.measure, 1 / width, self.sign)
 
-    def searches(self, motion: Result) -> bool:
+    def has_adaptive_times(self, motion: Result) -> bool:
         return self.sampled(motion) is not motion
 
-    def stays(self, motion: Result) -> bool:
+    def has_fixed_times(self, motion: Result) -> bool:
         sampled = self.sampled(motion)
         return sampled is not motion and sampled.time[-1] != motion.record.steps.end
 
-    def moves_with(self, motion: Result) -> Occurrence | None:
+    def final_event(self, motion: Result) -> Occurrence | None:
         return end_by_event(self.sampled(motion))
 
-    def over(self, motion: Result) -> Response:
+    def adapted_to(self, motion: Result) -> Response:
         if self.smooth is None:
             return self
         if isinstance(self.smooth, Measured):
@@ -159,7 +159,7 @@ class Minimum(Maximum):
     sign = -1.0
 
 
-@spelled
+@check_arguments
 def maximum(
     measure: str | Expression, smooth: float | str | None = None, name: str = ""
 ) -> Maximum:
@@ -185,7 +185,7 @@ def maximum(
     return Maximum(measure, name, smooth)  # type: ignore[arg-type]  # texts are parsed
 
 
-@spelled
+@check_arguments
 def minimum(
     measure: str | Expression, smooth: float | str | None = None, name: str = ""
 ) -> Minimum:

@@ -17,7 +17,7 @@ from dalembert.responses.base import Response
 from dalembert.responses.quadrature import Count, Quadrature, Rule, rule_over
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,8 +45,8 @@ class Weighted(Response):
     ) -> float:
         return (before - after) / (self.rule.span if self.over_span else 1.0)
 
-    def shares(self, times: np.ndarray) -> np.ndarray:
-        return self.rule.shares
+    def time_derivatives(self, times: np.ndarray) -> np.ndarray:
+        return self.rule.time_derivatives
 
     def unit(self, unit: str) -> str:
         return f"{unit} s".strip() if self.rule.continuous and not self.over_span else unit
@@ -89,8 +89,8 @@ class RootOfSquares(Response):
             return 0.0
         return self.mean.jump_weight(times, samples**2, before**2, after**2) / (2 * value)
 
-    def shares(self, times: np.ndarray) -> np.ndarray:
-        return self.mean.shares(times)
+    def time_derivatives(self, times: np.ndarray) -> np.ndarray:
+        return self.mean.time_derivatives(times)
 
 
 @dataclass(frozen=True)
@@ -104,10 +104,10 @@ class OverRun(Response):
     def sampled(self, motion: Result) -> Result:
         return motion.over_steps
 
-    def over(self, motion: Result) -> Response:
+    def adapted_to(self, motion: Result) -> Response:
         return self.by(rule_over(self.sampled(motion)))
 
-    def moves_with(self, motion: Result) -> Occurrence | None:
+    def final_event(self, motion: Result) -> Occurrence | None:
         return end_by_event(self.sampled(motion))
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
@@ -167,7 +167,7 @@ class Mean(OverRun):
 
 
 @dataclass(frozen=True)
-class Rms(OverRun):
+class RMS(OverRun):
     """``√((1/T) ∫ m² dt)``, or the root mean square over modes and load cases.
 
     Examples
@@ -180,7 +180,7 @@ class Rms(OverRun):
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, crank.start))
     >>> motor = system.add(planar.RotationalDriver("motor", system.ground, crank, da.t))
     >>> motion = da.solve_kinematics(system.build(), 2 * math.pi, outputs=101)
-    >>> round(da.evaluate(motion, da.Rms("crank.end.y"))**2, 6)  # l²/2
+    >>> round(da.evaluate(motion, da.RMS("crank.end.y"))**2, 6)  # l²/2
     2.0
     """
 
@@ -215,7 +215,7 @@ class Total(Response):
         return np.ones(times.size)
 
 
-@spelled
+@check_arguments
 def integral(measure: str | Expression, name: str = "") -> Integral:
     """Integral of a measure over the run.
 
@@ -237,7 +237,7 @@ def integral(measure: str | Expression, name: str = "") -> Integral:
     return Integral(measure, name)
 
 
-@spelled
+@check_arguments
 def mean(measure: str | Expression, name: str = "") -> Mean:
     """Mean of a measure over the run.
 
@@ -259,8 +259,8 @@ def mean(measure: str | Expression, name: str = "") -> Mean:
     return Mean(measure, name)
 
 
-@spelled
-def rms(measure: str | Expression, name: str = "") -> Rms:
+@check_arguments
+def rms(measure: str | Expression, name: str = "") -> RMS:
     """Root mean square of a measure over the run.
 
     Parameters
@@ -278,10 +278,10 @@ def rms(measure: str | Expression, name: str = "") -> Rms:
     >>> round(da.evaluate(motion, da.rms("stone.vx")), 6)
     3.0
     """
-    return Rms(measure, name)
+    return RMS(measure, name)
 
 
-@spelled
+@check_arguments
 def total(measure: str | Expression, name: str = "") -> Total:
     """Sum of a measure over the outputs, such as squared distances to points of a path.
 

@@ -21,7 +21,7 @@ class Rule(Protocol):
     Attributes
     ----------
     weights : (K,) ``w``
-    shares : (K,) ``∂t_k/∂t_K``, shift of each sampling time per shift of the last one
+    time_derivatives : (K,) ``∂t_k/∂t_K``, shift of each sampling time per shift of the last one
     span, span_weights : sum of the weights, and its (K,) derivatives by the times
     continuous : whether the sum approximates an integral over time
     """
@@ -29,7 +29,7 @@ class Rule(Protocol):
     @property
     def weights(self) -> np.ndarray: ...
     @property
-    def shares(self) -> np.ndarray: ...
+    def time_derivatives(self) -> np.ndarray: ...
     @property
     def span(self) -> float: ...
     @property
@@ -53,7 +53,7 @@ class Count:
         return np.ones(self.count)
 
     @property
-    def shares(self) -> np.ndarray:
+    def time_derivatives(self) -> np.ndarray:
         return np.eye(1, self.count, self.count - 1).ravel()
 
     @property
@@ -107,7 +107,7 @@ class Quadrature:
     continuous = True
 
     @property
-    def shares(self) -> np.ndarray:
+    def time_derivatives(self) -> np.ndarray:
         return np.eye(1, self.count, self.count - 1).ravel()
 
     @property

@@ -99,8 +99,12 @@ class SmoothExtreme(Response):
             weight += _shares(m, q, width)[1] * self._share**2 * variance_weight / (2 * width)
         return float(self.sign * weight)
 
-    def shares(self, times: np.ndarray) -> np.ndarray:
-        return super().shares(times) if self.mean is None else self.mean.shares(times)
+    def time_derivatives(self, times: np.ndarray) -> np.ndarray:
+        return (
+            super().time_derivatives(times)
+            if self.mean is None
+            else self.mean.time_derivatives(times)
+        )
 
     @property
     def _share(self) -> float:

@@ -12,7 +12,7 @@ from dalembert.responses.base import Response
 from dalembert.results.numbered import Numbered
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 ALIKE = 1e-12
 """Threshold for values that are equal, relative to the largest."""
@@ -39,7 +39,7 @@ class Final(Response):
     ('width', 6.0)
     """
 
-    def over(self, motion: Result) -> Response:
+    def adapted_to(self, motion: Result) -> Response:
         if motion.in_sequence or motion.time.size <= 1:
             return self
         values = motion.values(self.measure)
@@ -99,7 +99,7 @@ class At(Response):
         return np.ones(1)
 
 
-@spelled
+@check_arguments
 def final(measure: str | Expression, name: str = "") -> Final:
     """Value of a measure at the end of the run.
 
@@ -121,7 +121,7 @@ def final(measure: str | Expression, name: str = "") -> Final:
     return Final(measure, name)
 
 
-@spelled
+@check_arguments
 def at(time: float, measure: str | Expression, name: str = "") -> At:
     """Value of a measure at a time [s], or for a load case (from 0) or mode (from 1) by number.
 

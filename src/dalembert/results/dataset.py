@@ -96,7 +96,7 @@ def _drivers(model: Model) -> list[Variable]:
     measures = {c.name: element_measures(c, model.coordinates) for c in drivers}
     units = {"effort": "N or N m", "power": "W"} if drivers else {}
     return [
-        _variable("driver", measures, q, f"driver_{q}", f"{q} of the driver", unit, model)
+        _variable("driver", measures, q, q, f"{q} of the driver", unit, model)
         for q, unit in units.items()
     ]
 

@@ -90,7 +90,7 @@ def measured_series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[st
 
     def put(name: str, variable: str, group: str, **where: Any) -> None:
         if variable in data:
-            unit = _unit(motion, str(data.about(variable).get("units", "")), name)
+            unit = _unit(motion, str(data.attributes_of(variable).get("units", "")), name)
             add(name, unit, group, data.at(variable, **where)[keep])
 
     def add(name: str, unit: str, group: str, values: np.ndarray) -> None:
@@ -120,8 +120,8 @@ def measured_series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[st
         add(f"{joint}.force_norm", "N", "reactions", np.linalg.norm(force, axis=1))
         put_all(joint, "moment.{}", "reaction_moment", "reactions", joint=joint)
     for driver in data.labels("driver"):
-        put(f"{driver}.effort", "driver_effort", "drivers", driver=driver)
-        put(f"{driver}.power", "driver_power", "drivers", driver=driver)
+        put(f"{driver}.effort", "effort", "drivers", driver=driver)
+        put(f"{driver}.power", "power", "drivers", driver=driver)
     for variable in data.variables:
         if variable.startswith("element_"):
             dimension = data.dimensions(variable)[1]

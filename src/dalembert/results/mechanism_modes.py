@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
@@ -11,17 +10,15 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.model.model import Model
 from dalembert.results.files.contents import Contents
-from dalembert.results.numbered import Numbered
+from dalembert.results.modes import Modes
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.formulas.parser import Names
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 REAL, IMAG = ca.SX.sym("eigenvalue_real"), ca.SX.sym("eigenvalue_imag")
 MAGNITUDE = ca.sqrt(REAL**2 + IMAG**2)
 MEASURES = {
     "frequency": Expression(MAGNITUDE / (2 * np.pi), "frequency", "Hz"),
+    "angular_frequency": Expression(MAGNITUDE, "angular_frequency", "rad/s"),
     "damping_ratio": Expression(
         ca.if_else(MAGNITUDE > 0, -REAL / ca.if_else(MAGNITUDE > 0, MAGNITUDE, 1), 0),
         "damping_ratio",
@@ -30,10 +27,10 @@ MEASURES = {
     "eigenvalue_real": Expression(REAL, "eigenvalue_real", "1/s"),
     "eigenvalue_imag": Expression(IMAG, "eigenvalue_imag", "rad/s"),
 }
-"""Measures of a mode with eigenvalue ``s``: ``|s|/2π``, ``−Re s/|s|``, ``Re s`` and ``Im s``."""
+"""Measures of a mode with eigenvalue ``s``."""
 
 
-class Modes(Numbered):
+class MechanismModes(Modes):
     """Eigenvalues and modes of the linearised mechanism, numbered by increasing ``|s|``.
 
     Attributes
@@ -51,22 +48,6 @@ class Modes(Numbered):
     def matrix(self) -> np.ndarray:
         """Reduced state matrix."""
         return self.record.matrix  # type: ignore[no-any-return]
-
-    @property
-    def frequencies(self) -> np.ndarray:
-        """(k,) undamped ``|s|/2π`` [Hz]."""
-        return self.values("frequency")
-
-    @property
-    def damping_ratios(self) -> np.ndarray:
-        """(k,) ``−Re s/|s|``."""
-        return self.values("damping_ratio")
-
-    @property
-    def stable(self) -> bool:
-        """Whether no eigenvalue has a positive real part."""
-        values = self.eigenvalues
-        return bool(np.all(values.real <= 1e-9 * np.abs(values).max(initial=0.0)))
 
     @staticmethod
     def formula(model: Model, measure: str | Expression) -> Expression:
@@ -112,22 +93,9 @@ class Modes(Numbered):
         shapes = {"shape_real": (along, self.shapes.real), "shape_imag": (along, self.shapes.imag)}
         return super().contents.plus(shapes, {"coordinate": list(names)})
 
-    def summary(self) -> dict[str, Any]:
-        """Stability, frequencies and damping ratios."""
-        stability = "stable" if self.stable else "not stable"
-        pairs = zip(self.frequencies, self.damping_ratios, strict=True)
-        return {
-            "status": f"{stability}, {self.eigenvalues.size} mode(s)",
-            "modes": [{"frequency [Hz]": float(f), "damping ratio": float(z)} for f, z in pairs],
-        }
-
-    def to_dataframe(self) -> pd.DataFrame:
-        """Frequencies and damping ratios."""
-        return self.data[["frequency", "damping_ratio"]].to_dataframe()
-
     def __repr__(self) -> str:
         rows = ", ".join(
             f"{f:.6g} Hz (ζ {z:+.3g})"
             for f, z in zip(self.frequencies, self.damping_ratios, strict=True)
         )
-        return f"<Modes of {self.model.name!r}: {rows}>"
+        return f"<{type(self).__name__} of {self.model.name!r}: {rows}>"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import card, folded, messages, table
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 Names = Sequence[str] | None
 Groups = Sequence[Sequence[str]] | None
 Units = Sequence[str]
+Views = Sequence[Mapping[str, Any]]
 
 FINAL = ("kinetic_energy", "potential_energy", "energy", "balance_error")
 LARGEST = ("position_violation", "velocity_violation")
@@ -57,15 +58,15 @@ class Motion(LabelledRecording):
             "warnings": list(self.warnings),
             "events": [event.row for event in self.events],
             "final": {name: float(data[name][-1]) for name in FINAL if has_outputs},
-            "largest": {name: float(data[name].max()) for name in LARGEST if has_outputs},
+            "maxima": {name: float(data[name].max()) for name in LARGEST if has_outputs},
         }
         if (estimate := self.error_estimate) is not None:
-            summary["largest"]["estimated_error"] = estimate.share
+            summary["maxima"]["estimated_error"] = estimate.share
         if self.impacts:
             summary["impacts"] = [impact.row for impact in self.impacts]
         return summary
 
-    @spelled
+    @check_arguments
     def continued(
         self,
         duration: float | str,
@@ -162,7 +163,12 @@ class Motion(LabelledRecording):
         return animate(self, **options)
 
     def report(  # type: ignore[override]
-        self, path: str | Path, plots: Groups = None, trace: Names = None, units: Units = ()
+        self,
+        path: str | Path,
+        plots: Groups = None,
+        trace: Names = None,
+        units: Units = (),
+        views: Views = (),
     ) -> Path:
         """Write the interactive report, one self-contained HTML file.
 
@@ -171,19 +177,22 @@ class Motion(LabelledRecording):
         plots : groups of measures, one plot each
         trace : points whose paths are drawn
         units : units of plots, such as ``["mm", "deg"]``; each applies to its dimension
+        views : further cards, from functions of ``dalembert.report.views``
         """
-        return super().report(path, plots=plots, trace=trace, units=units)
+        return super().report(path, plots=plots, trace=trace, units=units, views=views)
 
-    def page(self, plots: Groups = None, trace: Names = None, units: Units = ()) -> dict[str, Any]:
+    def page(
+        self, plots: Groups = None, trace: Names = None, units: Units = (), views: Views = ()
+    ) -> dict[str, Any]:
         from dalembert.results.files.payload import report_payload
 
-        return report_payload(self, plots, trace, units)
+        return report_payload(self, plots, trace, units) | {"views": list(views)}
 
     def show(  # type: ignore[override]
-        self, height: int = 680, plots: Groups = None, trace: Names = None
+        self, height: int = 680, plots: Groups = None, trace: Names = None, views: Views = ()
     ) -> InlinePage:
-        """Report in a notebook, with player and plots; ``plots`` and ``trace`` as in ``report``."""
-        return super().show(height, plots=plots, trace=trace)
+        """Report in a notebook, with player and plots; options as in ``report``."""
+        return super().show(height, plots=plots, trace=trace, views=views)
 
     def _repr_html_(self) -> str:
         summary, has_outputs = self.summary(), bool(self.time.size)
@@ -191,7 +200,7 @@ class Motion(LabelledRecording):
         rows: list[tuple[str, Any]] = [("status", summary["status"])]
         rows += [("instants", f"{self.time.size}, {span}"), *self.statistics.items()]
         rows += [(f"final {n.replace('_', ' ')} [J]", v) for n, v in summary["final"].items()]
-        rows += [(f"largest {n.replace('_', ' ')}", v) for n, v in summary["largest"].items()]
+        rows += [(f"largest {n.replace('_', ' ')}", v) for n, v in summary["maxima"].items()]
         rows += [(event["name"], f"t = {event['time']:.6g} s") for event in summary["events"][:12]]
         warnings = messages(("warning", text) for text in self.warnings)
         data = folded("all data", self.data._repr_html_())

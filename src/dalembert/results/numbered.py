@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.results.analysis import Analysis
 from dalembert.results.files.contents import Contents
-from dalembert.results.result import Analysis, Instants, Result
+from dalembert.results.result import Instants, Result
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 
@@ -55,7 +57,9 @@ class Numbered(Result):
     continuous = False
     """Modes are discrete: integrals over them are sums."""
     named: ClassVar[dict[str, Expression]] = {}
-    """Measures of the eigenvalue alone."""
+    """Reported measures of the eigenvalue alone."""
+    main: ClassVar[str] = "frequency"
+    """Main measure in texts."""
 
     @property
     def time(self) -> np.ndarray:
@@ -112,7 +116,32 @@ class Numbered(Result):
         for name in self.reported_measures:
             unit = self.expression(name).unit
             variables[name] = ("mode", self.values(name), {"units": unit, "long_name": name})
-        return Contents.from_arrays(variables, {"mode": self.numbers}, self.about)
+        return Contents.from_arrays(variables, {"mode": self.numbers}, self.attributes)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A table of the measures of the modes."""
+        return self.data[self.reported_measures].to_dataframe()
+
+    @property
+    def state_names(self) -> list[str]:
+        """Number and main measure of each mode."""
+        unit = f" {self.named[self.main].unit}".rstrip()
+        values = zip(self.numbers, self.values(self.main), strict=True)
+        return [f"mode {number}: {value:.5g}{unit}" for number, value in values]
+
+    def summary(self) -> dict[str, Any]:
+        """Status and measures of each mode."""
+        values = {name: self.values(name) for name in self.named}
+        return {
+            "status": str(self.status),
+            "residual": self.status.residual,
+            "statistics": self.statistics,
+            "warnings": list(self.warnings),
+            "states": [
+                {"mode": label} | {name: float(column[k]) for name, column in values.items()}
+                for k, label in enumerate(self.state_names)
+            ],
+        }
 
     def __getitem__(self, measure: str | Expression) -> xr.DataArray:
         """A measure by name, or a formula of measures, as a labelled array over the modes."""

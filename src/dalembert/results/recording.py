@@ -10,7 +10,8 @@ from typing import Any, Self
 import numpy as np
 
 from dalembert.model.model import Model
-from dalembert.results.result import Analysis, Instants, Result
+from dalembert.results.analysis import Analysis
+from dalembert.results.result import Instants, Result
 from dalembert.results.sampling import checked_instants
 from dalembert.results.status import Status
 from dalembert.symbolic.evaluation.kernel import Kernel

@@ -1,14 +1,11 @@
-"""Base classes of results and analyses, the interface of responses, gradients and designs."""
+"""Base class of results, the interface of responses, gradients and designs."""
 
 from __future__ import annotations
 
-import difflib
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 
 import numpy as np
 
@@ -16,6 +13,7 @@ from dalembert.errors import AnalysisError, ExpressionError, UnsupportedError
 from dalembert.results.files.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.once import CacheOwner
 from dalembert.text.wording import card, messages, table
 
 if TYPE_CHECKING:
@@ -23,13 +21,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from dalembert.report.page import InlinePage
+    from dalembert.results.analysis import Analysis
 
 
 Instants = float | Sequence[float] | np.ndarray
 """One or several instants; of load cases and modes, one or several numbers."""
 
 
-class Result(Protocol):
+class Result(CacheOwner, Protocol):
     """States at instants, or by number, and their measures.
 
     Attributes
@@ -116,7 +115,7 @@ class Result(Protocol):
 
     # output --------------------------------------------------------------------------------
     @property
-    def about(self) -> dict[str, str]:
+    def attributes(self) -> dict[str, str]:
         """Attributes of the dataset."""
         return {"model": self.model.name, "status": str(self.status)}
 
@@ -213,100 +212,3 @@ class Result(Protocol):
         if csv:
             files.append(self.to_csv(base.with_name(f"{base.name}.csv"), units))
         return files
-
-
-ParameterValues = Mapping[str, float] | np.ndarray | None
-"""Parameter values: some by name, all in order, or None for those of the model."""
-M = TypeVar("M")
-R = TypeVar("R")
-
-
-class Analysis(ABC, Generic[M, R]):
-    """Computation of a result, with replay at other parameters and sampling at other instants.
-
-    A new analysis is a frozen dataclass of options with ``run`` and ``replay``; an analysis over
-    time implements ``resample``, one with events ``at_event``.
-    """
-
-    spoken: ClassVar[str] = ""
-    """Name of the analysis in texts."""
-    events: Mapping[str, Any] | None = None
-    """Name → event, for analyses with events."""
-    at_rest: ClassVar[bool] = False
-    """Whether its results are independent equilibria."""
-    integrates: ClassVar[bool] = False
-    """Whether its results come from time integration, checked by energy balances."""
-
-    batched: ClassVar[Any] = None
-    """Class that runs many designs at once; its ``serves`` returns whether it can."""
-
-    @property
-    def gradient_error(self) -> float:
-        """Relative error of its gradients, in addition to round-off of the solved equations."""
-        return 0.0
-
-    @abstractmethod
-    def run(self, model: M, parameters: ParameterValues = None) -> R:
-        """Run the analysis of a model, with some or all parameters replaced."""
-
-    def for_designs(self) -> Self:
-        """The analysis as run for many designs."""
-        return self
-
-    def checks(self, model: M) -> Mapping[str, Callable[[], object]]:
-        """Option → check that raises if the option is invalid, before a run and without compiling.
-
-        Checks that concern no single option have an empty name.
-        """
-        return {}
-
-    def replay(self, result: R, p: np.ndarray) -> R:
-        """The result at other parameter values, with the same steps and branches."""
-        return self.run(result.model, p)  # type: ignore[attr-defined]
-
-    def resample(self, result: R, times: np.ndarray) -> R:
-        """The result at other instants."""
-        raise UnsupportedError(f"a result of {type(self).__name__} has no other instants")
-
-    def continued(
-        self, result: R, duration: Any, options: Mapping[str, Any], progress: Any = False
-    ) -> R:
-        """Continue a result from its end."""
-        kind = type(self).__name__
-        raise UnsupportedError(f"a result of {kind} cannot be continued; request a longer run")
-
-    def at_event(self, result: R, occurrence: Any) -> R:
-        """The result at the instant of an event."""
-        kind = type(self).__name__
-        raise UnsupportedError(f"{kind} has no events; use solve_dynamics or solve_kinematics")
-
-    def over_steps(self, result: R) -> R:
-        """The result at the sampling points of integrals."""
-        return result
-
-    def peaks(self, result: R, measure: str | Expression, sign: float) -> R:
-        """The result at the maxima of ``sign`` times a measure, if it is defined between its
-        instants; else the result."""
-        return result
-
-    def over_peaks(self, result: R, measure: str | Expression, sharpness: float, sign: float) -> R:
-        """The result at the sampling points of integrals of ``exp(± sharpness m)``, if defined."""
-        return result
-
-    @classmethod
-    def of(cls, verb: str, **options: Any) -> Self:
-        """The analysis from the options of a function.
-
-        Raises
-        ------
-        AnalysisError
-            It has no such option; suggests the nearest.
-        """
-        names = [field.name for field in fields(cls)]  # type: ignore[arg-type]
-        for name in options:
-            if name not in names:
-                matches = difflib.get_close_matches(name, names, 1)
-                nearest = f" (did you mean {matches[0]!r}?)" if matches else ""
-                listed = ", ".join(names) or "none"
-                raise AnalysisError(f"{verb}: unknown option {name!r}{nearest}; known: {listed}")
-        return cls(**options)

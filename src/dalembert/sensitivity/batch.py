@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.batch.states import MarchedStates
-from dalembert.analysis.batch.workers import can_copy, checked_workers, in_copies
 from dalembert.errors import AnalysisError
+from dalembert.processes import can_copy, checked_workers, in_copies
 from dalembert.responses.base import Response
 from dalembert.results.batch.batch import Batch
 from dalembert.sensitivity.marching.batch_gradients import BatchAdjoint, BatchDirect, BatchGradients

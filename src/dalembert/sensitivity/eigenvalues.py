@@ -15,13 +15,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.equilibrium.linearization_kernel import Linearized
-from dalembert.errors import SingularityError
+from dalembert.analysis.modes.linearization_kernel import Linearized
+from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.results.mechanism_modes import IMAG, REAL
 from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample
@@ -89,9 +88,12 @@ class EigenvalueGradient:
     def __init__(self, sample: Sample, shared: dict | None = None):
         self.sample, self.modes = sample, sample.motion
         self.state: Linearized = self.modes.record
-        self.origin = cast(
-            ImplicitFunction, self.state.origin
-        )  # set for all analyses in the registry
+        if self.state.origin is None:
+            raise UnsupportedError(
+                "gradients of modes about the end of a motion are not available; use "
+                "method='finite-difference'"
+            )
+        self.origin: ImplicitFunction = self.state.origin
         self.near = np.asarray(self.state.near)
         slopes, own = self.modes.slopes(sample.measure)
         active = sample.weights != 0

@@ -150,7 +150,7 @@ class EventEngine(Engine):
         gates: dict[Occurrence, Gate] = {}
         shares: list[tuple[int, int, float]] = []
         for i, sample in enumerate(samples):
-            event, weights = sample.moves_with, sample.weights * sample.shares
+            event, weights = sample.final_event, sample.weights * sample.time_derivatives
             moving = np.flatnonzero(weights)
             if event is None or not (moving.size or sample.time_weights[-1]):
                 continue

@@ -23,13 +23,13 @@ from dalembert.sensitivity.methods import METHODS, Adjoint, Automatic, Direct, M
 from dalembert.sensitivity.registry import engine_for
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-@spelled
+@check_arguments
 def sensitivity(
     motion: Result | Batch,
     responses: Response | Sequence[Response],
@@ -205,7 +205,7 @@ def _strategy(
 
 
 def _unit(motion: Result, response: Response) -> str:
-    return response.over(motion).unit_of(motion)
+    return response.adapted_to(motion).unit_of(motion)
 
 
 def refuse_unfinished(motion: Result) -> None:

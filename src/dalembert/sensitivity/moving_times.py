@@ -101,7 +101,7 @@ class MovingTimes:
 
     def term(self, response: Response, sample: Sample, engine: Engine) -> np.ndarray:
         """(columns,) contribution of the moving instants to the gradient of a response."""
-        if response.stays(self.motion):
+        if response.has_fixed_times(self.motion):
             return np.zeros(self.end.size)
         times = sample.motion.time
         if np.array_equal(times, self.motion.time):
@@ -111,7 +111,7 @@ class MovingTimes:
         else:  # samples in the steps of the run, the last of which grows
             end = np.zeros_like(self.end) if self.ended else self.end
             instants = np.outer(np.eye(1, times.size, times.size - 1), end)
-            samples = np.outer(sample.shares, end)
+            samples = np.outer(sample.time_derivatives, end)
         added: np.ndarray = sample.time_weights @ instants
         for k in np.flatnonzero(sample.weights * np.any(samples, axis=1)):
             added = added + sample.weights[k] * self._rate(engine, sample, int(k)) * samples[k]

@@ -6,14 +6,12 @@ from collections.abc import Sequence
 
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.equilibrium.linearization import Linearization
+from dalembert.analysis.equilibrium.load_path import ArcLength
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.kinematics.kinematics import Kinematics
+from dalembert.analysis.modes.buckling import Buckling
+from dalembert.analysis.modes.modal import Modal
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
-from dalembert.analysis.structural.buckling import Buckling
-from dalembert.analysis.structural.load_path import ArcLength
-from dalembert.analysis.structural.modal import Modal
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.statics import Statics
 from dalembert.analysis.structural.transient import Transient
 from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
@@ -32,20 +30,24 @@ from dalembert.sensitivity.structural.load_path import LoadPathEngine
 from dalembert.sensitivity.structural.statics import TwiceStaticsEngine
 from dalembert.sensitivity.structural.transient import TransientEngine
 
-ENGINES: dict[type, type[Engine]] = {
-    Dynamics: DynamicsEngine,
-    Nonsmooth: ContactEngine,
-    Kinematics: PointwiseEngine,
-    Equilibrium: PointwiseEngine,
-    Linearization: EigenvalueEngine,
-    Statics: TwiceStaticsEngine,
-    NonlinearStatics: TwiceStaticsEngine,
-    Modal: EigenpairEngine,
-    Buckling: EigenpairEngine,
-    ArcLength: LoadPathEngine,
-    Transient: TransientEngine,
+ENGINES: dict[str, dict[type, type[Engine]]] = {
+    "mechanism": {
+        Dynamics: DynamicsEngine,
+        Nonsmooth: ContactEngine,
+        Kinematics: PointwiseEngine,
+        Equilibrium: PointwiseEngine,
+        Modal: EigenvalueEngine,
+    },
+    "structure": {
+        Statics: TwiceStaticsEngine,
+        Equilibrium: TwiceStaticsEngine,
+        Modal: EigenpairEngine,
+        Buckling: EigenpairEngine,
+        ArcLength: LoadPathEngine,
+        Transient: TransientEngine,
+    },
 }
-"""Analysis → engine; subclasses of an analysis use the same engine."""
+"""Kind of model → analysis → engine; subclasses of an analysis use the same engine."""
 
 
 def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
@@ -62,7 +64,7 @@ def engine_of(motion: Result, responses: Sequence[Response]) -> Engine:
         return CombinedEngine(engine_of(motion, terms), weights)
     motion = with_stable_steps(motion)
     samples = [take_sample(motion, r) for r in responses]
-    if any(sample.moves_with for sample in samples):
+    if any(sample.final_event for sample in samples):
         return EventEngine(motion, kind, samples)
     return kind(samples)
 
@@ -75,9 +77,10 @@ def engine_for(motion: Result) -> type[Engine]:
     UnsupportedError
         The analysis has no engine.
     """
+    engines = ENGINES[motion.model.kind]
     for kind in type(motion.analysis).__mro__:
-        if kind in ENGINES:
-            return ENGINES[kind]
+        if kind in engines:
+            return engines[kind]
     raise UnsupportedError(
         f"gradients of {type(motion.analysis).__name__} are not available; use "
         "method='finite-difference'"

@@ -28,8 +28,8 @@ class Sample(Generic[R]):
     value : ``R(m)``
     weights : (K,) ``∂R/∂m_k``
     time_weights : (K,) ``∂R/∂t_k``
-    shares : (K,) derivative of each sampling time by the last one [-]
-    moves_with : the event at whose instant the last sample is taken, or None
+    time_derivatives : (K,) derivative of each sampling time by the last one [-]
+    final_event : the event at whose instant the last sample is taken, or None
     """
 
     response: Response
@@ -38,8 +38,8 @@ class Sample(Generic[R]):
     value: float
     weights: np.ndarray
     time_weights: np.ndarray
-    shares: np.ndarray
-    moves_with: Occurrence | None = None
+    time_derivatives: np.ndarray
+    final_event: Occurrence | None = None
 
 
 def weights_change(sample: Sample, change: np.ndarray) -> np.ndarray:
@@ -52,8 +52,8 @@ def take_sample(motion: Result, response: Response) -> Sample[Any]:
     """Evaluate a response and its weights on a motion."""
     sampled = response.sampled(motion)
     measure = scalar_measure(motion, response)
-    moves_with = response.moves_with(motion)
-    values, response = sampled.values(measure), response.over(motion)
+    final_event = response.final_event(motion)
+    values, response = sampled.values(measure), response.adapted_to(motion)
     return Sample(
         response,
         sampled,
@@ -61,8 +61,8 @@ def take_sample(motion: Result, response: Response) -> Sample[Any]:
         response.reduce(sampled.time, values),
         response.weights(sampled.time, values),
         response.time_weights(sampled.time, values),
-        response.shares(sampled.time),
-        moves_with,
+        response.time_derivatives(sampled.time),
+        final_event,
     )
 
 

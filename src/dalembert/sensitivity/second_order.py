@@ -19,13 +19,13 @@ from dalembert.sensitivity.gradient import (
     refuse_unknown_values,
 )
 from dalembert.sensitivity.registry import engine_of
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-@spelled
+@check_arguments
 def hessian_product(
     result: Result,
     response: Response,
@@ -84,13 +84,13 @@ def hessian_product(
             "formulas of parameters; give numbers"
         )
     engine = engine_of(result, [response])
-    if any(sample.moves_with for sample in engine.samples):
+    if any(sample.final_event for sample in engine.samples):
         raise UnsupportedError(
             f"{response.label} is evaluated at an event; second derivatives are available "
             "at fixed times only"
         )
     for sample, (_, term) in zip(engine.samples, response.terms, strict=True):
-        if term.searches(result) and not isinstance(sample.response, SmoothExtreme):
+        if term.has_adaptive_times(result) and not isinstance(sample.response, SmoothExtreme):
             raise UnsupportedError(
                 f"{term.label} is evaluated at the instant of an extreme, which moves with the "
                 "parameters; second derivatives are available at fixed times only; use smooth="

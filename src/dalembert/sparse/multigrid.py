@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import scipy
 
-from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.errors import AnalysisError
+from dalembert.packages import optional_package
 from dalembert.sparse.solver import SparseSolver
 
 TOLERANCE = 1e-10
@@ -127,14 +128,10 @@ def available() -> bool:
 
 
 def _hierarchy(matrix: scipy.sparse.bsr_matrix, motions: np.ndarray) -> Any:
-    if not available():
-        raise UnsupportedError(
-            "solver='iterative' needs pyamg; pip install 'dalembert[sparse]', or use 'direct'"
-        )
-    from pyamg import smoothed_aggregation_solver
+    pyamg = optional_package("pyamg", "solver='iterative'", "use solver='direct'")
 
     smoother = ("block_gauss_seidel", {"sweep": "symmetric"})
-    return smoothed_aggregation_solver(
+    return pyamg.smoothed_aggregation_solver(
         matrix,
         B=motions,
         strength=("symmetric", {"theta": 0.0}),

@@ -1,14 +1,13 @@
-"""Memoisation: results cached on their owner, and graphs written once as templates."""
+"""Caches beside the objects whose functions they serve, and graphs written once as templates."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache, wraps
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from functools import cache, cached_property, wraps
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 import casadi as ca
 
-Owner = TypeVar("Owner")
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
@@ -16,19 +15,39 @@ CACHE_SIZE = 256
 """Upper limit of cached results per owner and function; the least recently used is dropped."""
 
 
+class CacheOwner(Protocol):
+    """Object with a cache, which is freed with it, even if results refer to their owner.
+
+    Copies of the object, in memory or in files, start without cached values.
+    """
+
+    @cached_property
+    def cache(self) -> dict[Callable[..., Any], dict[Any, Any]]:
+        """Function → its results by arguments."""
+        return {}
+
+    def __getstate__(self) -> dict[str, Any]:
+        kind = type(self)
+        cached = {n for n in vars(self) if isinstance(getattr(kind, n, None), cached_property)}
+        return {name: value for name, value in vars(self).items() if name not in cached}
+
+
+Owner = TypeVar("Owner", bound=CacheOwner)
+
+
 def once(
     function: Callable[Concatenate[Owner, Arguments], Result],
 ) -> Callable[Concatenate[Owner, Arguments], Result]:
     """Decorator: cache the results of a function on its first argument, the owner.
 
-    The cache is freed with its owner. The other arguments are hashable: strategies by their
-    values, expressions and steps by their identity.
+    The other arguments are hashable: strategies by their values, expressions and steps by their
+    identity.
     """
 
     @wraps(function)
     def cached(owner: Owner, *arguments: Arguments.args, **options: Arguments.kwargs) -> Result:
         key = (arguments, tuple(sorted(options.items())))
-        results: dict[Any, Result] = vars(owner).setdefault("_once", {}).setdefault(function, {})
+        results: dict[Any, Result] = owner.cache.setdefault(function, {})
         result = results.pop(key) if key in results else function(owner, *arguments, **options)
         results[key] = result  # the most recently used is last
         if len(results) > CACHE_SIZE:
@@ -36,11 +55,6 @@ def once(
         return result
 
     return cached
-
-
-def forget(owner: object) -> None:
-    """Clear the cache of an owner, for instance to measure the time of its functions."""
-    vars(owner).pop("_once", None)
 
 
 def template(*sizes: int) -> Callable[[Callable[..., ca.SX]], Callable[..., ca.SX]]:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
+from typing import ClassVar
 
 import numpy as np
 
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parameter import Parameter, parameter_vector
 from dalembert.symbolic.formulas.parser import Names
+from dalembert.symbolic.once import CacheOwner
 
 
-class ParametricModel(ABC):
+class ParametricModel(CacheOwner, ABC):
     """A frozen model with parameters.
 
     Attributes
@@ -22,6 +24,8 @@ class ParametricModel(ABC):
     nominal : (np,) their values
     """
 
+    kind: ClassVar[str]
+    """``"mechanism"`` or ``"structure"``."""
     name: str
     parameters: dict[str, Parameter]
     nominal: np.ndarray

@@ -1,1 +1,1 @@
-"""Texts for users: wording, spelling suggestions, cards of notebooks."""
+"""Texts for users: wording, checks of arguments, cards of notebooks."""

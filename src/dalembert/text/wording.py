@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from dalembert.errors import ModelError
+from dalembert.text.renamed_names import successor
 
 HIDDEN = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]"
@@ -84,17 +85,32 @@ def plain(data: Any) -> Any:
     return data if data is None or isinstance(data, (bool, int, str)) else str(data)
 
 
+SIMILAR = 0.5
+"""Minimum similarity of names that are suggested; it accepts one wrong letter of two."""
+
+
+def similar(name: Any, known: Iterable[str], count: int = 3) -> list[str]:
+    """The known names that are similar to a name, the nearest first."""
+    return difflib.get_close_matches(str(name)[:80], list(known), count, SIMILAR)
+
+
 def nearest(name: Any, known: Iterable[str]) -> str:
-    """``(did you mean …?)`` with the nearest known name, if one is close."""
-    # a cutoff of 0.5 accepts one wrong letter of two
-    close = difflib.get_close_matches(str(name)[:80], list(known), 1, 0.5)
-    return f" (did you mean {close[0]!r}?)" if close else ""
+    """``(did you mean …?)`` with the nearest known name, if one is close; renamed ones first."""
+    names = list(known)
+    if new := successor(name, names):
+        return f" (renamed: {new!r})"
+    return "".join(f" (did you mean {close!r}?)" for close in similar(name, names, 1))
 
 
 def unknown(kind: str, name: Any, known: Iterable[str]) -> str:
     """``unknown body 'crnk' (did you mean 'crank'?); known: ground, crank``."""
     names = list(known)
     return f"unknown {kind} {name!r}{nearest(name, names)}; known: {listed(names)}"
+
+
+def no_attribute(module: str, name: str, known: Iterable[str]) -> str:
+    """``module 'dalembert' has no attribute 'Optimum' (renamed: 'OptimizationResult')``."""
+    return f"module {module!r} has no attribute {name!r}{nearest(name, known)}"
 
 
 def counted(count: int, noun: str) -> str:

@@ -81,7 +81,7 @@ class DynamicsBatch(ABC):
         worst = self._verify(states, ended)
         statistics = {
             "backend": self.marching.report,
-            "steps of a design": self.steps_of_a_design,
+            "steps per design": self.steps_of_a_design,
             "assembly time [s]": round(started, 6),
             "integration time [s]": round(marched, 6),
         }

@@ -14,7 +14,9 @@ from dalembert.analysis.batch.individual_runs import completed_batch
 from dalembert.analysis.batch.many_equilibria import ManyEquilibria
 from dalembert.analysis.batch.starts import Starts, backend_of
 from dalembert.analysis.batch.states import States
-from dalembert.analysis.equilibrium.static_balance import rest_text, statics_kernel
+from dalembert.analysis.equilibrium.mechanism_equilibrium import MAX_ITERATIONS
+from dalembert.analysis.equilibrium.stability import equilibrium_text
+from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.analysis.residual_check import EXACT, MOTION
 from dalembert.formulations.base import Level
 from dalembert.model.model import Model
@@ -45,6 +47,8 @@ class EquilibriumBatch:
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
         """Whether all equations are independent, as the common assembly requires."""
+        if not isinstance(model, Model):
+            return False
         return not (model.closure.lost or model.equations.contacts)
 
     def execute(self, report: Callable[[float], None]) -> Batch:
@@ -54,7 +58,11 @@ class EquilibriumBatch:
         starts = Starts(model, self.designs, self.backend, self.workers, span, False, _first(model))
         e, analysis = model.equations, self.analysis
         equilibria = ManyEquilibria(
-            self.kernel, self.time, analysis.tolerance, analysis.max_iterations, starts.evaluate
+            self.kernel,
+            self.time,
+            analysis.tolerance,
+            analysis.max_iterations or MAX_ITERATIONS,
+            starts.evaluate,
         )
         started, statuses = starts.started, dict(starts.statuses)
         x = np.full((count, 1, e.coordinate_count + e.constraint_count), np.nan)
@@ -72,7 +80,9 @@ class EquilibriumBatch:
                 worst = np.abs(forces.value).max(axis=1, initial=0.0) / model.scales.length
                 stable = np.all(forces.resistance > 0, axis=1)
                 rows = zip(part, worst, steps, stable, strict=True)
-                texts |= {int(k): rest_text(float(w), int(n), bool(s)) for k, w, n, s in rows}
+                texts |= {
+                    int(k): equilibrium_text(float(w), int(n), bool(s)) for k, w, n, s in rows
+                }
                 report(min(1.0, (first + block) / started.size))
         except KeyboardInterrupt:
             interrupted = True

@@ -48,7 +48,7 @@ class FixedSteps(DynamicsBatch):
         stored = np.union1d(ends, [0, h.size])
         size = kernel.variants[self.mode].step.size
         check_memory(self.count, self.times.size, size)
-        prepared = kernel.fixed.prepared(self.mode)
+        prepared = kernel.fixed.marched(self.mode).forms
         single, columns = prepared.side_by_side, kernel.fixed.columns(self.mode)
         self.marching = march = LaneMarch(single, columns, kernel.backend, h.size * started.size)
         q = self.starts.evaluate(prepared.values, self.starts.p[started])[0]

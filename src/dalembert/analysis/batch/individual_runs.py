@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.batch.states import States
-from dalembert.analysis.batch.workers import can_copy, in_copies
 from dalembert.errors import AnalysisError, AssemblyError, BudgetError, DalembertError
 from dalembert.model.model import Model
+from dalembert.processes import can_copy, in_copies
+from dalembert.results.analysis import Analysis
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs
 from dalembert.results.batch.samples import match_instants
-from dalembert.results.result import Analysis, Result
+from dalembert.results.result import Result
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.parametric_model import ParametricModel
 

@@ -79,7 +79,7 @@ class KinematicsBatch:
         for k in passed:
             statuses[int(k)] = reached(end, float(residuals[k]))
         task = self.analysis, self.model, self.designs, self.workers
-        statistics = {"backend": self.marching.report, "steps of a design": self.longest}
+        statistics = {"backend": self.marching.report, "steps per design": self.longest}
         return completed_batch(task, states, statuses, interrupted, statistics, begin)
 
     def _move(

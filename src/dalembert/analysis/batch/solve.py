@@ -11,7 +11,6 @@ import numpy as np
 
 from dalembert.analysis.batch.individual_runs import IndividualRuns
 from dalembert.analysis.batch.states import States
-from dalembert.analysis.batch.workers import checked_workers
 from dalembert.analysis.elastic_range import (
     coordinates_of,
     elastic_warnings as design_warnings,
@@ -19,11 +18,13 @@ from dalembert.analysis.elastic_range import (
 )
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.model.model import Model
+from dalembert.processes import checked_workers
+from dalembert.results.analysis import Analysis
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs, are_designs
 from dalembert.results.batch.samples import Gathered
 from dalembert.results.recording import Trajectory
-from dalembert.results.result import Analysis, Result
+from dalembert.results.result import Result
 from dalembert.symbolic.once import once
 from dalembert.symbolic.parametric_model import ParametricModel
 
@@ -56,6 +57,7 @@ def solve_batch(
     DalembertError
         No design could begin, all for the same reason.
     """
+    analysis.check_options(model)
     analysis = analysis.for_designs()
     if times := analysis.checks(model).get("duration"):
         times()

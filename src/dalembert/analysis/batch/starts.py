@@ -159,5 +159,5 @@ def first_states(kernel: DynamicsKernel, mode: int) -> ca.Function:
         ca.MX.sym(s, n) for s, n in zip("typ", model.initial_state.input_sizes, strict=True)
     ]
     state = first(*arguments)
-    memory = step.begin(arguments[0], state, arguments[2])
+    memory = step.begin.function(arguments[0], state, arguments[2])
     return ca.Function("first", arguments, [ca.densify(ca.vertcat(state, memory))])

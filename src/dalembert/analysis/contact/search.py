@@ -84,9 +84,9 @@ class ContactSearch:
         """Statistics of contacts up to a time."""
         entries: dict[str, Any] = {"impacts": sum(i.time <= end for i in self.impacts)}
         if together := [f"{names} at t = {t:.9g} s" for t, names in self.together if t <= end]:
-            entries["closed at one time"] = ", ".join(together)
+            entries["simultaneous impacts"] = ", ".join(together)
         if closed := [f"{name} at t = {t:.9g} s" for t, name in self.closed if t <= end]:
-            entries["closed after ever shorter bounces"] = ", ".join(closed)
+            entries["accumulation of impacts"] = ", ".join(closed)
         return entries
 
     @property
@@ -263,7 +263,7 @@ class ContactSearch:
         except (SingularityError, UnsupportedError) as error:  # closed gaps are constraints as well
             pairs = zip(self.kernel.equations.contacts, phases, strict=True)
             closed = ", ".join(gap.name for gap, phase in pairs if phase is not Phase.APART)
-            self.trouble = f"with {closed} closed at t = {t:.9g} s: {error}; use formulation=Kkt()"
+            self.trouble = f"with {closed} closed at t = {t:.9g} s: {error}; use formulation=KKT()"
             return mode
 
     def _record(self, time: float, active_set: ActiveSet, impulse: np.ndarray) -> None:

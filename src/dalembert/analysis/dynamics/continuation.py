@@ -30,7 +30,7 @@ EQUAL_SPACING = 1e-9
 A = TypeVar("A", bound=OverTime[Any])
 CONTINUABLE = Outcome.COMPLETED, Outcome.TERMINATED, Outcome.INTERRUPTED
 """Outcomes of runs that can be continued."""
-CONTACT_STATISTICS = "closed at one time", "closed after ever shorter bounces"
+CONTACT_STATISTICS = "simultaneous impacts", "accumulation of impacts"
 """Statistics of contacts that are joined over both runs."""
 END_TOLERANCE = 1e-9
 """Fraction of the continuation in which the event that ended the earlier run is located again."""

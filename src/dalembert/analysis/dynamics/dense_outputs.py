@@ -43,7 +43,7 @@ MOST = 100_000
 ROUNDS = 6
 """Upper limit of the halvings of a step."""
 NEGLIGIBLE = 40.0
-"""Difference of exponents from which on the smaller exponential is negligible."""
+"""Threshold of the difference of exponents for neglecting the smaller exponential."""
 RISE = 0.5
 """Upper limit of the change of an exponent within a part of a step."""
 STEP_PARTS, PARTS = 512, 50_000

@@ -78,8 +78,7 @@ class Dynamics(OverTime[Motion]):
     backend : ``"auto"``, CasADi's virtual machine, and machine code when the run is long enough to
         benefit; ``"vm"``, the virtual machine; ``"jit"``, machine code by LLVM; ``"c"``, by the
         system's C compiler. Compiled code is cached on disk
-    balance : largest error of the energy balance, over the energy that took part in the motion,
-        up to which a run counts as completed
+    balance : upper limit of the error of the energy balance, relative to the energy of the motion
     memory : upper limit of the memory for states that gradients and later evaluations need [bytes];
         a longer run stores checkpoints and computes other states again when needed, which costs
         another run. Without ``outputs`` all states are stored
@@ -97,7 +96,7 @@ class Dynamics(OverTime[Motion]):
     [10.0, 16.0]
     """
 
-    spoken = "dynamics"
+    display_name = "dynamics"
     integrates = True
     execution = DynamicsRun
 

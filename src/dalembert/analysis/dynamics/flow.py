@@ -10,17 +10,14 @@ where accelerations and multipliers in ``m`` are functions of the state.
 
 from __future__ import annotations
 
-import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.integrators.marching.checkpoints import ended_states
 from dalembert.integrators.marching.steps import Steps
-from dalembert.integrators.step import Step
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.once import once
 
 
 class Flow:
@@ -41,7 +38,8 @@ class Flow:
         x = self.steps.x[:, k]
         if length == 0.0:
             return x
-        return self._advanced(k)(self.steps.t[k], length, x, self.p)[0].ravel()
+        step = Kernel(self._variant(k).step.function)
+        return step(self.steps.t[k], length, x, self.p)[0].ravel()
 
     def bodies(self, k: int, length: float) -> tuple[np.ndarray, np.ndarray]:
         """(n,) coordinates and (n,) speeds of the bodies at that instant."""
@@ -68,7 +66,8 @@ class Flow:
         """``ṁ`` at that instant [unit of the measure per second]."""
         size = self._variant(k).step.state_size
         x = self.state(k, length)[:size]
-        x_rate = self._state_rate(k)(self.steps.t[k], length, self.steps.x[:, k], self.p)[0]
+        by_times = Kernel(self._variant(k).step.by_times)
+        x_rate = by_times(self.steps.t[k], length, self.steps.x[:, k], self.p)[1]
         tangent = Kernel(self._variant(k).measured(measure).tangent)
         still = np.zeros(self.p.size)
         t = self.steps.t[k] + length
@@ -76,26 +75,3 @@ class Flow:
 
     def _variant(self, k: int) -> Variant:
         return self.kernel.variants[self.steps.mode[k] if self.steps.count else self.kernel.latest]
-
-    def _advanced(self, k: int) -> Kernel:
-        return _partial(self._variant(k).step)
-
-    def _state_rate(self, k: int) -> Kernel:
-        """``(t, s, x, p) → ∂step/∂s``."""
-        return _by_length(self._variant(k).step)
-
-
-@once
-def _partial(step: Step) -> Kernel:
-    return Kernel(step.function)
-
-
-@once
-def _by_length(corrected: Step) -> Kernel:
-    step = corrected.exact_in_h
-    s, p = ca.MX.sym("s"), ca.MX.sym("p", step.parameter_count)
-    t, x = ca.MX.sym("t"), ca.MX.sym("x", step.size)
-    new = step.function(t, s, x, p)
-    still_x, still_p = ca.MX(step.size, 1), ca.MX(step.parameter_count, 1)
-    rate = step.function.forward(1)(t, s, x, p, new, 0, 1, still_x, still_p)
-    return Kernel(ca.Function("step_rate", [t, s, x, p], [ca.densify(rate)]))

@@ -309,4 +309,4 @@ class DynamicsKernel(StepOutputs):
         if step.begin is None:
             return x
         x = x[: step.state_size]
-        return np.concatenate([x, step.begin(t, x, p).full().ravel()])
+        return np.concatenate([x, step.begin.function(t, x, p).full().ravel()])

@@ -18,7 +18,7 @@ from dalembert.results.status import Outcome
 ROUNDING = 1e-9, 1e-6
 """Rounding: share of the energies themselves, and of the mechanism's natural energy."""
 ENERGY_WARNING = 0.25
-"""Share of the permitted energy error from which on a warning is given."""
+"""Fraction of the permitted energy error that causes a warning."""
 DRIFT, DRIFT_WARNING = 0.1, 1e-2
 """Violation of approximately enforced constraints: upper limit, and threshold for a warning."""
 

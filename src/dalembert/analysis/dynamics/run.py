@@ -34,7 +34,6 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.budget import STEP
 from dalembert.errors import AssemblyError, SingularityError
-from dalembert.integrators.marching.changing_march import ChangingMarch
 from dalembert.integrators.marching.march import SHORT_CHUNK
 from dalembert.integrators.marching.method_choice import MethodChoice
 from dalembert.integrators.marching.steps import (
@@ -111,7 +110,7 @@ class DynamicsRun:
             names = ", ".join(self.model.guesses.speed_names[k] for k in sorted(lost))
             raise SingularityError(
                 f"the inertia of {names} is zero with these parameters but was not when the model "
-                "was built; build it with this value, or use formulation=Kkt()"
+                "was built; build it with this value, or use formulation=KKT()"
             )
 
     def initial_state(self) -> tuple[np.ndarray, int]:
@@ -205,7 +204,7 @@ class DynamicsRun:
         if self.contacts:
             motion.statistics |= self.contacts.statistics(steps.end)
             if self.closed_gaps:
-                motion.statistics["overlaps closed at the start"] = self.closed_gaps
+                motion.statistics["initial overlaps removed"] = self.closed_gaps
             motion.impacts = [i for i in self.contacts.impacts if i.time <= steps.end]
         warnings = self.warnings(motion, check)
         motion.warnings = Warnings(warnings, lambda: self.accuracy_warnings(motion))
@@ -248,10 +247,9 @@ class DynamicsRun:
         kernel = self.kernel
         if self.contacts and self.contacts.trouble:  # no motion leaves the start
             return standstill(self.begin, x0, self.contacts.trouble)
-        if kernel.adaptive is None and self.contacts:
-            return ChangingMarch(kernel.fixed).run(self.grid, x0, self.p, mode, watch)
         if kernel.adaptive is None:
-            return kernel.fixed.run(self.grid, x0, self.p, mode, watch)
+            events = bool(self.contacts)
+            return kernel.fixed.run(self.grid, x0, self.p, mode, watch, events)
         longest = kernel.integrator.longest_in(self.end - self.begin)
         first = min(self.first_step, longest)
         return kernel.adaptive.run(self.begin, self.end, x0, self.p, first, longest, mode, watch)

@@ -11,12 +11,12 @@ from dalembert.analysis.keywords import DynamicsKeywords, TransientKeywords
 from dalembert.analysis.requirements import need_model
 from dalembert.analysis.structural.transient import Transient
 from dalembert.analysis.times import Time, analysis_of
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.structures.model import StructuralModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     from dalembert.results.batch.designs import ManyDesigns
@@ -68,7 +68,7 @@ def solve_dynamics(
 ) -> Batch: ...
 
 
-@spelled
+@check_arguments
 def solve_dynamics(
     model: Model | StructuralModel,
     duration: Time | None = None,

@@ -185,7 +185,7 @@ def statistics(
     entries: dict[str, Any] = {name: type(choice).__name__ for name, choice in choices.items()}
     columns = kernel.steps(int(steps.mode[-1]) if steps.count else 0)
     entries["backend"] = columns.report
-    entries |= dict(zip(("pieces of code", "different pieces"), columns.pieces, strict=False))
+    entries |= dict(zip(("code blocks", "distinct code blocks"), columns.pieces, strict=False))
     entries |= {
         "steps": steps.lasting.size,
         "rejected steps": steps.rejected,
@@ -196,15 +196,15 @@ def statistics(
     }
     entries |= kernel.formulation.report
     if kernel.formulation.every_equation:  # multipliers are iterated or approximate
-        entries["largest |C v̇ − ξ|"] = _acceleration_residual(kernel, s, p)
+        entries["maximum |C v̇ − ξ|"] = _acceleration_residual(kernel, s, p)
     modes, h = steps.mode[steps.lasting], steps.h[steps.lasting]
     if np.unique(modes).size > 1:
-        entries["changes of variant"] = int(np.sum(np.diff(modes) != 0))
+        entries["variant changes"] = int(np.sum(np.diff(modes) != 0))
     if len(kernel.methods) > 1:
         implicit = [v.integrator.implicit for v in kernel.variants]
         entries["implicit steps"] = int(np.sum(np.array(implicit, dtype=bool)[modes]))
     if crossings := kernel.crossings(steps):
-        entries["changes of contacts" if kernel.contacts else "switches"] = len(crossings)
+        entries["contact changes" if kernel.contacts else "switches"] = len(crossings)
     if h.size:
         entries["time per step [µs]"] = round(1e6 * elapsed / h.size, 2)
         entries["shortest step [s]"] = float(h.min())

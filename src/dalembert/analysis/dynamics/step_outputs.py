@@ -13,12 +13,13 @@ from dalembert.integrators.marching.checkpoints import States
 from dalembert.integrators.marching.steps import Steps
 from dalembert.model.equations import Equations
 from dalembert.results.recording import Trajectory
+from dalembert.symbolic.once import CacheOwner
 
 BLOCK = 5000
 """Upper limit of the columns of a mapped function, to bound its memory."""
 
 
-class StepOutputs:
+class StepOutputs(CacheOwner):
     """Evaluation of outputs, each by the variant of its part of the motion.
 
     Attributes

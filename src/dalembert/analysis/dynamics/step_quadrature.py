@@ -111,7 +111,7 @@ class StepQuadrature:
         return np.append(h[0] * b[0], parts)
 
     @property
-    def shares(self) -> np.ndarray:
+    def time_derivatives(self) -> np.ndarray:
         c, (piece, begin, share) = self._rule[0][1:], self._pieces
         begins = np.where(piece == piece[-1], begin, 0.0)[:, None] + np.outer(share, c)
         return np.append(0.0, begins * (piece == piece[-1])[:, None])

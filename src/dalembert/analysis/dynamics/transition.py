@@ -24,6 +24,7 @@ from dalembert.integrators.base import Attempt
 from dalembert.integrators.marching.steps import Crossing
 from dalembert.integrators.step import GraphStep, Step
 from dalembert.model.equations import Equations
+from dalembert.symbolic.equations.graph_function import GraphFunction
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
@@ -59,7 +60,7 @@ class Transition(Variant):
             rate = self.variant.rate.function
             before, after = rate(t, state, p), rate(t, turned, p)
             turned += (before - after) * self.delay(t, state, p, before)
-            memory = step.begin(t, turned, p) if step.begin is not None else memory
+            memory = memory if step.begin is None else step.begin.function(t, turned, p)
         function = ca.Function("transition", [t, h, x, p], [ca.vertcat(turned, memory)])
         return GraphStep(function, step.state_size, begin=step.begin)
 
@@ -87,11 +88,11 @@ class Transition(Variant):
         return ca.Function("delay", [e.t, x, e.p, rate], [delay_to_zero(g, change)])
 
     @cached_property
-    def instant(self) -> ca.Function:
+    def instant(self) -> GraphFunction:
         """``(t, x, p) → δt`` with the derivative of the instant."""
         t, x, p = self.variant.rate.inputs
         rate = self.variant.rate.function(t, x, p)
-        return ca.Function("instant", [t, x, p], [self.delay(t, x, p, rate)])
+        return GraphFunction(ca.Function("instant", [t, x, p], [self.delay(t, x, p, rate)]))
 
     @cached_property
     def pace(self) -> ca.Function:
@@ -164,8 +165,8 @@ class MovingSide(Variant):
         return ca.Function("location", [t, x, p], [ca.densify(delay), ca.densify(state)])
 
     @once
-    def measured(self, measure: Expression) -> MovingMeasure:  # type: ignore[override]
-        return MovingMeasure(self._at_change(self.variant_at_side.measured(measure).function))
+    def measured(self, measure: Expression) -> GraphFunction:  # type: ignore[override]
+        return GraphFunction(self._at_change(self.variant_at_side.measured(measure).function))
 
     @cached_property
     def bodies(self) -> ca.Function:
@@ -180,39 +181,6 @@ class MovingSide(Variant):
     @property
     def _sizes(self) -> tuple[int, int, int]:
         return 1, self.change.step.state_size, self.change.step.parameter_count
-
-
-class MovingMeasure:
-    """A function ``(t, x, p) → m`` with its tangent and adjoint functions."""
-
-    def __init__(self, function: ca.Function):
-        self.function = function
-
-    @cached_property
-    def tangent(self) -> ca.Function:
-        """``(t, x, p, ṫ, ẋ, ṗ) → ṁ``."""
-        inputs, rates = self._symbols(""), self._symbols("d")
-        rate = self.function.forward(1)(*inputs, self.function(*inputs), *rates)
-        return ca.Function("tangent", [*inputs, *rates], [ca.densify(rate)])
-
-    @cached_property
-    def adjoint(self) -> ca.Function:
-        """``(t, x, p, m̄) → t̄, x̄, p̄``."""
-        inputs, weight = self._symbols(""), ca.MX.sym("w")
-        weights = self.function.reverse(1)(*inputs, self.function(*inputs), weight)
-        return ca.Function("adjoint", [*inputs, weight], [ca.densify(part) for part in weights])
-
-    def tangents(self, count: int) -> ca.Function:
-        """``(t, x, p, dx, dp) → dm`` in ``count`` columns."""
-        inputs = self._symbols("")
-        _, x, p = inputs
-        dx, dp = (ca.MX.sym(f"d{i}", s.numel(), count) for i, s in enumerate((x, p)))
-        forward = self.function.forward(count)
-        changes = forward(*inputs, self.function(*inputs), ca.MX(1, count), dx, dp)
-        return ca.Function("tangents", [*inputs, dx, dp], [ca.densify(changes)])
-
-    def _symbols(self, prefix: str) -> list[ca.MX]:
-        return [ca.MX.sym(prefix + n, self.function.numel_in(i)) for i, n in enumerate("txp")]
 
 
 class StepReplacement:

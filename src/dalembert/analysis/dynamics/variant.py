@@ -26,10 +26,10 @@ from dalembert.model.coordinates import CoordinateView
 from dalembert.model.equations import Equations
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import Expression, stack
-from dalembert.symbolic.once import once
+from dalembert.symbolic.once import CacheOwner, once
 
 
-class Variant:
+class Variant(CacheOwner):
     """Functions of one definite formulation, e.g. with one partition of the speeds.
 
     Parameters

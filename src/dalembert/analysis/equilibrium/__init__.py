@@ -1,1 +1,1 @@
-"""Static equilibrium, and linearisation about a state."""
+"""Statics: equilibria of mechanisms and structures, linear statics, load paths."""

@@ -1,70 +1,53 @@
-"""Static equilibrium: balance of applied forces and reactions.
-
-``f(y, 0) − d(y, 0) − Cᵀ λ = 0``, ``Φ(y) = 0``. On the tangent space of the constraints this is
-``r = Zᵀ f = 0``. Newton's method uses a positive definite modification of the tangent stiffness
-``Zᵀ K Z``, so that it descends towards a stable position.
-"""
+"""Static equilibrium: balance of applied forces, internal forces and reactions."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
 
 from dalembert.analysis.batch.equilibrium_batch import EquilibriumBatch
 from dalembert.analysis.batch.solve import run_analysis
-from dalembert.analysis.contact.gap_checks import ignored_contacts
-from dalembert.analysis.elastic_range import elastic_warnings
-from dalembert.analysis.equilibrium.static_balance import (
-    StaticBalance,
-    StaticsKernel,
-    rest_text,
-    statics_kernel,
-)
-from dalembert.analysis.keywords import EquilibriumKeywords, NonlinearStaticsKeywords
-from dalembert.analysis.requirements import need_model
-from dalembert.analysis.residual_check import MOTION, ResidualCheck
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
+from dalembert.analysis.equilibrium.mechanism_equilibrium import MechanismEquilibrium
+from dalembert.analysis.equilibrium.structure_equilibrium import StructureEquilibrium
+from dalembert.analysis.keywords import EquilibriumKeywords
+from dalembert.analysis.requirements import need_model, need_positive
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
-from dalembert.formulations.base import Level
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
-from dalembert.options import options
+from dalembert.options import only_for, options
+from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion
-from dalembert.results.recording import Trajectory
-from dalembert.results.result import Analysis
-from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.model import StructuralModel
-from dalembert.symbolic.equations.newton import NewtonSettings, Solution, solve
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     from dalembert.results.batch.designs import ManyDesigns
 
-TOLERANCE = 1e-10
-"""Default tolerance of the residual, relative to the largest applied force."""
-
-
-@dataclass(frozen=True)
-class EquilibriumRecord:
-    """Record of an equilibrium for gradients."""
-
-    kernel: StaticsKernel
-
 
 @options
-class Equilibrium(Analysis[Model, Motion]):
-    """Static equilibrium as a strategy object.
+class Equilibrium(Analysis[Any, Any]):
+    """Static equilibrium at displacements of any size, as a strategy object.
+
+    A mechanism is in equilibrium near its assembled position, a structure under each of its load
+    cases: loads and prescribed displacements grow together from rest, and a load step in which
+    Newton's method fails is halved.
 
     Parameters
     ----------
-    time : instant at which laws and forces are evaluated [s]
-    tolerance : tolerance of the residual, relative to the largest applied force
-    max_iterations : upper limit of Newton iterations
+    time : instant at which laws and forces of a mechanism are evaluated [s]
+    tolerance : tolerance of the residual, relative to the largest force
+    max_iterations : upper limit of Newton iterations, in each load step of a structure; by default
+        200 for a mechanism, 25 for a structure
+    steps : number of load steps of a structure
+
+    Raises
+    ------
+    UnsupportedError
+        A number that is not positive.
 
     Examples
     --------
@@ -79,38 +62,57 @@ class Equilibrium(Analysis[Model, Motion]):
     >>> model = system.build()
     >>> [round(analysis.run(model, {"weight": m})["pan.y"].item(), 6) for m in (2, 4)]  # -m g/k
     [-0.2, -0.4]
+    >>> arch = da.Structure("arch")  # stiffens as it rises
+    >>> left, top = arch.node("left", -1, 0), arch.node("top", 0, 0.1)
+    >>> bar = arch.add(da.structures.Truss("bar", left, top, area=1e-4, modulus=1e7))
+    >>> arch.support(left)
+    >>> arch.support(top, ux=0)
+    >>> arch.load(top, fy=1.0)
+    >>> risen, linear = (kind.run(arch.build()) for kind in (analysis, da.Statics()))
+    >>> risen["top.uy"] < linear["top.uy"]
+    True
     """
 
-    spoken = "static equilibrium"
+    display_name = "static equilibrium"
     at_rest = True
     batched = EquilibriumBatch
 
-    time: float = 0.0
-    tolerance: float = TOLERANCE
-    max_iterations: int = 200
+    time: float = only_for("mechanism", default=0.0)
+    tolerance: float = 1e-10
+    max_iterations: int | None = None
+    steps: int = only_for("structure", default=10)
+
+    def __post_init__(self) -> None:
+        counts = ("steps", "max_iterations") if self.max_iterations is not None else ("steps",)
+        need_positive(self, ("tolerance",), counts)
 
     def run(
         self,
-        model: Model,
-        parameters: Mapping[str, float] | np.ndarray | None = None,
+        model: Model | StructuralModel,
+        parameters: ParameterValues = None,
         progress: Any = False,
         start: np.ndarray | None = None,
-    ) -> Motion:
-        """Compute the equilibrium near the assembled position, or near the pose ``start``.
+    ) -> Any:
+        """Compute the equilibrium; ``statistics`` contains its stability.
 
-        The result is a motion with one instant; ``statistics`` contains its stability.
+        The result of a mechanism is a motion with one instant, near the assembled position or near
+        the pose ``start``.
 
         Raises
         ------
-        AssemblyError
-            The mechanism cannot be assembled.
+        AssemblyError, SingularityError
+            The mechanism cannot be assembled; the structure moves without strain.
         """
+        self.check_options(model)
         p = model.values(parameters)
-        return _Search(self, model, p).execute(start)
+        if isinstance(model, StructuralModel):
+            return StructureEquilibrium(self, model, p).execute(progress)
+        return MechanismEquilibrium(self, model, p).execute(start)
 
-    def replay(self, motion: Motion, p: np.ndarray) -> Motion:
-        """The equilibrium at other parameter values, starting from this one."""
-        return self.run(motion.model, p, start=motion.trajectory.y[:, 0])
+    def replay(self, result: Any, p: np.ndarray) -> Any:
+        """The equilibrium at other parameter values; of a mechanism, starting from this one."""
+        start = result.trajectory.y[:, 0] if isinstance(result, Motion) else None
+        return self.run(result.model, p, start=start)
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
         """The same, at the instant of the equilibrium.
@@ -128,59 +130,6 @@ class Equilibrium(Analysis[Model, Motion]):
         return motion
 
 
-class _Search:
-    """Search for an equilibrium from the assembled position."""
-
-    def __init__(self, analysis: Equilibrium, model: Model, p: np.ndarray):
-        self.analysis, self.model, self.p = analysis, model, p
-        self.kernel = statics_kernel(model)
-
-    def execute(self, start: np.ndarray | None = None) -> Motion:
-        balance = StaticBalance(self.kernel, self.analysis.time, self.p)
-        y = self.model.assemble(self.p, self.analysis.time).y
-        if start is not None:
-            moved = balance.onto_constraints(start)
-            y = y if moved is None else moved
-        settings = NewtonSettings(
-            tolerance=self.analysis.tolerance,
-            max_iterations=self.analysis.max_iterations,
-            slack=1.0,
-        )
-        return self.result(balance, solve(balance, y, settings))
-
-    def result(self, balance: StaticBalance, solution: Solution[np.ndarray]) -> Motion:
-        n, forces = self.model.equations.speed_count, balance.residual(solution.x)
-        residual = float(np.abs(forces.value).max(initial=0.0)) / self.model.scales.length
-        stable = bool(np.all(forces.resistance > 0)) if forces.conservative else forces.stable
-        text = rest_text(residual, solution.iterations, stable, forces.conservative)
-        outcome = Outcome.COMPLETED if solution.accepted else Outcome.NOT_CONVERGED
-        status = Status(outcome, text, self.analysis.time, solution.residual)
-        column = (-1, 1)
-        trajectory = Trajectory(
-            np.array([self.analysis.time]),
-            solution.x.reshape(column),
-            np.zeros((n, 1)),
-            np.zeros((n, 1)),
-            self.model.all_multipliers(forces.multiplier.reshape(column)),
-            np.zeros((2, 1)),
-        )
-        tolerance = max(MOTION, self.analysis.tolerance)
-        check = ResidualCheck(self.model, trajectory, self.p, [Level.POSITION], tolerance)
-        return Motion(
-            self.model,
-            self.analysis,
-            self.p,
-            trajectory,
-            check.verify(status),
-            {"iterations": solution.iterations, "stable": stable, "residual [N or N m]": residual},
-            warnings=[
-                *ignored_contacts(self.model, trajectory, self.p),
-                *elastic_warnings(self.model, trajectory, self.p),
-            ],
-            record=EquilibriumRecord(self.kernel),
-        )
-
-
 @overload
 def solve_equilibrium(
     model: Model,
@@ -195,13 +144,13 @@ def solve_equilibrium(
     model: StructuralModel,
     *,
     parameters: Mapping[str, float] | None = None,
-    **options: Unpack[NonlinearStaticsKeywords],
+    **options: Unpack[EquilibriumKeywords],
 ) -> StructuralResult: ...
 
 
 @overload
 def solve_equilibrium(
-    model: Model,
+    model: Model | StructuralModel,
     *,
     parameters: ManyDesigns,
     workers: int | None = None,
@@ -209,27 +158,17 @@ def solve_equilibrium(
 ) -> Batch: ...
 
 
-@overload
-def solve_equilibrium(
-    model: StructuralModel,
-    *,
-    parameters: ManyDesigns,
-    workers: int | None = None,
-    **options: Unpack[NonlinearStaticsKeywords],
-) -> Batch: ...
-
-
-@spelled
+@check_arguments
 def solve_equilibrium(
     model: Model | StructuralModel,
     *,
     parameters: Any = None,
     workers: int | None = None,
-    **options: Any,
+    **options: Unpack[EquilibriumKeywords],
 ) -> Motion | StructuralResult | Batch:
-    """Static equilibrium near the assembled position, ``f − d − Cᵀλ = 0`` at rest.
+    """Static equilibrium at displacements of any size, ``f − d − Cᵀλ = 0`` at rest.
 
-    A structure is solved as by ``solve_statics(nonlinear=True)``, with displacements of any size.
+    A mechanism is solved near its assembled position, a structure under each of its load cases.
 
     Parameters
     ----------
@@ -237,7 +176,7 @@ def solve_equilibrium(
     parameters : new values of parameters, without rebuilding; arrays of them, a table or a list
         of dicts for a batch
     workers : number of workers of a batch, by default one for each core
-    **options : fields of ``Equilibrium``: time, tolerance, max_iterations
+    **options : fields of ``Equilibrium``: time, tolerance, max_iterations, steps
 
     Raises
     ------
@@ -257,11 +196,6 @@ def solve_equilibrium(
     >>> rest["lamp.position"][0].values.round(6)  # along (F, -m g), a 3-4-5 triangle
     array([ 0.6, -0.8])
     """
-    if isinstance(model, StructuralModel):
-        analysis: Any = analysis_of(
-            NonlinearStatics, "solve_equilibrium", model, parameters, **options
-        )
-    else:
-        analysis = analysis_of(Equilibrium, "solve_equilibrium", model, parameters, **options)
+    analysis = analysis_of(Equilibrium, "solve_equilibrium", model, parameters, **options)
     need_model(model, "solve_equilibrium")
     return run_analysis(analysis, model, parameters, workers=workers)  # type: ignore[no-any-return]

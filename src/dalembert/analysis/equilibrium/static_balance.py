@@ -15,12 +15,14 @@ from dalembert.results.recording import Trajectory
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.equations.newton import ROUNDING, Equations, NewtonSettings, Residual, solve
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.once import once
+from dalembert.symbolic.once import CacheOwner, once
 
 LONGEST = 0.5
 """Upper limit of a step, in characteristic lengths and radians."""
 CURVED = 1e-12
 """Threshold for a stable direction: stiffness relative to the largest one."""
+NEUTRAL = 1e-9
+"""Upper limit of the magnitude of a stiffness, relative to the largest one, that counts as none."""
 SKEW = 1e-9
 """Threshold for an asymmetric stiffness, relative to its largest entry."""
 BENT = 1e-3
@@ -31,7 +33,7 @@ CLOSED = NewtonSettings(tolerance=1e-13, max_iterations=20)
 """Settings for the closure of the constraints."""
 
 
-class StaticsKernel:
+class StaticsKernel(CacheOwner):
     """Compiled static equations of a model."""
 
     def __init__(self, model: Model):
@@ -117,16 +119,25 @@ class Forces(Residual):
         return not skew > SKEW * np.abs(self.stiffness).max(initial=0.0)
 
     @cached_property
-    def stable(self) -> bool:
-        """Whether every free direction has positive stiffness.
+    def stiffnesses(self) -> np.ndarray:
+        """(k,) stiffnesses relative to the largest one; negative where displacements diverge.
 
-        Without a potential: whether no displacement diverges; flutter depends on masses.
+        Without a potential they are the real parts of eigenvalues; flutter depends on masses.
         """
         stiffnesses = self.resistance
         if not self.conservative and np.all(np.isfinite(self.stiffness)):
             stiffnesses = np.linalg.eigvals(self.stiffness).real
-        largest = np.abs(self.resistance).max(initial=0.0)
-        return bool(np.all(stiffnesses > CURVED * largest))
+        return stiffnesses / (np.abs(self.resistance).max(initial=0.0) or 1.0)
+
+    @property
+    def stable(self) -> bool:
+        """Whether every free direction has positive stiffness."""
+        return bool(np.all(self.stiffnesses > CURVED))
+
+    @property
+    def negative(self) -> int:
+        """Number of directions in which the position is left."""
+        return int(np.sum(self.stiffnesses < -NEUTRAL))
 
     @property
     def stiff(self) -> np.ndarray:
@@ -266,7 +277,7 @@ def rest_text(residual: float, iterations: int, stable: bool, conservative: bool
     """Message of the status of an equilibrium."""
     kind = "stable" if stable else "not a stable position"
     if stable and not conservative:
-        kind = "statically stable (loads without potential: linearize tells of flutter)"
+        kind = "statically stable (loads without potential: check flutter by linearize)"
     return f"residual {residual:.3g} N after {iterations} iterations, {kind}"
 
 

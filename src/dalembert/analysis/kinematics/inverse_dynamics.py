@@ -17,7 +17,7 @@ from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     from dalembert.results.batch.designs import ManyDesigns
@@ -41,7 +41,7 @@ class InverseDynamics(Kinematics):
     5500.0
     """
 
-    spoken = "inverse dynamics"
+    display_name = "inverse dynamics"
 
     @property
     def efforts(self) -> bool:
@@ -71,7 +71,7 @@ def solve_inverse_dynamics(
 ) -> Batch: ...
 
 
-@spelled
+@check_arguments
 def solve_inverse_dynamics(
     model: Model,
     duration: Time | None = None,

@@ -17,13 +17,13 @@ from dalembert.symbolic.equations.factor import QrFactor
 from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.once import once
+from dalembert.symbolic.once import CacheOwner, once
 
 ITERATIONS = 5
 """Newton iterations of a position."""
 
 
-class KinematicsKernel:
+class KinematicsKernel(CacheOwner):
     """Compiled functions of one fully driven model."""
 
     def __init__(self, model: Model):

@@ -29,7 +29,7 @@ from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     from dalembert.results.batch.designs import ManyDesigns
@@ -58,7 +58,7 @@ class Kinematics(OverTime[Motion]):
     array([2., 2., 2.])
     """
 
-    spoken = "kinematics"
+    display_name = "kinematics"
     execution = KinematicsRun
     batched = KinematicsBatch
 
@@ -161,7 +161,7 @@ def solve_kinematics(
 ) -> Batch: ...
 
 
-@spelled
+@check_arguments
 def solve_kinematics(
     model: Model,
     duration: Time | None = None,

@@ -21,7 +21,7 @@ from dalembert.integrators.contact.schemes import AnticipatedImpacts, ContactSch
 from dalembert.model.model import Model
 from dalembert.options import options
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @options
@@ -53,7 +53,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     0.1
     """
 
-    spoken = "dynamics with contacts"
+    display_name = "dynamics with contacts"
     integrates = True
     execution = NonsmoothRun
 
@@ -82,7 +82,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
         return replace(motion, trajectory=interpolate(motion.model, motion.record, times))
 
 
-@spelled
+@check_arguments
 def solve_nonsmooth(
     model: Model,
     duration: Time | None = None,

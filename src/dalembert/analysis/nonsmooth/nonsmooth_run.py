@@ -158,19 +158,19 @@ class NonsmoothRun:
 
     def statistics(self, record: ContactRecord, elapsed: float) -> dict[str, Any]:
         count = max(record.loss.size, 1)
-        key = "overlaps closed at the start"
+        key = "initial overlaps removed"
         overlaps = {key: self.closed_gaps} if self.closed_gaps else {}
         return overlaps | {
             "integrator": type(self.analysis.integrator).__name__,
             "steps": record.loss.size,
             "integration time [s]": round(elapsed, 6),
             "time per step [ms]": round(1e3 * elapsed / count, 3),
-            "most contacts pressing": int(record.pressing.max(initial=0)),
-            "proximal rounds": int(record.rounds.sum()),
-            "largest residual [m/s]": float(record.residual.max(initial=0.0)),
-            "deepest penetration [m]": float(record.penetration.max(initial=0.0)),
-            "energy lost in contacts [J]": float(record.loss.sum()),
-            "largest energy gained in contacts [J]": float((-record.loss).max(initial=0.0)),
+            "maximum active contacts": int(record.pressing.max(initial=0)),
+            "proximal iterations": int(record.rounds.sum()),
+            "maximum residual [m/s]": float(record.residual.max(initial=0.0)),
+            "maximum penetration [m]": float(record.penetration.max(initial=0.0)),
+            "energy dissipated in contacts [J]": float(record.loss.sum()),
+            "maximum energy gained in contacts [J]": float((-record.loss).max(initial=0.0)),
         }
 
 

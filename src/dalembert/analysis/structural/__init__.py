@@ -1,1 +1,1 @@
-"""Analyses of structures: statics, load paths, vibration, buckling, transients."""
+"""Transients of structures."""

@@ -18,11 +18,11 @@ from dalembert.analysis.structural.transient_start import STARTS
 from dalembert.analysis.times import Time, analysis_of, evaluate_times
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.newmark.family import Newmark, NewmarkFamily
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.options import options
-from dalembert.results.result import Analysis, ParameterValues
+from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.structures.model import StructuralModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
 @options(eq=False)
@@ -63,7 +63,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
     0.2
     """
 
-    spoken = "transient"
+    display_name = "transient"
 
     duration: float | None = None
     step: float | None = None
@@ -145,7 +145,7 @@ class Transient(Analysis[StructuralModel, StructuralMotion]):
         return TransientRun(self, motion.model, p).execute(False).at(motion.time)
 
 
-@spelled
+@check_arguments
 def solve_transient(
     model: StructuralModel,
     duration: Time | None = None,

@@ -15,19 +15,19 @@ import scipy
 from dalembert.elements.base import Scalar
 from dalembert.errors import ModelError, SingularityError, UnsupportedError
 from dalembert.integrators.newmark.rule import Moving
+from dalembert.model.assembled.evaluation.pattern import combine
+from dalembert.model.assembled.loads.load_case import ConfigurationLoad, Expansion
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.sparse.factorise import indefinite_factors, symmetric_factors
 from dalembert.sparse.solver import Factors
-from dalembert.structures.evaluation.pattern import combine
-from dalembert.structures.loads.load_case import ConfigurationLoad, Expansion
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 
 
 @dataclass(frozen=True, eq=False)
-class Rayleigh(Spelled):
+class Rayleigh(CheckedArguments):
     """Proportional damping, ``C = α M + β K`` with the stiffness ``K`` at rest (Rayleigh 1877).
 
     A mode of angular frequency ``ω`` has the damping ratio ``(α/ω + β ω)/2``.

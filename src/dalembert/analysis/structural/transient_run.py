@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.equilibrium.linear_range import linear_range_warnings
 from dalembert.analysis.kinematics.branches import Branches, outputs_of
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.structural.linear_range import linear_range_warnings
 from dalembert.analysis.structural.rotation_charts import RotationCharts
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, motion_of
 from dalembert.analysis.structural.transient_start import TransientStart
@@ -27,10 +27,10 @@ from dalembert.budget import check_budget
 from dalembert.integrators.marching.checkpoints import Recorder
 from dalembert.integrators.marching.steps import Schedule, Steps, halving_warnings
 from dalembert.integrators.newmark.rule import Moving
+from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of, free_displacements
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.results.structural.motion import StructuralMotion
-from dalembert.structures.evaluation.stiffness_solvers import factors_of, free_displacements
-from dalembert.structures.model import StructuralModel
 from dalembert.timing import Timing
 
 ROUNDS = 3

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
+from dalembert.analysis.equilibrium.static_equations import Balance, full_steps
 from dalembert.analysis.structural.instant import Instant, Unknown
-from dalembert.analysis.structural.static_equations import Balance, full_steps
 from dalembert.analysis.structural.transient_equation import (
     EquationOfMotion,
     Motions,
@@ -25,8 +25,8 @@ from dalembert.analysis.structural.transient_equation import (
 )
 from dalembert.integrators.newmark.family import NewmarkFamily
 from dalembert.integrators.newmark.rule import Course, Moving, StepRule
+from dalembert.model.assembled.evaluation.pattern import combine
 from dalembert.sparse.solver import Factors
-from dalembert.structures.evaluation.pattern import combine
 from dalembert.symbolic.equations.newton import Equations, Residual, solve
 
 SINGULAR = (

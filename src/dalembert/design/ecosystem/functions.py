@@ -10,12 +10,14 @@ import numpy as np
 from dalembert.design.limit import Limit
 from dalembert.design.optimize.optimization import design_problem
 from dalembert.design.optimize.problem import Evaluation
-from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.responses.base import Response
+from dalembert.design.quantity import Objective
+from dalembert.design.variables import Vary
+from dalembert.errors import AnalysisError
+from dalembert.packages import optional_package
 from dalembert.results.result import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 
 if TYPE_CHECKING:
     from scipy.optimize import NonlinearConstraint
@@ -36,10 +38,7 @@ def jax_function(values: Numbers, jacobian: Numbers, count: int) -> Callable[[An
     UnsupportedError
         JAX is not installed.
     """
-    try:
-        import jax
-    except ImportError:
-        raise UnsupportedError("jax needs JAX: pip install jax") from None
+    jax = optional_package("jax", "a JAX function")
 
     def call_on_host(host: Callable[..., np.ndarray], size: int, *arguments: Any) -> Any:
         dtype = arguments[0].dtype
@@ -76,10 +75,7 @@ def torch_function(values: Numbers, jacobian: Numbers) -> Callable[[Any], Any]:
     UnsupportedError
         PyTorch is not installed.
     """
-    try:
-        import torch
-    except ImportError:
-        raise UnsupportedError("torch needs PyTorch: pip install torch") from None
+    torch = optional_package("torch", "a PyTorch function")
 
     def to_numpy(x: Any) -> np.ndarray:
         array: np.ndarray = x.detach().cpu().double().numpy()
@@ -99,7 +95,7 @@ def torch_function(values: Numbers, jacobian: Numbers) -> Callable[[Any], Any]:
     return Values.apply  # type: ignore[no-any-return]
 
 
-class DesignFunctions(Spelled):
+class DesignFunctions(CheckedArguments):
     """``fun(x), jac(x)`` of the first response, ``values(x), jacobian(x)`` of all.
 
     Values and gradients of a design share one run. If the run fails, ``fun`` and ``values`` are
@@ -140,16 +136,19 @@ class DesignFunctions(Spelled):
     def __init__(
         self,
         model: ParametricModel | None,
-        responses: Any,
+        responses: Objective | Sequence[Objective],
         *,
         analysis: Analysis | None = None,
         subject_to: Sequence[Limit] = (),
-        vary: Sequence[Any] | None = None,
+        vary: Vary = None,
         start: Mapping[str, float] | None = None,
         gradient: Method = "auto",
     ):
-        several = isinstance(responses, Sequence) and not isinstance(responses, (str, Response))
-        response_list = list(responses) if several else [responses]
+        response_list = (
+            list(responses)
+            if isinstance(responses, Sequence) and not isinstance(responses, str)
+            else [responses]
+        )
         quantities = [*response_list, *(limit.response for limit in subject_to)]
         self.problem = design_problem(model, analysis, quantities, vary, start)
         self.problem.gradient = gradient

@@ -9,17 +9,19 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.ecosystem.functions import DesignFunctions
-from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.results.result import Analysis
+from dalembert.design.quantity import Objective
+from dalembert.errors import AnalysisError
+from dalembert.packages import optional_package
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
-@spelled
+@check_arguments
 def openmdao_component(
     model: ParametricModel | None,
-    responses: Any,
+    responses: Objective | Sequence[Objective],
     *,
     analysis: Analysis | None = None,
     vary: Sequence[str] | None = None,
@@ -62,7 +64,7 @@ def openmdao_component(
     >>> float(problem["spring.u"][0])  # F/k
     2.0
     """
-    om = openmdao_api()
+    om = optional_package("openmdao.api", "an OpenMDAO component")
     functions = DesignFunctions(model, responses, analysis=analysis, vary=vary, gradient=gradient)
     inputs_, outputs = openmdao_names(functions.names), openmdao_names(functions.labels)
 
@@ -93,21 +95,6 @@ def openmdao_component(
         return np.array([float(np.ravel(inputs[name])[0]) for name in inputs_])
 
     return Component()
-
-
-def openmdao_api() -> Any:
-    """Module ``openmdao.api``.
-
-    Raises
-    ------
-    UnsupportedError
-        OpenMDAO is not installed.
-    """
-    try:
-        import openmdao.api as om
-    except ImportError:
-        raise UnsupportedError("OpenMDAO is missing: pip install dalembert[mdo]") from None
-    return om
 
 
 def openmdao_names(labels: Sequence[str]) -> list[str]:

@@ -8,24 +8,24 @@ from typing import Any
 import numpy as np
 
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.statics import Statics
+from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.design.ecosystem.mechanism_states import MechanismStates
-from dalembert.design.ecosystem.openmdao_component import openmdao_api, openmdao_names
+from dalembert.design.ecosystem.openmdao_component import openmdao_names
 from dalembert.design.ecosystem.states import Measures, StateEquations, StateTangent, input_names
 from dalembert.design.ecosystem.structure_states import StructureStates
 from dalembert.errors import AnalysisError, ModelError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
-from dalembert.results.result import Analysis
-from dalembert.structures.model import StructuralModel
+from dalembert.packages import optional_package
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 STEP = 1e-6
 """Step of the differences by which OpenMDAO checks partials, relative to the scales [-]."""
 
 
-@spelled
+@check_arguments
 def openmdao_implicit_component(
     model: ParametricModel,
     measures: Measures = (),
@@ -49,7 +49,7 @@ def openmdao_implicit_component(
     measures : names or formulas of the state, or label → measure; of a structure each has one
         value per load case
     analysis : ``Equilibrium()`` of a mechanism, by default the assembled position; ``Statics()``
-        (default) or ``NonlinearStatics()`` of a structure
+        (default) or ``Equilibrium()`` of a structure
     vary : names of the parameters that are inputs; default all
     start : initial values of the inputs; default nominal
     time : instant of an assembled position [s]
@@ -83,7 +83,7 @@ def openmdao_implicit_component(
     >>> problem.compute_totals(of="scale.low", wrt="scale.weight", return_format="array").round(6)
     array([[-0.1]])
     """
-    om = openmdao_api()
+    om = optional_package("openmdao.api", "an OpenMDAO component")
     equations = _equations(model, measures, analysis, time)
     names = input_names(model, vary)
     origin = model.values(start)
@@ -255,10 +255,10 @@ def _equations(
         return MechanismStates(model, analysis, measures, time)
     if isinstance(model, StructuralModel):
         chosen = Statics() if analysis is None else analysis
-        if isinstance(chosen, (Statics, NonlinearStatics)):
+        if isinstance(chosen, (Statics, Equilibrium)):
             return StructureStates(model, chosen, measures)
     raise AnalysisError(
         f"{analysis!r:.60} has no state equations: mechanisms take Equilibrium() or none, for "
-        "the assembled position, structures Statics() or NonlinearStatics(); use "
+        "the assembled position, structures Statics() or Equilibrium(); use "
         "openmdao_component for other analyses"
     )

@@ -9,24 +9,27 @@ import numpy as np
 
 from dalembert.design.ecosystem.functions import DesignFunctions
 from dalembert.design.limit import Limit
-from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.design.quantity import Objective
+from dalembert.design.variables import Vary
+from dalembert.errors import AnalysisError
 from dalembert.interrupts import searching
-from dalembert.results.result import Analysis
+from dalembert.packages import optional_package
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 PENALTY = 1e12
 """Objective and violation of a design whose run fails."""
 
 
-@spelled
+@check_arguments
 def pymoo_problem(
     model: ParametricModel | None,
-    minimize: Sequence[Any],
+    minimize: Sequence[Objective],
     *,
     analysis: Analysis | None = None,
     subject_to: Sequence[Limit] = (),
-    vary: Sequence[Any] | None = None,
+    vary: Vary = None,
 ) -> Any:
     """``pymoo.core.problem.ElementwiseProblem`` that minimises all responses.
 
@@ -68,10 +71,7 @@ def pymoo_problem(
 
 def make_problem(functions: DesignFunctions, senses: Sequence[float] | None = None) -> Any:
     """Problem of design functions; senses are 1 to minimise and −1 to maximise."""
-    try:
-        from pymoo.core.problem import ElementwiseProblem
-    except ImportError:
-        raise UnsupportedError("pymoo is missing: pip install dalembert[design]") from None
+    problem = optional_package("pymoo.core.problem", "an evolutionary search")
     low, high = functions.bounds.T
     if not np.all(np.isfinite(functions.bounds)):
         name = functions.names[int(np.flatnonzero(~np.isfinite(low + high))[0])]
@@ -80,7 +80,7 @@ def make_problem(functions: DesignFunctions, senses: Sequence[float] | None = No
     if senses is not None:
         signs = np.asarray(senses, dtype=float)
 
-    class Problem(ElementwiseProblem):
+    class Problem(problem.ElementwiseProblem):  # type: ignore[misc, name-defined]
         """Responses of a design for pymoo."""
 
         def __init__(self) -> None:

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.structural.nonlinear_statics import NonlinearStatics
-from dalembert.analysis.structural.static_equations import StaticEquations
-from dalembert.analysis.structural.statics import Statics, StaticsRecord
+from dalembert.analysis.equilibrium.equilibrium import Equilibrium
+from dalembert.analysis.equilibrium.static_equations import StaticEquations
+from dalembert.analysis.equilibrium.statics import Statics, StaticsRecord
 from dalembert.design.ecosystem.states import (
     Change,
     Measures,
@@ -20,9 +20,9 @@ from dalembert.design.ecosystem.states import (
     labelled_measures,
 )
 from dalembert.errors import AnalysisError, SingularityError
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.model import StructuralModel
 
 PRESCRIBED = Status(Outcome.COMPLETED, "prescribed displacements", 0.0, 0.0)
 """Status of results at displacements set by another package."""
@@ -34,17 +34,15 @@ class StructureStates(StateEquations):
     Parameters
     ----------
     model : StructuralModel
-    analysis : Statics or NonlinearStatics
+    analysis : Statics or Equilibrium
     measures : of displacements, forces or elements
     """
 
     model: StructuralModel
 
-    def __init__(
-        self, model: StructuralModel, analysis: Statics | NonlinearStatics, measures: Measures
-    ):
+    def __init__(self, model: StructuralModel, analysis: Statics | Equilibrium, measures: Measures):
         self.model, self.analysis = model, analysis
-        self.analysed_model = model if isinstance(analysis, NonlinearStatics) else model.linearized
+        self.analysed_model = model if isinstance(analysis, Equilibrium) else model.linearized
         self.measured = labelled_measures(model, measures)
         self.cases = list(model.loads)
         shape = len(model.degrees), len(self.cases)

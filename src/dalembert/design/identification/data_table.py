@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.errors import AnalysisError, ModelError, UnsupportedError
+from dalembert.errors import AnalysisError, ModelError
+from dalembert.packages import optional_package
 from dalembert.units.unit import unit
 
 READERS = {".csv": "read_csv", ".txt": "read_csv", ".parquet": "read_parquet"}
@@ -83,12 +84,10 @@ def _read_file(path: Path) -> Any:
         raise AnalysisError(f"{path}: the data file does not exist")
     if reader is None:
         return read_markers(path)
+    if reader == "read_parquet":
+        optional_package("pyarrow", f"reading {path}", "convert it to CSV")
     try:
         return getattr(pd, reader)(path)
-    except ImportError:
-        raise AnalysisError(
-            f"{path}: reading Parquet needs pyarrow; 'pip install pyarrow', or give CSV"
-        ) from None
     except (ValueError, OSError) as error:  # parser errors of pandas are ValueErrors
         raise AnalysisError(f"{path}: cannot be read as a table ({error})") from None
 
@@ -111,12 +110,7 @@ def read_markers(path: Path) -> dict[str, np.ndarray]:
     UnsupportedError
         ezc3d is not installed.
     """
-    try:
-        import ezc3d
-    except ImportError:
-        raise UnsupportedError(
-            f"{path}: markers need ezc3d: pip install 'dalembert[c3d]'"
-        ) from None
+    ezc3d = optional_package("ezc3d", f"reading {path}")
     try:
         file = ezc3d.c3d(str(path))
     except (OSError, RuntimeError, ValueError, IndexError) as error:

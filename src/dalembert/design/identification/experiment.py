@@ -12,7 +12,7 @@ from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.design.identification.data_table import read_table
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import options
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import nearest

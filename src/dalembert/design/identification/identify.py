@@ -8,19 +8,19 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.identification.experiment import Experiment, Measures, observe
-from dalembert.design.identification.identification import Identification
+from dalembert.design.identification.identification_result import IdentificationResult
 from dalembert.design.identification.information import Information, inflation
 from dalembert.design.identification.least_squares import Fit, LeastSquaresSolver
 from dalembert.design.identification.misfit import Delays, Misfit, Unknowns, make_unknowns
 from dalembert.design.methods.search_options import additional_starts
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 
-@spelled
+@check_arguments
 @interruptible
 def identify(
     model: ParametricModel,
@@ -39,7 +39,7 @@ def identify(
     max_iterations: int = 100,
     tolerance: float = 1e-10,
     progress: bool | Callable[[int, float], None] = False,
-) -> Identification:
+) -> IdentificationResult:
     """Identify parameters of a model from measured time series.
 
     Least squares of the residuals over their noise, by SciPy's trust-region method with exact
@@ -169,7 +169,7 @@ def check_start(misfit: Misfit, x: np.ndarray) -> None:
 
 def _make_identification(
     misfit: Misfit, solver: LeastSquaresSolver, fit: Fit, noise: dict[str, float], estimated: bool
-) -> Identification:
+) -> IdentificationResult:
     unknowns, x = misfit.unknowns, fit.x
     jacobian = misfit.jacobian(x)
     factor = 1.0
@@ -177,13 +177,13 @@ def _make_identification(
         factor = inflation(misfit.residual(x), solver.loss, x.size)
     motions = misfit.motions(x)
     assert motions is not None
-    return Identification(
+    return IdentificationResult(
         x=dict(zip(unknowns.labels, map(float, x), strict=True)),
         success=fit.success,
         message=fit.message,
         cost=fit.cost,
         noise=noise,
-        noise_given=not estimated,
+        noise_specified=not estimated,
         factor=factor,
         information=Information(unknowns.labels, jacobian, unknowns.sizes(x)),
         motions=motions,

@@ -86,7 +86,7 @@ class Information:
         return covariance
 
     def combinations(self, factor: float = 1.0) -> list[Combination]:
-        """All combinations, the least certain first."""
+        """All combinations, the most uncertain first."""
         s, rows = self.decompose()
         combinations = []
         for value, determined, row in zip(
@@ -134,7 +134,7 @@ def rank_experiments(
     factor: float,
     candidates: Mapping[str, Mapping[str, float]],
 ) -> list[dict[str, Any]]:
-    """Rank candidate experiments; see ``Identification.advise``."""
+    """Rank candidate experiments; see ``IdentificationResult.advise``."""
     rows = []
     for name, parameters in candidates.items():
         jacobian = _candidate_jacobian(misfit, x, name, parameters)

@@ -16,8 +16,8 @@ from dalembert.design.identification.experiment import Measures
 from dalembert.design.identification.identify import check_start, make_misfit
 from dalembert.design.identification.least_squares import Fit, LeastSquaresSolver
 from dalembert.design.identification.misfit import Misfit
-from dalembert.design.inverse.history import History
-from dalembert.design.inverse.inversion import Inversion
+from dalembert.design.inverse.input_history import InputHistory
+from dalembert.design.inverse.inversion_result import InversionResult
 from dalembert.design.inverse.smoothing import (
     Curve,
     curve,
@@ -27,21 +27,21 @@ from dalembert.design.inverse.smoothing import (
 )
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import defer_ctrl_c, interruptible
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 MAX_ROUNDS = 6
 """Upper limit of solutions until the selected smoothing no longer changes."""
 
 
-@spelled
+@check_arguments
 @interruptible
 def invert(
     model: ParametricModel,
     data: Any,
     measures: Measures = None,
-    histories: Sequence[History] = (),
+    histories: Sequence[InputHistory] = (),
     *,
     vary: Sequence[str] = (),
     analysis: Analysis | None = None,
@@ -53,14 +53,14 @@ def invert(
     max_iterations: int = 50,
     tolerance: float = 1e-8,
     progress: bool | Callable[[int, float], None] = False,
-) -> Inversion:
+) -> InversionResult:
     """Identify unknown histories from measured motion; Ctrl-C returns the best so far.
 
     Parameters
     ----------
     model : Model or StructuralModel with the parameters of the histories
     data, measures, analysis, time, noise, start : as in ``identify``
-    histories : created by ``da.history``
+    histories : created by ``da.input_history``
     vary : further unknown parameters, such as initial values
     smoothing : ``"likelihood"``, ``"cross-validation"``, ``"l-curve"``, ``"discrepancy"`` (needs
         noise), or ``μ``; by likelihood, each history has its own smoothing
@@ -81,7 +81,7 @@ def invert(
     >>> from dalembert import planar
     >>> system = da.System("pushed mass")
     >>> mass = system.add(planar.Particle("mass", mass=2.0))
-    >>> push = da.history(system, "push", np.linspace(0, 1, 5), unit="N")
+    >>> push = da.input_history(system, "push", np.linspace(0, 1, 5), unit="N")
     >>> force = system.add(planar.Force("push", mass.center, (push.value, 0)))
     >>> t = np.linspace(0, 1, 21)
     >>> seen = {"time": t, "mass.x": 0.75 * t**2}  # under a force of 3 N
@@ -90,7 +90,7 @@ def invert(
     array([3., 3., 3., 3., 3.])
     """
     if not histories:
-        raise AnalysisError("nothing to find; give histories=[da.history(system, ...)]")
+        raise AnalysisError("nothing to find; give histories=[da.input_history(system, ...)]")
     if not isinstance(smoothing, str) and not smoothing > 0:
         raise AnalysisError(f"smoothing is {smoothing!r}; it must be above zero")
     if order not in (1, 2, 3):
@@ -175,7 +175,7 @@ class _RegularisedProblem:
         return curve(jacobian, data, self.rows, self.noise_known)
 
 
-def _blocks(histories: Sequence[History], misfit: Misfit, order: int) -> list[np.ndarray]:
+def _blocks(histories: Sequence[InputHistory], misfit: Misfit, order: int) -> list[np.ndarray]:
     """Rows of the roughness of each history."""
     labels = misfit.unknowns.labels
     blocks = []
@@ -189,12 +189,12 @@ def _blocks(histories: Sequence[History], misfit: Misfit, order: int) -> list[np
 
 def _inversion(
     misfit: Misfit,
-    histories: Sequence[History],
+    histories: Sequence[InputHistory],
     fit: Fit,
     mu: float,
     l_curve: Curve,
     problem: _RegularisedProblem,
-) -> Inversion:
+) -> InversionResult:
     x, labels, rows = fit.x, misfit.unknowns.labels, problem.rows
     residual = misfit.residual(x)
     covariance = _covariance(misfit.jacobian(x), residual, x, mu, problem)
@@ -202,7 +202,7 @@ def _inversion(
     motions = misfit.motions(x)
     assert motions is not None
     columns = {h.name: [labels.index(name) for name in h.names] for h in histories}
-    return Inversion(
+    return InversionResult(
         values={name: x[index] for name, index in columns.items()},
         deviation={name: spread[index] for name, index in columns.items()},
         x=dict(zip(labels, map(float, x), strict=True)),

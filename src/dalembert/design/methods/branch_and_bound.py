@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.methods.enumeration import Enumeration
-from dalembert.design.methods.slsqp import Slsqp
+from dalembert.design.methods.slsqp import SLSQP
 from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.options import options, random_generator
 
@@ -64,7 +64,7 @@ class BranchAndBound(Optimizer):
     4
     """
 
-    local: Optimizer = Slsqp()
+    local: Optimizer = SLSQP()
     max_nodes: int = 400
     starts: int = 3
     rng: int = 0

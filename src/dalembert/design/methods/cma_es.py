@@ -6,14 +6,15 @@ import numpy as np
 
 from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.methods.differential_evolution import refine
-from dalembert.design.methods.slsqp import Slsqp
+from dalembert.design.methods.slsqp import SLSQP
 from dalembert.design.optimize.program import Program
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
+from dalembert.packages import optional_package
 
 
 @options
-class CmaEs(Optimizer):
+class CMAES(Optimizer):
     """Global search by covariance matrix adaptation; ``pip install dalembert[design]``.
 
     Parameters
@@ -38,7 +39,7 @@ class CmaEs(Optimizer):
     >>> end = model.node("end", 0)
     >>> part = model.add(structures.GroundSpring("spring", end, stiffness_x=1.0))
     >>> waves = da.final("(a**2 + b**2)/20 - cos(3*a) - cos(3*b)")  # many valleys
-    >>> search = da.CmaEs(generations=30)
+    >>> search = da.CMAES(generations=30)
     >>> best = da.optimize(model.build(), waves, analysis=da.Statics(), method=search)
     >>> best.success, round(best.fun, 6)
     (True, -2.0)
@@ -48,15 +49,10 @@ class CmaEs(Optimizer):
     generations: int = 200
     penalty: float = 1e3
     rng: int = 1
-    polish: Optimizer | None = Slsqp()
+    polish: Optimizer | None = SLSQP()
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
-        try:
-            import cma
-        except ImportError:
-            raise UnsupportedError(
-                "CmaEs needs cma: pip install dalembert[design], or use DifferentialEvolution()"
-            ) from None
+        cma = optional_package("cma", "CMAES", "use DifferentialEvolution()")
         program.refuse_infinite_bounds("CMA-ES")
         if z.size == 1:
             raise UnsupportedError(

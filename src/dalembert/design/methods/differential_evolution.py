@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
-from dalembert.design.methods.slsqp import Slsqp
+from dalembert.design.methods.slsqp import SLSQP
 from dalembert.design.optimize.program import Program
 from dalembert.options import options
 
@@ -41,7 +41,7 @@ class DifferentialEvolution(Optimizer):
     population: int = 10
     generations: int = 100
     rng: int = 0
-    polish: Optimizer | None = Slsqp()
+    polish: Optimizer | None = SLSQP()
 
     is_global = True
 

@@ -138,7 +138,7 @@ class _Table:
 def _formulas(program: Program) -> ca.Function | None:
     """``p → terms`` if they are formulas of parameters alone; None if runs are needed."""
     problem = program.problem
-    if len(problem.cases) != 1 or problem.cases[0].given:
+    if len(problem.cases) != 1 or problem.cases[0].inputs:
         return None
     model, symbols = problem.cases[0].model, problem.cases[0].model.parameters.values()
     p = stack(s.sx for s in symbols)

@@ -13,9 +13,7 @@ from dalembert.design.methods.search_options import Stop
 from dalembert.design.optimize.program import Program
 from dalembert.interrupts import check_ctrl_c
 from dalembert.options import options
-
-MAX_ITERATIONS = 2**31 - 1
-"""Upper limit of the iterations in Ipopt's 32-bit counter."""
+from dalembert.symbolic.nonlinear_program import ipopt, return_status
 
 
 @options
@@ -44,37 +42,20 @@ class Ipopt(Optimizer):
         values = _Values(program)
         z_symbol = ca.MX.sym("z", program.n)
         outputs = values(z_symbol)
-        settings: dict[str, Any] = {
+        settings = {
             "hessian_approximation": "limited-memory",
-            "max_iter": min(stop.max_iterations, MAX_ITERATIONS),
-            "tol": max(stop.tolerance, 1e-10),
             "acceptable_iter": 0,
             "bound_relax_factor": 0.0,
-            "print_level": 0,
-            "sb": "yes",
         }
-        nlp: dict[str, Any] = {"x": z_symbol, "f": outputs[0], "g": outputs[1:]}
-        solver = ca.nlpsol(
-            "design",
-            "ipopt",
-            nlp,
-            {
-                "ipopt": settings,
-                "print_time": False,
-                "error_on_fail": False,
-                "show_eval_warnings": False,
-            },
-        )
+        nlp = {"x": z_symbol, "f": outputs[0], "g": outputs[1:]}
+        solver = ipopt("design", nlp, max(stop.tolerance, 1e-10), stop.max_iterations, settings)
         limits = {"lbg": program.c_lower, "ubg": program.c_upper} if program.m else {}
         solution = solver(x0=z, lbx=program.z_lower, ubx=program.z_upper, **limits)
         if values.exception is not None:
             raise values.exception
         check_ctrl_c()
-        stats = solver.stats()
-        message = str(stats["return_status"]).replace("_", " ").lower()
-        return OptimizerResult(
-            np.array(solution["x"]).ravel(), bool(stats["success"]), f"Ipopt: {message}"
-        )
+        message, success = f"Ipopt: {return_status(solver)}", bool(solver.stats()["success"])
+        return OptimizerResult(np.array(solution["x"]).ravel(), success, message)
 
 
 class _Values(ca.Callback):

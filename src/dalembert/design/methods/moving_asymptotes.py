@@ -64,7 +64,7 @@ class Approximation:
 
 
 @options
-class Mma(Optimizer):
+class MMA(Optimizer):
     """Method of moving asymptotes for many variables and a few inequality limits.
 
     Parameters
@@ -84,7 +84,7 @@ class Mma(Optimizer):
     >>> row.load(end, fx=1.0)
     >>> give = da.Limit(da.final("end.ux"), upper=1.0)
     >>> task = dict(minimize=da.final("a + 4*b"), subject_to=[give], analysis=da.Statics())
-    >>> best = da.optimize(row.build(), **task, method=da.Mma())
+    >>> best = da.optimize(row.build(), **task, method=da.MMA())
     >>> round(best.x["a"], 3), round(best.x["b"], 3)  # a = 2 b where b is four times as dear
     (3.0, 1.5)
     """
@@ -93,7 +93,7 @@ class Mma(Optimizer):
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         if np.any(program.c_lower == program.c_upper):
-            raise UnsupportedError("Mma takes no equations; use method='slsqp' or 'ipopt'")
+            raise UnsupportedError("MMA takes no equations; use method='slsqp' or 'ipopt'")
         constraints = _InequalityConstraints(program)
         point, asymptotes = program.point(z), _Asymptotes(program)
         last_z, quiet_steps = z, 0

@@ -6,7 +6,7 @@ import numpy as np
 
 from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.methods.search_options import sobol_designs
-from dalembert.design.methods.slsqp import Slsqp
+from dalembert.design.methods.slsqp import SLSQP
 from dalembert.design.optimize.program import Program
 from dalembert.options import options
 
@@ -20,7 +20,7 @@ class Multistart(Optimizer):
     starts : number of initial designs, the start of ``optimize`` first
     local : gradient method
     rng : seed
-    apart : threshold for the distance of distinct optima, relative to the ranges
+    minimum_distance : threshold for the distance of distinct optima, relative to the ranges
 
     Examples
     --------
@@ -37,9 +37,9 @@ class Multistart(Optimizer):
     """
 
     starts: int = 20
-    local: Optimizer = Slsqp()
+    local: Optimizer = SLSQP()
     rng: int = 0
-    apart: float = 1e-3
+    minimum_distance: float = 1e-3
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         program.refuse_infinite_bounds("multistart")
@@ -74,7 +74,7 @@ class Multistart(Optimizer):
     ) -> None:
         """Insert an optimum in order, unless it is listed already."""
         for k, (other, other_values) in enumerate(optima):
-            if np.max(abs(other - z)) <= self.apart:
+            if np.max(abs(other - z)) <= self.minimum_distance:
                 if program.is_better(values, other_values):
                     optima[k] = (z, values)
                 break

@@ -10,10 +10,11 @@ from dalembert.design.methods.base import Optimizer, OptimizerResult, Stop
 from dalembert.design.optimize.program import Program
 from dalembert.errors import UnsupportedError
 from dalembert.options import options
+from dalembert.packages import optional_package
 
 
 @options
-class Ccsaq(Optimizer):
+class CCSAQ(Optimizer):
     """CCSAQ of NLopt for many variables; ``pip install dalembert[nlopt]``.
 
     Examples
@@ -29,20 +30,15 @@ class Ccsaq(Optimizer):
     >>> row.load(end, fx=1.0)
     >>> shared = da.Limit(da.final("a + b"), upper=6.0)
     >>> task = dict(minimize=da.final("end.ux"), subject_to=[shared], analysis=da.Statics())
-    >>> best = da.optimize(row.build(), **task, method=da.Ccsaq())
+    >>> best = da.optimize(row.build(), **task, method=da.CCSAQ())
     >>> round(best.x["a"], 3), round(best.x["b"], 3)  # minimal for equal ones
     (3.0, 3.0)
     """
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
-        try:
-            import nlopt
-        except ImportError:
-            raise UnsupportedError(
-                "Ccsaq needs NLopt: pip install dalembert[nlopt], or use method='mma'"
-            ) from None
+        nlopt = optional_package("nlopt", "CCSAQ", "use method='mma'")
         if np.any(program.c_lower == program.c_upper):
-            raise UnsupportedError("Ccsaq takes no equations; use method='slsqp' or 'ipopt'")
+            raise UnsupportedError("CCSAQ takes no equations; use method='slsqp' or 'ipopt'")
         solver = nlopt.opt(nlopt.LD_CCSAQ, program.n)
         solver.set_lower_bounds(program.z_lower)
         solver.set_upper_bounds(program.z_upper)

@@ -6,28 +6,28 @@ from typing import Any
 
 from dalembert.design.methods.base import Optimizer
 from dalembert.design.methods.branch_and_bound import BranchAndBound
-from dalembert.design.methods.cma_es import CmaEs
+from dalembert.design.methods.cma_es import CMAES
 from dalembert.design.methods.differential_evolution import DifferentialEvolution
 from dalembert.design.methods.enumeration import Enumeration
 from dalembert.design.methods.ipopt import Ipopt
 from dalembert.design.methods.least_squares import LeastSquares
-from dalembert.design.methods.moving_asymptotes import Mma
+from dalembert.design.methods.moving_asymptotes import MMA
 from dalembert.design.methods.multistart import Multistart
-from dalembert.design.methods.nlopt_ccsa import Ccsaq
-from dalembert.design.methods.slsqp import Slsqp
+from dalembert.design.methods.nlopt_ccsa import CCSAQ
+from dalembert.design.methods.slsqp import SLSQP
 from dalembert.design.methods.trust_constr import TrustConstr
 from dalembert.errors import AnalysisError
 from dalembert.text.wording import unknown
 
 OPTIMIZERS: dict[str, type[Optimizer]] = {
-    "slsqp": Slsqp,
+    "slsqp": SLSQP,
     "trust-constr": TrustConstr,
     "ipopt": Ipopt,
     "least-squares": LeastSquares,
-    "mma": Mma,
-    "ccsaq": Ccsaq,
+    "mma": MMA,
+    "ccsaq": CCSAQ,
     "differential-evolution": DifferentialEvolution,
-    "cma-es": CmaEs,
+    "cma-es": CMAES,
     "multistart": Multistart,
     "branch-and-bound": BranchAndBound,
     "enumeration": Enumeration,

@@ -13,12 +13,13 @@ from dalembert.options import options
 
 
 @options
-class Slsqp(Optimizer):
+class SLSQP(Optimizer):
     """Sequential quadratic programming; fast up to about a hundred variables.
 
     Parameters
     ----------
-    rescued : continue with ``Ipopt`` if it stalls at a design that is infeasible or not optimal
+    ipopt_fallback : continue with ``Ipopt`` if it stalls at a design that is infeasible or not
+        optimal
         though nearby designs are better
 
     Examples
@@ -31,15 +32,15 @@ class Slsqp(Optimizer):
     >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
     >>> spring.load(end, fx=100.0)
     >>> cost = da.final("k + 4*100*end.ux")
-    >>> best = da.optimize(spring.build(), cost, analysis=da.Statics(), method=da.Slsqp())
+    >>> best = da.optimize(spring.build(), cost, analysis=da.Statics(), method=da.SLSQP())
     >>> round(best.x["k"])  # of k + 4e4/k
     200
     """
 
-    rescued: bool = True
+    ipopt_fallback: bool = True
 
     def rescue(self) -> Optimizer | None:
-        return Ipopt() if self.rescued else None
+        return Ipopt() if self.ipopt_fallback else None
 
     def solve(self, program: Program, z: np.ndarray, stop: Stop) -> OptimizerResult:
         from scipy.optimize import minimize

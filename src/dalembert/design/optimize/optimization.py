@@ -16,29 +16,29 @@ from dalembert.design.methods.registry import make_optimizer
 from dalembert.design.methods.search_options import OnIteration, iteration_callback
 from dalembert.design.optimize.evaluation_log import EvaluationLog
 from dalembert.design.optimize.optimality import solve_to_stationarity
-from dalembert.design.optimize.optimum import Optimum
+from dalembert.design.optimize.optimization_result import OptimizationResult
 from dalembert.design.optimize.problem import DesignProblem, common_parameters
 from dalembert.design.optimize.program import Program
 from dalembert.design.optimize.verified_optimum import verified_optimum
-from dalembert.design.quantity import Quantity, with_case
-from dalembert.design.variables import make_variables
+from dalembert.design.quantity import Objective, Quantity, with_case
+from dalembert.design.variables import Vary, make_variables
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 
 
-@spelled
+@check_arguments
 def optimize(
     model: ParametricModel | None = None,
-    minimize: Any = None,
+    minimize: Objective | None = None,
     *,
-    maximize: Any = None,
+    maximize: Objective | None = None,
     subject_to: Sequence[Limit] = (),
-    vary: Sequence[Any] | None = None,
+    vary: Vary = None,
     analysis: Analysis | None = None,
     start: Mapping[str, float] | None = None,
     method: str | Optimizer = "slsqp",
@@ -47,7 +47,7 @@ def optimize(
     tolerance: float = 1e-8,
     history: str | Path | None = None,
     progress: bool | OnIteration = False,
-) -> Optimum:
+) -> OptimizationResult:
     """Optimise parameters for responses of one analysis or several.
 
     Parameters
@@ -122,12 +122,14 @@ class OptimizerSettings:
         """Optimiser for a problem."""
         return make_optimizer(self.method, bool(problem.variables.sizes))
 
-    def best(self, program: Program) -> Optimum:
+    def best(self, program: Program) -> OptimizationResult:
         """Solve a program."""
         return solve(program, self.optimizer(program.problem), self.stop)
 
 
-def signed_objective(minimize: Any, maximize: Any) -> tuple[float, Any]:
+def signed_objective(
+    minimize: Objective | None, maximize: Objective | None
+) -> tuple[float, Objective]:
     """Sign (1 to minimise, −1 to maximise) and objective.
 
     Raises
@@ -135,16 +137,18 @@ def signed_objective(minimize: Any, maximize: Any) -> tuple[float, Any]:
     AnalysisError
         Both or none are set.
     """
-    if (minimize is None) == (maximize is None):
-        raise AnalysisError("give one objective: minimize=... or maximize=...")
-    return (1.0, minimize) if minimize is not None else (-1.0, maximize)
+    if minimize is not None and maximize is None:
+        return 1.0, minimize
+    if maximize is not None and minimize is None:
+        return -1.0, maximize
+    raise AnalysisError("give one objective: minimize=... or maximize=...")
 
 
 def design_problem(
     model: ParametricModel | None,
     analysis: Analysis | None,
-    responses: Sequence[Any],
-    vary: Sequence[Any] | None,
+    responses: Sequence[Objective],
+    vary: Vary,
     start: Mapping[str, float] | None = None,
 ) -> DesignProblem:
     """Design problem: quantities as functions of the variables.
@@ -194,7 +198,7 @@ def fingerprint(problem: DesignProblem) -> dict[str, Any]:
 
 
 @interruptible
-def solve(program: Program, method: Optimizer, stop: Stop) -> Optimum:
+def solve(program: Program, method: Optimizer, stop: Stop) -> OptimizationResult:
     """Solve a program; Ctrl-C ends with the best design so far."""
     z, interrupted = program.scaled(program.origin), False
     try:

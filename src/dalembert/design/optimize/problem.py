@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
-from dalembert.design.case import Case, evaluation_order
+from dalembert.design.case import evaluation_order
 from dalembert.design.optimize.evaluation_log import LogPart
-from dalembert.design.quantity import Quantity
+from dalembert.design.quantity import AnalysisCase, Quantity
 from dalembert.design.variables import Variables
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import check_ctrl_c
@@ -41,7 +40,7 @@ class Evaluation:
     terms: np.ndarray
     values: np.ndarray
     gradient: np.ndarray | None = None
-    runs: dict[Case, Result] = field(default_factory=dict)
+    runs: dict[AnalysisCase, Result] = field(default_factory=dict)
 
 
 @dataclass
@@ -71,10 +70,10 @@ class DesignProblem:
     def __post_init__(self) -> None:
         self.cases = evaluation_order([t.case for q in self.quantities for t in q.terms])
         if self.source is not None:
-            self.terms: list[tuple[Case, Response]] = self.source.terms
+            self.terms: list[tuple[AnalysisCase, Response]] = self.source.terms
             self.cases = self.source.cases
             return
-        needed = [q for case in self.cases for q in case.given.values()]
+        needed = [q for case in self.cases for q in case.inputs.values()]
         self.terms = list(
             dict.fromkeys(
                 (t.case, t.response) for q in (*self.quantities, *needed) for t in q.terms
@@ -96,7 +95,7 @@ class DesignProblem:
         """Indices of the terms of a quantity."""
         return [self.terms.index((t.case, t.response)) for t in quantity.terms]
 
-    def responses(self, case: Case) -> tuple[list[int], list[Response]]:
+    def responses(self, case: AnalysisCase) -> tuple[list[int], list[Response]]:
         """Indices of the terms of a case, and their responses."""
         rows = [k for k, (owner, _) in enumerate(self.terms) if owner is case]
         return rows, [self.terms[k][1] for k in rows]
@@ -153,11 +152,11 @@ class DesignProblem:
     def _values(self, terms: np.ndarray) -> np.ndarray:
         return np.array([q.value(terms[self.term_indices(q)]) for q in self.quantities])
 
-    def parameters(self, case: Case, x: np.ndarray, terms: np.ndarray) -> dict[str, float]:
+    def parameters(self, case: AnalysisCase, x: np.ndarray, terms: np.ndarray) -> dict[str, float]:
         """Parameter values of a case: design variables and quantities of other cases."""
         varied = self.variables.parameters(x)
         values = {n: v for n, v in varied.items() if n in case.model.parameters}
-        return values | {n: q.value(terms[self.term_indices(q)]) for n, q in case.given.items()}
+        return values | {n: q.value(terms[self.term_indices(q)]) for n, q in case.inputs.items()}
 
     def _run(self, x: np.ndarray) -> Evaluation | None:
         """Run all cases at ``x``."""
@@ -182,7 +181,7 @@ class DesignProblem:
             results[case] = result
         return Evaluation(terms, self._values(terms), None, results)
 
-    def results(self, x: np.ndarray) -> dict[Case, Result]:
+    def results(self, x: np.ndarray) -> dict[AnalysisCase, Result]:
         """Case → its result at ``x``; runs again if only numbers are logged."""
         if self.source is not None:
             return self.source.results(x)
@@ -199,15 +198,15 @@ class DesignProblem:
         slopes, varied = self.variables.slopes(x), self.variables.parameter_names
         for case in self.cases:
             own_columns = [k for k, n in enumerate(varied) if n in case.model.parameters]
-            names = [varied[k] for k in own_columns if varied[k] not in case.given]
-            columns = [k for k in own_columns if varied[k] not in case.given]
+            names = [varied[k] for k in own_columns if varied[k] not in case.inputs]
+            columns = [k for k in own_columns if varied[k] not in case.inputs]
             rows, responses = self.responses(case)
-            arguments = [*names, *case.given]
+            arguments = [*names, *case.inputs]
             if not arguments or not rows:
                 continue
             slope = gradient_values(results[case], responses, arguments, self.gradient)
             gradient[rows] = slope[:, : len(names)] @ slopes[columns]
-            for k, quantity in enumerate(case.given.values(), len(names)):
+            for k, quantity in enumerate(case.inputs.values(), len(names)):
                 indices = self.term_indices(quantity)
                 inner = quantity.slope(evaluation.terms[indices]) @ gradient[indices]
                 gradient[rows] += np.outer(slope[:, k], inner)
@@ -221,17 +220,17 @@ class DesignProblem:
         indices = self.term_indices(self.quantities[row])
         return self.quantities[row].slope(evaluation.terms[indices]) @ evaluation.gradient[indices]
 
-    def unit(self, row: int, results: Mapping[Case, Result]) -> str:
+    def unit(self, row: int, results: Mapping[AnalysisCase, Result]) -> str:
         """Unit of a quantity, from the results of its terms."""
         units = []
         for term in self.quantities[row].terms:
-            result: Any = results.get(term.case)
-            has_result = result is not None
-            units.append(term.response.over(result).unit_of(result) if has_result else "")
+            result = results.get(term.case)
+            unit = "" if result is None else term.response.adapted_to(result).unit_of(result)
+            units.append(unit)
         return self.quantities[row].unit(units)
 
 
-def common_parameters(cases: Sequence[Case]) -> dict[str, Parameter]:
+def common_parameters(cases: Sequence[AnalysisCase]) -> dict[str, Parameter]:
     """Parameters of all cases by name, without those set by other cases.
 
     Raises
@@ -242,7 +241,7 @@ def common_parameters(cases: Sequence[Case]) -> dict[str, Parameter]:
     parameters: dict[str, Parameter] = {}
     for case in evaluation_order(list(cases)):
         for name, parameter in case.model.parameters.items():
-            if name in case.given:
+            if name in case.inputs:
                 continue
             first = parameters.setdefault(name, parameter)
             if first.bounds != parameter.bounds:

@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.design.limit import Limit
 from dalembert.design.methods.search_options import refuse_infinite_bounds
-from dalembert.design.optimize.optimum import Iterate
+from dalembert.design.optimize.optimization_result import Iterate
 from dalembert.design.optimize.problem import DesignProblem, Evaluation
 from dalembert.errors import AnalysisError
 

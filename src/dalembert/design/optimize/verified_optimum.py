@@ -7,14 +7,14 @@ import numpy as np
 from dalembert.design.limit import Bounded
 from dalembert.design.methods.base import OptimizerResult
 from dalembert.design.optimize.optimality import OPTIMAL, Multipliers, multipliers, why_stuck
-from dalembert.design.optimize.optimum import Iterate, Optimum
+from dalembert.design.optimize.optimization_result import Iterate, OptimizationResult
 from dalembert.design.optimize.problem import Evaluation
 from dalembert.design.optimize.program import FEASIBLE, Point, Program
 
 
 def verified_optimum(
     program: Program, outcome: OptimizerResult, interrupted: bool = False
-) -> Optimum:
+) -> OptimizationResult:
     """Optimum, with feasibility and first-order optimality checked at its final design."""
     program.restore_scale()
     x, evaluation, note = _design(program, outcome)
@@ -38,7 +38,7 @@ def verified_optimum(
     unit = program.problem.unit(0, results)
     variables = _variables(program, x, kkt)
     limits = _limits(program, evaluation, kkt, results)
-    return Optimum(
+    return OptimizationResult(
         x=program.variables.parameters(x),
         fun=float(evaluation.values[0]),
         success=outcome.is_complete and not objections and not failed and not interrupted,
@@ -161,7 +161,7 @@ def _variables(program: Program, x: np.ndarray, kkt: Multipliers) -> list[Bounde
                 float(upper) if np.isfinite(upper) else None,
                 side,
                 0.0 if is_discrete or not side else float(price / program.width[i]),
-                program.variables.given_units[i],
+                program.variables.declared_units[i],
             )
         )
     return variables

@@ -47,7 +47,7 @@ def with_views(page: dict[str, Any], decision: Any, title: str) -> dict[str, Any
     page["title"] = f"{page['title']}: {title}"
     page["verdict"] = verdict(decision)
     page["designs"] = decision.table_of_designs()
-    page["views"] = all_views(decision)
+    page["views"] = [*page.get("views", ()), *all_views(decision)]
     return page
 
 

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dalembert.design.pages.decision import alternative, plain_page, thinned, with_views
 from dalembert.report import views
 
+if TYPE_CHECKING:
+    from dalembert.design.pareto.pareto_result import ParetoResult
+
 MAX_MATRIX = 6
 """Upper limit of the aims of which all pairs are drawn."""
 
 
-def front_page(front: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of a ``Front``."""
+def front_page(front: ParetoResult, **first_view: Any) -> dict[str, Any]:
+    """Page of a ``ParetoResult``."""
     first = front.result(0) if len(front) else None
     if first is None or not getattr(first, "has_page", False):
         return plain_page(front)
@@ -26,7 +29,7 @@ def front_page(front: Any, **first_view: Any) -> dict[str, Any]:
     return page
 
 
-def front_designs(front: Any) -> dict[str, Any]:
+def front_designs(front: ParetoResult) -> dict[str, Any]:
     """Table of the points; the knee is selected first."""
     units = front.parameter_units or [""] * len(front.names)
     aims = zip(front.labels, front.units, front.values.T, strict=True)
@@ -45,7 +48,7 @@ def knee(values: np.ndarray) -> int:
     return int(np.argmin(np.linalg.norm(unit, axis=1)))
 
 
-def front_views(front: Any) -> list[dict[str, Any]]:
+def front_views(front: ParetoResult) -> list[dict[str, Any]]:
     """Front, parallel coordinates, scatter matrix, table and facts."""
     better = ["less" if sense > 0 else "more" for sense in front.senses]
     payload = [

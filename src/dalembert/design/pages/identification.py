@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,30 +13,38 @@ from dalembert.design.identification.misfit import Misfit
 from dalembert.design.pages.decision import plain_page, with_views
 from dalembert.report import views
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from dalembert.design.identification.identification_result import IdentificationResult
+    from dalembert.design.inverse.inversion_result import InversionResult
+
 MAX_SAMPLES = 1500
 """Upper limit of the drawn samples of one column."""
 MAX_UNKNOWNS = 6
 """Upper limit of the unknowns with confidence ellipses."""
 
 
-def identification_page(identification: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of an ``Identification``."""
+def identification_page(identification: IdentificationResult, **first_view: Any) -> dict[str, Any]:
+    """Page of an ``IdentificationResult``."""
     return _motion_page(identification, "identification", first_view)
 
 
-def inversion_page(inversion: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of an ``Inversion``."""
+def inversion_page(inversion: InversionResult, **first_view: Any) -> dict[str, Any]:
+    """Page of an ``InversionResult``."""
     return _motion_page(inversion, "inverse problem", first_view)
 
 
-def _motion_page(decision: Any, title: str, first_view: dict[str, Any]) -> dict[str, Any]:
+def _motion_page(
+    decision: IdentificationResult | InversionResult, title: str, first_view: dict[str, Any]
+) -> dict[str, Any]:
     motion = decision.motions[0]
     if not motion.has_page:
         return plain_page(decision)
     return with_views(motion.page(**first_view), decision, title)
 
 
-def identification_views(identification: Any) -> list[dict[str, Any]]:
+def identification_views(identification: IdentificationResult) -> list[dict[str, Any]]:
     """Unknowns with their intervals, fit and residuals, confidence ellipses and notes."""
     interval, start = identification.interval(), identification.misfit.unknowns.start
     parameters = identification.misfit.model.parameters
@@ -49,7 +57,7 @@ def identification_views(identification: Any) -> list[dict[str, Any]]:
         }
         for (name, value), first, unit in zip(identification.x.items(), start, units, strict=True)
     ]
-    heads = ["Start", "Found", "± σ", "95 % from", "to"]
+    heads = ["Start", "Estimate", "± σ", "95 % from", "to"]
     table = {"kind": "rows", "title": "Unknowns", "heads": heads, "rows": rows}
     payload = [{**table, "place": "board"}, *fits(identification.misfit, identification.predicted)]
     covariance = identification.covariance.values
@@ -62,8 +70,11 @@ def identification_views(identification: Any) -> list[dict[str, Any]]:
         square = covariance[np.ix_(shown, shown)]
         units = [units[k] for k in shown]
         payload.append(views.ellipses("Confidence ellipses", names, units, centre, square, note))
-    kind = "specified" if identification.noise_given else "estimated"
-    numbers = [("samples", identification.samples), ("runs", identification.runs)]
+    kind = "specified" if identification.noise_specified else "estimated"
+    numbers: list[tuple[str, object]] = [
+        ("samples", identification.samples),
+        ("runs", identification.runs),
+    ]
     numbers += [(f"noise of {c} ({kind})", f"{s:.3g}") for c, s in identification.noise.items()]
     payload.append(views.facts("Fit", numbers))
     if identification.notes:
@@ -71,7 +82,7 @@ def identification_views(identification: Any) -> list[dict[str, Any]]:
     return payload
 
 
-def inversion_views(inversion: Any) -> list[dict[str, Any]]:
+def inversion_views(inversion: InversionResult) -> list[dict[str, Any]]:
     """Histories with confidence bands, fit and residuals, and the L-curve."""
     payload = []
     for history in inversion.histories:
@@ -101,7 +112,7 @@ def inversion_views(inversion: Any) -> list[dict[str, Any]]:
     return payload
 
 
-def fits(misfit: Any, predicted: list[np.ndarray]) -> list[dict[str, Any]]:
+def fits(misfit: Misfit, predicted: Sequence[np.ndarray]) -> list[dict[str, Any]]:
     """Data, model and scaled residuals of every column."""
     payload = []
     for column in dict.fromkeys(c for o in misfit.observations for c in o.columns):
@@ -133,11 +144,11 @@ def fits(misfit: Any, predicted: list[np.ndarray]) -> list[dict[str, Any]]:
     return payload
 
 
-def plot_fit(misfit: Misfit, predicted: Sequence[np.ndarray]) -> Any:
+def identification_figure(identification: IdentificationResult) -> Figure:
     """Figure of data and model, with residuals in standard deviations below, per column."""
     import matplotlib.pyplot as plt
 
-    observations = misfit.observations
+    misfit, observations = identification.misfit, identification.misfit.observations
     columns = list(dict.fromkeys(c for o in observations for c in o.columns))
     figure, axes = plt.subplots(
         *(2, len(columns)),
@@ -148,7 +159,7 @@ def plot_fit(misfit: Misfit, predicted: Sequence[np.ndarray]) -> Any:
         layout="constrained",
     )
     for number, (o, prediction, noise) in enumerate(
-        zip(observations, predicted, misfit.noise, strict=True)
+        zip(observations, identification.predicted, misfit.noise, strict=True)
     ):
         for j, column in enumerate(o.columns):
             above, below = axes[:, columns.index(column)]
@@ -171,16 +182,23 @@ def plot_fit(misfit: Misfit, predicted: Sequence[np.ndarray]) -> Any:
     return figure
 
 
-def identification_table(
-    rows: Sequence[Sequence[str]], lines: tuple[str, str], notes: Sequence[str]
-) -> str:
+def identification_table(identification: IdentificationResult) -> str:
     """HTML table of the unknowns with their intervals and notes."""
+    parameters, interval = identification.misfit.model.parameters, identification.interval()
+    body = ""
+    for name, value in identification.x.items():
+        low, high = interval[name]
+        unit = parameters[name].unit if name in parameters else ""
+        deviation = identification.deviation[name]
+        row = (name, f"{value:.6g}", f"{deviation:.2g}", f"{low:.6g} … {high:.6g}", unit)
+        body += f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>"
     head = "".join(f"<th>{h}</th>" for h in ("unknown", "value", "±", "95 % interval", "unit"))
-    cells = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows)
-    body = "".join(f"<tr>{row}</tr>" for row in cells)
-    listed = "".join(f"<li>{escape(note)}</li>" for note in notes)
+    kind = "specified" if identification.noise_specified else "estimated"
+    noise = ", ".join(f"{column}: {level:.3g}" for column, level in identification.noise.items())
+    listed = "".join(f"<li>{escape(note)}</li>" for note in identification.notes)
     return (
-        f"<p><b>Identification</b>, {escape(lines[0])}</p>"
+        f"<p><b>Identification</b>, {identification.samples} samples: "
+        f"{escape(identification.message)}</p>"
         f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
-        f"<p>{escape(lines[1])}</p><ul>{listed}</ul>"
+        f"<p>{escape(f'noise ({kind}): {noise}')}</p><ul>{listed}</ul>"
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,21 +15,25 @@ from dalembert.report import views
 from dalembert.results.files.tables import checked_units
 from dalembert.units.unit import shown_in
 
+if TYPE_CHECKING:
+    from dalembert.design.optimize.optimization_result import OptimizationResult
+
 FLAT = 1e-6
 """Threshold of the relative change of the objective below which slopes are not drawn [-]."""
 CONSTANT_KEYS = ("name", "node", "shapes")
 """Keys of a body that do not depend on time."""
 
 
-def optimum_page(optimum: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of an ``Optimum``."""
+def optimum_page(optimum: OptimizationResult, **first_view: Any) -> dict[str, Any]:
+    """Page of an ``OptimizationResult``."""
     units = checked_units(first_view.get("units") or ())
     if not optimum.motion.has_page:
         return plain_page(optimum) | {"optimum": optimum_payload(optimum, units)}
     page = optimum.motion.page(**first_view)
     page["title"] = f"{page['title']}: optimum"
     page["optimum"] = optimum_payload(optimum, units)
-    page["views"], page["verdict"] = optimum_views(optimum, units), verdict(optimum)
+    page["views"] = [*page.get("views", ()), *optimum_views(optimum, units)]
+    page["verdict"] = verdict(optimum)
     if units:
         page["verdict"]["text"] = _sentence(page["optimum"])
     first = optimum.initial.page() if optimum.initial.has_page else {}
@@ -40,7 +44,7 @@ def optimum_page(optimum: Any, **first_view: Any) -> dict[str, Any]:
     return page
 
 
-def optimum_payload(optimum: Any, units: Sequence[str] = ()) -> dict[str, Any]:
+def optimum_payload(optimum: OptimizationResult, units: Sequence[str] = ()) -> dict[str, Any]:
     """Objective, variables, limits, prices and history, in the first of ``units`` that fits."""
     factor, unit = shown_in(optimum.unit, units)
     variables = [bounded.shown_in(units, (factor, unit)) for bounded in optimum.variables]
@@ -64,13 +68,13 @@ def optimum_payload(optimum: Any, units: Sequence[str] = ()) -> dict[str, Any]:
 
 
 def _sentence(payload: dict[str, Any]) -> str:
-    """``Optimum.sentence`` in the units of the page."""
+    """``OptimizationResult.sentence`` in the units of the page."""
     unit = f" {payload['unit']}" if payload["unit"] else ""
     state = "optimal" if payload["success"] else "not optimal"
     return f"{payload['label']} {payload['start']:.4g} → {payload['value']:.4g}{unit}, {state}"
 
 
-def optimum_views(optimum: Any, units: Sequence[str] = ()) -> list[dict[str, Any]]:
+def optimum_views(optimum: OptimizationResult, units: Sequence[str] = ()) -> list[dict[str, Any]]:
     """Slopes of the objective, history of the parameters, and other optima."""
     width = {variable.name: _tenth_of_range(variable) for variable in optimum.variables}
     reach = {n: slope * width[n] for n, slope in optimum.gradient.items()}
@@ -98,7 +102,7 @@ def optimum_views(optimum: Any, units: Sequence[str] = ()) -> list[dict[str, Any
     return payload
 
 
-def _tenth_of_range(variable: Any) -> float:
+def _tenth_of_range(variable: Bounded) -> float:
     """Tenth of the range of a parameter, or of its value if it is unbounded."""
     if variable.lower is None or variable.upper is None:
         return 0.1 * abs(variable.value)
@@ -124,8 +128,8 @@ def _ghosts(first: dict[str, Any], time: np.ndarray) -> list[dict[str, Any]]:
     return ghosts
 
 
-def optimum_table(optimum: Any) -> str:
-    """HTML of an ``Optimum``: objective, parameters, limits and prices; names are escaped."""
+def optimum_table(optimum: OptimizationResult) -> str:
+    """HTML of an optimum: objective, parameters, limits and prices; names are escaped."""
     unit = html.escape(optimum.unit)
     start = optimum.history[0].objective
     rows = [_row("th", "", "unit", "lower", "start", "best", "upper", "price")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,16 +10,20 @@ from dalembert.design.pages.decision import plain_page, verdict, with_views
 from dalembert.design.pages.optimum import optimum_page
 from dalembert.report import views
 
+if TYPE_CHECKING:
+    from dalembert.design.reliability.reliability_result import ReliabilityResult
+    from dalembert.design.reliability.reliable_optimization_result import ReliableOptimizationResult
 
-def reliability_page(reliability: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of a ``Reliability``."""
+
+def reliability_page(reliability: ReliabilityResult, **first_view: Any) -> dict[str, Any]:
+    """Page of a ``ReliabilityResult``."""
     result = reliability.result()
     if result is None or not result.has_page:
         return plain_page(reliability)
     return with_views(result.page(**first_view), reliability, "design point")
 
 
-def reliability_views(reliability: Any) -> list[dict[str, Any]]:
+def reliability_views(reliability: ReliabilityResult) -> list[dict[str, Any]]:
     """Index, design point, importance, sensitivities and samples."""
     point = reliability.point
     rows = [
@@ -67,16 +71,16 @@ def reliability_views(reliability: Any) -> list[dict[str, Any]]:
     return payload
 
 
-def _size(reliability: Any, name: str, number: str) -> float:
+def _size(reliability: ReliabilityResult, name: str, number: str) -> float:
     return abs(reliability.nataf.random[name].numbers[number]) or 1.0
 
 
-def _nominal(reliability: Any) -> dict[str, float]:
+def _nominal(reliability: ReliabilityResult) -> dict[str, float]:
     model = reliability.searches[0].limits.model
     return {} if model is None else dict(zip(model.parameters, map(float, model.nominal)))  # noqa: B905
 
 
-def _design_point_view(reliability: Any) -> dict[str, Any]:
+def _design_point_view(reliability: ReliabilityResult) -> dict[str, Any]:
     """Design point in standard normal space, in the plane of its two largest components."""
     point, names = reliability.point, list(reliability.nataf.random)
     order = np.argsort(-abs(point.u))[:2]
@@ -105,7 +109,7 @@ def _design_point_view(reliability: Any) -> dict[str, Any]:
     )
 
 
-def _table(reliability: Any) -> dict[str, Any]:
+def _table(reliability: ReliabilityResult) -> dict[str, Any]:
     """Medians and design point in the units of the random parameters."""
     median = reliability.nataf.values(np.zeros(reliability.nataf.size))
     names = list(reliability.nataf.random)
@@ -119,13 +123,16 @@ def _table(reliability: Any) -> dict[str, Any]:
     return {"kind": "rows", "title": "Random parameters", "heads": heads, "rows": rows}
 
 
-def reliable_page(optimum: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of a ``ReliableOptimum``: the page of the optimum with further views."""
+def reliable_page(optimum: ReliableOptimizationResult, **first_view: Any) -> dict[str, Any]:
+    """Page of a ``ReliableOptimizationResult``: the page of the optimum with further views."""
     page = optimum_page(optimum.optimum, **first_view)
-    return page | {"views": optimum.views(), "verdict": verdict(optimum)}
+    return page | {
+        "views": [*first_view.get("views", ()), *optimum.views()],
+        "verdict": verdict(optimum),
+    }
 
 
-def reliable_views(optimum: Any) -> list[dict[str, Any]]:
+def reliable_views(optimum: ReliableOptimizationResult) -> list[dict[str, Any]]:
     """Reliability index and design point of each limit, and the convergence of the rounds."""
     names = list(optimum.limits[0].point)
     rows = [

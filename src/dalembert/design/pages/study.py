@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dalembert.design.decision import axis_label
 from dalembert.design.pages.decision import plain_page
 from dalembert.report import views
+
+if TYPE_CHECKING:
+    from dalembert.design.studies.sweep_result import SweepResult
 
 MAX_DESIGNS = 1500
 """Upper limit of the designs drawn on a page."""
@@ -20,12 +23,12 @@ MAX_MATRIX = 7
 """Upper limit of the columns of which all pairs are drawn."""
 
 
-def study_page(study: Any) -> dict[str, Any]:
-    """Page of a ``Study``."""
+def study_page(study: SweepResult) -> dict[str, Any]:
+    """Page of a ``SweepResult``."""
     return plain_page(study)
 
 
-def study_designs(study: Any) -> dict[str, Any]:
+def study_designs(study: SweepResult) -> dict[str, Any]:
     """Table of designs and responses."""
     indices = _drawn_designs(study)
     unit = study.units.get
@@ -42,12 +45,12 @@ def study_designs(study: Any) -> dict[str, Any]:
     return views.designs(columns, labels=labels, reasons=reasons, chosen=first)
 
 
-def _drawn_designs(study: Any) -> np.ndarray:
+def _drawn_designs(study: SweepResult) -> np.ndarray:
     count = len(study.design)
     return np.unique(np.linspace(0, count - 1, min(count, MAX_DESIGNS)).round().astype(int))
 
 
-def study_views(study: Any) -> list[dict[str, Any]]:
+def study_views(study: SweepResult) -> list[dict[str, Any]]:
     """Parallel coordinates, scatter plots, histograms and reasons of failures."""
     names = [*study.responses, *study.design.names]
     payload = [views.of_designs("parallel", "All designs", wide=True, brush=True)]

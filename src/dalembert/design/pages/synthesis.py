@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dalembert.design.pages.decision import CHANGING, plain_page, with_views
 from dalembert.report import views
+
+if TYPE_CHECKING:
+    from dalembert.design.synthesis.candidates import Candidate, Candidates
+    from dalembert.design.synthesis.target import Target
 
 MAX_MECHANISMS = 12
 """Upper limit of the mechanisms on a page."""
@@ -15,7 +20,7 @@ MARKER_SIZE = 0.012
 """Radius of a target marker relative to the extent of the target [-]."""
 
 
-def synthesis_page(candidates: Any, **first_view: Any) -> dict[str, Any]:
+def synthesis_page(candidates: Candidates[Candidate], **first_view: Any) -> dict[str, Any]:
     """Page of ``Candidates``."""
     pages = [
         _candidate_page(candidates, solution) for solution in candidates.solutions[:MAX_MECHANISMS]
@@ -31,11 +36,13 @@ def synthesis_page(candidates: Any, **first_view: Any) -> dict[str, Any]:
         for other in pages
     ]
     series_names = {series["name"] for series in page["series"]}
-    page["default_plots"] = [[m] for m in candidates.best.watched if m in series_names]
+    page["default_plots"] = [[m] for m in candidates.best.plotted_measures if m in series_names]
     return page
 
 
-def _candidate_page(candidates: Any, candidate: Any) -> dict[str, Any] | None:
+def _candidate_page(
+    candidates: Candidates[Candidate], candidate: Candidate
+) -> dict[str, Any] | None:
     """Page of a mechanism over one turn, with the target points."""
     page: dict[str, Any] | None = candidate.page()
     if page is None:
@@ -49,13 +56,13 @@ def _candidate_page(candidates: Any, candidate: Any) -> dict[str, Any] | None:
     return page
 
 
-def synthesis_designs(candidates: Any) -> dict[str, Any]:
+def synthesis_designs(candidates: Candidates[Candidate]) -> dict[str, Any]:
     """Table of the mechanisms."""
     solutions = candidates.solutions[:MAX_MECHANISMS]
     columns = [("error", "", "aim", [solution.error for solution in solutions])]
     worst = [float(np.max(solution.distances, initial=0.0)) for solution in solutions]
     columns.append(("largest distance", "", "aim", worst))
-    criteria = [solution.judged() for solution in solutions]
+    criteria = [solution.criteria() for solution in solutions]
     for name, (unit, _) in criteria[0].items():
         columns.append((name, unit, "aim", [row[name][1] for row in criteria]))
     numbers = [solution.numbers for solution in solutions]
@@ -67,7 +74,7 @@ def synthesis_designs(candidates: Any) -> dict[str, Any]:
     return views.designs(columns, labels=labels)
 
 
-def synthesis_views(candidates: Any) -> list[dict[str, Any]]:
+def synthesis_views(candidates: Candidates[Candidate]) -> list[dict[str, Any]]:
     """Table, target against result, and the dimensions in parallel coordinates."""
     target, solutions = candidates.target, candidates.solutions[:MAX_MECHANISMS]
     payload = [
@@ -78,7 +85,7 @@ def synthesis_views(candidates: Any) -> list[dict[str, Any]]:
         for k, solution in enumerate(solutions):
             path = solution.curve()
             lines.append(views.line("obtained", path[:, 0], path[:, 1], design=k))
-            points = solution.passed()
+            points = solution.points()
             lines.append(
                 views.line(
                     "at the entries", points[:, 0], points[:, 1], "dots", design=k, open=True
@@ -91,7 +98,7 @@ def synthesis_views(candidates: Any) -> list[dict[str, Any]]:
             }
         )
     if target.outputs is not None:
-        payload.append(_function_view(target, solutions))
+        payload.append(_function_view(target, target.outputs, solutions))
     distances = [
         views.line("distance", np.arange(len(target)), solution.distances, design=k)
         for k, solution in enumerate(solutions)
@@ -103,13 +110,15 @@ def synthesis_views(candidates: Any) -> list[dict[str, Any]]:
     return payload
 
 
-def _function_view(target: Any, solutions: list[Any]) -> dict[str, Any]:
+def _function_view(
+    target: Target, outputs: np.ndarray, solutions: Sequence[Candidate]
+) -> dict[str, Any]:
     """Outputs over the crank angle, relative to their means."""
     crank_angles = target.crank_angles
     abscissa = np.arange(len(target)) if crank_angles is None else np.asarray(crank_angles)
-    lines = [views.line("target", abscissa, target.outputs - np.mean(target.outputs), "dots")]
+    lines = [views.line("target", abscissa, outputs - np.mean(outputs), "dots")]
     for k, solution in enumerate(solutions):
-        output = solution.reached()
+        output = solution.outputs()
         lines.append(views.line("obtained", abscissa, output - output.mean(), design=k))
     x = "entry" if crank_angles is None else "crank angle [rad]"
     curves = views.curves("Target and output", x, "output from its mean", lines, follows="design")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,15 +10,18 @@ from dalembert.design.decision import axis_label
 from dalembert.design.pages.decision import plain_page, with_views
 from dalembert.report import views
 
+if TYPE_CHECKING:
+    from dalembert.design.tolerance.tolerance_result import ToleranceResult
 
-def tolerance_page(result: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of a ``Toleranced``."""
+
+def tolerance_page(result: ToleranceResult, **first_view: Any) -> dict[str, Any]:
+    """Page of a ``ToleranceResult``."""
     if result.run is None or not result.run.has_page:
         return plain_page(result)
     return with_views(result.run.page(**first_view), result, "tolerances")
 
 
-def tolerance_views(result: Any) -> list[dict[str, Any]]:
+def tolerance_views(result: ToleranceResult) -> list[dict[str, Any]]:
     """Scatter, contributions, effects and tolerances."""
     unit = result.unit
     mean, std = (result.nominal, result.std) if result.hessian is None else result.second_order
@@ -63,7 +66,7 @@ def tolerance_views(result: Any) -> list[dict[str, Any]]:
     return payload
 
 
-def _table(result: Any) -> dict[str, Any]:
+def _table(result: ToleranceResult) -> dict[str, Any]:
     heads, columns = ["Tolerance ±"], [result.tolerances]
     if result.allotted is not None:
         heads.append("Allotted ±")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -10,6 +10,10 @@ from dalembert.design.decision import axis_label
 from dalembert.design.pages.decision import with_views
 from dalembert.report import views
 from dalembert.results.pictures.scene import standing
+
+if TYPE_CHECKING:
+    from dalembert.design.trajectory.trajectory_result import TrajectoryResult
+    from dalembert.results.motion import Motion
 
 CONTROL_POINTS = 240
 """Number of points by which a control is drawn."""
@@ -19,16 +23,16 @@ NEGLIGIBLE = 1e-9
 """Threshold of the scaled change of a coordinate below which it is not drawn [-]."""
 
 
-def trajectory_page(trajectory: Any, **first_view: Any) -> dict[str, Any]:
-    """Page of an ``OptimalTrajectory``."""
-    page = with_views(trajectory.shown.page(**first_view), trajectory, "trajectory")
+def trajectory_page(trajectory: TrajectoryResult, **first_view: Any) -> dict[str, Any]:
+    """Page of a ``TrajectoryResult``."""
+    page = with_views(trajectory.final_motion.page(**first_view), trajectory, "trajectory")
     if page.get("time"):
         page["scene"]["ghosts"] = [standing(b, 0) for b in page["scene"]["bodies"] if b["shapes"]]
         page["ghost_name"] = "Initial position"
     return page
 
 
-def trajectory_views(trajectory: Any) -> list[dict[str, Any]]:
+def trajectory_views(trajectory: TrajectoryResult) -> list[dict[str, Any]]:
     """Controls, planned and simulated states, dimensions, and facts of the search."""
     payload = [{**_control(trajectory, name), "place": "board"} for name in trajectory.controls]
     payload += _states(trajectory)
@@ -50,7 +54,7 @@ def trajectory_views(trajectory: Any) -> list[dict[str, Any]]:
     return payload
 
 
-def _control(trajectory: Any, name: str) -> dict[str, Any]:
+def _control(trajectory: TrajectoryResult, name: str) -> dict[str, Any]:
     """Control over time, with its finite bounds."""
     control = trajectory.controls[name]
     times = np.linspace(0, trajectory.duration, CONTROL_POINTS)
@@ -64,7 +68,7 @@ def _control(trajectory: Any, name: str) -> dict[str, Any]:
     return views.curves(f"Control {name}", "time [s]", label, lines, levels=levels)
 
 
-def _states(trajectory: Any) -> list[dict[str, Any]]:
+def _states(trajectory: TrajectoryResult) -> list[dict[str, Any]]:
     """Coordinates that change, planned and simulated."""
     plan = trajectory.planned
     payload = []
@@ -80,14 +84,14 @@ def _states(trajectory: Any) -> list[dict[str, Any]]:
     return payload
 
 
-def _moving(plan: Any) -> list[str]:
+def _moving(plan: Motion) -> list[str]:
     """Coordinates with the largest scaled changes."""
     span = np.ptp(plan.trajectory.y, axis=1) / plan.model.scales.coordinates
     names, order = plan.model.guesses.names, np.argsort(-span)
     return [names[k] for k in order[:MAX_STATES] if span[k] > NEGLIGIBLE]
 
 
-def _dimensions(trajectory: Any) -> dict[str, Any]:
+def _dimensions(trajectory: TrajectoryResult) -> dict[str, Any]:
     """Parameters designed together with the motion."""
     model = trajectory.planned.model
     rows = [

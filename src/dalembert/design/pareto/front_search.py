@@ -13,7 +13,7 @@ from dalembert.design.methods.base import Optimizer, Stop
 from dalembert.design.optimize.optimality import OPTIMAL, multipliers, solve_to_stationarity
 from dalembert.design.optimize.program import FEASIBLE, Program
 from dalembert.design.optimize.verified_optimum import violated_limits
-from dalembert.design.pareto.front import Front, make_front, nondominated
+from dalembert.design.pareto.pareto_result import ParetoResult, make_front, nondominated
 from dalembert.design.quantity import CaseResponse, Quantity, split_terms
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import searching
@@ -148,7 +148,7 @@ class FrontSearch:
         """(aims,) values, all to be minimised."""
         return self.senses * self.functions.values(x)
 
-    def front(self, method: str, points: int, report: Callable[[float], None]) -> Front:
+    def front(self, method: str, points: int, report: Callable[[float], None]) -> ParetoResult:
         """Search the front; Ctrl-C ends with the points until then.
 
         Raises
@@ -262,7 +262,7 @@ class FrontSearch:
             limits.append(Limit(aim, upper=float(target[k] / span[k])))
         return limits
 
-    def result(self, method: str, note: str) -> Front:
+    def result(self, method: str, note: str) -> ParetoResult:
         values = np.array([self.values(x) for x in self.solutions])
         designs = np.array(self.solutions)
         remarks = f"; {len(self.failures)} searches failed" if self.failures else ""

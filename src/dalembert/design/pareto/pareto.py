@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -13,29 +12,31 @@ from dalembert.design.limit import Limit
 from dalembert.design.methods.base import Optimizer
 from dalembert.design.methods.registry import make_optimizer
 from dalembert.design.methods.search_options import additional_starts
-from dalembert.design.pareto.front import Front, make_front
 from dalembert.design.pareto.front_search import FrontSearch
+from dalembert.design.pareto.pareto_result import ParetoResult, make_front
+from dalembert.design.quantity import Objective
+from dalembert.design.variables import Vary
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 
 EVOLUTIONS = ("nsga2", "nsga3")
 METHODS = ("normal-constraint", "epsilon-constraint", *EVOLUTIONS)
 
 
-@spelled
+@check_arguments
 @interruptible
 def pareto(
     model: ParametricModel | None = None,
-    minimize: Sequence[Any] = (),
+    minimize: Sequence[Objective] = (),
     *,
-    maximize: Sequence[Any] = (),
+    maximize: Sequence[Objective] = (),
     subject_to: Sequence[Limit] = (),
-    vary: Sequence[Any] | None = None,
+    vary: Vary = None,
     analysis: Analysis | None = None,
     start: Mapping[str, float] | None = None,
     method: str = "normal-constraint",
@@ -48,7 +49,7 @@ def pareto(
     generations: int = 100,
     rng: int = 0,
     progress: Reported = False,
-) -> Front:
+) -> ParetoResult:
     """Pareto front of several aims; Ctrl-C ends it with the points until then.
 
     Parameters
@@ -125,7 +126,7 @@ def _evolve(
     generations: int,
     rng: int,
     report: Callable[[float], None],
-) -> Front:
+) -> ParetoResult:
     """NSGA-II (Deb et al. 2002) or NSGA-III (Deb & Jain 2014) of pymoo."""
     from dalembert.design.ecosystem.pymoo_problem import evolve
 

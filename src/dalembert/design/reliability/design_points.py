@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -64,7 +63,7 @@ class PointSearches:
         )
 
 
-def design_points(search: Search, starts: int, rng: Any) -> PointSearches:
+def design_points(search: Search, starts: int, rng: np.random.Generator) -> PointSearches:
     """Design points of a limit state from the median and from starts around it, nearest first.
 
     Points with a probability below ``NEGLIGIBLE`` of that of the nearest point are discarded. An
@@ -168,7 +167,7 @@ class _PointCheck:
             point = nearer
         return point
 
-    def scan(self, point: DesignPoint, rng: Any) -> np.ndarray | None:
+    def scan(self, point: DesignPoint, rng: np.random.Generator) -> np.ndarray | None:
         """Nearest failed point of a random sample within the sphere through a design point."""
         directions = rng.normal(size=(SCAN, point.u.size))
         directions /= np.linalg.norm(directions, axis=1)[:, None]
@@ -215,7 +214,7 @@ class _PointCheck:
         return point, None
 
 
-def _first(search: Search, scale: float, rng: Any) -> DesignPoint:
+def _first(search: Search, scale: float, rng: np.random.Generator) -> DesignPoint:
     """Design point from the median, or from random starts if the gradient vanishes there.
 
     Raises

@@ -14,7 +14,7 @@ from dalembert.design.optimize.optimization import design_problem
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import as_responses
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.symbolic.parametric_model import ParametricModel

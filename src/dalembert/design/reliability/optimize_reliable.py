@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -25,35 +24,40 @@ from dalembert.design.optimize.optimization import (
     fingerprint,
     signed_objective,
 )
-from dalembert.design.optimize.optimum import Optimum
+from dalembert.design.optimize.optimization_result import OptimizationResult
+from dalembert.design.quantity import Objective
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Correlation
-from dalembert.design.reliability.reliable_optimum import ReliableLimit, ReliableOptimum, Round
+from dalembert.design.reliability.reliable_optimization_result import (
+    ReliableLimit,
+    ReliableOptimizationResult,
+    Round,
+)
 from dalembert.design.reliability.reliable_task import ReliableTask, one_sided
-from dalembert.design.variables import varied_names
+from dalembert.design.variables import Vary, varied_names
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 CONVERGED = 1e-5
 """Threshold for convergence of the rounds: relative change of the design, margin of the limits."""
 
 
-@spelled
+@check_arguments
 @interruptible
 def optimize_reliable(
     model: ParametricModel,
-    minimize: Any = None,
+    minimize: Objective | None = None,
     *,
     subject_to: Sequence[Limit],
     random: Mapping[str, Distribution],
     analysis: Analysis,
     beta: float = 3.0,
-    maximize: Any = None,
-    vary: Sequence[Any] | None = None,
+    maximize: Objective | None = None,
+    vary: Vary = None,
     correlation: Correlation = None,
     start: Mapping[str, float] | None = None,
     method: str | Optimizer = "slsqp",
@@ -63,7 +67,7 @@ def optimize_reliable(
     rounds: int = 20,
     history: str | Path | None = None,
     progress: bool | OnIteration = False,
-) -> ReliableOptimum:
+) -> ReliableOptimizationResult:
     """Optimal parameters for which every limit holds with probability ``Φ(β)``, to first order.
 
     Parameters
@@ -126,14 +130,14 @@ class _Rounds:
     task: ReliableTask
     search: OptimizerSettings
     sign: float
-    objective: Any
-    vary: Sequence[Any] | None
+    objective: Objective
+    vary: Vary
     start: dict[str, float]
     history: str | Path | None
-    best: Optimum | None = None
+    best: OptimizationResult | None = None
     limits: list[ReliableLimit] = field(default_factory=list)
     rounds: list[Round] = field(default_factory=list)
-    settled: bool = False
+    converged: bool = False
     stopped: bool = False
     sizes: np.ndarray | None = None
 
@@ -165,13 +169,13 @@ class _Rounds:
             previous = self.start = dict(best.x)
             margin = min(limit.margin for limit in self.limits)
             self.rounds.append(Round(number, best.fun, best.x, margin, best.runs))
-            self.settled = change <= CONVERGED and margin >= -CONVERGED
-            if self.settled:
+            self.converged = change <= CONVERGED and margin >= -CONVERGED
+            if self.converged:
                 break
         assert self.best is not None
         self.limits = self.task.with_indices(self.best, self.points, self.limits)
 
-    def _optimum(self) -> Optimum:
+    def _optimum(self) -> OptimizationResult:
         """The optimum for limits at the worst points of the last design."""
         task, limits = self.task, self.task.at(self.points, self.varied)
         quantities = [self.objective, *(limit.response for limit in limits)]
@@ -182,7 +186,7 @@ class _Rounds:
         self.sizes = program.sizes
         return self.search.best(program)
 
-    def result(self) -> ReliableOptimum:
+    def result(self) -> ReliableOptimizationResult:
         """The result of the completed rounds."""
         best = self.best
         assert best is not None
@@ -190,12 +194,12 @@ class _Rounds:
             best = replace(best, success=False, interrupted=True, message="interrupted")
         limits = self.limits or self.task.unknown()
         runs = self.task.states.problem.runs + best.runs
-        return ReliableOptimum(
-            best, self.task.beta, limits, self.rounds, self.settled, runs, self.stopped
+        return ReliableOptimizationResult(
+            best, self.task.beta, limits, self.rounds, self.converged, runs, self.stopped
         )
 
 
-def _continued(before: Optimum, best: Optimum) -> Optimum:
+def _continued(before: OptimizationResult, best: OptimizationResult) -> OptimizationResult:
     """An optimum that continues another one, with the initial values and history of both."""
     return replace(
         best,

@@ -12,14 +12,14 @@ from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.first_order import DesignPoint, Search
 from dalembert.design.reliability.limit_state import limit_states
 from dalembert.design.reliability.nataf import Correlation, Nataf
-from dalembert.design.reliability.reliability_result import SAMPLINGS, Reliability
+from dalembert.design.reliability.reliability_result import SAMPLINGS, ReliabilityResult
 from dalembert.design.reliability.second_order import second_order
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible, searching
-from dalembert.options import is_whole, random_generator
+from dalembert.options import RandomSource, is_whole, random_generator
 from dalembert.results.result import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 
 SYSTEMS = ("series", "parallel")
@@ -32,7 +32,7 @@ LAYER_DEPTHS = (0.03, 0.1, 0.3, 1.0, 1.6)
 ``1/max(β, 1)`` that contains most of the probability."""
 
 
-@spelled
+@check_arguments
 @interruptible
 def reliability(
     model: ParametricModel | None,
@@ -48,9 +48,9 @@ def reliability(
     max_iterations: int = 100,
     samples: int = 0,
     sampling: str = "importance-sampling",
-    rng: Any = 0,
+    rng: RandomSource = 0,
     progress: Reported = False,
-) -> Reliability:
+) -> ReliabilityResult:
     """Probability of failure by the first-order method; further methods are in the result.
 
     Ctrl-C returns the design points computed so far.
@@ -122,7 +122,7 @@ def reliability(
         Search(limits, nataf, row, method, tolerance, max_iterations)
         for row in range(len(limits.labels))
     ]
-    result = Reliability([], system, searches, nataf)
+    result = ReliabilityResult([], system, searches, nataf)
     with progress_reporter(progress, "reliability") as report:
         try:
             with searching():
@@ -142,13 +142,13 @@ def reliability(
     return result
 
 
-def _is_significant(result: Reliability, point: DesignPoint) -> bool:
+def _is_significant(result: ReliabilityResult, point: DesignPoint) -> bool:
     """Whether the probability of a point is a significant part of the total."""
     fraction = point.probability / max(result.probability, 1e-300)
     return result.system != "series" or fraction >= MAX_CURVATURE_EFFECT / 2
 
 
-def curvature_warnings(result: Reliability) -> list[str]:
+def curvature_warnings(result: ReliabilityResult) -> list[str]:
     """Warnings for points with different first- and second-order probabilities."""
     warnings = []
     for point in result.points:
@@ -170,7 +170,7 @@ def curvature_warnings(result: Reliability) -> list[str]:
     return list(dict.fromkeys(warnings))
 
 
-def layer_warnings(result: Reliability) -> list[str]:
+def layer_warnings(result: ReliabilityResult) -> list[str]:
     """Warnings for points with a thin failure region behind the limit state."""
     from scipy.special import ndtr
 

@@ -22,10 +22,11 @@ from dalembert.design.reliability.sampling import (
     union_of_half_spaces,
 )
 from dalembert.design.reliability.second_order import SecondOrder, second_order
-from dalembert.options import random_generator
+from dalembert.options import RandomSource, random_generator
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
 
 SAMPLINGS = {
@@ -34,11 +35,11 @@ SAMPLINGS = {
     "subset-simulation": "subset_simulation",
     "openturns-subset": "openturns_subset",
 }
-"""Name of a sampling → method of ``Reliability``."""
+"""Name of a sampling → method of ``ReliabilityResult``."""
 
 
 @dataclass(eq=False)
-class Reliability(Decision):
+class ReliabilityResult(Decision):
     """Result of ``reliability``.
 
     Attributes
@@ -55,7 +56,7 @@ class Reliability(Decision):
     >>> import dalembert as da
     >>> random = {"r": da.Normal(10.0, 2.0), "s": da.Normal(4.0, 1.5)}
     >>> result = da.reliability(None, "r - s", random)
-    >>> isinstance(result, da.Reliability), round(result.probability, 6)  # Φ(-2.4)
+    >>> isinstance(result, da.ReliabilityResult), round(result.probability, 6)  # Φ(-2.4)
     (True, 0.008198)
     >>> {name: round(share, 3) for name, share in result.importance.items()}  # 4 and 2.25 of 6.25
     {'r': 0.64, 's': 0.36}
@@ -170,23 +171,23 @@ class Reliability(Decision):
         return dict(zip(names, map(float, gradient / self.point.slope), strict=True))
 
     # by sampling ----------------------------------------------------------------------------
-    def monte_carlo(self, samples: int = 10_000, rng: Any = 0) -> Estimate:
+    def monte_carlo(self, samples: int = 10_000, rng: RandomSource = 0) -> Estimate:
         """Probability of failure by samples of all random parameters."""
         generator = random_generator(rng)
         return monte_carlo(self._system, self.nataf.size, samples, generator)
 
-    def importance_sampling(self, samples: int = 1000, rng: Any = 0) -> Estimate:
+    def importance_sampling(self, samples: int = 1000, rng: RandomSource = 0) -> Estimate:
         """Probability of failure by samples about the design points."""
         points = self.points if self.system == "series" else self._nearest()
         centres = np.array([point.u for point in points])
         return importance_sampling(self._system, centres, samples, random_generator(rng))
 
-    def subset_simulation(self, samples: int = 1000, rng: Any = 0) -> Estimate:
+    def subset_simulation(self, samples: int = 1000, rng: RandomSource = 0) -> Estimate:
         """Probability of failure by subset simulation, with ``samples`` on each level."""
         generator = random_generator(rng)
         return subset_simulation(self._system, self.nataf.size, samples, generator)
 
-    def openturns_subset(self, samples: int = 1000, rng: Any = 0) -> Estimate:
+    def openturns_subset(self, samples: int = 1000, rng: RandomSource = 0) -> Estimate:
         """Subset simulation of OpenTURNS: ``pip install dalembert[reliability]``."""
         return openturns_subset_sampling(self._system, self.nataf.size, samples, rng)
 
@@ -206,7 +207,7 @@ class Reliability(Decision):
         values = self.searches[0].limits.values_at(self.nataf.values(u))
         return values.min(axis=1) if self.system == "series" else values.max(axis=1)
 
-    def sample(self, method: str, samples: int, rng: Any = 0) -> Estimate:
+    def sample(self, method: str, samples: int, rng: RandomSource = 0) -> Estimate:
         """Probability of failure by a method of ``SAMPLINGS``."""
         return getattr(self, SAMPLINGS[method])(samples, rng)  # type: ignore[no-any-return]
 
@@ -266,7 +267,7 @@ class Reliability(Decision):
             {"beta": self.beta, "probability": self.probability, "system": self.system},
         )
 
-    def plot(self, ax: Any = None) -> Any:
+    def plot(self, ax: Axes | None = None) -> Axes:
         """Importance of the random parameters; returns the axes."""
         import matplotlib.pyplot as plt
 
@@ -294,8 +295,8 @@ class Reliability(Decision):
         state = "converged" if self.success else "not converged"
         note = f", {len(self.warnings)} warning(s)" if self.warnings else ""
         return (
-            f"<Reliability β = {self.beta:.6g}, p = {self.probability:.4g}: {state}, residual "
-            f"{self.residual:.1e}, {_point_text(self.point)}{note}>"
+            f"<ReliabilityResult β = {self.beta:.6g}, p = {self.probability:.4g}: {state}, "
+            f"residual {self.residual:.1e}, {_point_text(self.point)}{note}>"
         )
 
 

@@ -16,16 +16,16 @@ import numpy as np
 from dalembert.design.case import Case
 from dalembert.design.limit import Limit
 from dalembert.design.optimize.evaluation_log import EvaluationLog, LogPart
-from dalembert.design.optimize.optimum import Optimum
+from dalembert.design.optimize.optimization_result import OptimizationResult
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.first_order import Search
 from dalembert.design.reliability.limit_state import RunLimits, limit_states
 from dalembert.design.reliability.nataf import Correlation, Nataf
-from dalembert.design.reliability.reliable_optimum import ReliableLimit
+from dalembert.design.reliability.reliable_optimization_result import ReliableLimit
 from dalembert.design.reliability.shifted import case_at, centred_at
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 
 MAX_HALVINGS = 30
@@ -96,7 +96,7 @@ class ReliableTask:
             limits.append(replace(limit, response=case[replace(limit.response, name=label)]))
         return limits
 
-    def searches(self, best: Optimum) -> list[Search]:
+    def searches(self, best: OptimizationResult) -> list[Search]:
         """Search of every limit, with the random parameters centred at a design."""
         nataf = Nataf(centred_at(self.random, best.x), self.correlation)
         self.states.other_values = np.array(
@@ -104,7 +104,7 @@ class ReliableTask:
         )
         return [Search(self.states, nataf, row) for row in range(len(self.limits))]
 
-    def worst(self, best: Optimum, points: Points) -> tuple[Points, list[ReliableLimit]]:
+    def worst(self, best: OptimizationResult, points: Points) -> tuple[Points, list[ReliableLimit]]:
         """The worst points at a design, and the values of the limits there."""
         worst_points, limits = [], []
         for search, limit, u in zip(self.searches(best), self.limits, points, strict=True):
@@ -125,7 +125,7 @@ class ReliableTask:
         return [ReliableLimit(label, nan, nan, x) for label in self.states.labels]
 
     def with_indices(
-        self, best: Optimum, points: Points, limits: list[ReliableLimit]
+        self, best: OptimizationResult, points: Points, limits: list[ReliableLimit]
     ) -> list[ReliableLimit]:
         """The limits with their reliability indices, by a search for each design point."""
         searches = self.searches(best)

@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.reliability.first_order import DesignPoint
-from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.options import random_generator
+from dalembert.errors import AnalysisError
+from dalembert.options import RandomSource, random_generator
+from dalembert.packages import optional_package
 
 Evaluate = Callable[[np.ndarray], np.ndarray]
 """(N, n) points ``u`` → (N,) ``G`` of the system, failed below zero; NaN if a run fails."""
@@ -214,7 +215,7 @@ def failure_event(evaluate: Callable[[np.ndarray], np.ndarray], size: int) -> An
     UnsupportedError
         OpenTURNS is not installed.
     """
-    ot = _openturns()
+    ot = optional_package("openturns", "subset simulation")
 
     def values(sample: Any) -> list[list[float]]:
         g = evaluate(np.array(sample, dtype=float))
@@ -226,10 +227,10 @@ def failure_event(evaluate: Callable[[np.ndarray], np.ndarray], size: int) -> An
 
 
 def openturns_subset_sampling(
-    evaluate: Callable[[np.ndarray], np.ndarray], size: int, samples: int, rng: Any
+    evaluate: Callable[[np.ndarray], np.ndarray], size: int, samples: int, rng: RandomSource
 ) -> Estimate:
     """Subset sampling of OpenTURNS with a number of samples on each level."""
-    ot = _openturns()
+    ot = optional_package("openturns", "subset simulation")
     failed_runs = [0]
 
     def evaluate_and_count(u: np.ndarray) -> np.ndarray:
@@ -250,13 +251,3 @@ def openturns_subset_sampling(
     return Estimate(
         p, variation, (max(p - half_width, 0.0), min(p + half_width, 1.0)), total, failed_runs[0]
     )
-
-
-def _openturns() -> Any:
-    try:
-        import openturns
-    except ImportError:
-        raise UnsupportedError(
-            "OpenTURNS is missing: pip install 'dalembert[reliability]'"
-        ) from None
-    return openturns

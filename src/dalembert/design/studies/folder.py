@@ -12,8 +12,9 @@ from typing import IO, Any, Protocol
 import numpy as np
 
 from dalembert.design.studies.task import Answer
-from dalembert.errors import FileError, UnsupportedError
+from dalembert.errors import FileError
 from dalembert.files import atomic_path, readable
+from dalembert.packages import optional_package
 
 ABOUT, LOCK, TABLE = "study.json", ".lock", "table"
 DAMAGED = ".damaged"
@@ -112,10 +113,7 @@ def table_format(parts: Path) -> TableFormat:
         import pyarrow.parquet  # noqa: F401
     except ImportError:
         if any(parts.glob("part-*.parquet")):
-            raise UnsupportedError(
-                f"{parts}: the answers of this study are Parquet, which needs pyarrow: "
-                "pip install 'dalembert[study]'"
-            ) from None
+            optional_package("pyarrow", f"{parts}: continuing this study")
         return Csv()
     return Parquet()
 

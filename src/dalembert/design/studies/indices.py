@@ -7,19 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.design.studies.design import Design, Ranges
-from dalembert.design.studies.study import Study
-from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.text.spelling import spelled
+from dalembert.design.studies.design_table import DesignTable, Ranges
+from dalembert.design.studies.sweep_result import SweepResult
+from dalembert.errors import AnalysisError
+from dalembert.packages import optional_package
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Run = Callable[[Design], Study]
+Run = Callable[[DesignTable], SweepResult]
 """Function that runs designs, such as ``lambda design: da.sweep(model, design, ...)``."""
 
 
-@spelled
+@check_arguments
 def sobol_indices(
     run: Run, ranges: Ranges, samples: int = 256, rng: int | None = None
 ) -> xr.Dataset:
@@ -57,7 +58,7 @@ def sobol_indices(
     >>> shares["total"].values.round(1).ravel()  # 9 and 1 of 10
     array([0.9, 0.1])
     """
-    _require_salib()
+    optional_package("SALib", "a sensitivity index")
     from SALib.analyze import sobol as analysis
     from SALib.sample import sobol as sampling
 
@@ -76,7 +77,7 @@ def sobol_indices(
     return _index_dataset(run, ranges, values, indices)
 
 
-@spelled
+@check_arguments
 def morris_indices(
     run: Run, ranges: Ranges, trajectories: int = 20, levels: int = 4, rng: int | None = None
 ) -> xr.Dataset:
@@ -115,7 +116,7 @@ def morris_indices(
     >>> effects["mean"].values.round(6).ravel()
     array([3., 1.])
     """
-    _require_salib()
+    optional_package("SALib", "a sensitivity index")
     from SALib.analyze import morris as analysis
     from SALib.sample import morris as sampling
 
@@ -138,7 +139,7 @@ def _problem(ranges: Ranges) -> dict[str, Any]:
     return {"num_vars": len(ranges), "names": list(ranges), "bounds": bounds}
 
 
-def _require_all(study: Study) -> Study:
+def _require_all(study: SweepResult) -> SweepResult:
     if study.failures:
         number, reason = next(iter(study.failures.items()))
         raise AnalysisError(
@@ -157,17 +158,10 @@ def _index_dataset(
     """Indices of every response, response × parameter."""
     import xarray as xr
 
-    study = _require_all(run(Design(tuple(ranges), values)))
+    study = _require_all(run(DesignTable(tuple(ranges), values)))
     rows = [indices(study.column(name)) for name in study.responses]
     coords = {"response": list(study.responses), "parameter": list(ranges)}
     dims = ("response", "parameter")
     return xr.Dataset(
         {key: (dims, np.array([row[key] for row in rows])) for key in rows[0]}, coords
     )
-
-
-def _require_salib() -> None:
-    try:
-        import SALib  # noqa: F401
-    except ImportError:
-        raise UnsupportedError("indices need SALib: pip install 'dalembert[study]'") from None

@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.design.studies.study import Study
+from dalembert.design.studies.sweep_result import SweepResult
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.text.spelling import spelled
+from dalembert.packages import optional_package
+from dalembert.text.arguments import check_arguments
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +33,7 @@ class Surface:
     >>> k = spring.parameter("k", 50.0)
     >>> end = spring.node("end", 0)
     >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
-    >>> grid = da.Design.grid({"k": [1.0, 2.0, 3.0, 4.0, 5.0]})
+    >>> grid = da.DesignTable.grid({"k": [1.0, 2.0, 3.0, 4.0, 5.0]})
     >>> response = da.final("3*k**2 + 1", name="y")
     >>> study = da.sweep(spring.build(), grid, analysis=da.Statics(), responses=response)
     >>> surface = da.response_surface(study, degree=2)
@@ -68,8 +69,8 @@ class Surface:
         return tuple(part.reshape(columns[0].shape)[()] for part in parts)
 
 
-@spelled
-def response_surface(study: Study, response: str | None = None, degree: int = 2) -> Surface:
+@check_arguments
+def response_surface(study: SweepResult, response: str | None = None, degree: int = 2) -> Surface:
     """Polynomial response surface by least squares.
 
     Parameters
@@ -91,13 +92,13 @@ def response_surface(study: Study, response: str | None = None, degree: int = 2)
     >>> a, b = spring.parameter("a", 1.0), spring.parameter("b", 1.0)
     >>> end = spring.node("end", 0)
     >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=a))
-    >>> grid = da.Design.grid({"a": [1.0, 2.0, 3.0], "b": [1.0, 2.0, 3.0]})
+    >>> grid = da.DesignTable.grid({"a": [1.0, 2.0, 3.0], "b": [1.0, 2.0, 3.0]})
     >>> study = da.sweep(spring.build(), grid, analysis=da.Statics(), responses=da.final("a*b"))
     >>> plane = da.response_surface(study, degree=1)
     >>> round(float(plane(a=2.0, b=2.0)), 6), plane.determination < 1  # a plane has no curvature
     (4.0, True)
     """
-    _require_sklearn()
+    optional_package("sklearn", "a surface")
     from math import comb
 
     from sklearn.linear_model import LinearRegression
@@ -109,8 +110,8 @@ def response_surface(study: Study, response: str | None = None, degree: int = 2)
     return _fit_surface(study, response, estimator, terms)
 
 
-@spelled
-def gaussian_process(study: Study, response: str | None = None, rng: int = 0) -> Surface:
+@check_arguments
+def gaussian_process(study: SweepResult, response: str | None = None, rng: int = 0) -> Surface:
     """Gaussian process with an anisotropic squared exponential kernel and noise.
 
     Source: C. E. Rasmussen, C. K. I. Williams, *Gaussian Processes for Machine Learning*, ch. 2.
@@ -129,13 +130,13 @@ def gaussian_process(study: Study, response: str | None = None, rng: int = 0) ->
     >>> k = spring.parameter("k", 50.0)
     >>> end = spring.node("end", 0)
     >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
-    >>> grid = da.Design.grid({"k": [0.5 * n for n in range(1, 12)]})
+    >>> grid = da.DesignTable.grid({"k": [0.5 * n for n in range(1, 12)]})
     >>> study = da.sweep(spring.build(), grid, analysis=da.Statics(), responses=da.final("sin(k)"))
     >>> process = da.gaussian_process(study)
     >>> round(float(process(k=1.25)), 2)  # sin 1.25 = 0.949
     0.95
     """
-    _require_sklearn()
+    optional_package("sklearn", "a surface")
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
     from sklearn.pipeline import make_pipeline
@@ -150,7 +151,9 @@ def gaussian_process(study: Study, response: str | None = None, rng: int = 0) ->
     return _fit_surface(study, response, make_pipeline(process), len(study.design.names) + 2)
 
 
-def _fit_surface(study: Study, response: str | None, estimator: Any, required: int) -> Surface:
+def _fit_surface(
+    study: SweepResult, response: str | None, estimator: Any, required: int
+) -> Surface:
     import warnings
 
     from sklearn.base import clone
@@ -180,12 +183,3 @@ def _fit_surface(study: Study, response: str | None, estimator: Any, required: i
     determination = 1 - error**2 / variance if variance else 1.0
     name = response or study.responses[0]
     return Surface(name, study.design.names, lower, upper, error, determination, fitted)
-
-
-def _require_sklearn() -> None:
-    try:
-        import sklearn  # noqa: F401
-    except ImportError:
-        raise UnsupportedError(
-            "surfaces need scikit-learn: pip install 'dalembert[study]'"
-        ) from None

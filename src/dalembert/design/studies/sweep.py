@@ -10,18 +10,18 @@ from pathlib import Path
 import numpy as np
 
 from dalembert.analysis.progress import Reported, progress_reporter
-from dalembert.design.studies.design import Design
+from dalembert.design.studies.design_table import DesignTable
 from dalembert.design.studies.folder import StudyFolder
-from dalembert.design.studies.study import Study
+from dalembert.design.studies.sweep_result import SweepResult
 from dalembert.design.studies.task import Answer, StudyTask
 from dalembert.design.studies.workers import Chunk, Cluster, InProcess, Processes, Workers
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import as_responses
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.results.status import Warnings
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 ModelSource = ParametricModel | Callable[[], ParametricModel]
 MAX_CHUNK = 256
@@ -32,10 +32,10 @@ CHECKED = 4
 """Upper limit of the designs that are run again for their warnings."""
 
 
-@spelled
+@check_arguments
 def sweep(
     model: ModelSource,
-    design: Design,
+    design: DesignTable,
     *,
     analysis: Analysis,
     responses: Response | Sequence[Response],
@@ -44,13 +44,13 @@ def sweep(
     scheduler: str | None = None,
     chunk: int | None = None,
     progress: Reported = False,
-) -> Study:
+) -> SweepResult:
     """Run an analysis at many designs; failures are stored with their reasons.
 
     Parameters
     ----------
     model : a model, or a function that builds one; a cluster needs the function
-    design : ``Design.grid``, ``.latin_hypercube``, ``.sobol``, ``.monte_carlo`` or ``.table``
+    design : ``DesignTable.grid``, ``.latin_hypercube``, ``.sobol``, ``.monte_carlo`` or ``.table``
     analysis : ``Dynamics(...)``, ``Kinematics(...)`` and so on
     responses : evaluated in each run
     folder : folder for the answers; an interrupted or killed study resumes from it, with any
@@ -76,7 +76,7 @@ def sweep(
     >>> end = spring.node("end", 0)
     >>> part = spring.add(structures.GroundSpring("spring", end, stiffness_x=k))
     >>> spring.load(end, fx=100.0)
-    >>> grid = da.Design.grid({"k": [10.0, 20.0, 50.0]})
+    >>> grid = da.DesignTable.grid({"k": [10.0, 20.0, 50.0]})
     >>> study = da.sweep(spring.build(), grid, analysis=da.Statics(), responses=da.final("end.ux"))
     >>> study.values[:, 0].round(6)  # F/k
     array([10.,  5.,  2.])
@@ -87,13 +87,13 @@ def sweep(
 
 def run_study(
     make: Callable[[], StudyTask],
-    design: Design,
+    design: DesignTable,
     folder: str | Path | None = None,
     workers: int | None = 1,
     scheduler: str | None = None,
     chunk: int | None = None,
     progress: Reported = False,
-) -> Study:
+) -> SweepResult:
     """Run a study whose task is built here and, on a cluster, by every worker."""
     check_counts(workers, chunk)
     task = make()
@@ -120,7 +120,7 @@ def run_study(
                 report(len(answered) / len(design))
         study = _make_study(task, design, tuple(labels), answered, folder, reused)
         if storage:
-            study = replace(study, stored=storage.finish(study.columns))
+            study = replace(study, table_path=storage.finish(study.columns))
     finally:
         if storage:
             storage.close()
@@ -129,18 +129,18 @@ def run_study(
 
 def _make_study(
     task: StudyTask,
-    design: Design,
+    design: DesignTable,
     labels: tuple[str, ...],
     answers: dict[int, Answer],
     folder: str | Path | None,
     reused: int,
-) -> Study:
+) -> SweepResult:
     ordered = [answers[k] for k in range(len(design))]
     values = np.array([answer.values for answer in ordered])
     reasons = tuple(answer.reason for answer in ordered)
     path = None if folder is None else Path(folder)
     warnings = Warnings(deferred=lambda: task.warnings(design, _extreme_designs(values)))
-    return Study(
+    return SweepResult(
         task.model.name,
         design,
         labels,
@@ -160,7 +160,7 @@ def _extreme_designs(values: np.ndarray) -> list[int]:
     return [int(k) for k in dict.fromkeys(extremes)][:CHECKED]
 
 
-def _chunks(design: Design, answered: dict[int, Answer], size: int) -> list[Chunk]:
+def _chunks(design: DesignTable, answered: dict[int, Answer], size: int) -> list[Chunk]:
     """Chunks of the designs without answers."""
     pending = np.array([k for k in range(len(design)) if k not in answered], dtype=int)
     pieces = [pending[k : k + size] for k in range(0, pending.size, size)]

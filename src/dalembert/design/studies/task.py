@@ -16,13 +16,13 @@ from dalembert.analysis.batch.solve import solve_batch
 from dalembert.analysis.times import follow_parameters
 from dalembert.design.optimize.optimization import design_problem
 from dalembert.design.optimize.problem import NOT_FINITE
-from dalembert.design.studies.design import Design
+from dalembert.design.studies.design_table import DesignTable
 from dalembert.errors import AnalysisError, DalembertError
 from dalembert.model.model import Model
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import batch_responses
+from dalembert.results.analysis import Analysis
 from dalembert.results.batch.designs import Designs
-from dalembert.results.result import Analysis
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parameter import parameter_vector
@@ -125,7 +125,7 @@ class StudyTask:
             return self.failed(number, problem.failures[-1])
         return Answer(number, tuple(float(v) for v in evaluation.values))
 
-    def warnings(self, design: Design, numbers: Iterable[int]) -> list[str]:
+    def warnings(self, design: DesignTable, numbers: Iterable[int]) -> list[str]:
         """Warnings of some designs, each run on its own."""
         texts: list[str] = []
         for number in numbers:
@@ -135,7 +135,7 @@ class StudyTask:
                 texts += [f"design {number}: {text}" for text in result.warnings]
         return texts
 
-    def check(self, design: Design) -> None:
+    def check(self, design: DesignTable) -> None:
         """Refuse names that the model does not have.
 
         Raises
@@ -143,12 +143,12 @@ class StudyTask:
         ModelError
             Unknown parameter; the message lists similar names.
         AnalysisError
-            A response has the name of another column, or ``design`` is no ``Design``.
+            A response has the name of another column, or ``design`` is no ``DesignTable``.
         """
-        if not isinstance(design, Design):
+        if not isinstance(design, DesignTable):
             raise AnalysisError(
-                f"design is {design!r:.60}; give a da.Design, such as "
-                "da.Design.grid({'length': [1.0, 2.0]})"
+                f"design is {design!r:.60}; give a da.DesignTable, such as "
+                "da.DesignTable.grid({'length': [1.0, 2.0]})"
             )
         reserved = {"design", "reason", *design.names}
         for response in self.responses:
@@ -159,11 +159,11 @@ class StudyTask:
                 )
         first_design = dict(zip(design.names, design.values[0], strict=True))
         parameter_vector(self.model.parameters, first_design, self.model.name)
-        for name, values in design.given.items():
+        for name, values in design.specified.items():
             measured_values = [] if isinstance(values, np.ndarray) else values
             check_measured(measured_values, self.model.parameters[name].unit, name)
 
-    def identity(self, design: Design) -> str:
+    def identity(self, design: DesignTable) -> str:
         """Hash of everything that determines the results of the study."""
         digest = hashlib.sha256()
         model = [self.model.name, self.model.nominal, list(self.model.parameters)]

@@ -6,27 +6,22 @@ again; a design that kills its worker even alone is recorded as failed.
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
 import threading
-import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
 
 from dalembert.design.studies.task import Answer, StudyTask
-from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.errors import AnalysisError
+from dalembert.packages import optional_package
+from dalembert.processes import ProcessPool
 
 DIED = "the process that computed it died"
 MAX_TRIES = 2
 """Runs of a single design whose worker dies until the design counts as failed."""
-CHUNKS_AHEAD = 2
-"""Submitted chunks per worker, so that no worker idles."""
 WAIT = 5.0
 """Upper limit of the time to connect to the scheduler [s]."""
 _task_lock = threading.Lock()
@@ -71,28 +66,6 @@ class InProcess:
             yield answer_chunk(self.task, chunk)
 
 
-_task: StudyTask | None = None
-
-
-def _initialise_worker(make: Callable[[], StudyTask], parent: int) -> None:
-    """Initialise a worker: build the task, ignore Ctrl-C, and exit with the parent process."""
-    global _task
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_exit_with_parent, args=(parent,), daemon=True).start()
-    _task = make()
-
-
-def _exit_with_parent(parent: int) -> None:
-    while os.getppid() == parent:
-        time.sleep(0.5)
-    os._exit(1)
-
-
-def _answer(chunk: Chunk) -> list[Answer]:
-    assert _task is not None
-    return answer_chunk(_task, chunk)
-
-
 @dataclass(frozen=True, eq=False)
 class Processes:
     """Pool of local processes.
@@ -109,55 +82,32 @@ class Processes:
     count: int
 
     def answers(self, chunks: Sequence[Chunk]) -> Iterator[list[Answer]]:
-        pending = dict(enumerate(chunks))
+        pending, pool = dict(enumerate(chunks)), self._pool(self.count)
         while pending:
             remaining = len(pending)
-            yield from self._run_until_death(pending)
-            if len(pending) == remaining:  # one of the first submitted chunks kills its worker
-                for key in list(pending)[: CHUNKS_AHEAD * self.count]:
+            for _, answers in pool.completed(pending):
+                yield answers
+            if len(pending) == remaining:  # one of the first submitted chunks kills its process
+                for key in list(pending)[: pool.submitted]:
                     yield self._run_single(pending.pop(key))
 
-    def _run_until_death(self, pending: dict[int, Chunk]) -> Iterator[list[Answer]]:
-        """Yield answers until all chunks are done or a worker dies; updates ``pending``."""
-        keys = iter(list(pending))
-        running: dict[Future, int] = {}
-        with self._pool(self.count) as pool:
-            try:
-                while True:
-                    for key in keys:
-                        running[pool.submit(_answer, pending[key])] = key
-                        if len(running) >= CHUNKS_AHEAD * self.count:
-                            break
-                    if not running:
-                        return
-                    for future in wait(running, return_when=FIRST_COMPLETED).done:
-                        key = running.pop(future)
-                        answers = future.result()
-                        del pending[key]
-                        yield answers
-            except BrokenProcessPool:
-                return
-            finally:
-                pool.shutdown(wait=True, cancel_futures=True)
-
     def _run_single(self, chunk: Chunk) -> list[Answer]:
-        """Run designs one by one; a design that kills its worker repeatedly fails."""
+        """Run designs one by one; a design that kills its process repeatedly fails."""
         return [answer for single in chunk.split() for answer in self._retry(single)]
 
     def _retry(self, chunk: Chunk) -> list[Answer]:
         for _ in range(MAX_TRIES):
-            with self._pool(1) as pool:
-                try:
-                    return pool.submit(_answer, chunk).result()
-                except BrokenProcessPool:
-                    continue
+            for _, answers in self._pool(1).completed({0: chunk}):
+                return answers
         return [self.task.failed(int(chunk.numbers[0]), DIED)]
 
-    def _pool(self, count: int) -> ProcessPoolExecutor:
-        forks = "fork" in multiprocessing.get_all_start_methods()
-        context = multiprocessing.get_context("fork" if forks else "spawn")
-        make = (lambda: self.task) if forks else self.make  # inherited by forked processes
-        return ProcessPoolExecutor(count, context, _initialise_worker, (make, os.getpid()))
+    def _pool(self, count: int) -> ProcessPool[Chunk, list[Answer]]:
+        task, make = partial(answer_chunk, self.task), partial(_task_of_chunks, self.make)
+        return ProcessPool(task, count, make)
+
+
+def _task_of_chunks(make: Callable[[], StudyTask]) -> Callable[[Chunk], list[Answer]]:
+    return partial(answer_chunk, make())
 
 
 _cluster_tasks: dict[str, StudyTask] = {}
@@ -191,7 +141,7 @@ class Cluster:
     identity: str
 
     def answers(self, chunks: Sequence[Chunk]) -> Iterator[list[Answer]]:
-        distributed = _distributed()
+        distributed = optional_package("distributed", "a study on a cluster")
         try:
             client = distributed.Client(self.scheduler, timeout=WAIT, set_as_default=False)
         except (OSError, ValueError) as error:
@@ -226,13 +176,3 @@ class Cluster:
                 yield [self.task.failed(int(chunk.numbers[0]), DIED)]
             else:
                 running.update([submit(single) for single in chunk.split()])
-
-
-def _distributed() -> Any:
-    try:
-        import distributed
-    except ImportError:
-        raise UnsupportedError(
-            "a study on a cluster needs dask.distributed: pip install 'dalembert[cluster]'"
-        ) from None
-    return distributed

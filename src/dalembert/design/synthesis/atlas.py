@@ -10,12 +10,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.target import Target
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 COUNT, SAMPLES, HARMONICS = 4096, 72, 6
 """Numbers of linkages, of samples per revolution, and of Fourier coefficients."""
@@ -133,7 +136,7 @@ class Atlas:
         return _resampled(self.kind)
 
     @property
-    def _tree(self) -> Any:
+    def _tree(self) -> cKDTree:
         return _tree(self.kind)
 
 
@@ -179,7 +182,7 @@ def descriptors(curves: np.ndarray) -> np.ndarray:
 def linkage_atlas(kind: type[Linkage]) -> Atlas:
     """The atlas of a class of linkages, built on first use."""
     rng = np.random.default_rng(0)
-    q, branch = kind.drawn(rng, COUNT), rng.choice([-1, 1], COUNT)
+    q, branch = kind.random_dimensions(rng, COUNT), rng.choice([-1, 1], COUNT)
     theta = np.arange(SAMPLES) * 2 * np.pi / SAMPLES
     columns = {name: values[:, None] for name, values in q.items()}
     curves = kind.points(columns, branch[:, None], theta[None, :])
@@ -188,7 +191,7 @@ def linkage_atlas(kind: type[Linkage]) -> Atlas:
 
 
 @lru_cache(maxsize=4)
-def _tree(kind: type[Linkage]) -> Any:
+def _tree(kind: type[Linkage]) -> cKDTree:
     from scipy.spatial import cKDTree
 
     return cKDTree(descriptors(_resampled(kind)[0]))

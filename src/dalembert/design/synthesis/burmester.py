@@ -15,9 +15,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.errors import AnalysisError
 
@@ -77,7 +77,7 @@ class Poses:
     at: complex
 
     @classmethod
-    def of(cls, points: Any, angles: Any) -> Poses:
+    def of(cls, points: ArrayLike, angles: ArrayLike) -> Poses:
         """Poses from points and angles.
 
         Raises
@@ -228,7 +228,7 @@ def _determinant(poses: Poses, w: complex) -> float:
     return float(np.linalg.det(poses.rows(w)))
 
 
-def burmester_dyads(points: Any, angles: Any, samples: int = 24) -> list[Dyad]:
+def burmester_dyads(points: ArrayLike, angles: ArrayLike, samples: int = 24) -> list[Dyad]:
     """Dyads that guide a plane through two to five poses exactly.
 
     Five poses have up to four dyads, all of which are returned. For four poses, samples of the

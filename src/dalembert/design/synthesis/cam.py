@@ -11,13 +11,15 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self
+from typing import Self
 
 import casadi as ca
 import numpy as np
+from numpy.typing import ArrayLike
 
-from dalembert.elements.laws.base import as_law
+from dalembert.elements.laws.base import GivenLaw, as_law
 from dalembert.errors import AnalysisError
+from dalembert.text.arguments import check_arguments
 
 SAMPLES = 1441
 """Number of angles per revolution."""
@@ -33,7 +35,7 @@ class Cam(ABC):
     base_radius : radius of the base circle, the contact radius at zero lift [m]
     """
 
-    law: Any
+    law: GivenLaw
     base_radius: float
 
     def __post_init__(self) -> None:
@@ -49,7 +51,7 @@ class Cam(ABC):
         rate = ca.gradient(s, time)
         return ca.Function("lift", [time], [s, rate, ca.gradient(rate, time)])
 
-    def lift(self, theta: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def lift(self, theta: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """``s`` and its first two derivatives by the cam angle."""
         angles = np.asarray(theta, dtype=float)
         rows = self._lift.map(angles.size)(angles.reshape(1, -1))
@@ -62,22 +64,22 @@ class Cam(ABC):
         return np.linspace(0, 2 * np.pi, SAMPLES)
 
     @abstractmethod
-    def profile(self, theta: Any = None) -> np.ndarray:
+    def profile(self, theta: ArrayLike | None = None) -> np.ndarray:
         """(n, 2) contact points at cam angles, in the frame of the cam."""
 
     @abstractmethod
-    def radius(self, theta: Any = None) -> np.ndarray:
+    def radius(self, theta: ArrayLike | None = None) -> np.ndarray:
         """(n,) radius of curvature of the profile, negative if concave [m]."""
 
     @abstractmethod
     def undercut(self) -> bool:
         """Whether the profile is undercut."""
 
-    def pressure_angle(self, theta: Any = None) -> np.ndarray:
+    def pressure_angle(self, theta: ArrayLike | None = None) -> np.ndarray:
         """(n,) angle between the force on the follower and its direction of motion [rad]."""
         return np.zeros(np.shape(self._angles(theta)))
 
-    def _angles(self, theta: Any) -> np.ndarray:
+    def _angles(self, theta: ArrayLike | None) -> np.ndarray:
         return self.turn if theta is None else np.asarray(theta, dtype=float)
 
 
@@ -107,12 +109,12 @@ class FlatFaceCam(Cam):
     [-10.0, 10.0]
     """
 
-    def profile(self, theta: Any = None) -> np.ndarray:
+    def profile(self, theta: ArrayLike | None = None) -> np.ndarray:
         angles = self._angles(theta)
         s, rate, _ = self.lift(angles)
         return _plane(np.exp(-1j * angles) * (rate + 1j * (self.base_radius + s)))
 
-    def radius(self, theta: Any = None) -> np.ndarray:
+    def radius(self, theta: ArrayLike | None = None) -> np.ndarray:
         """``ρ = R + s + s''``."""
         s, _, second = self.lift(self._angles(theta))
         return self.base_radius + s + second
@@ -127,12 +129,13 @@ class FlatFaceCam(Cam):
         return float(rate.min()), float(rate.max())
 
     @classmethod
-    def smallest(cls, law: Any, least_radius: float) -> Self:
+    @check_arguments
+    def smallest(cls, law: GivenLaw, minimum_radius: float) -> Self:
         """Cam with the smallest base circle for a minimum radius of curvature [m]."""
         unit = cls(law=law, base_radius=1.0)
-        curvature_limit = 1.0 + least_radius - float(unit.radius().min())
-        lift_limit = -float(unit.lift(unit.turn)[0].min()) + least_radius
-        return cls(law=law, base_radius=max(curvature_limit, lift_limit, least_radius))
+        curvature_limit = 1.0 + minimum_radius - float(unit.radius().min())
+        lift_limit = -float(unit.lift(unit.turn)[0].min()) + minimum_radius
+        return cls(law=law, base_radius=max(curvature_limit, lift_limit, minimum_radius))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -151,15 +154,15 @@ class RolledCam(Cam):
         """``p`` and its first two derivatives by the cam angle."""
 
     @abstractmethod
-    def way(self, theta: np.ndarray) -> np.ndarray:
+    def direction(self, theta: np.ndarray) -> np.ndarray:
         """Direction of motion of the roller centre for a rising follower."""
 
-    def pitch(self, theta: Any = None) -> np.ndarray:
+    def pitch(self, theta: ArrayLike | None = None) -> np.ndarray:
         """(n, 2) positions of the roller centre in the frame of the cam."""
         angles = self._angles(theta)
         return _plane(np.exp(-1j * angles) * self.centre(angles)[0])
 
-    def profile(self, theta: Any = None) -> np.ndarray:
+    def profile(self, theta: ArrayLike | None = None) -> np.ndarray:
         angles = self._angles(theta)
         position, tangent = self.centre(angles)[0], self._tangent(angles)
         inward = -1j * tangent / abs(tangent)
@@ -169,11 +172,11 @@ class RolledCam(Cam):
         position, rate, _ = self.centre(angles)
         return rate - 1j * position
 
-    def pressure_angle(self, theta: Any = None) -> np.ndarray:
+    def pressure_angle(self, theta: ArrayLike | None = None) -> np.ndarray:
         angles = self._angles(theta)
-        return np.angle(1j * self._tangent(angles) / self.way(angles))
+        return np.angle(1j * self._tangent(angles) / self.direction(angles))
 
-    def pitch_radius(self, theta: Any = None) -> np.ndarray:
+    def pitch_radius(self, theta: ArrayLike | None = None) -> np.ndarray:
         """(n,) radius of curvature of the pitch curve [m]."""
         angles = self._angles(theta)
         position, rate, second = self.centre(angles)
@@ -181,7 +184,7 @@ class RolledCam(Cam):
         with np.errstate(divide="ignore"):  # the cam lies on the right of the curve
             return abs(tangent) ** 3 / -(tangent.conj() * curvature).imag
 
-    def radius(self, theta: Any = None) -> np.ndarray:
+    def radius(self, theta: ArrayLike | None = None) -> np.ndarray:
         return self.pitch_radius(theta) - self.roller_radius
 
     def undercut(self) -> bool:
@@ -233,15 +236,20 @@ class RollerCam(RolledCam):
         s, rate, second = self.lift(theta)
         return self.offset + 1j * (self._height + s), 1j * rate, 1j * second
 
-    def way(self, theta: np.ndarray) -> np.ndarray:
+    def direction(self, theta: np.ndarray) -> np.ndarray:
         return np.full(theta.shape, 1j)
 
     @classmethod
+    @check_arguments
     def smallest(
-        cls, law: Any, pressure_angle: float, roller_radius: float = 0.0, least_radius: float = 0.0
-    ) -> Self:
+        cls,
+        law: GivenLaw,
+        pressure_angle: float,
+        roller_radius: float = 0.0,
+        minimum_radius: float = 0.0,
+    ) -> RollerCam:
         """Cam with the smallest base circle, and its offset, for a maximum pressure angle [rad] and
-        a minimum radius of curvature ``least_radius`` of convex parts of the profile [m].
+        a minimum radius of curvature ``minimum_radius`` of convex parts of the profile [m].
 
         Raises
         ------
@@ -268,7 +276,7 @@ class RollerCam(RolledCam):
             for _ in range(200):
                 pitched = cam.pitch_radius()
                 convex = pitched[pitched > 0]
-                if not convex.size or convex.min() >= roller_radius + least_radius:
+                if not convex.size or convex.min() >= roller_radius + minimum_radius:
                     break
                 cam = replace(
                     cam, base_radius=(cam.base_radius + roller_radius) * 1.02 - roller_radius
@@ -281,5 +289,4 @@ class RollerCam(RolledCam):
             method="bounded",
             options={"xatol": 1e-6 * float(np.ptp(rate) or 1.0)},
         )
-        cam: Any = cam_at(float(best.x))
-        return cam
+        return cam_at(float(best.x))

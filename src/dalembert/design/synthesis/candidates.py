@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 import numpy as np
 
@@ -50,11 +50,11 @@ class Candidate(ABC):
         """(m, 2) path of the point over one revolution."""
 
     @abstractmethod
-    def passed(self) -> np.ndarray:
+    def points(self) -> np.ndarray:
         """(n, 2) positions of the point at the entries."""
 
     @abstractmethod
-    def reached(self) -> np.ndarray:
+    def outputs(self) -> np.ndarray:
         """(n,) unwrapped outputs at the entries."""
 
     @abstractmethod
@@ -63,16 +63,19 @@ class Candidate(ABC):
 
     @property
     @abstractmethod
-    def watched(self) -> list[str]:
+    def plotted_measures(self) -> list[str]:
         """Measures plotted initially on its page, if available."""
 
-    def judged(self) -> dict[str, tuple[str, float]]:
+    def criteria(self) -> dict[str, tuple[str, float]]:
         """Further criteria: name → unit, value."""
         return {}
 
 
+CandidateT = TypeVar("CandidateT", bound=Candidate)
+
+
 @dataclass(eq=False)
-class Candidates(Decision):
+class Candidates(Decision, Generic[CandidateT]):
     """Distinct candidates, sorted by error.
 
     Attributes
@@ -85,7 +88,7 @@ class Candidates(Decision):
     page_functions = "synthesis:synthesis"
     noun: ClassVar[str] = "mechanisms"
     target: Target
-    solutions: Sequence[Any]
+    solutions: Sequence[CandidateT]
     starts: int
     name: str = "synthesis"
     interrupted: bool = False
@@ -104,7 +107,7 @@ class Candidates(Decision):
         return f"{text}; interrupted after {self.starts} starts" if self.interrupted else text
 
     @property
-    def best(self) -> Any:
+    def best(self) -> CandidateT:
         return self.solutions[0]
 
     @property
@@ -155,9 +158,8 @@ class Candidates(Decision):
         return pd.DataFrame([{"error": s.error, **s.numbers} for s in self.solutions])
 
     def table_of_designs(self) -> dict[str, Any]:
-        from dalembert.design.pages.synthesis import synthesis_designs
-
-        return synthesis_designs(self)
+        designs: dict[str, Any] = self._page_function("designs")(self)
+        return designs
 
     def __repr__(self) -> str:
         count, error = f"{len(self.solutions)} {self.noun}", self.best.error

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dalembert.elements import planar
+from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.model.system import System
 from dalembert.symbolic.formulas.expression import t
@@ -175,7 +176,7 @@ def linkage_from_chain(
         if link != ground
     }
 
-    def point(link: str, joint: str) -> Any:
+    def point(link: str, joint: str) -> Point:
         return (
             system.ground.point(*positions[joint]) if link == ground else bodies[link].points[joint]
         )

@@ -11,10 +11,12 @@ import numpy as np
 from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage_fit import QUIET
 from dalembert.errors import AnalysisError
+from dalembert.text.arguments import check_arguments
 
 
+@check_arguments
 def dead_centre_four_bar(
-    swing: float, advance: float = 0.0, ground: float = 1.0, least_crank: float = 0.1
+    swing: float, advance: float = 0.0, ground: float = 1.0, minimum_crank_ratio: float = 0.1
 ) -> FourBar:
     """Crank–rocker with prescribed swing and advance, and the best transmission angle.
 
@@ -29,8 +31,8 @@ def dead_centre_four_bar(
     swing : swing angle of the rocker [rad], between 0 and π
     advance : ``α`` [rad]: the crank turns by ``π + α`` in one stroke, by ``π − α`` in the other
     ground : length of the frame
-    least_crank : minimum ratio of crank and frame length; without advance, the optimum would be a
-        crank of zero length
+    minimum_crank_ratio : minimum ratio of crank and frame length; without advance, the optimum
+        would be a crank of zero length
 
     Raises
     ------
@@ -59,7 +61,7 @@ def dead_centre_four_bar(
         start = [size * half, 1.0, size, 0.6, math.pi / 2, 0.9]
         result = solver(
             x0=start,
-            lbx=[least_crank, 0.01, 0.01, -math.pi, -2 * math.pi, 0],
+            lbx=[minimum_crank_ratio, 0.01, 0.01, -math.pi, -2 * math.pi, 0],
             ubx=[1.0, 10, 10, math.pi, 2 * math.pi, 1],
             lbg=0,
             ubg=[0, 0, 0, 0, *[math.inf] * 6],

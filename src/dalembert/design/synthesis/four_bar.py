@@ -61,7 +61,7 @@ class FourBar(Linkage):
         return (parallel, normal), ((c * parallel - x) / f, (c * normal - y) / f)
 
     @staticmethod
-    def closes(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
+    def closure_conditions(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
         x, y = _line(q, theta)
         c, f = q["coupler"], q["follower"]
         product, squared_distance = 2 * c * f * np.cos(least), x**2 + y**2
@@ -75,7 +75,7 @@ class FourBar(Linkage):
         return ca.sin(output - phi)
 
     @staticmethod
-    def turns(q: Numbers, least: float) -> list[ca.SX]:
+    def rotation_conditions(q: Numbers, least: float) -> list[ca.SX]:
         """``c² + f² − 2cf cos μ`` is the squared distance of crank pin and follower pivot, which
         ranges from ``|g − d|`` to ``g + d``: Grashof's condition if ``least`` is 0."""
         d, c, f, g = (q[n] for n in ("crank", "coupler", "follower", "ground"))
@@ -83,7 +83,9 @@ class FourBar(Linkage):
         return [(g - d) ** 2 - (c**2 + f**2 - product), c**2 + f**2 + product - (g + d) ** 2]
 
     @staticmethod
-    def loop(q: Numbers, branch: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def loop(
+        q: Numbers, branch: float | np.ndarray, theta: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         ground = q["ground"] * np.exp(1j * q["angle"])
         pin = q["crank"] * np.exp(1j * theta)
         line = ground - pin
@@ -97,7 +99,7 @@ class FourBar(Linkage):
         return phi, np.angle(pin + q["coupler"] * np.exp(1j * phi) - ground)
 
     @classmethod
-    def fitted(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
+    def fitted_dimensions(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
         """``K₁ cos ψ − K₂ cos θ + K₃ = cos(θ − ψ)`` (Freudenstein 1955), ``K₁ = g/d``,
         ``K₂ = g/f``, ``K₃ = (d² − c² + f² + g²)/(2 d f)``."""
         rows = np.stack([np.cos(output), -np.cos(theta), np.ones_like(theta)], axis=-1)
@@ -112,7 +114,7 @@ class FourBar(Linkage):
         }
 
     @classmethod
-    def drawn(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
+    def random_dimensions(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
         zero = np.zeros(count)
         crank, coupler = rng.uniform(0.1, 0.9, count), rng.uniform(0.4, 2.5, count)
         # range of the follower by Grashof: from |c − f| ≤ 1 − d and c + f ≥ 1 + d

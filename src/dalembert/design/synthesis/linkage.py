@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Self
 
 import casadi as ca
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.errors import AnalysisError
 from dalembert.model.system import System
@@ -78,7 +79,7 @@ class Linkage(ABC):
 
     @staticmethod
     @abstractmethod
-    def closes(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
+    def closure_conditions(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
         """Nonnegative if the loop closes with a transmission angle of at least ``least`` [rad]."""
 
     @staticmethod
@@ -88,18 +89,20 @@ class Linkage(ABC):
 
     @staticmethod
     @abstractmethod
-    def turns(q: Numbers, least: float) -> list[ca.SX]:
+    def rotation_conditions(q: Numbers, least: float) -> list[ca.SX]:
         """Nonnegative if the crank rotates fully with a transmission angle of at least ``least``
         [rad]."""
 
     @staticmethod
     @abstractmethod
-    def loop(q: Numbers, branch: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def loop(
+        q: Numbers, branch: float | np.ndarray, theta: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Angle of the coupler and output at crank angles; NaN if the loop is open."""
 
     @classmethod
     @abstractmethod
-    def fitted(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
+    def fitted_dimensions(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
         """Dimensions (k,) for unit frame from outputs (k, n) at crank angles (k, n).
 
         Least squares of the loop equation with the coupler angle eliminated, which is linear in
@@ -108,7 +111,7 @@ class Linkage(ABC):
 
     @classmethod
     @abstractmethod
-    def drawn(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
+    def random_dimensions(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
         """Random linkages of unit size with fully rotating cranks."""
 
     @staticmethod
@@ -136,31 +139,31 @@ class Linkage(ABC):
 
     # derived quantities --------------------------------------------------------------------
     @classmethod
-    def points(cls, q: Numbers, branch: Any, theta: np.ndarray) -> np.ndarray:
+    def points(cls, q: Numbers, branch: float | np.ndarray, theta: np.ndarray) -> np.ndarray:
         """Coupler points as complex numbers."""
         phi, _ = cls.loop(q, branch, theta)
         pin = q["x"] + 1j * q["y"] + q["crank"] * np.exp(1j * theta)
         return pin + (q["u"] + 1j * q["v"]) * np.exp(1j * phi)
 
-    def path(self, theta: Any) -> np.ndarray:
+    def path(self, theta: ArrayLike) -> np.ndarray:
         """(n, 2) positions of the coupler point at crank angles."""
         z = self.points(self.numbers, self.branch, np.asarray(theta, dtype=float))
         return np.stack([z.real, z.imag], axis=-1)
 
-    def coupler_angle(self, theta: Any) -> np.ndarray:
+    def coupler_angle(self, theta: ArrayLike) -> np.ndarray:
         """``φ`` at crank angles."""
         return self.loop(self.numbers, self.branch, np.asarray(theta, dtype=float))[0]
 
-    def output(self, theta: Any) -> np.ndarray:
+    def output(self, theta: ArrayLike) -> np.ndarray:
         """Follower angle or slider position at crank angles."""
         return self.loop(self.numbers, self.branch, np.asarray(theta, dtype=float))[1]
 
     @property
     def crank_turns(self) -> bool:
         """Whether the crank rotates fully."""
-        return all(float(ca.DM(g)) >= -1e-12 for g in self.turns(self.numbers, 0.0))
+        return all(float(ca.DM(g)) >= -1e-12 for g in self.rotation_conditions(self.numbers, 0.0))
 
-    def transmission(self, theta: Any = None) -> float:
+    def transmission(self, theta: ArrayLike | None = None) -> float:
         """Minimum transmission angle [rad] at crank angles, by default over one revolution."""
         turn = np.linspace(0, 2 * np.pi, 721) + self.angle if theta is None else theta
         phi, output = self.loop(self.numbers, self.branch, np.asarray(turn, dtype=float))

@@ -79,12 +79,16 @@ class LinkageFit:
         theta = ca.SX.sym("theta", len(self.target) if self.free_timing else 1)
         branch, sense = ca.SX.sym("branch"), ca.SX.sym("sense")
         crank = theta if self.free_timing else theta + self._timing
-        limits = [] if self.crank_turns else self.kind.closes(q, crank, self._min_transmission)
+        limits = (
+            []
+            if self.crank_turns
+            else self.kind.closure_conditions(q, crank, self._min_transmission)
+        )
         if self.order and self.free_timing:
             limits.append(sense * ca.diff(theta) - MIN_ROTATION)
             limits.append(2 * math.pi - MIN_ROTATION - sense * (theta[-1] - theta[0]))
         if self.crank_turns:
-            limits += self.kind.turns(q, self._min_transmission)
+            limits += self.kind.rotation_conditions(q, self._min_transmission)
         problem = {
             "x": ca.vertcat(*q.values(), theta),
             "p": ca.vertcat(branch, sense),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,10 +54,10 @@ class MechanismTask:
         return self.target.crank_angles is None
 
     # revolutions ---------------------------------------------------------------------------
-    def run_revolution(self, q: np.ndarray, times: Any = SAMPLES + 1) -> Motion | None:
+    def run_revolution(self, q: np.ndarray) -> Motion | None:
         """A revolution of the motor with these parameters; None if it fails."""
         try:
-            run = Kinematics(self.period, outputs=times).run(
+            run = Kinematics(self.period, outputs=SAMPLES + 1).run(
                 self.model, dict(zip(self.vary, map(float, q), strict=True))
             )
         except DalembertError:
@@ -121,7 +121,7 @@ def mechanism_task(
     point: str,
     body: str,
     output: str,
-    vary: Any,
+    vary: Sequence[str] | None,
     bounds: Mapping[str, tuple[float, float]] | None,
     speed: float,
     order: bool,

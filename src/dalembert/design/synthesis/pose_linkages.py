@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.design.synthesis.burmester import Dyad, burmester_dyads
 from dalembert.design.synthesis.four_bar import FourBar
@@ -65,7 +65,7 @@ class PoseLinkages:
     linkages: list[PoseLinkage]
 
 
-def pose_linkages(points: Any, angles: Any, samples: int = 24) -> PoseLinkages:
+def pose_linkages(points: ArrayLike, angles: ArrayLike, samples: int = 24) -> PoseLinkages:
     """All four-bars and slider-cranks that guide the coupler through two to five poses exactly.
 
     Five poses have up to four Burmester dyads and up to six linkages. For fewer poses the dyads

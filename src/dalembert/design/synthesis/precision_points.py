@@ -17,9 +17,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.errors import AnalysisError
@@ -70,7 +70,7 @@ class PrecisionPoints:
 
 
 def five_point_four_bars(
-    points: Any, pivots: Any = ((0.0, 0.0), (1.0, 0.0)), rng: int = 0
+    points: ArrayLike, pivots: ArrayLike = ((0.0, 0.0), (1.0, 0.0)), rng: int = 0
 ) -> PrecisionPoints:
     """All four-bars on two pivots with a coupler point through five points, in any order.
 
@@ -106,7 +106,7 @@ def five_point_four_bars(
     return PrecisionPoints(four_bars, len(solutions_at_target), float(residuals.max(initial=0.0)))
 
 
-def _check_points(points: Any, pivots: Any) -> tuple[np.ndarray, np.ndarray]:
+def _check_points(points: ArrayLike, pivots: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     arrays = []
     for name, value, count in (("points", points, 5), ("pivots", pivots, 2)):
         array = np.asarray(value, dtype=float)

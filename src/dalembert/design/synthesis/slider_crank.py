@@ -54,7 +54,7 @@ class SliderCrank(Linkage):
         return coupler, d * ca.cos(theta - gamma) + c * cos_in
 
     @staticmethod
-    def closes(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
+    def closure_conditions(q: Numbers, theta: ca.SX, least: float) -> list[ca.SX]:
         height = q["offset"] - q["crank"] * ca.sin(theta - q["angle"])
         projection = q["coupler"] * np.cos(least)
         return [projection - height, projection + height]
@@ -64,12 +64,14 @@ class SliderCrank(Linkage):
         return ca.cos(phi - q["angle"])
 
     @staticmethod
-    def turns(q: Numbers, least: float) -> list[ca.SX]:
+    def rotation_conditions(q: Numbers, least: float) -> list[ca.SX]:
         margin = q["coupler"] * np.cos(least) - q["crank"]
         return [margin - q["offset"], margin + q["offset"]]
 
     @staticmethod
-    def loop(q: Numbers, branch: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def loop(
+        q: Numbers, branch: float | np.ndarray, theta: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         relative_angle = theta - q["angle"]
         with np.errstate(invalid="ignore"):
             rod_angle = np.arcsin(
@@ -80,7 +82,7 @@ class SliderCrank(Linkage):
         return rod_angle + q["angle"], position
 
     @classmethod
-    def fitted(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
+    def fitted_dimensions(cls, theta: np.ndarray, output: np.ndarray) -> dict[str, np.ndarray]:
         """``s² = K₁ s cos θ + K₂ sin θ + K₃``, ``K₁ = 2 d``, ``K₂ = 2 d e``,
         ``K₃ = c² − d² − e²``."""
         rows = np.stack([output * np.cos(theta), np.sin(theta), np.ones_like(theta)], axis=-1)
@@ -96,7 +98,7 @@ class SliderCrank(Linkage):
         }
 
     @classmethod
-    def drawn(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
+    def random_dimensions(cls, rng: np.random.Generator, count: int) -> dict[str, np.ndarray]:
         zero = np.zeros(count)
         crank = rng.uniform(0.1, 0.9, count)
         reach = rng.uniform(0.1, 1.5, count) * np.exp(1j * rng.uniform(-np.pi, np.pi, count))
@@ -152,7 +154,7 @@ class SliderCrank(Linkage):
         system.add(planar.Revolute("B", coupler.end, slider.center))
         direction = (cos(q["angle"]), sin(q["angle"]))
         system.add(
-            planar.Translational(
+            planar.Prismatic(
                 "rail", ground.point(*rail), slider.center, axis=direction, angle=q["angle"]
             )
         )

@@ -90,7 +90,7 @@ def _start(candidate: PoseLinkage) -> Start:
 def _random_starts(
     kind: type[Linkage], target: Target, count: int, rng: np.random.Generator
 ) -> list[Start]:
-    q, branch = kind.drawn(rng, count), rng.choice([-1, 1], count)
+    q, branch = kind.random_dimensions(rng, count), rng.choice([-1, 1], count)
     timing = np.zeros(len(target)) if target.crank_angles is None else target.crank_angles
     initial_angles = rng.uniform(0, 2 * np.pi, count)
     return [
@@ -122,7 +122,9 @@ def function_starts(
         else np.linspace(-MAX_SLIDER_POSITION, MAX_SLIDER_POSITION, GRID) * stroke
     )
     first, offset = (a.ravel() for a in np.meshgrid(angles, outputs, indexing="ij"))
-    q = kind.fitted(first[:, None] + target.crank_angles, offset[:, None] + target.outputs)
+    q = kind.fitted_dimensions(
+        first[:, None] + target.crank_angles, offset[:, None] + target.outputs
+    )
     candidates = []
     for branch in (1, -1):
         x = family.improve(family.pack(q, first), branch)
@@ -222,4 +224,6 @@ class _Family:
 def _rotates(kind: type[Linkage], q: dict[str, np.ndarray]) -> np.ndarray:
     """(k,) whether the crank rotates fully."""
     with np.errstate(all="ignore"):
-        return np.asarray(np.all([np.asarray(row) >= 0 for row in kind.turns(q, 0.0)], axis=0))
+        return np.asarray(
+            np.all([np.asarray(row) >= 0 for row in kind.rotation_conditions(q, 0.0)], axis=0)
+        )

@@ -11,12 +11,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.design.synthesis.cam import Cam, RolledCam
+from dalembert.elements.laws.base import GivenLaw
 from dalembert.errors import AnalysisError
+from dalembert.text.arguments import check_arguments
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -75,20 +78,21 @@ class SwingingRollerCam(RolledCam):
         arm = self.arm * np.exp(-1j * (self.start + s))
         return self.distance - arm, 1j * rate * arm, (1j * second + rate**2) * arm
 
-    def way(self, theta: np.ndarray) -> np.ndarray:
+    def direction(self, theta: np.ndarray) -> np.ndarray:
         return 1j * np.exp(-1j * (self.start + self.lift(theta)[0]))
 
     @classmethod
+    @check_arguments
     def smallest(
         cls,
-        law: Any,
+        law: GivenLaw,
         pressure_angle: float,
         arm: float,
         roller_radius: float = 0.0,
-        least_radius: float = 0.0,
+        minimum_radius: float = 0.0,
     ) -> Self:
         """Cam with the smallest base circle, and its pivot distance, for a maximum pressure angle
-        [rad] and a minimum radius of curvature ``least_radius`` of convex parts of the profile.
+        [rad] and a minimum radius of curvature ``minimum_radius`` of convex parts of the profile.
 
         Raises
         ------
@@ -99,13 +103,13 @@ class SwingingRollerCam(RolledCam):
 
         if not 0 < pressure_angle < math.pi / 2:
             raise AnalysisError(f"the pressure angle is between 0 and π/2, got {pressure_angle:g}")
-        limits = _Limits(cls, law, pressure_angle, arm, roller_radius, least_radius)
+        limits = _Limits(cls, law, pressure_angle, arm, roller_radius, minimum_radius)
         distances = np.linspace(0.4, 2.5, 64) * arm
         sizes = [limits.size(c) for c in distances]
         k = int(np.argmin(sizes))
         if not np.isfinite(sizes[k]):
             raise AnalysisError(
-                f"no cam keeps a pressure angle of {pressure_angle:g} with an arm of {arm:g}; "
+                f"no cam has a pressure angle below {pressure_angle:g} with an arm of {arm:g}; "
                 "give a longer arm or a larger angle"
             )
         ends = distances[max(k - 1, 0)], distances[min(k + 1, distances.size - 1)]
@@ -131,7 +135,7 @@ class _Limits:
     def __init__(
         self,
         kind: type[SwingingRollerCam],
-        law: Any,
+        law: GivenLaw,
         pressure_angle: float,
         arm: float,
         roller: float,
@@ -215,7 +219,7 @@ class SwingingFlatCam(Cam):
         """``ψ_0`` [rad]."""
         return math.asin((self.base_radius + self.offset) / self.distance)
 
-    def profile(self, theta: Any = None) -> np.ndarray:
+    def profile(self, theta: ArrayLike | None = None) -> np.ndarray:
         angles = self._angles(theta)
         s, rate, _ = self.lift(angles)
         psi = self.start + s
@@ -224,7 +228,7 @@ class SwingingFlatCam(Cam):
         z = np.exp(-1j * (psi + angles)) * (tangential + 1j * height)
         return np.stack([z.real, z.imag], axis=-1)
 
-    def radius(self, theta: Any = None) -> np.ndarray:
+    def radius(self, theta: ArrayLike | None = None) -> np.ndarray:
         """``ρ = H + d²H/dβ²`` with ``β = ψ + θ``."""
         s, rate, second = self.lift(self._angles(theta))
         psi, c, speed = self.start + s, self.distance, 1 + rate
@@ -234,12 +238,12 @@ class SwingingFlatCam(Cam):
     def undercut(self) -> bool:
         return bool(self.radius().min() <= 0)
 
-    def contact(self, theta: Any = None) -> np.ndarray:
+    def contact(self, theta: ArrayLike | None = None) -> np.ndarray:
         """(n,) position of the contact on the face, from the foot of the pivot [m]."""
         s, rate, _ = self.lift(self._angles(theta))
         return self.distance * np.cos(self.start + s) / (1 + rate)
 
-    def pressure_angle(self, theta: Any = None) -> np.ndarray:
+    def pressure_angle(self, theta: ArrayLike | None = None) -> np.ndarray:
         return np.arctan2(self.offset, self.contact(theta))
 
     @property

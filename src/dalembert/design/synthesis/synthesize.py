@@ -12,19 +12,19 @@ from dalembert.design.synthesis.four_bar import FourBar
 from dalembert.design.synthesis.linkage import Linkage
 from dalembert.design.synthesis.linkage_fit import LinkageFit
 from dalembert.design.synthesis.starts import starts_of
-from dalembert.design.synthesis.synthesis import Solution, Synthesis
+from dalembert.design.synthesis.synthesis_result import Solution, SynthesisResult
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible, searching
 from dalembert.options import random_generator
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 
 CANDIDATES = 6
 """Number of compared starts per optimised start, for open paths."""
 
 
-@spelled
+@check_arguments
 @interruptible
 def synthesize(
     target: Target,
@@ -37,7 +37,7 @@ def synthesize(
     starts: int = 24,
     rng: int | None = 0,
     progress: Reported = False,
-) -> Synthesis:
+) -> SynthesisResult:
     """Linkages for a path, a motion or a function: least squares from many starts.
 
     Starts for points are taken from an atlas of coupler curves, or are random; they are optimised
@@ -109,7 +109,7 @@ def synthesize(
             "give more starts, wider bounds, a smaller transmission angle, or crank_turns=False"
         )
     solutions.sort(key=lambda solution: solution.error)
-    return Synthesis(target, solutions, done, interrupted=done < len(selected))
+    return SynthesisResult(target, solutions, done, interrupted=done < len(selected))
 
 
 def _is_open_path(target: Target) -> bool:

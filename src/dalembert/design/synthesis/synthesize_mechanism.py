@@ -17,7 +17,7 @@ import numpy as np
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.synthesis.linkage_fit import QUIET
 from dalembert.design.synthesis.mechanism_task import SAMPLES, MechanismTask, mechanism_task
-from dalembert.design.synthesis.synthesis import MechanismSolution, MechanismSynthesis
+from dalembert.design.synthesis.synthesis_result import MechanismSolution, MechanismSynthesisResult
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import check_ctrl_c, interruptible, searching
@@ -47,7 +47,7 @@ def synthesize_mechanism(
     starts: int = 8,
     rng: int | None = 0,
     progress: Reported = False,
-) -> MechanismSynthesis:
+) -> MechanismSynthesisResult:
     """Parameters of a mechanism of any topology for a path, a motion or a function.
 
     Least squares by Ipopt with exact derivatives, from the model itself and from random mechanisms
@@ -107,7 +107,7 @@ def synthesize_mechanism(
             "more starts, or a model closer to the target"
         )
     solutions.sort(key=lambda solution: solution.error)
-    return MechanismSynthesis(
+    return MechanismSynthesisResult(
         target, _distinct(solutions), attempts, str(model.name), interrupted=done < starts
     )
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.errors import AnalysisError
+
+
+def _array(numbers: ArrayLike | None) -> np.ndarray | None:
+    return None if numbers is None else np.asarray(numbers, dtype=float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,19 +64,26 @@ class Target:
             raise AnalysisError(f"a target needs at least two entries, got {count}")
 
     @classmethod
-    def path(cls, points: Any, crank_angles: Any = None, closed: bool = False) -> Target:
+    def path(
+        cls, points: ArrayLike, crank_angles: ArrayLike | None = None, closed: bool = False
+    ) -> Target:
         """Path generation, with free or prescribed timing."""
-        return cls(points=points, crank_angles=crank_angles, closed=closed)
+        return cls(_array(points), crank_angles=_array(crank_angles), closed=closed)
 
     @classmethod
-    def motion(cls, points: Any, coupler_angles: Any, crank_angles: Any = None) -> Target:
+    def motion(
+        cls,
+        points: ArrayLike,
+        coupler_angles: ArrayLike,
+        crank_angles: ArrayLike | None = None,
+    ) -> Target:
         """Motion generation: the coupler is guided through poses."""
-        return cls(points=points, coupler_angles=coupler_angles, crank_angles=crank_angles)
+        return cls(_array(points), _array(coupler_angles), crank_angles=_array(crank_angles))
 
     @classmethod
-    def function(cls, crank_angles: Any, outputs: Any) -> Target:
+    def function(cls, crank_angles: ArrayLike, outputs: ArrayLike) -> Target:
         """Function generation: outputs at crank angles."""
-        return cls(outputs=outputs, crank_angles=crank_angles)
+        return cls(outputs=_array(outputs), crank_angles=_array(crank_angles))
 
     def __len__(self) -> int:
         entries = self.points if self.points is not None else self.outputs

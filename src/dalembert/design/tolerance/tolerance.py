@@ -15,15 +15,15 @@ import numpy as np
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.optimize.optimization import design_problem
 from dalembert.design.optimize.problem import DesignProblem
-from dalembert.design.tolerance.toleranced import Toleranced
+from dalembert.design.tolerance.tolerance_result import ToleranceResult
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching
-from dalembert.options import random_generator
+from dalembert.options import RandomSource, random_generator
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import as_responses
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
 from dalembert.units.measured import check_measured, measured
 
@@ -100,7 +100,7 @@ class Box:
         return [np.where(sign * self.slope(np.zeros(size)) < 0, -1.0, 1.0)]
 
 
-@spelled
+@check_arguments
 @interruptible
 def tolerance(
     model: ParametricModel,
@@ -112,9 +112,9 @@ def tolerance(
     second_order: bool = True,
     worst_case: bool = True,
     samples: int = 0,
-    rng: Any = 0,
+    rng: RandomSource = 0,
     progress: Reported = False,
-) -> Toleranced:
+) -> ToleranceResult:
     """Scatter and worst case of a response from dimensional tolerances.
 
     Ctrl-C ends it with the results until then, at least to first order.
@@ -169,7 +169,7 @@ def tolerance(
     half_widths = np.array([float(t) for t in widths.values()])
     problem = design_problem(model, analysis, as_responses(response), names)
     box, origin = Box(problem, nominal, half_widths), np.zeros(half_widths.size)
-    result = Toleranced(
+    result = ToleranceResult(
         label=response.label,
         nominal=box.value(origin),
         tolerances=dict(zip(names, map(float, half_widths), strict=True)),

@@ -33,7 +33,7 @@ class DirectCollocation(TrajectoryMethod):
     1.0
     """
 
-    spoken = "direct collocation"
+    display_name = "direct collocation"
 
     def transcription(self, physics: Physics, duration: tuple[float, float]) -> Transcription:
         return HermiteSimpson(physics, self.intervals, duration)

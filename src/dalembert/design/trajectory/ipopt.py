@@ -14,6 +14,7 @@ from dalembert.design.trajectory.method import TrajectoryMethod
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.interrupts import searching
 from dalembert.results.status import Outcome, Status
+from dalembert.symbolic.nonlinear_program import ipopt, return_status
 
 SOLVED = 1e-6
 """Upper limit of the residual of a solved plan, in natural sizes."""
@@ -58,20 +59,16 @@ class Programme:
         size = max(abs(initial_value), 1e-3) if np.isfinite(initial_value) else 1.0
         rows = ca.vertcat(*(ca.vec(row.value) for row in self.rows))
         callback = _IterationCallback(unknowns.numel(), rows.numel(), size, report, x0)
-        settings: dict[str, Any] = {
-            "iteration_callback": callback,
-            "ipopt.max_iter": method.max_iterations,
-            "ipopt.tol": max(method.tolerance, 1e-14),
-            "ipopt.print_level": 0,
-            "ipopt.sb": "yes",
-            "ipopt.mu_strategy": "adaptive",
-            "print_time": False,
-            "error_on_fail": False,
-            "show_eval_warnings": False,
-            "expand": method.expands,
-        }
         problem = {"x": unknowns, "f": (self.objective + self.penalty) / size, "g": rows}
-        solver = ca.nlpsol("trajectory", "ipopt", problem, settings)
+        solver = ipopt(
+            "trajectory",
+            problem,
+            max(method.tolerance, 1e-14),
+            method.max_iterations,
+            {"mu_strategy": "adaptive"},
+            expand=method.expands,
+            iteration_callback=callback,
+        )
         lower, upper = self.transcription.bounds()
         try:
             with searching():
@@ -79,13 +76,12 @@ class Programme:
                     x0=x0, lbx=lower, ubx=upper, lbg=self._bounds(0), ubg=self._bounds(1)
                 )
                 x = np.array(result["x"]).ravel()
-                return_status = str(solver.stats()["return_status"])
+                message = return_status(solver)
         except KeyboardInterrupt:
             callback.stopped = True
         if callback.stopped:
             point = callback.x
             return Solution(point, float(value(point)), callback.count, "interrupted", True)
-        message = return_status.replace("_", " ").lower()
         return Solution(x, float(value(x)), callback.count, message)
 
     def _bounds(self, side: int) -> np.ndarray:

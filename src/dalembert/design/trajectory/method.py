@@ -14,9 +14,9 @@ from dalembert.design.trajectory.transcription import Transcription
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.model import Model
 from dalembert.options import inherit_texts, options
+from dalembert.results.analysis import Analysis
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
-from dalembert.results.result import Analysis
 
 STEPS = 20
 """Number of steps of a forward run per interval."""

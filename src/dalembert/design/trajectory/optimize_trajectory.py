@@ -21,7 +21,6 @@ from dalembert.design.trajectory.control import Control
 from dalembert.design.trajectory.guess import Guess, from_plan, initial_guess
 from dalembert.design.trajectory.ipopt import Programme, Solution
 from dalembert.design.trajectory.method import TrajectoryMethod
-from dalembert.design.trajectory.optimal import OptimalTrajectory
 from dalembert.design.trajectory.physics import Physics, speed_basis
 from dalembert.design.trajectory.quantities import (
     Conditions,
@@ -32,6 +31,7 @@ from dalembert.design.trajectory.quantities import (
     response_value,
     unit_of,
 )
+from dalembert.design.trajectory.trajectory_result import TrajectoryResult
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.design.trajectory.verification import (
     REFINEMENTS,
@@ -71,7 +71,7 @@ def optimize_trajectory(
     verify: bool = True,
     accuracy: float = 1e-3,
     progress: bool | OnIteration = False,
-) -> OptimalTrajectory:
+) -> TrajectoryResult:
     """Optimal motion of a mechanism and the controls that produce it.
 
     Parameters
@@ -155,7 +155,7 @@ class _Task:
     subject_to: Sequence[Limit]
     report: OnIteration | None
 
-    def plan(self, method: TrajectoryMethod, guess: Guess, penalty: float) -> OptimalTrajectory:
+    def plan(self, method: TrajectoryMethod, guess: Guess, penalty: float) -> TrajectoryResult:
         """Optimal plan from an initial guess, with a penalty on rough controls."""
         transcription = method.transcription(self.physics, self.span)
         begin, n = self.begin, method.intervals
@@ -179,8 +179,8 @@ class _Task:
 
 
 def _refine(
-    task: _Task, method: TrajectoryMethod, plan: OptimalTrajectory, accuracy: float
-) -> OptimalTrajectory:
+    task: _Task, method: TrajectoryMethod, plan: TrajectoryResult, accuracy: float
+) -> TrajectoryResult:
     """Refine or smooth the plan until the forward run under its controls agrees with it."""
     penalty, smoothed = 0.0, False
     for _ in range(REFINEMENTS):
@@ -242,7 +242,7 @@ def _at_start(transcription: Transcription) -> list[Rows]:
 
 def _plan_from(
     programme: Programme, solution: Solution, method: TrajectoryMethod
-) -> OptimalTrajectory:
+) -> TrajectoryResult:
     """The plan of a solution, not yet verified."""
     physics = programme.transcription.physics
     unknowns = programme.transcription.unpack(solution.x)
@@ -253,7 +253,7 @@ def _plan_from(
     controls = _controls(physics, unknowns, duration)
     scheduled = ScheduledModel(physics.model, {n: c.formula for n, c in controls.items()})
     p = physics.model.values(nominal | varied)
-    return OptimalTrajectory(
+    return TrajectoryResult(
         status=status,
         fun=solution.objective,
         duration=duration,

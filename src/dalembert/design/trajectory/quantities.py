@@ -15,7 +15,7 @@ from dalembert.model.model import Model
 from dalembert.options import is_number
 from dalembert.responses.base import Response
 from dalembert.responses.extremes import Maximum, Minimum
-from dalembert.responses.integrals import Integral, Mean, Rms
+from dalembert.responses.integrals import RMS, Integral, Mean
 from dalembert.responses.values import At, Final
 
 Conditions = Mapping[str, float | tuple[float | None, float | None]]
@@ -42,7 +42,7 @@ def check_response(quantity: Any) -> None:
         return
     if not isinstance(response, Response):
         raise UnsupportedError("a response of another run; a trajectory is judged by its own")
-    kinds: tuple[type, ...] = (Final, Integral, Mean, Rms, Maximum)
+    kinds: tuple[type, ...] = (Final, Integral, Mean, RMS, Maximum)
     first = isinstance(response, At) and response.time == 0
     if not (first or isinstance(response, kinds)) or (
         isinstance(response, Minimum) and not limited
@@ -76,7 +76,7 @@ def response_value(transcription: Transcription, response: Any) -> ca.MX:
     if isinstance(response, (Integral, Mean)):
         total = transcription.integral(function)
         return total / transcription.duration if isinstance(response, Mean) else total
-    if isinstance(response, Rms):
+    if isinstance(response, RMS):
         square = physics.measure(physics.model.expression(response.measure) ** 2)
         mean = transcription.integral(square) / transcription.duration
         return ca.sqrt(mean + 1e-16)
@@ -88,7 +88,7 @@ def response_value(transcription: Transcription, response: Any) -> ca.MX:
 def unit_of(model: Model, response: Any) -> str:
     """Unit of a response, or of a formula of responses."""
     if isinstance(response, Combined):
-        return response.given_unit
+        return response.declared_unit
     return str(response.unit(model.expression(response.measure).unit))
 
 

@@ -49,7 +49,7 @@ class MultipleShooting(TrajectoryMethod):
     (1.0, True)
     """
 
-    spoken = "multiple shooting"
+    display_name = "multiple shooting"
 
     steps: int = 4
     formulation: Formulation = field(default_factory=RangeSpace)

@@ -20,8 +20,8 @@ import numpy as np
 
 from dalembert.design.trajectory.control import Control
 from dalembert.design.trajectory.method import TrajectoryMethod
-from dalembert.design.trajectory.optimal import OptimalTrajectory
 from dalembert.design.trajectory.physics import Physics
+from dalembert.design.trajectory.trajectory_result import TrajectoryResult
 from dalembert.design.trajectory.transcription import Transcription
 from dalembert.errors import AnalysisError
 from dalembert.model.scheduled import ScheduledModel
@@ -46,8 +46,8 @@ ROUGHNESS_WEIGHT = 1e-3
 
 
 def verify_plan(
-    plan: OptimalTrajectory, physics: Physics, method: TrajectoryMethod, from_start: bool
-) -> OptimalTrajectory:
+    plan: TrajectoryResult, physics: Physics, method: TrajectoryMethod, from_start: bool
+) -> TrajectoryResult:
     """The plan with the forward motion under its controls, and their distances.
 
     Parameters
@@ -159,19 +159,17 @@ def roughness(transcription: Transcription) -> ca.MX:
     return ca.sumsqr(inner) + ca.sumsqr(outer)
 
 
-def agrees(plan: OptimalTrajectory, accuracy: float) -> bool:
+def agrees(plan: TrajectoryResult, accuracy: float) -> bool:
     """Whether the forward run reaches the plan and is converged with respect to its steps."""
     return bool(plan.deviation <= accuracy and plan.step_error <= accuracy)
 
 
-def exploits_nodes(plan: OptimalTrajectory) -> bool:
+def exploits_nodes(plan: TrajectoryResult) -> bool:
     """Whether controls chatter and the forward run deviates from the plan."""
     return bool(chattering(plan.controls)) and not agrees(plan, HARMLESS)
 
 
-def with_final_status(
-    plan: OptimalTrajectory, accuracy: float, smoothed: bool
-) -> OptimalTrajectory:
+def with_final_status(plan: TrajectoryResult, accuracy: float, smoothed: bool) -> TrajectoryResult:
     """The plan with the status of the verification run, and warnings."""
     warnings = [*plan.warnings]
     if smoothed:

@@ -83,7 +83,7 @@ class DryFriction(Friction):
         return ca.SX(0) if self.static is None else self.static.sx - self.dynamic.sx
 
     def conditions(self) -> list[Condition]:
-        wrong = "static= is below dynamic=: {:.6g} and {:.6g}; give at least that, or leave it out"
+        wrong = "static= is below dynamic=: {:.6g} and {:.6g}; increase or omit static="
         coefficients = ca.vertcat(self.dynamic.sx + self.excess, self.dynamic.sx)
         return [*super().conditions(), (self.excess, wrong, coefficients)]
 

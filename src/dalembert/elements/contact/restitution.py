@@ -11,13 +11,13 @@ import math
 from collections.abc import Callable
 
 from dalembert.errors import ModelError
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 ROUNDING = 1e-15
 """Relative distance from the pole of the logarithm that rounding permits."""
 
 
-@spelled
+@check_arguments
 def achieved_restitution(factor: float) -> float:
     """The restitution ``e`` of an impact at the speed ``v₀`` for a damping factor ``d``.
 
@@ -49,7 +49,7 @@ def achieved_restitution(factor: float) -> float:
     return _root(lambda e: _imbalance(e, factor), 0.0, upper)
 
 
-@spelled
+@check_arguments
 def damping_factor(restitution: float) -> float:
     """The damping factor ``d`` for which an impact at the speed ``v₀`` has a restitution ``e``.
 

@@ -36,6 +36,7 @@ from dalembert.elements.flexible.nodes import CrossSection, Lagrange, Noded, gau
 from dalembert.elements.look import Strand
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression, stack, t
+from dalembert.symbolic.once import CacheOwner
 
 STATIONS = {"start": 0.0, "middle": 0.5, "end": 1.0}
 """Stations of internal forces, as fractions of the length."""
@@ -46,7 +47,7 @@ NODE = 1e6
 
 
 @dataclass(eq=False)
-class Beam(Noded, ForceElement):
+class Beam(CacheOwner, Noded, ForceElement):
     """Common part of planar and spatial beams.
 
     It extends from ``frame_i`` to ``frame_j`` of bodies, to which it is clamped. If one is omitted

@@ -15,7 +15,7 @@ import numpy as np
 from dalembert.elements.computed import ComputedNumbers
 from dalembert.elements.flexible.shapes import FloatingShapes, FollowingStructure, SectionShapes
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.symbolic.once import once
+from dalembert.symbolic.once import CacheOwner, once
 
 SYMMETRIC = 4
 """Number of symmetric tables of shapes, which precede those of sections."""
@@ -46,7 +46,7 @@ def constant_shapes(shapes: FloatingShapes) -> ShapeSymbols:
     return _filled(shapes, [ca.sparsify(ca.SX(ca.DM(table))) for table in _tables(shapes)])
 
 
-class ShapeNumbers(ComputedNumbers):
+class ShapeNumbers(CacheOwner, ComputedNumbers):
     """Shapes as symbols, and their values at parameters.
 
     Parameters

@@ -20,6 +20,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from dalembert.symbolic.once import CacheOwner
+
 
 @dataclass(frozen=True, eq=False)
 class SectionShapes:
@@ -38,7 +40,7 @@ class SectionShapes:
 
 
 @dataclass(frozen=True, eq=False)
-class FloatingShapes:
+class FloatingShapes(CacheOwner):
     """A structure in a floating frame by ``m`` shapes.
 
     Attributes

@@ -78,7 +78,7 @@ class Formula(Law):
     >>> from dalembert import planar
     >>> system = da.System("shaker")
     >>> table = system.add(planar.Body("table", mass=1.0, inertia=0.1))
-    >>> rail = system.add(planar.Translational("rail", system.ground.center, table.center))
+    >>> rail = system.add(planar.Prismatic("rail", system.ground.center, table.center))
     >>> beat = da.Formula(0.1 * da.sin(da.t) * da.exp(-da.t))  # or the formula alone
     >>> drive = system.add(planar.CoordinateDriver("drive", table.center, beat))
     >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)
@@ -206,7 +206,7 @@ class Harmonic(Law):
     >>> from dalembert import planar
     >>> system = da.System("shaker")
     >>> table = system.add(planar.Body("table", mass=2.0, inertia=0.1))
-    >>> rail = system.add(planar.Translational("rail", system.ground.center, table.center))
+    >>> rail = system.add(planar.Prismatic("rail", system.ground.center, table.center))
     >>> swing = da.Harmonic(amplitude=0.01, frequency=20.0, phase="90 deg")
     >>> drive = system.add(planar.CoordinateDriver("drive", table.center, swing))
     >>> motion = da.solve_inverse_dynamics(system.build(), 1.0, step=0.5)

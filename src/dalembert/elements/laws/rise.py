@@ -65,7 +65,7 @@ class HarmonicRise(Rise):
     >>> from dalembert import planar
     >>> system = da.System("gripper")
     >>> jaw = system.add(planar.Body("jaw"))
-    >>> rail = system.add(planar.Translational("rail", system.ground.center, jaw.center))
+    >>> rail = system.add(planar.Prismatic("rail", system.ground.center, jaw.center))
     >>> lift = da.HarmonicRise(height=0.1, duration=1.0)
     >>> cam = system.add(planar.CoordinateDriver("cam", jaw.center, lift))
     >>> motion = da.solve_kinematics(system.build(), 1.0, step=0.5)
@@ -87,7 +87,7 @@ class CycloidalRise(Rise):
     >>> from dalembert import planar
     >>> system = da.System("cam follower")
     >>> follower = system.add(planar.Body("follower"))
-    >>> rail = system.add(planar.Translational("rail", system.ground.center, follower.center))
+    >>> rail = system.add(planar.Prismatic("rail", system.ground.center, follower.center))
     >>> lift = da.CycloidalRise(height=0.02, duration=0.5)
     >>> cam = system.add(planar.CoordinateDriver("cam", follower.center, lift))
     >>> motion = da.solve_kinematics(system.build(), 0.5, step=0.25)
@@ -111,7 +111,7 @@ class Polynomial345Rise(Rise):
     >>> from dalembert import planar
     >>> system = da.System("valve")
     >>> valve = system.add(planar.Body("valve"))
-    >>> guide = planar.Translational("guide", system.ground.center, valve.center, axis=(0, 1))
+    >>> guide = planar.Prismatic("guide", system.ground.center, valve.center, axis=(0, 1))
     >>> rail = system.add(guide)
     >>> lift = da.Polynomial345Rise(height=0.01, duration=0.1, dwell=0.05, fall=0.1, period=0.4)
     >>> cam = planar.CoordinateDriver("cam", valve.center, lift, direction=(0, 1))

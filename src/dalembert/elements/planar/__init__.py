@@ -17,18 +17,19 @@ from dalembert.elements.planar.drivers import (
 )
 from dalembert.elements.planar.flexible_body import FlexibleBody
 from dalembert.elements.planar.gear import Coupling, GearPair, RackAndPinion, RollingDisc
-from dalembert.elements.planar.loads import Force, Moment
+from dalembert.elements.planar.loads import Force, Torque
 from dalembert.elements.planar.node import Node, PointNode
 from dalembert.elements.planar.point_on_curve import PointOnCurve
+from dalembert.elements.planar.prismatic import PinInSlot, Prismatic
 from dalembert.elements.planar.revolute import Revolute
 from dalembert.elements.planar.rigid_link import RigidLink
-from dalembert.elements.planar.springs import Bushing, RotationalSpring
-from dalembert.elements.planar.translational import PinInSlot, Translational
+from dalembert.elements.planar.springs import Bushing, TorsionSpring
 from dalembert.elements.planar.weld import Weld
 from dalembert.elements.point import Point
 from dalembert.elements.springs import Actuator, Spring
 from dalembert.elements.stop import Stop
 from dalembert.elements.user_constraint import UserConstraint
+from dalembert.text.wording import no_attribute
 
 __all__ = [
     "Actuator",
@@ -49,24 +50,28 @@ __all__ = [
     "Ground",
     "JointActuator",
     "JointFriction",
-    "Moment",
     "Node",
     "Particle",
     "PinInSlot",
     "Point",
     "PointNode",
     "PointOnCurve",
+    "Prismatic",
     "RackAndPinion",
     "Revolute",
     "RigidLink",
     "RollingDisc",
     "RotationalDriver",
-    "RotationalSpring",
     "Spring",
     "Stop",
-    "Translational",
+    "Torque",
+    "TorsionSpring",
     "TranslationalDriver",
     "UnilateralConstraint",
     "UserConstraint",
     "Weld",
 ]
+
+
+def __getattr__(name: str) -> object:
+    raise AttributeError(no_attribute(__name__, name, __all__))

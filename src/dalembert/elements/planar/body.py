@@ -7,6 +7,7 @@ speeds are their rates. A point fixed in the body is at ``r_P = r + A(φ) s'`` (
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -64,15 +65,10 @@ class PlanarFrame(BodyElement):
         in_plane = ca.mtimes(self._axes, local[:2])
         return in_plane if local.numel() == 2 else ca.vertcat(in_plane, local[2])
 
-    @property
+    @cached_property
     def _axes(self) -> ca.SX:
-        """``A(φ)``, cached so that all points and their derivatives share one expression."""
-        angle = self.pose_angle
-        cached: tuple[ca.SX, ca.SX] | None = vars(self).get("_cached_axes")
-        if cached is None or cached[0].element_hash() != angle.element_hash():
-            cached = angle, rotation(angle)
-            vars(self)["_cached_axes"] = cached
-        return cached[1]
+        """``A(φ)``, one expression shared by all points and their derivatives."""
+        return rotation(self.pose_angle)
 
     @property
     def orientation(self) -> ca.SX:

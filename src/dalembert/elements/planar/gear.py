@@ -13,7 +13,7 @@ from dalembert.elements.look import Belt, Disc, Mesh
 from dalembert.elements.pair import initial_value, need_body
 from dalembert.elements.planar.body import Body, cross
 from dalembert.elements.planar.joint import BodyJoint, PinJoint
-from dalembert.elements.planar.translational import SlidingJoint
+from dalembert.elements.planar.prismatic import SlidingJoint
 from dalembert.errors import ModelError
 
 
@@ -95,7 +95,7 @@ class RackAndPinion(SlidingJoint):
     >>> system = da.System("steering")
     >>> pinion, rack = system.add(planar.Body("pinion")), system.add(planar.Body("rack"))
     >>> hinge = system.add(planar.Revolute("O", system.ground.point(0, 0.02), pinion.center))
-    >>> rail = system.add(planar.Translational("rail", system.ground.center, rack.center))
+    >>> rail = system.add(planar.Prismatic("rail", system.ground.center, rack.center))
     >>> mesh = system.add(planar.RackAndPinion("mesh", rack.center, pinion.center, radius=0.02))
     >>> turn = system.add(planar.RotationalDriver("turn", system.ground, pinion, da.t))
     >>> motion = da.solve_kinematics(system.build(), 1.0, step=1.0)

@@ -43,7 +43,7 @@ class Force(InPlane, PointForce):
 
 
 @dataclass(eq=False)
-class Moment(InPlane, Couple):
+class Torque(InPlane, Couple):
     """Moment on a body (1.55), with its reaction on an optional second one: a rotary actuator.
 
     Parameters
@@ -59,7 +59,7 @@ class Moment(InPlane, Couple):
     >>> system = da.System("flywheel")
     >>> wheel = system.add(planar.Body("wheel", mass=5.0, inertia=0.2))
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, wheel.center))
-    >>> torque = system.add(planar.Moment("torque", wheel, 4 * da.t))
+    >>> torque = system.add(planar.Torque("torque", wheel, 4 * da.t))
     >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.1)
     >>> round(motion["wheel.angular_velocity"][-1].item(), 6)  # its integral over the inertia
     10.0

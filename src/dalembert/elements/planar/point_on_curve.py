@@ -35,7 +35,7 @@ class PointOnCurve(InPlane, OnCurve):
     >>> from dalembert import planar
     >>> system = da.System("bowl", gravity=(0, -9.81))
     >>> bead = system.add(planar.Particle("bead", mass=0.1, position=(0.3, 0.1)))
-    >>> bowl = da.FormulaCurve(da.u, da.u**2)
+    >>> bowl = da.FormulaCurve(da.curves.u, da.curves.u**2)
     >>> wire = system.add(planar.PointOnCurve("wire", system.ground, bead.center, bowl))
     >>> rest = da.solve_equilibrium(system.build())
     >>> bool(abs(rest["bead.position"]).max() < 1e-6)  # at the bottom

@@ -27,7 +27,7 @@ class BodyPair(BetweenAngles, ForceElement):
 
 
 @dataclass(eq=False)
-class RotationalSpring(AngularSpring, BodyPair):
+class TorsionSpring(AngularSpring, BodyPair):
     """Rotational spring and damper between two bodies; the coordinate is ``φ_j − φ_i``.
 
     Parameters
@@ -44,7 +44,7 @@ class RotationalSpring(AngularSpring, BodyPair):
     >>> system = da.System("torsion pendulum")
     >>> wheel = system.add(planar.Body("wheel", mass=1.0, inertia=0.25))
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, wheel.center))
-    >>> wire = system.add(planar.RotationalSpring("wire", system.ground, wheel, stiffness=4.0))
+    >>> wire = system.add(planar.TorsionSpring("wire", system.ground, wheel, stiffness=4.0))
     >>> modes = da.linearize(system.build())
     >>> modes.eigenvalues.imag.round(6)  # √(k/J)
     array([4.])

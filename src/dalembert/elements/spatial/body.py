@@ -69,7 +69,7 @@ class Body(SpatialFrame):
         "about the mass centre: Ixx, Iyy, Izz, Ixy, Iyz, Ixz",
         default=None,
         size=6,
-        least=3,
+        minimum_size=3,
     )
     center_of_mass: Vector = quantity("m", "mass centre in the body frame", default=None, size=3)
     position: Vector = quantity("m", "initial position of the origin", default=None, size=3)

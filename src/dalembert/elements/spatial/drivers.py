@@ -29,8 +29,8 @@ class JointDriver(Driver, Pair):
     def __post_init__(self) -> None:
         if not isinstance(self.joint, Constraint):
             raise ModelError(
-                "joint must be a joint, such as a spatial.Revolute between two frames; got "
-                f"{type(self.joint).__name__}",
+                "joint must be a joint, such as a spatial.Revolute between two frames, in "
+                f"{type(self).__name__}(name, joint, law); got {type(self.joint).__name__}",
                 self.name,
             )
         super().__post_init__()

@@ -77,7 +77,7 @@ class TreeJoint:
         raise NotImplementedError
 
     def carries(self, child: Any) -> bool:
-        """Whether the freedoms of a body are those that the joint removes and leaves."""
+        """Whether constrained and free motions of the joint span the motions of a body."""
         if not isinstance(child, Body):
             return False
         free = self.joint_space().twist.numel() if child.rotates else 0

@@ -11,8 +11,9 @@ import numpy as np
 
 from dalembert.elements.base import Look, Scalar, option, quantity
 from dalembert.elements.spatial.shape import Shape, Surface
-from dalembert.errors import ModelError, UnsupportedError
+from dalembert.errors import ModelError
 from dalembert.files import readable
+from dalembert.packages import optional_package
 
 WEIGHT = 200
 """Memory per byte of a file while it is read [bytes]."""
@@ -78,13 +79,7 @@ def read_surface(path: Path, entity: str) -> SurfaceMesh:
 
 
 def _read(path: Path, entity: str) -> tuple[np.ndarray, np.ndarray]:
-    try:
-        import trimesh
-    except ImportError:
-        raise UnsupportedError(
-            f"{entity}: {path}: solids are read with trimesh, which is not installed; "
-            "pip install dalembert[mesh]"
-        ) from None
+    trimesh = optional_package("trimesh", f"{entity}: reading {path}")
     readable(path, WEIGHT)
     try:
         mesh: Any = trimesh.load(path, force="mesh")

@@ -93,7 +93,7 @@ class PointOnCurve(OnCurve):
     >>> import dalembert as da
     >>> from dalembert import spatial
     >>> system = da.System("slide", gravity=(0, 0, -9.81))
-    >>> helix = da.FormulaCurve(da.cos(da.u), da.sin(da.u), z=0.2 * da.u)
+    >>> helix = da.FormulaCurve(da.cos(da.curves.u), da.sin(da.curves.u), z=0.2 * da.curves.u)
     >>> bead = system.add(spatial.Particle("bead", mass=0.1, position=(1, 0, 0)))
     >>> wire = system.add(spatial.PointOnCurve("wire", system.ground, bead.center, helix))
     >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.01)

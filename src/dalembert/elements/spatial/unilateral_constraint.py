@@ -37,7 +37,7 @@ class UnilateralConstraint(unilateral.UnilateralConstraint):
     """
 
     slip: Vector = quantity(
-        "m/s", "formulas of speeds along the surface", default=None, size=2, least=1
+        "m/s", "formulas of speeds along the surface", default=None, size=2, minimum_size=1
     )
 
     def quantities(self) -> Iterator[tuple[str, Mapping]]:

@@ -7,7 +7,7 @@ import casadi as ca
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.bdf.control import Accuracy
-from dalembert.integrators.bdf.step import BdfStep
+from dalembert.integrators.bdf.step import BDFStep
 from dalembert.integrators.error_control import absolute, arrival, check_tolerances
 from dalembert.integrators.step import Step
 from dalembert.options import options
@@ -22,7 +22,7 @@ limit after a second rejection in a row [-]."""
 
 
 @options
-class Bdf(Integrator):
+class BDF(Integrator):
     """Backward differentiation of orders 1 to 5 with variable steps, for stiff and DAE systems.
 
     ``Σ_{j≤k} ∇ʲx⁺/j − κ_k γ_k ∇^{k+1}x⁺ = h F(t + h, x⁺, z, p)`` with ``0 = G(t + h, x⁺, z, p)``
@@ -59,7 +59,7 @@ class Bdf(Integrator):
     >>> boat = system.add(planar.Particle("boat", mass=1.0, velocity=(1, 0)))
     >>> water = system.add(planar.Force("water", boat.center, (-boat.vx, 0)))
     >>> model = system.build()
-    >>> precise = dict(formulation=da.Dae(index=1), integrator=da.Bdf(rtol=1e-8))
+    >>> precise = dict(formulation=da.DAE(index=1), integrator=da.BDF(rtol=1e-8))
     >>> motion = da.solve_dynamics(model, 2.0, **precise)
     >>> round(motion["boat.vx"][-1].item(), 6)  # exp(-2)
     0.135335
@@ -73,7 +73,7 @@ class Bdf(Integrator):
     def __post_init__(self) -> None:
         check_tolerances(self.name, self.rtol, self.atol, self.max_step)
         if self.max_order not in range(1, 6):
-            raise UnsupportedError(f"Bdf(max_order={self.max_order}): must be 1, 2, 3, 4 or 5")
+            raise UnsupportedError(f"BDF(max_order={self.max_order}): must be 1, 2, 3, 4 or 5")
 
     @property
     def implicit(self) -> bool:
@@ -91,19 +91,19 @@ class Bdf(Integrator):
     def longest_step(self) -> float | None:
         return self.max_step
 
-    def step(self, problem: Problem) -> BdfStep:
+    def step(self, problem: Problem) -> BDFStep:
         atol = absolute(self.atol, ATOL_SHARE, problem, problem.system.x.numel())
-        return BdfStep(problem, Accuracy(self.rtol, atol, self.max_order))
+        return BDFStep(problem, Accuracy(self.rtol, atol, self.max_order))
 
     def attempt(self, problem: Problem, step: Step) -> Attempt:
-        assert isinstance(step, BdfStep)
+        assert isinstance(step, BDFStep)
         state = ca.MX.sym("s", 3 + step.size)
         fixed = ca.MX.sym("f", 2 + step.parameter_count)
         out = _attempt(step, state, fixed)
         return Attempt(ca.Function("attempt", [state, fixed], out), (0.0,))
 
 
-def _attempt(step: BdfStep, state: ca.MX, fixed: ca.MX) -> list[ca.MX]:
+def _attempt(step: BDFStep, state: ca.MX, fixed: ca.MX) -> list[ca.MX]:
     """Attempted step with acceptance test and next length."""
     t, proposed, rejected, x = state[0], state[1], state[2], state[3:]
     end, longest, p = fixed[0], fixed[1], fixed[2:]

@@ -59,7 +59,7 @@ class Accuracy:
     min_order: int = 1
 
 
-class BdfControl:
+class BDFControl:
     """Error control of coordinates and speeds.
 
     Algebraic variables are functions of the states and are not controlled. With index 3, speeds

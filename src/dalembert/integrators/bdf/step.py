@@ -21,19 +21,20 @@ from dalembert.integrators.bdf.control import (
     ALPHA,
     GAMMA,
     Accuracy,
-    BdfControl,
+    BDFControl,
     by_order,
     reduction,
     rescaling,
 )
 from dalembert.integrators.bdf.newton import CorrectorEquations
-from dalembert.integrators.step import DifferentiatedStep, graph_of
+from dalembert.integrators.step import Step
+from dalembert.symbolic.equations.graph_function import GraphFunction
 
 EQUAL_LENGTH = 1e-8
 """Relative difference below which step lengths count as equal [-]."""
 
 
-class BdfStep(DifferentiatedStep):
+class BDFStep(Step):
     """BDF step ``(t, h, x, p) → x⁺`` with the differences in x.
 
     Parameters
@@ -54,12 +55,12 @@ class BdfStep(DifferentiatedStep):
         self.parameter_count = problem.system.p.numel()
         self.size = self.state_size * (self.top + 2) + 3
         self.corrects = corrected and problem.correction is not None
-        self._finish = graph_of(problem.correction if self.corrects else problem.upkeep)
-        self.control = BdfControl(problem, accuracy)
+        self._finish = problem.correction if self.corrects else problem.upkeep
+        self.control = BDFControl(problem, accuracy)
         self.equations = CorrectorEquations(problem, accuracy, self.control.weights)
 
     @cached_property
-    def begin(self) -> ca.Function:
+    def begin(self) -> GraphFunction:
         """Memory at the start: order 1, differences of spacing 1 s, ``D₁ = ẋ``."""
         system, n = self.problem.system, self.state_size
         t, x, p = ca.SX.sym("t"), ca.SX.sym("x", n), ca.SX.sym("p", self.parameter_count)
@@ -70,15 +71,16 @@ class BdfStep(DifferentiatedStep):
             ca.vertcat(t, x, z, p),
         )
         memory = ca.vertcat(rate, ca.SX.zeros(n * self.top), 1, 1, 0)
-        return ca.Function("bdf_begin", [t, x, p], [ca.densify(memory)], {"cse": True})
+        begin = ca.Function("bdf_begin", [t, x, p], [ca.densify(memory)], {"cse": True})
+        return GraphFunction(begin)
+
+    @cached_property
+    def plain(self) -> BDFStep:
+        return BDFStep(self.problem, self.accuracy, corrected=False)
 
     @property
-    def plain(self) -> BdfStep:
-        return BdfStep(self.problem, self.accuracy, corrected=False)
-
-    @property
-    def exact_in_h(self) -> BdfStep:
-        return BdfStep(self.problem, self.accuracy, self.corrects, reuse=False)
+    def exact_in_h(self) -> BDFStep:
+        return BDFStep(self.problem, self.accuracy, self.corrects, reuse=False)
 
     @cached_property
     def function(self) -> ca.Function:
@@ -106,7 +108,7 @@ class BdfStep(DifferentiatedStep):
         order, growth = self.control.choice(free, t + h, h, k, state, p, error, below, above)
         growth = ca.if_else(error <= 1, growth, reduction(error, k))
         if self._finish is not None:
-            shift = self._finish(t + h, state, p) - state
+            shift = self._finish.function(t + h, state, p) - state
             state = state + shift
             if not (self.corrects and self.problem.translates):
                 differences = self.shifted(k, shift, differences)

@@ -9,7 +9,9 @@ import numpy as np
 
 from dalembert.errors import SolverFailure
 from dalembert.integrators.base import Attempt
+from dalembert.integrators.marching.loop import StepSource, Stretch, take_steps
 from dalembert.integrators.marching.march import FixedMarch
+from dalembert.integrators.marching.method_choice import MethodChoice
 from dalembert.integrators.marching.steps import Crossing, Steps, Watch
 from dalembert.symbolic.evaluation.backends import Backend, VirtualMachine
 from dalembert.symbolic.evaluation.columns import Columns
@@ -83,66 +85,13 @@ class AdaptiveMarch:
         watch: Watch,
     ) -> Steps:
         """March from ``start`` to ``end``; stops when the step length collapses."""
-        memory = self.attempt_of(mode).memory
-        state = np.concatenate([[start, first_step], memory, x0])
-        fixed = np.concatenate([[end, longest], p])
-        parts: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
-        head, rejected, message, interrupted = 2 + len(memory), 0, "", False
-        recorder = watch.recorder(x0)
-        try:
-            while state[0] < end and not message:
-                attempts = watch.choice.attempts(mode) if watch.choice else ATTEMPTS
-                out, record, failure = self._attempt_chunk(attempts, mode, state, fixed)
-                count = out.shape[1]
-                last = recorder.last
-                out, record, following, message = self._valid(watch, out, record, last, head, mode)
-                if out.shape[1] == count:  # else the failed attempt is repeated in another variant
-                    message = message or failure
-                accepted = (record[3] > 0.5) & (record[1] > 0)
-                rejected += int(np.sum((record[3] < 0.5) & (record[1] > 0)))
-                steps_taken = record[0, accepted], record[1, accepted]
-                t, h, columns = _finite(*steps_taken, out[head:, accepted])
-                modes, begin = np.full(t.size, mode), state[0]
-                if out.shape[1]:
-                    state = out[:, -1]
-                ends = np.append(t, t[-1:] + h[-1:] if t.size else begin)
-                crossing = None
-                may_cross = out.shape[1] == count and self.crossed is not None
-                if (may_cross or self.changes) and not message:
-                    crossing = watch.cross(ends, np.column_stack([last, columns]), mode)
-                if crossing is not None:
-                    t, h, columns, modes = _replace_last_step(crossing, t, h, columns, modes)
-                    ends = np.append(t, t[-1] + h[-1])
-                    state = np.r_[ends[-1], crossing.following, memory, columns[:, -1]]
-                    message = crossing.reason
-                parts.append((t, h, modes))
-                recorder.add(ends, columns)
-                if watch.choice and following == mode and crossing is None:
-                    following, length, message = watch.choice.after(record, mode, message)
-                    if length is not None:
-                        state = np.r_[state[0], length, memory, state[head:]]
-                if crossing is None:
-                    mode = following
-                elif crossing.after is not None:
-                    mode = crossing.after
-                if message or not out.shape[1]:
-                    continue
-                message = _failure(state, end - start)
-                if not message and crossing is None and not np.any(record[1]):
-                    message = "the sign of a switching function cannot be determined"
-                if message:
-                    continue
-                watch.progress((state[0] - start) / (end - start))
-                if t.size and watch.stop(ends, np.column_stack([last, columns]), modes):
-                    break
-        except KeyboardInterrupt:
-            message, interrupted = "interrupted", True
-        steps = _collect(parts, start, recorder.last, rejected)
-        steps.message, steps.interrupted = message, interrupted
+        numbers = start, end, first_step, longest
+        attempts, recorder = Attempts(self, numbers, x0, p, mode, watch.choice), watch.recorder(x0)
+        steps = take_steps(attempts, recorder, watch)
         steps.x = recorder.states(None if self.fixed is None else self.fixed.again(steps, p))
         return steps
 
-    def _attempt_chunk(self, attempts: int, mode: int, state: np.ndarray, fixed: np.ndarray):
+    def advance(self, attempts: int, mode: int, state: np.ndarray, fixed: np.ndarray):
         """A chunk of attempts, up to the failure of an inner solver, and its reason."""
         try:
             return *self.columns(mode)(attempts, state, fixed), ""
@@ -158,19 +107,90 @@ class AdaptiveMarch:
             state = done[-1][0].ravel()
         return *(np.hstack(part) for part in zip(*done, strict=True)), ""
 
-    @staticmethod
-    def _valid(watch: Watch, out, record, last, head: int, mode: int):
-        """The valid attempts, the mode after them, and the reason to stop there, if any."""
-        accepted = np.flatnonzero((record[3] > 0.5) & (record[1] > 0))
-        if not accepted.size or not np.all(np.isfinite(out[:, accepted])):
-            return out, record, mode, ""
-        times = np.append(record[0, accepted], record[0, accepted[-1]] + record[1, accepted[-1]])
-        columns = np.column_stack([last, out[head:, accepted]])
-        valid, following, reason = watch.switch(times, columns, mode)
-        if valid == accepted.size:
-            return out, record, following, reason
-        stop = accepted[valid]  # all attempts from here on are repeated in the new mode
-        return out[:, :stop], record[:, :stop], following, reason
+
+class Attempts(StepSource):
+    """Attempted steps, of which the accepted ones form the march.
+
+    Parameters
+    ----------
+    march : AdaptiveMarch
+    numbers : start, end, first step and longest step [s]
+    x0, p, mode : first state, parameters and mode
+    choice : choice between two methods; None for a single method
+    """
+
+    def __init__(
+        self,
+        march: AdaptiveMarch,
+        numbers: tuple[float, float, float, float],
+        x0: np.ndarray,
+        p: np.ndarray,
+        mode: int,
+        choice: MethodChoice | None,
+    ):
+        self.march, self.choice, self.mode = march, choice, mode
+        self.start, self.end, first_step, longest = numbers
+        self.memory = march.attempt_of(mode).memory
+        self.state = np.concatenate([[self.start, first_step], self.memory, x0])
+        self.fixed = np.concatenate([[self.end, longest], p])
+        self.states = self.record = np.zeros((0, 0))
+        self.complete = True
+
+    @property
+    def pending(self) -> bool:
+        return bool(self.state[0] < self.end)
+
+    @property
+    def progress(self) -> float:
+        return float((self.state[0] - self.start) / (self.end - self.start))
+
+    @property
+    def _accepted(self) -> np.ndarray:
+        """Indices of the accepted attempts; attempts of zero length are idle."""
+        return np.flatnonzero((self.record[3] > 0.5) & (self.record[1] > 0))
+
+    def take(self, time: float, x: np.ndarray) -> tuple[Stretch, str]:
+        count = self.choice.attempts(self.mode) if self.choice else ATTEMPTS
+        made = self.march.advance(count, self.mode, self.state, self.fixed)
+        self.states, self.record, failure = made
+        self.complete, accepted = True, self._accepted
+        columns = self.states[2 + len(self.memory) :, accepted]
+        corrected, mode = np.ones(accepted.size, bool), np.full(accepted.size, self.mode)
+        t, h = self.record[:2, accepted]
+        return Stretch.of(self.state[0], x, columns, t, h, corrected, mode), failure
+
+    def reject(self, accepted: int) -> None:
+        stop = int(np.append(self._accepted, self.record.shape[1])[accepted])
+        self.complete = stop == self.record.shape[1]
+        self.states, self.record = self.states[:, :stop], self.record[:, :stop]
+
+    def may_cross(self, reason: str) -> bool:
+        detects = self.complete and self.march.crossed is not None
+        return (detects or self.march.changes) and not reason
+
+    def settle(
+        self, stretch: Stretch, following: int, crossing: Crossing | None, failure: str
+    ) -> str:
+        self.rejected += int(np.sum((self.record[3] < 0.5) & (self.record[1] > 0)))
+        if self.record.shape[1]:
+            self.state = self.states[:, -1]
+        if crossing is not None:
+            self._restart(stretch.ends[-1], crossing.following, stretch.x[:, -1])
+        elif self.choice and following == self.mode:
+            following, length, failure = self.choice.after(self.record, self.mode, failure)
+            if length is not None:
+                self._restart(self.state[0], length, self.state[2 + len(self.memory) :])
+        self.mode = following
+        if failure or not self.record.shape[1]:
+            return failure
+        failure = _failure(self.state, self.end - self.start)
+        if not failure and crossing is None and not np.any(self.record[1]):
+            failure = "the sign of a switching function cannot be determined"
+        return failure
+
+    def _restart(self, time: float, length: float, x: np.ndarray) -> None:
+        """Forget the memory of the step size controller."""
+        self.state = np.concatenate([[time, length], self.memory, x])
 
 
 def _idle_at_the_end(
@@ -193,17 +213,6 @@ def _idle_at_the_end(
     return ca.Function("attempt", [state, fixed], list(outputs))
 
 
-def _replace_last_step(crossing: Crossing, t, h, columns, modes):
-    """Steps up to a crossing, and the steps that replace the one across it."""
-    k = crossing.accepted
-    return (
-        np.append(t[:k], crossing.t),
-        np.append(h[:k], crossing.h),
-        np.column_stack([columns[:, :k], crossing.x]),
-        np.append(modes[:k], crossing.mode),
-    )
-
-
 def _failure(state: np.ndarray, span: float) -> str:
     """Reason why a march of length ``span`` cannot continue from ``[t; h; …]``, or ``""``."""
     if not np.all(np.isfinite(state)):
@@ -211,19 +220,3 @@ def _failure(state: np.ndarray, span: float) -> str:
     if state[1] < SMALLEST_STEP * max(span, abs(state[0])):
         return f"the step length fell below {state[1]:.1e} s"
     return ""
-
-
-def _finite(t: np.ndarray, h: np.ndarray, columns: np.ndarray):
-    """The steps up to the last finite state."""
-    finite = np.isfinite(columns).all(axis=0)
-    count = finite.size if finite.all() else int(np.argmin(finite))
-    return t[:count], h[:count], columns[:, :count]
-
-
-def _collect(parts, start: float, last: np.ndarray, rejected: int) -> Steps:
-    """The steps without their states."""
-    empty = (np.zeros(0), np.zeros(0), np.zeros(0, dtype=int))
-    times, lengths, mode = (np.concatenate(part) for part in zip(empty, *parts, strict=True))
-    if not times.size:
-        times = np.array([start])
-    return Steps(times, lengths, last, np.ones(lengths.size, bool), mode, rejected)

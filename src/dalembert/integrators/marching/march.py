@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError, SolverFailure
@@ -16,12 +14,19 @@ from dalembert.integrators.marching.checkpoints import (
     joined_states,
     recorder_like,
 )
-from dalembert.integrators.marching.steps import Schedule, Steps, Watch, even_length, run_length
-from dalembert.integrators.step import Marching, Step
+from dalembert.integrators.marching.loop import StepSource, Stretch, take_steps
+from dalembert.integrators.marching.marched_step import MarchedStep
+from dalembert.integrators.marching.steps import (
+    Crossing,
+    Schedule,
+    Steps,
+    Watch,
+    even_length,
+    run_length,
+)
+from dalembert.integrators.step import Step
 from dalembert.symbolic.evaluation.backends import Backend, VirtualMachine
 from dalembert.symbolic.evaluation.columns import Columns
-from dalembert.symbolic.evaluation.kernel import Kernel
-from dalembert.symbolic.evaluation.prelude import before
 
 CHUNK = 500
 """Maximum number of steps per call."""
@@ -47,9 +52,8 @@ class FixedMarch:
     ):
         self.step_of, self.period = step_of, period
         self.backend = backend or VirtualMachine()
-        self._singles: dict[int, Marching] = {}
+        self._marched: dict[int, MarchedStep] = {}
         self._columns: dict[int, Columns] = {}
-        self._chunks: dict[tuple[int, int], Kernel] = {}
         self._preludes: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def prepare(self, count: int, mode: int) -> None:
@@ -58,37 +62,48 @@ class FixedMarch:
         columns.announce(count)
         for length in (min(count, CHUNK), count % CHUNK):
             if length > 1 and self.at_once(mode):
-                self._chunk(length, mode)
+                self.marched(mode).chunk(length)
             elif length:
                 columns.prepare(length)
 
     def run(
-        self, times: np.ndarray, x0: np.ndarray, p: np.ndarray, mode: int, watch: Watch
+        self,
+        times: np.ndarray,
+        x0: np.ndarray,
+        p: np.ndarray,
+        mode: int,
+        watch: Watch,
+        events: bool = False,
     ) -> Steps:
         """March over the grid ``times``; stops at the first state that is not finite.
 
         A step in which Newton's method fails is halved, repeatedly if necessary.
+
+        Parameters
+        ----------
+        times : grid [s]
+        x0, p, mode : first state, parameters and mode
+        watch : callbacks
+        events : whether steps are cut at the events that ``watch.cross`` finds inside them
         """
         h = np.diff(times)
         number = np.arange(1, h.size + 1)
         corrected = (number % self.period == 0) | (number == h.size)
-        modes = np.full(h.size, mode)
-        return self._march(times, h, corrected, modes, x0, p, watch.recorder(x0, h.size), watch)
+        schedule = Schedule(times[: max(h.size, 1)], h, corrected, np.full(h.size, mode))
+        recorder = watch.recorder(x0, 0 if events else h.size)
+        return self._march(schedule, p, recorder, watch, events)
 
     def repeat(self, steps: Steps, x0: np.ndarray, p: np.ndarray) -> Steps:
         """Repeat the steps of an earlier march from another state with other parameters."""
         for mode, count in zip(*np.unique(steps.mode, return_counts=True), strict=True):
             self.columns(int(mode)).announce(int(count))
-        schedule = steps.t, steps.h, steps.corrected, steps.mode
-        return self._march(*schedule, x0, p, recorder_like(steps.x, steps.t, x0))
+        return self._march(steps.schedule(), p, recorder_like(steps.x, steps.t, x0))
 
     def again(self, steps: Steps, p: np.ndarray) -> Repeat:
         """Function that recomputes the states inside segments of a march."""
 
         def repeat(begin: int, end: int, x: np.ndarray) -> np.ndarray:
-            part = slice(begin, end)
-            schedule = steps.t[part], steps.h[part], steps.corrected[part], steps.mode[part]
-            segment = self._march(*schedule, x, p, Recorder(x))
+            segment = self._march(steps.schedule(begin, end), p, Recorder(x))
             if segment.interrupted:
                 raise KeyboardInterrupt
             if segment.message:
@@ -112,59 +127,15 @@ class FixedMarch:
         return joined
 
     def _march(
-        self, times, h, corrected, mode, x0, p, recorder: Recorder, watch: Watch | None = None
+        self,
+        schedule: Schedule,
+        p: np.ndarray,
+        recorder: Recorder,
+        watch: Watch | None = None,
+        events: bool = False,
     ) -> Steps:
-        done, message, interrupted, explained = 0, "", False, False
-        schedule, longest = Schedule(times[: max(h.size, 1)], h, corrected, mode), CHUNK
-        try:
-            while done < schedule.h.size:
-                now = int(schedule.mode[done])
-                count = run_length(schedule.mode, done, longest)
-                if self.at_once(now):
-                    count = even_length(schedule.h[done : done + count])
-                longest = min(2 * longest, CHUNK)
-                t, length, _ = chunk = schedule.part(done, count)
-                out, reason, explained = self.advance(now, recorder.last, chunk, p)
-                finite = np.all(np.isfinite(out), axis=0)
-                valid = count if finite.all() else int(np.argmin(finite))
-                ends = np.append(t[:valid], (t + length)[valid - 1])
-                states = np.column_stack([recorder.last, out[:, :valid]])
-                if watch is not None and valid:
-                    accepted, following, message = watch.switch(ends, states, now)
-                    schedule.mode[done + accepted :] = following
-                    if accepted < valid:
-                        valid, finite, longest = accepted, finite[:accepted], SHORT_CHUNK
-                recorder.add(ends[: valid + 1], out[:, :valid])
-                done += valid
-                if not finite.all():
-                    may_halve = watch is not None and self.halves(now, reason)
-                    if may_halve and schedule.halve(done):
-                        longest = SHORT_CHUNK
-                    else:
-                        message = reason or "the state is no longer finite"
-                if message:
-                    break
-                if watch is not None and valid:
-                    watch.progress(done / schedule.h.size)
-                    if watch.stop(
-                        ends[: valid + 1],
-                        states[:, : valid + 1],
-                        schedule.mode[done - valid : done],
-                    ):
-                        break
-        except KeyboardInterrupt:
-            message, interrupted = "interrupted", True
-        steps = Steps(
-            schedule.t[: max(done, 1)],
-            schedule.h[:done],
-            recorder.last,
-            schedule.corrected[:done],
-            schedule.mode[:done],
-            rejected=schedule.halved,
-            message=message,
-            interrupted=interrupted,
-            explained=explained and bool(message),
-        )
+        source = PrescribedSteps(self, schedule, p, events, halves=watch is not None)
+        steps = take_steps(source, recorder, watch or Watch())
         steps.x = recorder.states(self.again(steps, p))
         return steps
 
@@ -199,83 +170,109 @@ class FixedMarch:
     ) -> np.ndarray:
         """States after ``count`` steps."""
         if count > 1 and self.at_once(mode):
-            return self._chunk(count, mode)(x, *chunk, p)[0]
+            return self.marched(mode).chunk(count)(x, *chunk, p)[0]
         return self.columns(mode)(count, x, *chunk, self._prelude_values(mode, p))[0]
 
-    def _chunk(self, count: int, mode: int) -> Kernel:
-        """Kernel of ``count`` equal steps."""
-        if (mode, count) not in self._chunks:
-            self._chunks[mode, count] = Kernel(self.step_of(mode).chunk(count))
-        return self._chunks[mode, count]
-
     def columns(self, mode: int) -> Columns:
-        """Evaluator of ``single`` for many steps."""
+        """Evaluator of many steps."""
         if mode not in self._columns:
-            step = self.prepared(mode)
-            self._columns[mode] = self.backend.columns(step.function, True, (4,), step.called)
+            forms = self.marched(mode).forms
+            self._columns[mode] = self.backend.columns(forms.function, True, (4,), forms.called)
         return self._columns[mode]
 
     def _prelude_values(self, mode: int, p: np.ndarray) -> np.ndarray:
         """``q(p)``, cached for the next chunk."""
         cached = self._preludes.get(mode)
         if cached is None or not np.array_equal(cached[0], p):
-            cached = p.copy(), self.prepared(mode).values(p).full().ravel()
+            cached = p.copy(), self.marched(mode).forms.values(p).full().ravel()
             self._preludes[mode] = cached
         return cached[1]
 
     def at_once(self, mode: int) -> bool:
         """True if equal steps are taken as chunks."""
-        step = self.step_of(mode)
-        return step.chunked and not branches(step, self.period)
+        return self.marched(mode).at_once
 
-    def single(self, mode: int) -> ca.Function:
-        """``(x, t, h, flag, q) → x``; the flag says whether the step is corrected."""
-        return self.prepared(mode).function
-
-    def prepared(self, mode: int) -> Marching:
-        """Functions of a step with the argument order of a march."""
-        if mode not in self._singles:
-            step = self.step_of(mode)
-            if branches(step, self.period):
-                self._singles[mode] = _single_with_flag(step, self.period)
-            else:
-                m = step.marching
-                forms = (form and _single(form) for form in (m.called, m.lanes))
-                self._singles[mode] = Marching(m.values, _single(m.function), *forms)
-        return self._singles[mode]
+    def marched(self, mode: int) -> MarchedStep:
+        """The step of a mode in the order of arguments of marches."""
+        if mode not in self._marched:
+            self._marched[mode] = MarchedStep(self.step_of(mode), self.period)
+        return self._marched[mode]
 
 
-def _single(step: ca.Function) -> ca.Function:
-    """The step with the argument order of a march, for periods that need no flag."""
-    kind: Any = ca.SX if step.is_a("SXFunction") else ca.MX
-    t, h, x, q = (kind.sym(name, step.numel_in(i)) for i, name in enumerate("thxq"))
-    flag = kind.sym("flag")
-    return ca.Function("single", [x, t, h, flag, q], [step(t, h, x, q)])
+class PrescribedSteps(StepSource):
+    """Steps of a schedule.
 
-
-def _single_with_flag(step: Step, period: int) -> Marching:
-    """A step that is corrected if the flag is set."""
-    call, _ = with_flag(step, period, lambda step: step.function)
-    x, p = ca.MX.sym("x", step.size), ca.MX.sym("p", step.parameter_count)
-    t, h, flag = ca.MX.sym("t"), ca.MX.sym("h"), ca.MX.sym("flag")
-    single = ca.Function("single", [x, t, h, flag, p], [call(flag, t, h, x, p)])
-    return Marching(*before(single, 4))
-
-
-def branches(step: Step, period: int) -> bool:
-    """True if only some of the steps are corrected."""
-    return period != 1 and step.corrects
-
-
-def with_flag(
-    step: Step, period: int, function_of: Callable[[Step], ca.Function]
-) -> tuple[Callable[..., Any], bool]:
-    """``(flag, …)`` function of a step or of its derivative, and whether it is an SX function.
-
-    The flag selects the step with or without correction; only one of them is evaluated. It is
-    ignored if all steps are corrected, or none.
+    Parameters
+    ----------
+    march : FixedMarch
+    schedule : Schedule; halved steps and steps cut by events replace its own
+    p : (np,) parameters
+    events : whether there may be events inside steps
+    halves : whether steps in which Newton's method fails are halved
     """
-    function = function_of(step)
-    if not branches(step, period):
-        return lambda flag, *arguments: function(*arguments), function.is_a("SXFunction")
-    return ca.Function.if_else("branch", function, function_of(step.plain)), False
+
+    def __init__(
+        self, march: FixedMarch, schedule: Schedule, p: np.ndarray, events: bool, halves: bool
+    ):
+        self.march, self.schedule, self.p = march, schedule, p
+        self.events, self.halves = events, halves
+        self.start, self.done = float(schedule.t[0]), 0
+        self.longest = SHORT_CHUNK if events else CHUNK
+        self.reason, self.mode = "", int(schedule.mode[0]) if schedule.mode.size else 0
+
+    @property
+    def pending(self) -> bool:
+        return self.done < self.schedule.h.size
+
+    @property
+    def progress(self) -> float:
+        return self.done / self.schedule.h.size
+
+    def take(self, time: float, x: np.ndarray) -> tuple[Stretch, str]:
+        mode = self.mode
+        chunk, count = self._chunk(mode)
+        out, self.reason, self.explained = self.march.advance(mode, x, chunk, self.p)
+        t, h, corrected = (column[:count] for column in chunk)
+        stretch = Stretch.of(time, x, out[:, :count], t, h, corrected, np.full(count, mode))
+        failed = stretch.count < count
+        return stretch, (self.reason or "the state is no longer finite") if failed else ""
+
+    def _chunk(self, mode: int) -> tuple[tuple[np.ndarray, ...], int]:
+        """Times, lengths and flags of the next steps, and their number.
+
+        With events, when the number of steps ahead varies, they are padded with steps of zero
+        length to the fixed size of a chunk.
+        """
+        s, at_once = self.schedule, self.march.at_once(mode)
+        count = run_length(s.mode, self.done, self.longest)
+        if at_once:
+            count = even_length(s.h[self.done : self.done + count])
+        t, h, corrected = s.part(self.done, count)
+        if not self.events:
+            self.longest = min(2 * self.longest, CHUNK)
+        elif not at_once and (missing := SHORT_CHUNK - count) > 0:
+            t = np.append(t, np.full(missing, t[-1] + h[-1]))
+            h, corrected = np.append(h, np.zeros(missing)), np.append(corrected, [True] * missing)
+        return (t, h, corrected), count
+
+    def reject(self, accepted: int) -> None:
+        self.longest = SHORT_CHUNK
+
+    def may_cross(self, reason: str) -> bool:
+        return self.events
+
+    def settle(
+        self, stretch: Stretch, following: int, crossing: Crossing | None, failure: str
+    ) -> str:
+        schedule = self.schedule
+        if crossing is None:
+            self.done += stretch.count
+        else:
+            self.done = schedule.resume(self.done + crossing.accepted, float(stretch.ends[-1]))
+        if following != self.mode:
+            schedule.mode[self.done :] = following
+        may_halve = failure and self.halves and self.march.halves(self.mode, self.reason)
+        if may_halve and schedule.halve(self.done):
+            self.longest, self.rejected, failure = SHORT_CHUNK, schedule.halved, ""
+        self.mode = int(schedule.mode[self.done]) if self.pending else following
+        return failure

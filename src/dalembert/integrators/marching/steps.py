@@ -13,6 +13,8 @@ from dalembert.integrators.marching.method_choice import MethodChoice
 
 HALVINGS = 6
 """Maximum number of times a step is halved before the march stops."""
+CLOSE = 1e-9
+"""Shortest remainder of a step after an event, relative to the longest step [-]."""
 
 
 def halving_warnings(count: int) -> list[str]:
@@ -32,8 +34,8 @@ class Schedule:
     """
 
     def __init__(self, t: np.ndarray, h: np.ndarray, corrected: np.ndarray, mode: np.ndarray):
-        self.t, self.h, self.corrected, self.mode = t, h, corrected, mode.copy()
-        self.shortest = shortest(h)
+        self.t, self.h, self.corrected, self.mode = t.copy(), h.copy(), corrected, mode.copy()
+        self.shortest, self.longest = shortest(h), float(np.max(h, initial=0.0))
         self.halved = 0
 
     def part(self, begin: int, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -59,31 +61,21 @@ class Schedule:
         self.halved += 1
         return True
 
+    def resume(self, k: int, time: float) -> int:
+        """Continue from a time inside step ``k``; the number of the next step.
 
-class Grid:
-    """Grid of times that the steps of a march must hit.
+        It ends with step ``k``, or with the step after that if hardly anything remains.
+        """
+        remainder = self._end(k) - time
+        if remainder <= 0 or (remainder < CLOSE * self.longest and k + 1 < self.h.size):
+            k += 1
+        if k < self.h.size:
+            self.t[k], self.h[k] = time, self._end(k) - time
+        return k
 
-    Parameters
-    ----------
-    times : prescribed times, ascending [s]
-    """
-
-    def __init__(self, times: np.ndarray):
-        self.prescribed = self.times = times
-        self.shortest = shortest(np.diff(times))
-
-    @property
-    def halved(self) -> int:
-        """Number of times inserted by halving."""
-        return self.times.size - self.prescribed.size
-
-    def halve(self, t: float, h: float) -> bool:
-        """Insert the midpoint of a step; False if the step is too short to be halved again."""
-        middle = t + h / 2
-        if h / 2 < self.shortest[np.searchsorted(self.prescribed, middle) - 1]:
-            return False
-        self.times = np.insert(self.times, np.searchsorted(self.times, middle), middle)
-        return True
+    def _end(self, k: int) -> float:
+        """Time at the end of a step."""
+        return float(self.t[k + 1] if k + 1 < self.h.size else self.t[k] + self.h[k])
 
 
 def shortest(h: np.ndarray) -> np.ndarray:
@@ -128,6 +120,11 @@ class Steps:
     def instant(self) -> float:
         """Smallest difference of distinct times [s]."""
         return 1e-12 * max(abs(float(self.t[0])), abs(self.end))
+
+    def schedule(self, begin: int = 0, end: int | None = None) -> Schedule:
+        """These steps, or some of them, to be repeated."""
+        part = slice(begin, end)
+        return Schedule(self.t[part], self.h[part], self.corrected[part], self.mode[part])
 
     def cut(self, count: int, message: str = "") -> Steps:
         """The first ``count`` steps."""

@@ -45,7 +45,7 @@ class Newmark(NewmarkFamily):
     ------
     UnsupportedError
         ``γ`` below 1/2 (unstable) or ``β`` that is not positive; at run time: ``γ = 1/2`` with
-        ``Dae(index=3)`` and no projection, where perturbations of accelerations grow.
+        ``DAE(index=3)`` and no projection, where perturbations of accelerations grow.
 
     Examples
     --------
@@ -106,7 +106,7 @@ class GeneralizedAlpha(NewmarkFamily):
     >>> system = da.System("pendulum", gravity=(0, -10))
     >>> bar = system.add(planar.Bar("bar", length=1.5, mass=2.0))
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
-    >>> implicit = dict(formulation=da.Dae(index=3), integrator=da.GeneralizedAlpha(rho_inf=0.8))
+    >>> implicit = dict(formulation=da.DAE(index=3), integrator=da.GeneralizedAlpha(rho_inf=0.8))
     >>> motion = da.solve_dynamics(system.build(), 1.0, step=0.01, **implicit)
     >>> bool(motion["position_violation"].max() < 1e-9), motion["balance_error"][-1].item() < 1e-3
     (True, True)

@@ -14,6 +14,7 @@ from dalembert.integrators.base import ImplicitIntegrator, Problem
 from dalembert.integrators.newmark.rule import NewmarkCoefficients, StepRule
 from dalembert.integrators.stage_equations import StageEquations
 from dalembert.integrators.step import GraphStep
+from dalembert.symbolic.equations.graph_function import GraphFunction
 from dalembert.symbolic.equations.newton_node import NewtonNode, constant
 from dalembert.symbolic.evaluation.kernel import SELDOM, condensed
 
@@ -127,7 +128,7 @@ class NewmarkStep(GraphStep):
         rate = e.rate(self.t, self.h, self.x, u, self.p)
         return ca.vertcat(u[: e.algebraic, :], rate[e.coupled])
 
-    def _start(self) -> ca.Function:
+    def _start(self) -> GraphFunction:
         """``(t, x, p) → memory`` with ``s = δ v̈``."""
         system = self.problem.system
         z = system.start.function(self.t, self.x, self.p)
@@ -142,7 +143,7 @@ class NewmarkStep(GraphStep):
         jerk = ca.substitute(along, system.z, z)
         shifted = self.coefficients.shift * jerk
         memory = ca.vertcat(z, shifted, rate[self.rest], self.spare, 1, drift)
-        return condensed("begin", [self.t, self.x, self.p], [memory], SELDOM)
+        return GraphFunction(condensed("begin", [self.t, self.x, self.p], [memory], SELDOM))
 
     def _solve(self, t: ca.MX, h: ca.MX, x: ca.MX, p: ca.MX) -> tuple[ca.MX, ca.MX]:
         """New state with memory, relative residual."""
@@ -170,5 +171,5 @@ def check(coefficients: NewmarkCoefficients, problem: Problem, name: str) -> Non
         raise UnsupportedError(
             f"{name} without damping amplifies every perturbation of the accelerations "
             "if only positions are constrained; use GeneralizedAlpha(rho_inf=0.9), "
-            "stabilization=Projection() or Dae(index=2)"
+            "stabilization=Projection() or DAE(index=2)"
         )

@@ -26,7 +26,7 @@ def embedded_attempt(
         t, x, p = state[0], state[3:], fixed[2:]
         h = _length(state, fixed)
         states, slopes = step.stages(t, h, x, p)
-        new = step.correct(t + h, step.advance(h, x, slopes), p)
+        new = step.advance(t, h, x, slopes, p)
         stiff = _stiffness(problem, step, h, states, slopes)
         out: Any = control(state, fixed, new, ca.horzcat(*slopes), stiff)
         options: Any = {"cse": True} if kind is ca.SX else {}

@@ -57,7 +57,7 @@ class ExplicitRungeKutta(Integrator, ABC):
         if problem.rate is None:
             raise UnsupportedError(
                 f"{self.name} is explicit and needs accelerations; with this formulation use an "
-                "implicit integrator such as Radau() or Bdf(), or use formulation=RangeSpace()"
+                "implicit integrator such as Radau() or BDF(), or use formulation=RangeSpace()"
             )
 
     def step(self, problem: Problem) -> ExplicitStep:

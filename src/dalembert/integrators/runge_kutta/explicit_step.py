@@ -1,55 +1,20 @@
-"""Explicit Runge–Kutta step with its exact tangent and adjoint.
-
-Forward: ``k_i = F(t + c_i h, X_i, p)``, ``X_i = x + h Σ a_ij k_j``, ``x⁺ = P(x + h Σ b_i k_i)``
-with ``P`` the correction of the stabilisation. The adjoint runs the same sums backwards,
-``k̄_i = h b_i x̄ + h Σ_{j>i} a_ji X̄_j``, so it is the exact derivative of the step taken.
-"""
+"""Explicit Runge–Kutta step, ``x⁺ = P(x + h Σ b_i k_i)`` with ``P`` the correction."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from dalembert.integrators.runge_kutta.explicit_second import second_derivative
+from dalembert.integrators.runge_kutta.explicit_stages import advanced, needed_stages, stages
+from dalembert.integrators.runge_kutta.prepared_stages import PreparedStages
 from dalembert.integrators.runge_kutta.tableau import ButcherTableau
-from dalembert.integrators.step import Marching, Step
+from dalembert.integrators.step import Step
 from dalembert.symbolic.equations.implicit import ImplicitFunction
-from dalembert.symbolic.equations.linear_map import LinearChain, TriangularMap
-from dalembert.symbolic.evaluation.columns import LONG
-from dalembert.symbolic.evaluation.lane_tangents import LinearStep
-from dalembert.symbolic.evaluation.prelude import Prelude, before
-
-Correction = tuple[ca.Function, Any]
-"""Correction after the stages, ``(t, x, q) → x``, and its part of q."""
-
-
-def _apply_correction(t: Any, x: Any, correction: Correction) -> Any:
-    """The state after a correction."""
-    function, q = correction
-    return function(t, x, q)
-
-
-def _full_if_needed(t: ca.MX, x: ca.MX, correction: Correction, trial: Correction) -> ca.MX:
-    """The state after a short correction, or after the full one if the short one fails."""
-    (function, q), (short, q_short) = correction, trial
-    state, excess = short(t, x, q_short)
-    inputs = [
-        ca.MX.sym(name, value.numel()) for name, value in zip("ftxq", (x, t, x, q), strict=True)
-    ]
-    accepted = ca.Function("accepted", inputs, inputs[:1])
-    full = ca.Function("full", inputs, [function(*inputs[1:])])
-    return ca.Function.if_else("correction", accepted, full)(excess <= 1, state, t, x, q)
-
-
-def _nan_if_failed(t: ca.MX, x: ca.MX, _: Correction, trial: Correction) -> ca.MX:
-    """The state after a short correction, NaN if it fails."""
-    short, q_short = trial
-    state, excess = short(t, x, q_short)
-    return state + ca.if_else(excess <= 1, 0, np.nan)
 
 
 class ExplicitStep(Step):
@@ -75,24 +40,35 @@ class ExplicitStep(Step):
         _, self.size, self.parameter_count = rhs.input_sizes
         self.state_size = self.size
         self.corrects = correction is not None
-        self.used = [i for i in range(tableau.stages) if tableau.b[i] != 0]
 
     def stages(self, t, h, x, p, count: int | None = None) -> tuple[list[Any], list[Any]]:
-        """Stage states ``X_i`` and slopes ``k_i``."""
-        return self._stages_of(self.rhs.function, t, h, x, p, count)
+        """Stage states ``X_i`` and slopes ``k_i``; by default of all stages."""
+        count = self.tableau.stages if count is None else count
+        return stages(self.tableau, self.rhs.function, t, h, x, p, count)
 
-    def _stages_of(self, rhs: ca.Function, t, h, x, p, count: int | None = None):
-        """Stage states and slopes for a right-hand side of p or of q."""
-        states: list[Any] = []
-        slopes: list[Any] = []
-        for i in range(self.tableau.stages if count is None else count):
-            state = x
-            for a, k in zip(self.tableau.a[i - 1] if i else (), slopes, strict=True):
-                if a != 0:
-                    state = state + (h * a) * k
-            states.append(state)
-            slopes.append(rhs(t + self.tableau.c[i] * h, state, p))
-        return states, slopes
+    def advance(self, t, h, x, slopes, p) -> Any:
+        """The new state after the correction."""
+        new = advanced(self.tableau, h, x, slopes)
+        return new if self.finish is None else self.finish.function(t + h, new, p)
+
+    @cached_property
+    def function(self) -> ca.Function:
+        t, h, x, p = self._symbols(ca.SX)
+        _, slopes = self.stages(t, h, x, p, needed_stages(self.tableau))
+        new = self.advance(t, h, x, slopes, p)
+        return ca.Function("step", [t, h, x, p], [new], self.prepared.cse)
+
+    @cached_property
+    def prepared(self) -> PreparedStages:
+        return PreparedStages(self.tableau, self.rhs, self.finish)
+
+    @cached_property
+    def second(self) -> ca.Function:
+        return second_derivative(self.tableau, self.rhs, self.finish)
+
+    @cached_property
+    def plain(self) -> ExplicitStep:
+        return ExplicitStep(self.tableau, self.rhs, None, self.upkeep)
 
     @property
     def rate(self) -> ImplicitFunction:
@@ -101,167 +77,3 @@ class ExplicitStep(Step):
     @property
     def stability(self) -> Callable[[np.ndarray], np.ndarray]:
         return self.tableau.stability
-
-    @property
-    def needed(self) -> int:
-        """Number of stages that the new state depends on."""
-        return max(self.used) + 1
-
-    def advance(self, h, x, slopes) -> Any:
-        """``x + h Σ b_i k_i``, with slopes of equal weight summed first."""
-        groups: dict[float, Any] = {}
-        for i in self.used:
-            weight = self.tableau.b[i]
-            groups[weight] = groups[weight] + slopes[i] if weight in groups else slopes[i]
-        return x + sum((h * weight) * total for weight, total in groups.items())
-
-    def correct(self, t, x, p) -> ca.SX:
-        """The state after the correction."""
-        return x if self.finish is None else self.finish.function(t, x, p)
-
-    @cached_property
-    def function(self) -> ca.Function:
-        t, h, x, p = self._symbols(ca.SX)
-        _, slopes = self.stages(t, h, x, p, self.needed)
-        new = self.correct(t + h, self.advance(h, x, slopes), p)
-        return ca.Function("step", [t, h, x, p], [new], self._cse)
-
-    @cached_property
-    def _cse(self) -> dict[str, Any]:
-        """Options of the function: stages share only terms of time, and the search is slow."""
-        time_dependent = any(f.function.jac_sparsity(0, 0).nnz() for f in self._functions)
-        return {"cse": True} if time_dependent else {}
-
-    @cached_property
-    def marching(self) -> Marching:
-        functions = [f.function for f in self._functions]
-        trial = None if self.finish is None else self.finish.trial
-        costs = [f.n_instructions() for f in functions]
-        if trial is not None and sum(costs) + (self.needed - 1) * costs[0] > LONG:
-            functions.append(trial)
-        parts = [before(f, 2) for f in functions]
-        p = ca.SX.sym("p", self.parameter_count)
-        values = ca.Function("prelude", [p], [ca.vertcat(*(h(p) for h, _ in parts))], {"cse": True})
-        if len(parts) < 3:
-            return Marching(values, *(self._after(values, parts, k) for k in (ca.SX, ca.MX)))
-        function = self._after(values, parts, ca.MX, _full_if_needed)
-        return Marching(values, function, None, self._after(values, parts, ca.MX, _nan_if_failed))
-
-    def _after(
-        self,
-        values: ca.Function,
-        parts: Sequence[tuple[ca.Function, ca.Function]],
-        kind: Any,
-        correct: Callable[..., Any] = _apply_correction,
-    ) -> ca.Function:
-        """The step of ``q``; in an MX graph slopes and correction are function calls."""
-        t, h, x, _ = self._symbols(kind)
-        q, edges = kind.sym("q", values.numel_out(0)), [0]
-        for part, _ in parts:
-            edges.append(edges[-1] + part.numel_out(0))
-        (rhs, q_rhs), *corrections = [
-            (part[1], q[a:b]) for part, (a, b) in zip(parts, pairwise(edges), strict=True)
-        ]
-        _, slopes = self._stages_of(rhs, t, h, x, q_rhs, self.needed)
-        new = self.advance(h, x, slopes)
-        if corrections:
-            new = correct(t + h, new, *corrections)
-        options: Any = self._cse if kind is ca.SX else {}
-        return ca.Function("step", [t, h, x, q], [new], options)
-
-    @cached_property
-    def plain(self) -> ExplicitStep:
-        return ExplicitStep(self.tableau, self.rhs, None, self.upkeep)
-
-    @cached_property
-    def prelude(self) -> Prelude:
-        """Terms of slopes and correction that depend on parameters alone."""
-        return Prelude.joined([f.prepared[0] for f in self._functions])
-
-    @property
-    def _functions(self) -> list[ImplicitFunction]:
-        return [self.rhs] if self.finish is None else [self.rhs, self.finish]
-
-    @cached_property
-    def _linear(self) -> tuple[list[ca.MX], TriangularMap]:
-        """Symbols ``t, h, x, q`` and the tangent of the step."""
-        t, h, x, _ = self._symbols()
-        q = ca.MX.sym("q", self.prelude.value_count)
-        chain = LinearChain(self.size + self.prelude.rate_count)
-        start, fixed = list(range(self.size)), list(range(self.size, chain.count))
-        before, rhs = self.rhs.prepared
-        q_rhs, dq_rhs = q[: before.value_count], fixed[: before.rate_count]
-        slopes: list[ca.MX] = []
-        rates: list[list[int]] = []
-        for i in range(self.needed):
-            weights = self.tableau.a[i - 1] if i else ()
-            used = [j for j, a in enumerate(weights) if a != 0]
-            state = x + sum((h * weights[j]) * slopes[j] for j in used)
-            parts = [(rates[j], h * weights[j]) for j in used]
-            rows = chain.weighted([(start, 1.0), *parts]) if parts else start
-            slope, entries = rhs.point(t + self.tableau.c[i] * h, state, q_rhs)
-            slopes.append(slope)
-            rates.append(chain.through(rhs, [*rows, *dq_rhs], entries))
-        end = chain.weighted(
-            [(start, 1.0), *((rates[i], h * self.tableau.b[i]) for i in self.used)]
-        )
-        if self.finish is not None:
-            q_finish, dq_finish = q[before.value_count :], fixed[before.rate_count :]
-            _, finish = self.finish.prepared
-            _, entries = finish.point(t + h, self.advance(h, x, slopes), q_finish)
-            end = chain.through(finish, [*end, *dq_finish], entries)
-        return [t, h, x, q], chain.closed(end)
-
-    def prepared_tangents(self, count: int) -> ca.Function:
-        point, linear = self._linear
-        dx = ca.MX.sym("dx", self.size, count)
-        dq = ca.MX.sym("dq", self.prelude.rate_count, count)
-        return ca.Function("step_tangent", [*point, dx, dq], [linear.tangent([dx, dq])])
-
-    @cached_property
-    def linear(self) -> LinearStep:
-        point, linear = self._linear
-        dx, dq = ca.SX.sym("dx", self.size), ca.SX.sym("dq", self.prelude.rate_count)
-        e = ca.SX.sym("e", linear.entries.numel())
-        along = linear.along([self.size, self.prelude.rate_count])(e, dx, dq)
-        return LinearStep(
-            ca.Function("entries", point, [ca.densify(linear.entries)]),
-            ca.Function("along", [dx, e, dq], [ca.densify(along)]),
-        )
-
-    @cached_property
-    def prepared_adjoint(self) -> ca.Function:
-        """``(t, h, x, q, x̄⁺) → (x̄, q̄)`` by substitution in one sparse matrix of all stages.
-
-        On the virtual machine it costs 1.5 to 1.9 steps; stage by stage it costs 1.8 to 3.3.
-        """
-        point, linear = self._linear
-        weight = ca.MX.sym("w", self.size)
-        bars = linear.adjoint(weight)
-        return ca.Function("step_adjoint", [*point, weight], [bars[: self.size], bars[self.size :]])
-
-    @cached_property
-    def compiled_adjoint(self) -> ca.Function:
-        """``prepared_adjoint`` stage by stage: as C it costs 1.1 to 1.2 steps, not 1.3 to 1.9."""
-        t, h, x, _ = self._symbols()
-        q, weight = ca.MX.sym("q", self.prelude.value_count), ca.MX.sym("w", self.size)
-        n, before = self.size, self.rhs.prepared[0]
-        q_rhs, rhs = q[: before.value_count], self.rhs.prepared_function
-        states, slopes = self._stages_of(rhs, t, h, x, q_rhs, self.needed)
-        end, finish_bar = weight, ca.MX(0, 1)
-        if self.finish is not None:
-            new = self.advance(h, x, slopes)
-            back = self.finish.prepared_adjoint(t + h, new, q[before.value_count :], weight)
-            end, finish_bar = back[:n], back[n:]
-        x_bar, state_bars = end, dict[int, ca.MX]()
-        rhs_bar = ca.MX.zeros(before.rate_count)
-        for i in reversed(range(len(states))):
-            seed = (h * self.tableau.b[i]) * end
-            for j, bar in state_bars.items():
-                if self.tableau.a[j - 1][i] != 0:
-                    seed = seed + (h * self.tableau.a[j - 1][i]) * bar
-            back = self.rhs.prepared_adjoint(t + self.tableau.c[i] * h, states[i], q_rhs, seed)
-            state_bars[i] = back[:n]
-            x_bar, rhs_bar = x_bar + state_bars[i], rhs_bar + back[n:]
-        out = [x_bar, ca.vertcat(rhs_bar, finish_bar)]
-        return ca.Function("step_adjoint", [t, h, x, q, weight], out)

@@ -65,7 +65,7 @@ class BackwardEuler(ImplicitRungeKutta):
     >>> boat = system.add(planar.Particle("boat", mass=1.0, velocity=(1, 0)))
     >>> water = system.add(planar.Force("water", boat.center, (-boat.vx, 0)))
     >>> model = system.build()
-    >>> implicit = dict(formulation=da.Dae(index=1), integrator=da.BackwardEuler())
+    >>> implicit = dict(formulation=da.DAE(index=1), integrator=da.BackwardEuler())
     >>> motion = da.solve_dynamics(model, 0.5, step=0.5, **implicit)
     >>> round(motion["boat.vx"][-1].item(), 9)  # 1/(1 + h), where exp(-h) is right
     0.666666667
@@ -90,7 +90,7 @@ class Trapezoidal(ImplicitRungeKutta):
     >>> boat = system.add(planar.Particle("boat", mass=1.0, velocity=(1, 0)))
     >>> water = system.add(planar.Force("water", boat.center, (-boat.vx, 0)))
     >>> model = system.build()
-    >>> implicit = dict(formulation=da.Dae(index=1), integrator=da.Trapezoidal())
+    >>> implicit = dict(formulation=da.DAE(index=1), integrator=da.Trapezoidal())
     >>> motion = da.solve_dynamics(model, 0.5, step=0.5, **implicit)
     >>> round(motion["boat.vx"][-1].item(), 9)  # (1 - h/2)/(1 + h/2)
     0.6
@@ -122,7 +122,7 @@ ERROR_ORDER = 3
 class Radau(ImplicitRungeKutta):
     """Radau IIA, three stages, order 5: for stiff systems and for every index.
 
-    Positions and speeds have order 5 with ``Dae(index=1)``, ``Dae(index=2)`` and its stabilised
+    Positions and speeds have order 5 with ``DAE(index=1)``, ``DAE(index=2)`` and its stabilised
     form; with index 3 positions have order 5 and speeds order 3, unless a ``Projection`` follows.
     Without it errors of speeds count h times there, as their part off the constraints remains.
     A step is accepted when ``max |e_i| / (atol + rtol |x_i|) ≤ 1`` over coordinates and speeds,

@@ -120,10 +120,10 @@ class Quantities:
                 "give model, another file, or analysis, of this", *location
             )
         bindings = {}
-        for parameter, response in table.given.items():
+        for parameter, response in table.inputs.items():
             if response not in self.names:
                 text = unknown("response", response, self.names)
-                raise self.file.located.error(text, *location, "given", parameter)
+                raise self.file.located.error(text, *location, "inputs", parameter)
             bindings[parameter] = with_case(self[response], self._case(OWN_RUN))
         if table.analysis is not None:
             model = self.model
@@ -132,7 +132,7 @@ class Quantities:
             file = self._file_of(name)
             model = self._files[file.path][1]
             analysis = make_analysis(file, model)
-        with self.file.located(*location, "given"):
+        with self.file.located(*location, "inputs"):
             self._cases[name] = Case(model, analysis, bindings)
         return self._cases[name]
 

@@ -32,8 +32,8 @@ class LimitTable(Record):
 class CombinedTable(Record):
     """A formula of responses, used as objective or limit."""
 
-    formula: Text = Field(description="of names of responses: `torque + 0.1*mass`")
-    unit: Text = Field(default="", description="shown in results")
+    formula: Text = Field(description="formula of responses: `torque + 0.1*mass`")
+    unit: Text = Field(default="", description="unit in results")
 
 
 class RobustTable(Record):
@@ -46,23 +46,21 @@ class RobustTable(Record):
 
 
 class OptimizeTable(Record):
-    """What ``dalembert optimize`` minimises or maximises."""
+    """Objective, variables and limits of ``dalembert optimize``."""
 
     minimize: Text = None
     maximize: Text = None
     vary: Names = Field(default_factory=list, description=VARIED)
-    integers: Names = Field(
-        default_factory=list, description="those of them that take whole numbers"
-    )
+    integers: Names = Field(default_factory=list, description="integer parameters among them")
     catalogues: list[dict[Text, list[Number]]] = Field(
-        default_factory=list, description="sizes to choose from: tables of parameters and values"
+        default_factory=list, description="catalogues: tables of parameters and values"
     )
     subject_to: list[LimitTable] = Field(default_factory=list, description=LIMITS)
     beta: Number = Field(
         default=None,
         description="required reliability index of all limits, over the `[[random]]` parameters",
     )
-    rounds: Integer = Field(default=20, description="of optimisation and reliability, with `beta`")
+    rounds: Integer = Field(default=20, description="maximum number of rounds, with `beta`")
     method: one_name("dalembert.design.methods.registry:OPTIMIZERS") = "slsqp"  # type: ignore[valid-type]
     gradient: Method = "auto"  # type: ignore[valid-type]
     max_iterations: Integer = 100
@@ -75,25 +73,27 @@ class ParetoTable(Record):
     minimize: Names = Field(default_factory=list, description="names of responses to minimise")
     maximize: Names = Field(default_factory=list, description="names of responses to maximise")
     vary: Names = Field(default_factory=list, description=VARIED)
-    integers: Names = Field(default_factory=list, description="as of `[optimize]`, by evolution")
+    integers: Names = Field(
+        default_factory=list, description="as in `[optimize]`; evolutionary methods only"
+    )
     catalogues: list[dict[Text, list[Number]]] = Field(
-        default_factory=list, description="as of `[optimize]`, by evolution"
+        default_factory=list, description="as in `[optimize]`; evolutionary methods only"
     )
     subject_to: list[LimitTable] = Field(default_factory=list, description=LIMITS)
     method: one_name("dalembert.design.pareto.pareto:METHODS") = "normal-constraint"  # type: ignore[valid-type]
-    points: Integer = Field(default=15, description="along each side; population of an evolution")
+    points: Integer = Field(default=15, description="points per objective; or population")
     local: one_name("dalembert.design.methods.registry:OPTIMIZERS") = Field(  # type: ignore[valid-type]
         default="slsqp", description="gradient method of each point"
     )
-    starts: Integer = Field(default=1, description="of each point, for fronts in pieces")
+    starts: Integer = Field(default=1, description="searches per point")
     gradient: Method = "auto"  # type: ignore[valid-type]
     max_iterations: Integer = 100
     tolerance: Number = 1e-8
-    generations: Integer = Field(default=100, description="of an evolution")
-    rng: Integer = Field(default=0, description="seed of an evolution or of starts")
+    generations: Integer = Field(default=100, description="of evolutionary methods")
+    rng: Integer = Field(default=0, description="seed of random numbers")
 
 
-_PARAMETER: tuple[Any, Any] = (Text, Field(description="that is random"))
+_PARAMETER: tuple[Any, Any] = (Text, Field(description="name of the random parameter"))
 
 
 def distribution(name: str) -> type:
@@ -133,20 +133,19 @@ class ReliabilityTable(Record):
         default_factory=list, description="list of `{ between = [a, b], value = 0.3 }`"
     )
     system: one_name("dalembert.design.reliability.reliability:SYSTEMS") = Field(  # type: ignore[valid-type]
-        default="series", description="failure of any limit; or of all limits: `parallel`"
+        default="series",
+        description="failure if any limit is violated; `parallel`: if all are",
     )
     method: one_name("dalembert.design.reliability.first_order:METHODS") = "sqp"  # type: ignore[valid-type]
     starts: Integer | None = Field(
-        default=None, description="searches for each limit, to find further points; 3 by default"
+        default=None, description="searches for design points of each limit; 3 by default"
     )
     tolerance: Number = 1e-8
     max_iterations: Integer = 100
-    samples: Integer = Field(
-        default=0, description="of an additional estimate by sampling; none by default"
-    )
+    samples: Integer = Field(default=0, description="samples of an additional estimate")
     sampling: one_name("dalembert.design.reliability.reliability_result:SAMPLINGS") = Field(  # type: ignore[valid-type]
         default="importance-sampling",
-        description="how they are drawn; or `monte-carlo`, `subset-simulation`, `openturns-subset`",
+        description="or `monte-carlo`, `subset-simulation`, `openturns-subset`",
     )
     rng: Integer = Field(default=0, description="seed of starts and samples")
 
@@ -154,7 +153,7 @@ class ReliabilityTable(Record):
 class AllotTable(Record):
     """Cost-optimal tolerances that keep a response within a limit."""
 
-    limit: Number = Field(description="of the deviation of the response, on either side")
+    limit: Number = Field(description="limit of the deviation of the response, on both sides")
     costs: dict[str, Number] = Field(description="parameter → cost `c` of `c/t^exponent`")
     exponent: Number = 1.0
     bounds: Bounds = Field(  # type: ignore[valid-type]
@@ -166,14 +165,14 @@ class AllotTable(Record):
 class ToleranceTable(Record):
     """Tolerances and the response analysed by ``dalembert tolerance``."""
 
-    response: Text = Field(description="name of the response that is analysed")
+    response: Text = Field(description="name of the response")
     tolerances: dict[str, Number] = Field(description="parameter → half width ±t")
-    sigmas: Number = Field(default=3.0, description="how many standard deviations they are")
-    second_order: Flag = Field(default=True, description="the second derivatives too")
-    worst_case: Flag = Field(default=True, description="the extremes within all tolerances")
-    samples: Integer = Field(
-        default=0, description="of an additional Monte Carlo estimate; none by default"
+    sigmas: Number = Field(default=3.0, description="number of standard deviations in a tolerance")
+    second_order: Flag = Field(
+        default=True, description="mean and standard deviation to second order"
     )
+    worst_case: Flag = Field(default=True, description="extremes within all tolerances")
+    samples: Integer = Field(default=0, description="samples of an additional Monte Carlo estimate")
     rng: Integer = Field(default=0, description="seed of the samples")
     allot: AllotTable = Field(  # type: ignore[assignment]
         default=None, description="allocation of tolerances, a table as below"
@@ -199,41 +198,41 @@ class SynthesisTable(Record):
     )
     joints: dict[Text, Position] = Field(  # type: ignore[valid-type]
         default_factory=dict,
-        description="of a six-bar or geared five-bar: joint → `[x, y]` in one position [m]",
+        description="joints of a six-bar or geared five-bar: name → `[x, y]` in one position [m]",
     )
     marks: dict[Text, dict[Text, Position]] = Field(  # type: ignore[valid-type]
-        default_factory=dict, description="link of it → point → `[x, y]` in the same position"
+        default_factory=dict, description="link → point → `[x, y]` in the same position"
     )
     reach: Number = Field(
         default=None,
         description="half width of the range of the coordinates of joints and marks [m]",
     )
-    ratio: Number = Field(default=None, description="of the speeds of gears")
+    ratio: Number = Field(default=None, description="gear ratio")
     point: Text = Field(
         default="",
-        description="of all but `FourBar` and `SliderCrank`: point that follows the target",
+        description="point that follows the target; not for `FourBar` and `SliderCrank`",
     )
-    body: Text = Field(default="", description="body that is guided, of a motion")
+    body: Text = Field(default="", description="guided body, for a motion")
     output: Text = Field(default="", description="measure prescribed by a function")
     vary: list[Text] = Field(
         default_factory=list, description="parameters; all with bounds by default"
     )
-    speed: Number = Field(default=1.0, description="of the motor [rad/s]")
+    speed: Number = Field(default=1.0, description="speed of the motor [rad/s]")
     points: list[Position] = Field(  # type: ignore[valid-type]
         default_factory=list, description="positions of the coupler point [m]"
     )
     file: Text = Field(
         default=None,
-        description="CSV table in the same folder instead, columns named as these keys",
+        description="CSV table in the same folder; its columns have the names of these keys",
     )
     coupler_angles: list[Number] = Field(
-        default_factory=list, description="of a motion: rotations of the coupler [rad]"
+        default_factory=list, description="rotations of the coupler [rad], for a motion"
     )
     outputs: list[Number] = Field(
-        default_factory=list, description="of a function: displacements of the output [rad], [m]"
+        default_factory=list, description="displacements of the output [rad], [m], for a function"
     )
     crank_angles: list[Number] = Field(
-        default_factory=list, description="rotations of the crank [rad]; free if none are given"
+        default_factory=list, description="rotations of the crank [rad]; free by default"
     )
     closed: Flag = Field(default=False, description="the path returns to its first point")
     bounds: dict[str, Bounds] = Field(  # type: ignore[valid-type]
@@ -242,5 +241,5 @@ class SynthesisTable(Record):
     crank_turns: Flag = Field(default=True, description="the crank rotates fully")
     transmission: Number = Field(default=0.0, description="minimum transmission angle [rad]")
     order: Flag = Field(default=True, description="points are passed in their order")
-    starts: Integer = Field(default=24, description="number of candidates that are refined")
+    starts: Integer = Field(default=24, description="number of optimised candidates")
     rng: Integer = Field(default=0, description="seed of the random numbers")

@@ -7,7 +7,7 @@ from typing import Any
 
 from dalembert.design.identification.experiment import Experiment
 from dalembert.design.identification.least_squares import LOSSES
-from dalembert.design.inverse.history import History
+from dalembert.design.inverse.input_history import InputHistory
 from dalembert.design.inverse.smoothing import CHOICES
 from dalembert.elements.laws.table import Table
 from dalembert.errors import AnalysisError
@@ -126,12 +126,12 @@ def _smoothing(file: ModelFile, entry: Any) -> str | float:
     return value
 
 
-def _history(file: ModelFile, model: Any, name: str) -> History:
+def _history(file: ModelFile, model: Any, name: str) -> InputHistory:
     """History of a built model, from its parameters."""
     document: Any = file.document
     times = document.histories[name].times()
     parameters = tuple(model.parameters[f"{name}_{k}"] for k in range(times.size))
-    return History(
+    return InputHistory(
         name,
         times,
         parameters,

@@ -84,7 +84,7 @@ def make_tolerance(file: ModelFile, model: Any) -> tuple[dict[str, Any], dict[st
     keys = ("tolerances", "sigmas", "second_order", "worst_case", "samples", "rng")
     arguments = {"response": response, **{key: getattr(table, key) for key in keys}}
     return arguments, None if table.allot is None else _allotment_options(
-        file, table, response.known_unit
+        file, table, response.declared_unit
     )
 
 

@@ -14,25 +14,15 @@ from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import RESPONSES
 from dalembert.responses.base import Response, combined_terms
 from dalembert.responses.events import AtEvent
-from dalembert.results.mechanism_modes import Modes
-from dalembert.results.structural.modes import BucklingModes, VibrationModes
 from dalembert.symbolic.formulas.expression import Expression, stack
 from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.text.wording import nearest, unknown
 
-MODES: dict[str, Any] = {
-    "Linearization": Modes,
-    "Modal": VibrationModes,
-    "Buckling": BucklingModes,
-}
-"""Analysis → class of its modes, which define their own measures."""
-
 
 def measure_reader(document: Any) -> Callable[[Any, str], Expression]:
     """The function ``(model, text) → measure`` for the analysis of a document."""
-    kind = document.analysis.type if document.analysis is not None else None
-    if kind in MODES:
-        return MODES[kind].formula
+    if document.analysis is not None:
+        return document.analyses[document.analysis.type].expression  # type: ignore[no-any-return]
     return lambda model, text: model.expression(text)
 
 

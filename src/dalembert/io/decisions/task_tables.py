@@ -72,7 +72,7 @@ class IdentifyTable(Record):
         default_factory=dict, description="column → `[lower, upper]` of an unknown lag [s]"
     )
     loss: Text = "linear"
-    starts: Integer = Field(default=1, description="searches, from further values between bounds")
+    starts: Integer = Field(default=1, description="number of searches from different values")
     rng: Integer = Field(default=0, description="seed of the starts")
     max_iterations: Integer = 100
 
@@ -82,7 +82,7 @@ class KnotsTable(Record):
 
     start: Number = Field(default=0.0, description="first [s]")
     end: Number = Field(description="last [s]")
-    count: Integer = Field(description="how many, four at least")
+    count: Integer = Field(description="number of knots, at least four")
 
 
 class HistoryTable(Record):
@@ -91,11 +91,13 @@ class HistoryTable(Record):
     knots: table_or(KnotsTable, list[Number]) = Field(  # type: ignore[valid-type]
         description="times, or a table `{ start, end, count }` [s]"
     )
-    value: OwnNumber = Field(default=0.0, description="at all knots at first")
+    value: OwnNumber = Field(default=0.0, description="initial value at all knots")
     unit: Text = Field(
-        default="", description='of the value, as `"kN"`, and shown in results; SI by default'
+        default="", description='unit of the value, also in results, such as `"kN"`; SI by default'
     )
-    ends: Text = Field(default="not-a-knot", description="of the spline, as of `Table`")
+    ends: Text = Field(
+        default="not-a-knot", description="end conditions of the spline, as for `Table`"
+    )
 
     def times(self) -> np.ndarray:
         """Times of the knots [s]."""

@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.comparison.compare import Comparing
 from dalembert.analysis.comparison.reference import observe
 from dalembert.analysis.times import in_seconds
-from dalembert.design.studies.design import Design
+from dalembert.design.studies.design_table import DesignTable
 from dalembert.io.analyses import make_analysis, make_strategy
 from dalembert.io.decisions.designs import make_design, make_front
 from dalembert.io.decisions.estimation import make_identification, make_inversion
@@ -52,7 +52,7 @@ def make_gradient(file: ModelFile, model: Any) -> tuple[dict[str, Response], lis
     return responses, select_parameters(file, table.wrt, "sensitivity", "wrt")
 
 
-def make_sweep(file: ModelFile, model: Any) -> tuple[Design, list[Response]]:
+def make_sweep(file: ModelFile, model: Any) -> tuple[DesignTable, list[Response]]:
     """Designs and responses of ``[sweep]``.
 
     Raises
@@ -78,11 +78,11 @@ def make_sweep(file: ModelFile, model: Any) -> tuple[Design, list[Response]]:
         for name, q in model.parameters.items()
         if np.all(np.isfinite(q.bounds))
     }
-    explicit = {"Grid": Design.grid, "Table": Design.table}
+    explicit = {"Grid": DesignTable.grid, "Table": DesignTable.table}
     random = {
-        "LatinHypercube": Design.latin_hypercube,
-        "MonteCarlo": Design.monte_carlo,
-        "Sobol": Design.sobol,
+        "LatinHypercube": DesignTable.latin_hypercube,
+        "MonteCarlo": DesignTable.monte_carlo,
+        "Sobol": DesignTable.sobol,
     }
     with file.located("sweep", "vary"):
         if table.type in explicit:

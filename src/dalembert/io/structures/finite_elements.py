@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.elements.fem.between_bodies import NodeBody
 from dalembert.elements.fem.registry import ELEMENTS, cell_of
+from dalembert.elements.fem.sets import Nodes
 from dalembert.errors import ModelError
 from dalembert.io.fields import Quantities, Quantity, connected_fields, read_fields
 from dalembert.io.formulas import Formulas, Scope
@@ -17,10 +18,9 @@ from dalembert.io.laws_and_curves import construct
 from dalembert.io.location import Located
 from dalembert.io.schema import Document
 from dalembert.io.structures.structure_tables import DISPLACEMENTS, FORCES, NodeChoice
+from dalembert.model.elastic_structure import ElasticStructure
+from dalembert.model.meshes.generators import box_mesh, line_mesh, rectangle_mesh
 from dalembert.model.system import System
-from dalembert.structures.elastic_structure import ElasticStructure
-from dalembert.structures.meshes.generators import box_mesh, line_mesh, rectangle_mesh
-from dalembert.structures.sets import Nodes
 from dalembert.text.wording import unknown
 
 

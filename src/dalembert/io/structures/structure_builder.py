@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.sets import Nodes
 from dalembert.errors import ModelError
 from dalembert.io.declarations import declare_parameters, declare_tables
 from dalembert.io.formulas import Formulas, ParameterNames
@@ -22,8 +23,7 @@ from dalembert.io.structures.structure_tables import (
     VELOCITIES,
     NodeChoice,
 )
-from dalembert.structures.sets import Nodes
-from dalembert.structures.structure import Structure
+from dalembert.model.structure import Structure
 from dalembert.text.wording import unknown, visible
 
 

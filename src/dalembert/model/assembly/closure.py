@@ -39,6 +39,7 @@ from dalembert.model.description import Description
 from dalembert.model.equations import Equations
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import stack
+from dalembert.symbolic.once import CacheOwner
 
 STAYS_CLOSED = 1e-9
 """Threshold for the violation of a redundant equation, in natural sizes."""
@@ -48,7 +49,7 @@ NEARBY = 1e-3
 """Threshold for displacements after which coordinates must be checked to be free, natural sizes."""
 
 
-class Closure:
+class Closure(CacheOwner):
     """Assembly of a mechanism.
 
     Parameters
@@ -280,7 +281,7 @@ class Closure:
         if self.lost:
             raise SingularityError(
                 "the start is a singular position (dead centre or branch point): "
-                f"{self.lost} lose their independence there; start a little beside it{cure}"
+                f"{self.lost} lose their independence there; start near it{cure}"
             )
 
     def _changes(self, given: list[bool], change: np.ndarray) -> dict[str, float]:

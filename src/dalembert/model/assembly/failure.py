@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -21,16 +20,14 @@ from dalembert.model.assembly.assembly import Assembler
 from dalembert.model.assembly.position_search import SearchResult
 from dalembert.model.description import Description
 from dalembert.model.tree.spanning_tree import analyse_topology
+from dalembert.symbolic.nonlinear_program import ipopt
 
 CLOSED = 1e-6
 """Threshold for closed joints: violation in natural units."""
 SUSPECT = 0.1
 """Threshold for suspected joints: violation relative to the largest one."""
-QUIET: dict[str, Any] = {
-    "print_time": False,
-    "error_on_fail": False,
-    "ipopt": {"print_level": 0, "sb": "yes", "max_iter": 300, "tol": 1e-9},
-}
+TOLERANCE, MAX_ITERATIONS = 1e-9, 300
+"""Of the search for the closest position."""
 MAX_SUSPECTS = 6
 """Upper limit of suspects that are tested."""
 
@@ -147,7 +144,7 @@ class _Failure:
         residual = assembler.position(self.t, there, self.p)[0] / sizes
         others = sorted(set(range(sizes.size)) - set(loose))
         problem = {"x": x, "f": ca.sumsqr(residual[loose]), "g": residual[others]}
-        solver = ca.nlpsol("closest", "ipopt", problem, QUIET)
+        solver = ipopt("closest", problem, TOLERANCE, MAX_ITERATIONS)
         step = scale * solver(x0=0, lbg=0, ubg=0)["x"].full().ravel()
         return assembler.displaced(self.y, step)
 
@@ -188,7 +185,7 @@ class _Failure:
             if not np.isfinite(reached):
                 wish = _amount(wanted, demand.unit)
                 return f"{wish} wanted", (
-                    f"{name} asks for {wish}, but what it measures is undefined ({reached:g}) at "
+                    f"{name} requires {wish}, but its measure is undefined ({reached:g}) at "
                     "the given poses, where axes are perpendicular or points coincide"
                 )
             bound = "at most" if reached < wanted else "at least"
@@ -196,7 +193,7 @@ class _Failure:
             short = (
                 f"{_amount(wanted, demand.unit)} wanted, {bound} {_amount(reached, demand.unit)}"
             )
-            return short, f"{name} asks for {_amount(wanted, demand.unit)}, {limit}"
+            return short, f"{name} requires {_amount(wanted, demand.unit)}, {limit}"
         assert demand.joint is not None
         left, units = np.abs(self.number(demand.joint.equations, y)), demand.joint.units()
         gap = float(np.linalg.norm(left[[unit == "m" for unit in units]]))

@@ -100,7 +100,7 @@ class Echelon:
 
     @cached_property
     def _rows_with(self) -> dict[int, list[int]]:
-        """Column → rows with an entry in it beside their pivot."""
+        """Column → rows with an entry in it other than their pivot."""
         rows: dict[int, list[int]] = {}
         for row, (_, columns, _) in enumerate(self._rows):
             for column in columns.tolist():

@@ -1,6 +1,6 @@
 // Marks over the drawing: loads, labels, gaps, axes, gravity, scales.
 
-/** @import { Context, LoadKind } from "./types.d.ts" */
+/** @import { LoadKind } from "./types.d.ts" */
 /** @import { DrawnArrow, Item, Label, Paper, Pixel } from "./scene_types.d.ts" */
 /** @import { Scene } from "./scene.js" */
 

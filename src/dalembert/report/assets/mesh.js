@@ -1,14 +1,18 @@
 // Mesh of a structure: positions of its vertices in the states, fields, tables of its nodes.
 
-/** @import { Column, Cursor, Point, Range } from "./types.d.ts" */
-/** @import { CellsData, FieldData, ItemData, MeshData, Pixel, States, Tables } from "./scene_types.d.ts" */
+/** @import { Cursor, Point, Range } from "./types.d.ts" */
+/** @import { FieldData, ItemData, MeshData, Pixel, States, Tables } from "./scene_types.d.ts" */
 
 import { Ramp } from "./colours.js";
 import { extent, floats, isNum, list } from "./numbers.js";
+import { distanceToSegment, inside } from "./polygons.js";
 import { unitOf } from "./units.js";
 
 /** Limit of the vertices by which the extent of a mesh is measured. */
 const MEASURED = 3000;
+/** Limit of elements that are drawn with thick lines, and of nodes that are drawn. */
+export const FEW_ELEMENTS = 400;
+const FEW_NODES = 60;
 /** Names of strains, whose unit is 1. */
 const STRAIN = /strain|^e[xyz]{2}$|^g(xy|yz|zx|xz)$/;
 
@@ -21,7 +25,7 @@ export class Mesh {
     const n = list(data.rest).length, states = tables.states;
     this.count = n / 3;
     this.rest = floats(data.rest, n);
-    this.moved = list(data.moved).map((column) => floats(column, n));
+    this.moved = list(data.vertex_displacements).map((column) => floats(column, n));
     this.lines = list(data.lines);
     this.faces = list(data.faces);
     this.points = list(data.points);
@@ -109,6 +113,13 @@ export class Mesh {
     return positions.flatMap((places) => [...some].map((vertex) => this.placeOf(vertex, dimension, places)));
   }
 
+  /** Nodes that are drawn: elements at nodes, and the ends of few lines. */
+  get drawnNodes() {
+    const drawn = new Set(this.points.flatMap(({ vertices }) => vertices)), { nodes: { length } } = this;
+    for (const { vertices } of length <= FEW_NODES ? this.lines : []) for (const k of vertices) if (k < length) drawn.add(k);
+    return drawn;
+  }
+
   // Values -------------------------------------------------------------------------------------
 
   /** Values of a field in the present state. @param {Field} field */
@@ -142,7 +153,7 @@ export class Mesh {
     /** @type {Map<string, ItemData>} */
     const items = new Map(), zero = this.moved.map(() => 0), planar = !this.directions.includes("uz");
     for (const { node, name, values } of this.reactions) {
-      const item = items.get(node) ?? { name: node, what: "support", symbol: "reaction", node: this.nodes.indexOf(node) };
+      const item = items.get(node) ?? { name: node, description: "support", symbol: "reaction", node: this.nodes.indexOf(node) };
       const key = name[0] === "f" ? "force" : "moment", axes = planar ? "xy" : "xyz";
       if (planar && key === "moment") item.moment = values;
       else for (const axis of axes) item[`${key}_${axis}`] ??= zero;
@@ -197,10 +208,10 @@ export class Mesh {
   describe(kind, k) {
     if (kind === "element") {
       const fields = this.fields.filter((field) => isNum(this.valueOf(field, k))).slice(0, 14);
-      return { name: this.elements[k], what: "element", rows: fields.map((field) => ({ name: field.name.replaceAll("_", " "), unit: field.unit, value: this.valueOf(field, k) })) };
+      return { name: this.elements[k], description: "element", rows: fields.map((field) => ({ name: field.name.replaceAll("_", " "), unit: field.unit, value: this.valueOf(field, k) })) };
     }
     const reactions = this.reactions.filter(({ node }) => node === this.nodes[k]).map(({ name, unit, values }) => ({ name, unit, value: values[this.state] }));
-    return { name: this.nodes[k], what: reactions.length ? "support" : "node", rows: [...this.components(k).filter((row) => row !== null), ...reactions] };
+    return { name: this.nodes[k], description: reactions.length ? "support" : "node", rows: [...this.components(k).filter((row) => row !== null), ...reactions] };
   }
 }
 
@@ -221,20 +232,3 @@ function relative(values) {
 
 /** @param {Float64Array} seen @param {number} vertex @returns {Pixel} */
 const pixelOf = (seen, vertex) => [seen[3 * vertex], seen[3 * vertex + 1]];
-
-/** @param {Pixel} p @param {Pixel} a @param {Pixel} b */
-export function distanceToSegment(p, a, b) {
-  const dx = b[0] - a[0], dy = b[1] - a[1], square = dx * dx + dy * dy;
-  const t = square > 0 ? Math.min(1, Math.max(0, ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / square)) : 0;
-  return Math.hypot(p[0] - a[0] - t * dx, p[1] - a[1] - t * dy);
-}
-
-/** Whether a point lies in a polygon. @param {Pixel} p @param {Pixel[]} points */
-export function inside(p, points) {
-  let odd = false;
-  for (let i = 0, j = points.length - 1; i < points.length; j = i++) {
-    const [a, b] = [points[i], points[j]];
-    if (a[1] > p[1] !== b[1] > p[1] && p[0] < ((b[0] - a[0]) * (p[1] - a[1])) / (b[1] - a[1]) + a[0]) odd = !odd;
-  }
-  return odd;
-}

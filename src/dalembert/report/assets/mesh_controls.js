@@ -35,8 +35,9 @@ export function meshChoosers(motion, mesh) {
     }));
 }
 
-/** Buttons that show parts of the drawing of a structure. @param {Scene} scene @param {Mesh} mesh @param {(key: string) => (on: boolean) => void} show @returns {Child} */
-export function meshToggles(scene, mesh, show) {
+/** Buttons that show parts of the drawing of a structure. @param {Motion} motion @param {Scene} scene @param {(key: string) => (on: boolean) => void} show @returns {Child} */
+export function meshToggles({ mesh }, scene, show) {
+  if (!mesh) return null;
   const members = mesh.lines.reduce((sum, { elements }) => sum + elements.length, 0), values = members > 0 && members <= FEW_MEMBERS && mesh.fields.some(({ atVertices }) => !atVertices);
   const toggle = (/** @type {string} */ key, /** @type {string} */ text, title = "") => toggleButton(text, scene.show[key], show(key), { id: `show-${key}`, title: title || null });
   return [toggle("rest", "Undeformed"), toggle("supports", "Supports"), values && toggle("values", "Values", "Values of the members"), mesh.faces.length > 0 && toggle("mesh", "Mesh")];

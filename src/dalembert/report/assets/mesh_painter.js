@@ -1,46 +1,50 @@
 // The mesh of a planar structure on a canvas: at rest, of another design, faces and lines in the colours of a field, nodes.
 
-/** @import { Context } from "./types.d.ts" */
 /** @import { CellsData } from "./scene_types.d.ts" */
 /** @import { Mesh } from "./mesh.js" */
 /** @import { PlanarPainter } from "./planar_painter.js" */
-/** @import { Ramp } from "./colours.js" */
 
 import { circle, stroke } from "./canvas.js";
+import { FEW_ELEMENTS } from "./mesh.js";
 import { Theme, mix } from "./theme.js";
 
-/** Limit of elements drawn with thick lines, and of nodes that are drawn. */
-export const FEW_ELEMENTS = 400, FEW_NODES = 60;
-
-/** Draw the mesh of a scene. @param {PlanarPainter} painter @param {Mesh} mesh */
-export function drawMesh(painter, mesh) {
-  const { ctx, motion: { otherMesh }, scene: { show } } = painter, seen = painter.scene.seen();
-  const layer = new MeshLayer(ctx, mesh, seen);
-  if (show.rest) {
-    new MeshLayer(ctx, mesh, painter.scene.seen(mesh.rest)).edges(mesh);
-    stroke(ctx, mix(Theme.muted, Theme.surface, 0.45), 1, mesh.drop ? [] : [5, 4]);
-  }
-  ctx.lineJoin = ctx.lineCap = "round";
-  if (otherMesh && show.ghosts) {
-    new MeshLayer(ctx, mesh, painter.scene.seen(otherMesh.places)).edges(otherMesh);
-    ctx.globalAlpha = 0.45;
-    stroke(ctx, Theme.muted, otherMesh.lines.length ? 6 : 2.4);
-    ctx.globalAlpha = 1;
-  }
-  layer.drawFaces(show.mesh);
-  layer.drawLines();
-  layer.drawNodes();
-  ctx.lineCap = "butt";
-}
-
-class MeshLayer {
-  /** @param {Context} ctx @param {Mesh} mesh @param {Float64Array} seen positions of the vertices on the canvas */
-  constructor(ctx, mesh, seen) {
-    this.ctx = ctx;
+export class MeshPainter {
+  /** @param {PlanarPainter} painter @param {Mesh} mesh @param {Mesh | null} other mesh of another design or run */
+  constructor(painter, mesh, other) {
+    this.painter = painter;
     this.mesh = mesh;
-    this.seen = seen;
+    this.other = other;
+    this.ctx = painter.ctx;
+    /** Positions of the vertices on the canvas. */
+    this.seen = mesh.places;
+    this.ramp = mesh.ramp();
+    /** Values of the field. @type {Float64Array | null} */
+    this.values = null;
+  }
+
+  draw() {
+    const { mesh, other, painter: { ctx, scene, scene: { show } } } = this;
+    this.ctx = ctx;
     this.ramp = mesh.ramp();
     this.values = mesh.field ? mesh.values(mesh.field) : null;
+    if (show.rest) {
+      this.seen = scene.seen(mesh.rest);
+      this.edges(mesh);
+      stroke(ctx, mix(Theme.muted, Theme.surface, 0.45), 1, mesh.drop ? [] : [5, 4]);
+    }
+    ctx.lineJoin = ctx.lineCap = "round";
+    if (other && show.ghosts) {
+      this.seen = scene.seen(other.places);
+      this.edges(other);
+      ctx.globalAlpha = 0.45;
+      stroke(ctx, Theme.muted, other.lines.length ? 6 : 2.4);
+      ctx.globalAlpha = 1;
+    }
+    this.seen = scene.seen();
+    this.drawFaces(show.mesh);
+    this.drawLines();
+    this.drawNodes();
+    ctx.lineCap = "butt";
   }
 
   /** Path through vertices. @param {number[]} vertices @param {number} first @param {number} count */
@@ -119,18 +123,11 @@ class MeshLayer {
 
   drawNodes() {
     const { ctx, seen } = this;
-    for (const k of drawnNodes(this.mesh)) {
+    for (const k of this.mesh.drawnNodes) {
       circle(ctx, [seen[3 * k], seen[3 * k + 1]], 2.8);
       ctx.fillStyle = Theme.surface;
       ctx.fill();
       stroke(ctx, Theme.ink, 1.2);
     }
   }
-}
-
-/** Elements at nodes, and the ends of few lines. @param {Mesh} mesh */
-export function drawnNodes({ nodes, lines, points }) {
-  const drawn = new Set(points.flatMap(({ vertices }) => vertices));
-  for (const { vertices } of nodes.length <= FEW_NODES ? lines : []) for (const k of vertices) if (k < nodes.length) drawn.add(k);
-  return drawn;
 }

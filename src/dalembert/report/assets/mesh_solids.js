@@ -4,7 +4,7 @@
 /** @import { SpatialPainter } from "./spatial_painter.js" */
 
 import "./vendor/three.js";
-import { FEW_ELEMENTS, drawnNodes } from "./mesh_painter.js";
+import { FEW_ELEMENTS } from "./mesh.js";
 import { clamp } from "./numbers.js";
 import { ball } from "./solids.js";
 import { AXES, vector } from "./spatial_motion.js";
@@ -38,7 +38,7 @@ export class MeshSolids {
     this.rest = this.lines([...this.segments.vertices, ...mesh.outline], 1.2, { dashed: true, dashSize: 0.012 * size, gapSize: 0.009 * size });
     this.ghost = this.lines(other ? [...segmentsOf(other).vertices, ...other.outline] : [], 5, { transparent: true, opacity: 0.4 });
     this.nodes = new THREE.Group();
-    for (const vertex of drawnNodes(mesh)) {
+    for (const vertex of mesh.drawnNodes) {
       const dot = new THREE.Mesh(ball([0, 0, 0], 0.55 * painter.unit), painter.surface("pale"));
       dot.userData = { vertex };
       this.nodes.add(dot);

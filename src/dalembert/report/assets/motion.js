@@ -1,9 +1,8 @@
 // Scene of a page over time: bodies, primitives between them, the mesh of a structure.
 
 /** @import { Column, Cursor, Payload, Point, TracedPoint } from "./types.d.ts" */
-/** @import { BodyData, End, EndData, Gap, Ghost, Item, ItemData, Link, Part, Shape, Wheel } from "./scene_types.d.ts" */
+/** @import { BodyData, End, EndData, Gap, Ghost, Item, ItemData, Link, Part, Shape, Structure, Wheel } from "./scene_types.d.ts" */
 
-import { Mesh } from "./mesh.js";
 import { TAU, clock, floats, list, steady } from "./numbers.js";
 import { Signal } from "./theme.js";
 import { Timeline } from "./timeline.js";
@@ -13,8 +12,8 @@ const SWING = 2.4;
 
 /** Base class of planar and spatial scenes, whose methods read and place points. */
 export class Motion extends Timeline {
-  /** @param {Payload} payload */
-  constructor(payload) {
+  /** @param {Payload} payload @param {Structure | null} structure parts of pages of structures */
+  constructor(payload, structure = null) {
     const { scene = {}, states } = payload;
     super(states ? { ...payload, time: states.times } : payload);
     /** Signal of another state, field or scale of a structure. @type {Signal} */
@@ -45,10 +44,10 @@ export class Motion extends Timeline {
     this.ghosts = list(scene.ghosts).filter(({ mesh }) => !mesh).map((ghost) => this.readBody(ghost, (values) => steady(/** @type {Column} */ (values), this.n)));
     /** @type {Gap[]} */
     this.gaps = list(scene.gaps).map(({ from, to, text }) => ({ from: this.point(from), to: this.point(to), text: String(text ?? "") }));
-    this.mesh = scene.mesh ? new Mesh(scene.mesh, payload, list(scene.fields)) : null;
+    this.mesh = scene.mesh && structure ? new structure.Mesh(scene.mesh, payload, list(scene.fields)) : null;
     const other = list(scene.ghosts).find(({ mesh }) => mesh)?.mesh;
     /** Mesh of another design or run. */
-    this.otherMesh = other ? new Mesh(other, { states: payload.states }, []) : null;
+    this.otherMesh = other && structure ? new structure.Mesh(other, { states: payload.states }, []) : null;
     /** Reactions of the supports of a structure. @type {Item[]} */
     this.reactions = (this.mesh?.reactionItems() ?? []).map((item) => this.readItem(item));
   }
@@ -70,8 +69,8 @@ export class Motion extends Timeline {
   /** Columns of the pose of a body, and its shapes. @param {BodyData} body @param {(values: unknown) => Float64Array} column @returns {Ghost} */
   readBody(body, column) { return { shapes: this.readShapes(body.shapes), column }; }
 
-  /** @param {{ name?: string, what?: string, symbol?: string }} item */
-  header({ name = "", what, symbol = "" }) { return { name: String(name), what: String(what ?? symbol), symbol: String(symbol) }; }
+  /** @param {{ name?: string, description?: string, symbol?: string }} item */
+  header({ name = "", description, symbol = "" }) { return { name: String(name), description: String(description ?? symbol), symbol: String(symbol) }; }
 
   /** @param {EndData} end @returns {End} */
   readEnd({ body = "ground", point, axis }) { return { body: this.find(body), point: this.point(point), axis: axis ? this.point(axis) : null }; }
@@ -110,7 +109,7 @@ export class Motion extends Timeline {
   /** Time at rest: the first instant; of a swing, the largest displacement. */
   get home() { return this.swings ? this.span / 4 : this.start; }
 
-  /** @param {number} t */
+  /** @override @param {number} t */
   setTime(t) {
     const { state } = this;
     this.now = t;
@@ -146,7 +145,7 @@ export class Motion extends Timeline {
   /** A direction in the axes of a body. @param {Part} body @param {number[]} direction @param {Cursor} cursor */
   turnedBack(body, direction, cursor) { return direction; }
 
-  /** Position of a point of a body. @param {Part} body @param {Point} point @param {Cursor} cursor @returns {Point | null} */
+  /** Position of a point of a body. @override @param {Part} body @param {Point} point @param {Cursor} cursor @returns {Point | null} */
   at(body, point, cursor = this.cursor) {
     const pose = this.pose(body, cursor);
     return pose && this.placed(pose, point);

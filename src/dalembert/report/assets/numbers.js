@@ -32,12 +32,12 @@ export function floats(values, n) {
 export const steady = (value, n) => floats(typeof value === "object" ? value : Array(n).fill(isNum(value) ? value : 0), n);
 
 /** The smallest and the largest number of some columns; null without numbers.
- * @param {Iterable<Iterable<number | null>>} columns @returns {Range | null} */
+ * @param {ArrayLike<number | null>[]} columns @returns {Range | null} */
 export function extent(columns) {
   let lo = Infinity, hi = -Infinity;
   for (const column of columns) {
-    for (const v of column) {
-      if (v === null) continue;
+    for (let i = 0; i < column.length; i++) {
+      const v = column[i] ?? NaN;
       if (v < lo) lo = v;
       if (v > hi) hi = v;
     }

@@ -8,7 +8,6 @@ import { buildColumns, choice, viewPanels } from "./cards.js";
 import { byId, el, toggleButton } from "./dom.js";
 import { buildFrame, buildZoom } from "./frame.js";
 import { arrowMenu } from "./loads.js";
-import { fieldLegend, meshChoosers, meshToggles, scaleSlider } from "./mesh_controls.js";
 import { clamp, list } from "./numbers.js";
 import { eventPanel, valuePanel } from "./panels.js";
 import { payload } from "./payload.js";
@@ -17,7 +16,6 @@ import { Player, bindKeys, buildPlayer } from "./player.js";
 import { Board } from "./plot_board.js";
 import { Scene } from "./scene.js";
 import { shareMenu } from "./share.js";
-import { structureTables } from "./structure_tables.js";
 import { Theme } from "./theme.js";
 import { preferUnits } from "./units.js";
 
@@ -26,14 +24,13 @@ import { preferUnits } from "./units.js";
 export function buildPage(dimension, buildTools = () => {}) {
   Theme.read();
   preferUnits(payload.units);
-  const motion = new dimension.Motion(payload), { mesh } = motion, scene = new Scene(motion, /** @type {HTMLCanvasElement} */ (byId("scene")), byId("tip"), dimension), player = new Player(motion);
+  const motion = new dimension.Motion(payload, dimension.structure), { mesh } = motion, scene = new Scene(motion, /** @type {HTMLCanvasElement} */ (byId("scene")), byId("tip"), dimension), player = new Player(motion);
   const picker = new Picker(/** @type {HTMLDialogElement} */ (byId("picker")), motion);
   const board = motion.moves && motion.series.length ? new Board(byId("board"), motion, player, picker) : null;
   player.onTime.on((t) => { motion.setTime(t); scene.invalidate(); });
   player.onState.on(() => { if (motion.swings && !player.playing) player.seek(motion.home); });
 
   const toggles = el("div", { class: "chips" }, shownParts(motion, scene));
-  if (mesh) byId("toolbar").append(meshChoosers(motion, mesh));
   byId("toolbar").append(toggles);
   buildTools(scene, toggles);
   toggles.append(arrowMenu(scene) ?? "", followChooser(motion, scene) ?? "");
@@ -54,13 +51,8 @@ export function buildPage(dimension, buildTools = () => {}) {
   if (beside.length) byId("board").prepend(el("div", { class: "beside" }, beside));
   board?.addDefault(payload.default_plots);
   if (motion.moves) buildPlayer(byId("player"), player);
-  if (mesh) {
-    byId("stage").setAttribute("aria-label", "Structure");
-    byId("board").setAttribute("aria-label", "Tables");
-    byId("board").append(structureTables(motion, mesh));
-    byId("view").append(fieldLegend(motion, mesh));
-    byId("player").append(scaleSlider(motion, mesh));
-  } else if (!board && !list(payload.views).some((view) => view.place === "board")) {
+  if (mesh) dimension.structure?.build(motion, mesh);
+  else if (!board && !list(payload.views).some((view) => view.place === "board")) {
     byId("board").hidden = true;
     document.body.classList.add("single");
   }
@@ -81,7 +73,7 @@ function shownParts(motion, scene) {
   swatch.style.setProperty("--c", mesh ? "var(--accent)" : "var(--force)");
   return [
     ghost && (motion.ghosts.length > 0 || motion.otherMesh !== null) && toggleButton(ghost, true, show("ghosts"), { id: "ghosts" }),
-    mesh && meshToggles(scene, mesh, show),
+    scene.structure?.toggles(motion, scene, show),
     scene.applied.length > 0 && toggleButton("Loads", true, show("loads"), { id: "loads", title: "Applied forces and moments" }),
     scene.loaded.length > 0 && toggleButton([swatch, "Reactions"], false, show("forces"), { id: "reactions", title: `Reaction forces and moments at the ${mesh ? "supports" : "joints"}` }),
     toggleButton(mesh ? "Names" : "Labels", scene.show.labels, show("labels"), { id: "labels" }),
@@ -114,7 +106,7 @@ function showDesign(k, motion, scene, board, dimension, player) {
   const design = choice?.alternatives[k];
   if (!design?.scene) return;
   history.replaceState(null, "", `#design=${k}`);
-  const next = new dimension.Motion({ ...payload, ...design }), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name)), { now } = motion;
+  const next = new dimension.Motion({ ...payload, ...design }, dimension.structure), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name)), { now } = motion;
   for (const point of next.points) point.swatch = motion.points.find(({ name }) => name === point.name)?.swatch;
   motion.replace(next);
   scene.renew(traced);

@@ -3,7 +3,7 @@
 /** @import { Cursor, Point } from "./types.d.ts" */
 /** @import { BodyData, Ghost, Part, Shape } from "./scene_types.d.ts" */
 
-import { cross, hull } from "./hull.js";
+import { cross, hull } from "./polygons.js";
 import { Motion } from "./motion.js";
 import { TAU, list, xy } from "./numbers.js";
 import { degrees } from "./units.js";
@@ -15,13 +15,13 @@ import { degrees } from "./units.js";
 const ORIGIN = { x: 0, y: 0, c: 1, s: 0, a: 0 };
 
 export class PlanarMotion extends Motion {
-  /** @param {unknown} value @returns {[number, number]} */
+  /** @override @param {unknown} value @returns {[number, number]} */
   point(value) { return xy(value); }
 
-  /** @param {BodyData} body @param {(values: unknown) => Float64Array} column @returns {Ghost} */
+  /** @override @param {BodyData} body @param {(values: unknown) => Float64Array} column @returns {Ghost} */
   readBody({ x, y, angle, shapes }, column) { return { x: column(x), y: column(y), a: column(angle), shapes: this.readShapes(shapes) }; }
 
-  /** @param {Partial<Shape>[] | undefined} shapes @returns {Shape[]} */
+  /** @override @param {Partial<Shape>[] | undefined} shapes @returns {Shape[]} */
   readShapes(shapes) {
     return list(shapes).filter(({ points }) => !points || points.length).map((shape) => {
       const points = list(shape.points).map(xy), size = (/** @type {unknown} */ value) => Math.abs(Number(value)) || 0;
@@ -32,26 +32,26 @@ export class PlanarMotion extends Motion {
     });
   }
 
-  /** @param {Part | Ghost} body @returns {PlanarPose | null} */
+  /** @override @param {Part | Ghost} body @returns {PlanarPose | null} */
   pose(body, cursor = this.cursor) {
     if (body.fixed) return ORIGIN;
     const [x, y, a] = [body.x, body.y, body.a].map((column) => this.sample(column, cursor));
     return Number.isNaN(x + y + a) || !this.n ? null : { x, y, a, c: Math.cos(a), s: Math.sin(a) };
   }
 
-  /** @param {PlanarPose} pose @param {Point} point @returns {[number, number]} */
+  /** @override @param {PlanarPose} pose @param {Point} point @returns {[number, number]} */
   placed({ x, y, c, s }, [u, v]) { return [x + c * u - s * v, y + s * u + c * v]; }
 
-  /** @param {Part} body @param {number[]} direction @param {Cursor} cursor */
+  /** @override @param {Part} body @param {number[]} direction @param {Cursor} cursor */
   turnedBack(body, [u, v], cursor) {
     const { c, s } = this.pose(body, cursor) ?? ORIGIN;
     return [c * u + s * v, c * v - s * u];
   }
 
-  /** @param {Part} body @returns {[string, string]} */
+  /** @override @param {Part} body @returns {[string, string]} */
   rotationRow(body) { return ["angle", degrees(this.pose(body)?.a ?? NaN)]; }
 
-  /** @param {Shape} shape @returns {Point[]} */
+  /** @override @param {Shape} shape @returns {Point[]} */
   outline(shape) {
     const { center: [x, y], radius: r } = shape;
     switch (shape.kind) {

@@ -3,18 +3,17 @@
 /** @import { Context, TracedPoint } from "./types.d.ts" */
 /** @import { End, Hit, Item, Label, Link, Paper, Part, Pixel, Shape } from "./scene_types.d.ts" */
 /** @import { Colours, Look } from "./planar_symbols.js" */
+/** @import { MeshPainter } from "./mesh_painter.js" */
 /** @import { PlanarMotion, PlanarPose } from "./planar_motion.js" */
 /** @import { PlanarView } from "./planar_view.js" */
 /** @import { Scene } from "./scene.js" */
 
 import { circle, contextOf, fitCanvas, stroke, trace } from "./canvas.js";
-import { cross } from "./hull.js";
-import { drawMesh } from "./mesh_painter.js";
-import { distanceToSegment, inside } from "./mesh.js";
 import { clamp, extent, niceAbove } from "./numbers.js";
 import { LOOKS, drawBelt } from "./planar_looks.js";
 import { corners, local } from "./planar_motion.js";
 import { centreMark, groundPivot, hatch, hatchedLine, jointMark, linkSymbol, plate, solid, wheel } from "./planar_symbols.js";
+import { cross, distanceToSegment, inside } from "./polygons.js";
 import { Theme, mix } from "./theme.js";
 
 /** Layers of the shapes of bodies, from the back. */
@@ -42,12 +41,16 @@ export class PlanarPainter {
     this.highlighted = null;
     /** Guides of ground lines, and half the distance of their rails. @type {{ from: Pixel, to: Pixel, half: number }[]} */
     this.guides = [];
+    /** Picture of a mesh. @type {MeshPainter | null} */
+    this.mesh = null;
     /** Paths of traces, and the view for which they are drawn. */
     this.traces = { key: "", canvas: document.createElement("canvas") };
     this.restyle();
   }
 
   build() {
+    const { motion: { mesh, otherMesh }, scene: { structure } } = this;
+    this.mesh = structure && mesh ? new structure.Picture(this, mesh, otherMesh) : null;
     this.guides = this.findGuides();
     this.traces.key = "";
   }
@@ -111,7 +114,7 @@ export class PlanarPainter {
     if (scene.show.grid) this.drawGrid();
     this.drawGround();
     this.drawGhosts();
-    if (motion.mesh) drawMesh(this, motion.mesh);
+    this.mesh?.draw();
     this.drawBodies();
     this.drawTraces(paper !== null);
     for (const link of motion.links) this.drawLink(link);

@@ -1,6 +1,6 @@
 // Plot of series over time or over another series, with legend, cursor, zoom and export.
 
-/** @import { Context, Series } from "./types.d.ts" */
+/** @import { Context, Range, Series } from "./types.d.ts" */
 /** @import { Board } from "./plot_board.js" */
 
 import { contextOf, stroke, trace } from "./canvas.js";
@@ -133,7 +133,7 @@ export class Plot extends PlotPainter {
     over.addEventListener("pointerdown", (e) => {
       if (e.button) return;
       over.setPointerCapture(e.pointerId);
-      if (e.shiftKey && !this.against) { this.selection = [this.timeAt(e), this.timeAt(e)]; return; }
+      if (e.shiftKey && !this.against) { this.selection = /** @type {Range} */ ([this.timeAt(e), this.timeAt(e)]); return; }
       seeking = true;
       board.player.pause();
       board.player.seek(this.timeAt(e));

@@ -1,6 +1,6 @@
 // Scene of a page: what is drawn in a view of the plane or of space, and the object under the pointer.
 
-/** @import { Point, LoadKind, TracedPoint } from "./types.d.ts" */
+/** @import { Point, LoadKind } from "./types.d.ts" */
 /** @import { Dimension, DrawnArrow, Hit, Item, Link, Painter, Paper, Part, Pixel, Shape, View } from "./scene_types.d.ts" */
 /** @import { Motion } from "./motion.js" */
 
@@ -18,8 +18,9 @@ const TEETH = 20;
 
 export class Scene {
   /** @param {Motion} motion @param {HTMLCanvasElement} canvas @param {HTMLElement} tip @param {Dimension} dimension */
-  constructor(motion, canvas, tip, { View, Painter }) {
+  constructor(motion, canvas, tip, { View, Painter, structure = undefined }) {
     this.motion = motion;
+    this.structure = structure;
     this.canvas = canvas;
     this.tip = tip;
     /** Resolution while printing. @type {number | undefined} */

@@ -1,6 +1,7 @@
 // Types of the scene: its payload, the parts it is read into, and what views and painters have in common.
 
-import type { Body, Column, Context, Cursor, LoadKind, Point } from "./types.d.ts";
+import type { Body, Child, Column, Context, Cursor, LoadKind, Payload, Point } from "./types.d.ts";
+import type { Mesh } from "./mesh.js";
 import type { Motion } from "./motion.js";
 import type { Scene } from "./scene.js";
 
@@ -16,7 +17,7 @@ export interface EndData { body?: string; point?: number[]; axis?: number[] | nu
 /** Joint, symbol, support or load; columns are over the instants or states. */
 export interface ItemData extends EndData {
   name?: string;
-  what?: string;
+  description?: string;
   symbol?: string;
   base?: EndData;
   grounded?: boolean;
@@ -36,14 +37,14 @@ export interface ItemData extends EndData {
 }
 
 export interface BodyData { name?: string; of?: string; node?: boolean; shapes?: Partial<Shape>[]; [column: string]: unknown }
-export interface LinkData { name?: string; what?: string; symbol?: string; i: EndData; j: EndData }
+export interface LinkData { name?: string; description?: string; symbol?: string; i: EndData; j: EndData }
 export interface CellsData { size: number; vertices: number[]; elements: number[] }
 export interface FieldData { name: string; unit?: string; values: Column[] }
 
 /** Mesh of a structure: positions at rest and displacements of each state, lines, faces and points of its vertices. */
 export interface MeshData {
   rest: Column;
-  moved: Column[];
+  vertex_displacements: Column[];
   lines: CellsData[];
   faces: CellsData[];
   points: CellsData[];
@@ -112,7 +113,7 @@ export interface Wheel extends End { radius: number }
 
 export interface Item extends End {
   name: string;
-  what: string;
+  description: string;
   symbol: string;
   base: End | null;
   grounded: boolean;
@@ -140,7 +141,7 @@ export interface Item extends End {
 }
 
 /** Primitive between two points; `rest` is its mean length, `offset` its distance from links between the same points. */
-export interface Link { name: string; what: string; symbol: string; i: End; j: End; rest: number; offset: number }
+export interface Link { name: string; description: string; symbol: string; i: End; j: End; rest: number; offset: number }
 
 /** Body of another design or run. */
 export interface Ghost { shapes: Shape[]; [column: string]: any }
@@ -202,9 +203,19 @@ export interface Paper { ctx: Context; w: number; h: number }
 
 /** Classes of the views of one dimension. */
 export interface Dimension {
-  Motion: new (payload: any) => Motion;
+  Motion: new (payload: Payload, structure?: Structure | null) => Motion;
   View: new (canvas: HTMLCanvasElement, onChange: () => void) => View;
   Painter: new (scene: Scene) => Painter;
+  structure?: Structure;
+}
+
+/** Parts that only pages of structures have. */
+export interface Structure {
+  Mesh: typeof Mesh;
+  Picture: new (painter: any, mesh: Mesh, other: Mesh | null) => any;
+  /** Controls of the toolbar; the rest of the page. */
+  toggles(motion: Motion, scene: Scene, show: (key: string) => (on: boolean) => void): Child;
+  build(motion: Motion, mesh: Mesh): void;
 }
 
 export type { Cursor, Point };

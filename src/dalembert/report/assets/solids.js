@@ -3,7 +3,7 @@
 /** @import { Shape } from "./scene_types.d.ts" */
 
 import "./vendor/three.js";
-import { hull } from "./hull.js";
+import { hull } from "./polygons.js";
 import { TAU, list } from "./numbers.js";
 import { quaternion, vector, xyz } from "./spatial_motion.js";
 

@@ -24,18 +24,18 @@ export const quaternion = ([e0, e1, e2, e3]) => new THREE.Quaternion(e1, e2, e3,
  * @typedef {{ p: THREE.Vector3, q: THREE.Quaternion }} SpatialPose */
 
 export class SpatialMotion extends Motion {
-  /** @returns {2 | 3} */
+  /** @override @returns {2 | 3} */
   get dimension() { return 3; }
 
-  /** @param {unknown} value @returns {[number, number, number]} */
+  /** @override @param {unknown} value @returns {[number, number, number]} */
   point(value) { return xyz(value); }
 
-  /** @param {BodyData} body @param {(values: unknown) => Float64Array} column @returns {Ghost} */
+  /** @override @param {BodyData} body @param {(values: unknown) => Float64Array} column @returns {Ghost} */
   readBody(body, column) {
     return { position: ["x", "y", "z"].map((key) => column(body[key])), rotation: ["e0", "e1", "e2", "e3"].map((key) => column(body[key])), shapes: this.readShapes(body.shapes) };
   }
 
-  /** Between two instants the origin moves straight and the body rotates about one axis. @param {Part | Ghost} body @returns {SpatialPose | null} */
+  /** Between two instants the origin moves straight and the body rotates about one axis. @override @param {Part | Ghost} body @returns {SpatialPose | null} */
   pose(body, cursor = this.cursor) {
     if (body.fixed) return { p: vector([0, 0, 0]), q: quaternion([1, 0, 0, 0]) };
     if (!this.n) return null;
@@ -49,22 +49,22 @@ export class SpatialMotion extends Motion {
     return { p: vector(position), q };
   }
 
-  /** @param {SpatialPose} pose @param {Point} point @returns {[number, number, number]} */
+  /** @override @param {SpatialPose} pose @param {Point} point @returns {[number, number, number]} */
   placed({ p, q }, point) { return vector(point).applyQuaternion(q).add(p).toArray(); }
 
-  /** @param {Part} body @param {number[]} direction @param {Cursor} cursor */
+  /** @override @param {Part} body @param {number[]} direction @param {Cursor} cursor */
   turnedBack(body, direction, cursor) {
     const pose = this.pose(body, cursor);
     return pose ? vector(direction).applyQuaternion(pose.q.clone().invert()).toArray() : direction;
   }
 
-  /** @param {Part} body @returns {[string, string]} */
+  /** @override @param {Part} body @returns {[string, string]} */
   rotationRow(body) {
     const { q } = this.pose(body) ?? { q: quaternion([NaN, NaN, NaN, NaN]) };
     return ["Euler parameters", inUnits([q.w, q.x, q.y, q.z], "")];
   }
 
-  /** @param {Shape} shape @returns {Point[]} */
+  /** @override @param {Shape} shape @returns {Point[]} */
   outline(shape) {
     const about = (/** @type {Point} */ center, /** @type {number} */ r) =>
       Object.values(AXES).flatMap((axis) => [r, -r].map((s) => xyz(center.map((c, k) => c + s * axis[k]))));

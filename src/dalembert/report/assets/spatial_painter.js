@@ -1,7 +1,7 @@
 // Spatial scenes of solids: built once, moved to an instant, coloured, cut, and found under the pointer.
 
 /** @import { Axis, End, Ghost, Hit, Item, Label, Link, Paper, Part, Pixel, Point, Shape } from "./scene_types.d.ts" */
-/** @import { SolidPart } from "./spatial_symbols.js" */
+/** @import { MeshSolids } from "./mesh_solids.js" */
 /** @import { SpatialMotion, SpatialPose } from "./spatial_motion.js" */
 /** @import { SpatialView } from "./spatial_view.js" */
 /** @import { Scene } from "./scene.js" */
@@ -10,10 +10,9 @@ import "./vendor/three.js";
 import { fitCanvas } from "./canvas.js";
 import { el } from "./dom.js";
 import { FlatPainter } from "./flat_painter.js";
-import { MeshSolids } from "./mesh_solids.js";
 import { clamp } from "./numbers.js";
 import { apart, ball, nearestOn, rims, solidOf, tube } from "./solids.js";
-import { AXES, quaternion, vector } from "./spatial_motion.js";
+import { AXES, vector } from "./spatial_motion.js";
 import { JOINTS, LINKS, SYMBOLS, pedestal, wall } from "./spatial_symbols.js";
 import { SpatialTrace } from "./spatial_trace.js";
 import { Theme, mix } from "./theme.js";
@@ -90,7 +89,7 @@ export class SpatialPainter {
     this.ghosts = motion.ghosts.map((ghost) => this.addGhost(ghost));
     this.belts = motion.joints.filter(({ wheels }) => wheels.length === 2).map((joint) => this.addBelt(joint)).filter((belt) => belt !== null);
     this.traces = motion.points.map((point) => new SpatialTrace(point, this.parts));
-    this.mesh = motion.mesh ? new MeshSolids(this, motion.mesh, motion.otherMesh) : null;
+    this.mesh = scene.structure && motion.mesh ? new scene.structure.Picture(this, motion.mesh, motion.otherMesh) : null;
     this.restyle();
   }
 

@@ -76,9 +76,6 @@ export class Timeline {
   /** @param {string} name */
   find(name) { return this.byName.get(String(name)) ?? this.ground; }
 
-  /** Name, kind and symbol of a part. @param {{ name?: string, what?: string, symbol?: string }} item */
-  told(item) { return { name: String(item.name ?? ""), what: String(item.what ?? item.symbol ?? ""), symbol: String(item.symbol ?? "") }; }
-
   /** Position of a point of a body; null where the body has no pose.
    * @param {Body} body @param {Point} point @param {Cursor} cursor @returns {Point | null} */
   at(body, point, cursor) { return null; }

@@ -12,8 +12,8 @@ import { inUnits, quantity } from "./units.js";
 export function drawTip({ canvas: { clientWidth: w, clientHeight: h }, hover, motion, pointer, size, tip }) {
   tip.hidden = !hover || !pointer;
   if (!hover || !pointer) return;
-  const { name, what, rows } = describe(hover, motion, size);
-  tip.replaceChildren(el("strong", {}, name || what), el("span", { class: "what" }, name ? what : ""),
+  const { name, description, rows } = describe(hover, motion, size);
+  tip.replaceChildren(el("strong", {}, name || description), el("span", { class: "what" }, name ? description : ""),
     el("dl", {}, rows.map(([label, value]) => [el("dt", {}, label), el("dd", {}, value)])));
   const [x, y] = pointer, left = x + 16 + tip.offsetWidth > w ? x - 14 - tip.offsetWidth : x + 16;
   tip.style.transform = `translate(${Math.max(4, left)}px, ${clamp(y + 14, 4, Math.max(4, h - tip.offsetHeight - 4))}px)`;
@@ -24,8 +24,8 @@ function describe({ kind, item }, motion, size) {
   /** @type {[string, string][]} */
   const rows = [];
   if (motion.mesh && (kind === "node" || kind === "element")) {
-    const { name, what, rows: values } = motion.mesh.describe(kind, item);
-    return { name, what, rows: values.map(({ name, unit, value }) => [name, quantity(value, unit)]) };
+    const { name, description, rows: values } = motion.mesh.describe(kind, item);
+    return { name, description, rows: values.map(({ name, unit, value }) => [name, quantity(value, unit)]) };
   }
   if (kind === "link") {
     const [p, q] = [item.i, item.j].map(({ body, point }) => motion.at(body, point));
@@ -42,5 +42,5 @@ function describe({ kind, item }, motion, size) {
     rows.push([key, inUnits([value.length > 1 ? Math.hypot(...value) : value[0]], unit)]);
     if (value.length > 1) rows.push([motion.axes.map((axis) => `${key[0].toUpperCase()}${axis}`).join(", "), inUnits(value, unit)]);
   }
-  return { name: item.name, what: item.what || kind, rows };
+  return { name: item.name, description: item.description || kind, rows };
 }

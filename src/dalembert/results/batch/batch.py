@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.errors import AnalysisError, ExpressionError
+from dalembert.results.analysis import Analysis
 from dalembert.results.batch.designs import Designs
 from dalembert.results.batch.samples import Samples
 from dalembert.results.files.contents import COMPONENTS
-from dalembert.results.result import Analysis, Result
+from dalembert.results.result import Result
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -147,7 +148,7 @@ class Batch:
         expression = self.expression(measure)
         name = expression.name or (measure if isinstance(measure, str) else "measure")
         coords = self.coords
-        dims = ["design", self.along]
+        dims = ["design", self.sample_dimension]
         if len(expression) > 1:
             dimension, components = COMPONENTS[len(expression)]
             coords[dimension] = list(components)
@@ -156,7 +157,7 @@ class Batch:
         return xr.DataArray(self.values(expression), coords, dims, name, attributes)
 
     @property
-    def along(self) -> str:
+    def sample_dimension(self) -> str:
         """Dimension of the samples of a design."""
         first_result: Any = next(iter(self.results.values()), None)
         return "case" if hasattr(first_result, "cases") else "time"
@@ -167,7 +168,7 @@ class Batch:
         first_result: Any = next(iter(self.results.values()), None)
         cases = getattr(first_result, "cases", None)
         instants = ("time", self.time, {"units": "s"}) if cases is None else ("case", cases)
-        return {**self.designs.coords, self.along: instants}
+        return {**self.designs.coords, self.sample_dimension: instants}
 
     def design(self, k: int) -> Any:
         """Full result of one design, from a new run.
@@ -196,7 +197,7 @@ class Batch:
 
         return batch_dataset(self)
 
-    def some(self, *measures: str | Expression) -> xr.Dataset:
+    def select(self, *measures: str | Expression) -> xr.Dataset:
         """Dataset of some measures, with the status of each design."""
         import xarray as xr
 
@@ -204,10 +205,10 @@ class Batch:
         for measure in measures:
             array = self.labelled(measure)
             arrays[str(array.name)] = array
-        return xr.Dataset({"status": self.status, **arrays}, attrs=self.about)
+        return xr.Dataset({"status": self.status, **arrays}, attrs=self.attributes)
 
     @property
-    def about(self) -> dict[str, Any]:
+    def attributes(self) -> dict[str, Any]:
         """Attributes of the dataset."""
         fixed = {
             f"parameter_{name}": float(self.designs.values[0, i])
@@ -226,13 +227,13 @@ class Batch:
         """Write all or some measures to a NetCDF file; ``load_results`` reads it back."""
         from dalembert.results.files.store import save_dataset
 
-        return save_dataset(self.some(*measures) if measures else self.data, path)
+        return save_dataset(self.select(*measures) if measures else self.data, path)
 
     def to_dataframe(self, *measures: str | Expression) -> pd.DataFrame:
         """A row per design and instant of some measures; without any, a row per design."""
         if not measures:
             return self.table
-        return self.some(*measures).drop_vars(["message", "time_reached"]).to_dataframe()
+        return self.select(*measures).drop_vars(["message", "time_reached"]).to_dataframe()
 
     def to_csv(self, path: str | Path, *measures: str | Expression) -> Path:
         """Write ``to_dataframe`` as CSV."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.symbolic.parametric_model import ParametricModel
+from dalembert.text.wording import unknown
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -146,11 +146,8 @@ def _numbers(name: str, value: Any) -> np.ndarray:
 
 
 def _refuse_unknown(name: Any, names: tuple[str, ...]) -> None:
-    if name in names:
-        return
-    close = difflib.get_close_matches(str(name), names, 1)
-    nearest = f" (did you mean {close[0]!r}?)" if close else ""
-    raise AnalysisError(f"unknown parameter {name!r}{nearest}; known: {', '.join(names) or 'none'}")
+    if name not in names:
+        raise AnalysisError(unknown("parameter", name, names))
 
 
 def _is_frame(value: Any) -> bool:

@@ -103,7 +103,7 @@ class BatchData(Protocol):
     @property
     def status(self) -> xr.DataArray: ...
     @property
-    def about(self) -> dict[str, Any]: ...
+    def attributes(self) -> dict[str, Any]: ...
 
 
 def batch_dataset(batch: BatchData) -> xr.Dataset:
@@ -125,7 +125,7 @@ def batch_dataset(batch: BatchData) -> xr.Dataset:
     check_budget(
         f"{rows} variables of {len(batch)} designs at {batch.samples.time.size} times",
         memory=16.0 * rows * size,
-        cure="take batch['measure'], or ask for fewer outputs",
+        cure="take batch['measure'], or request fewer outputs",
     )
     table, row = batch.samples.table(columns), 0
     data: dict[str, Any] = {"status": batch.status}
@@ -148,7 +148,7 @@ def batch_dataset(batch: BatchData) -> xr.Dataset:
             data[variable.name] = ((*dims, dimension), shaped, attributes)
         else:
             data[variable.name] = (dims, shaped[..., 0], attributes)
-    return xr.Dataset(data, coords, attrs=batch.about)
+    return xr.Dataset(data, coords, attrs=batch.attributes)
 
 
 def _stacked(batch: BatchData) -> xr.Dataset:
@@ -167,4 +167,4 @@ def _stacked(batch: BatchData) -> xr.Dataset:
                 values[k] = dataset[name].values
         data[str(name)] = (("design", *variable.dims), values, variable.attrs)
     coords = {str(n): c for n, c in first.coords.items()} | batch.coords
-    return xr.Dataset(data, coords, attrs=batch.about)
+    return xr.Dataset(data, coords, attrs=batch.attributes)

@@ -29,7 +29,7 @@ class Comparison(ComparisonData):
     >>> system = da.System("pendulum", gravity=(0, -10))
     >>> bar = system.add(planar.Bar("bar", length=1.0, mass=2.0))
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, bar.start))
-    >>> forms = ["RangeSpace", "Kkt"]
+    >>> forms = ["RangeSpace", "KKT"]
     >>> runs = da.compare(system.build(), 0.2, formulations=forms, integrators="RK4", steps=0.01)
     >>> isinstance(runs, da.Comparison), runs.data["outcome"].values.tolist()
     (True, ['completed', 'completed'])

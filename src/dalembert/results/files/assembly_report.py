@@ -17,12 +17,12 @@ from dalembert.results.files.contents import Contents
 from dalembert.results.files.tables import diagnosis, parameter_rows
 from dalembert.results.pictures.scene import is_spatial, motion_scene, standing
 from dalembert.symbolic.formulas.expression import Expression, stack, t
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 GUESS, BEST = np.array([0]), np.array([1])
 
 
-@spelled
+@check_arguments
 def assembly_report(error: AssemblyError, path: str | Path) -> Path:
     """Write a page that draws why a mechanism cannot be assembled; returns its path.
 

@@ -86,7 +86,7 @@ class Contents:
         """Values of a variable."""
         return self.variables[name][1]
 
-    def about(self, name: str) -> dict[str, Any]:
+    def attributes_of(self, name: str) -> dict[str, Any]:
         """Unit and long name of a variable."""
         return self.variables[name][2]
 

@@ -109,7 +109,7 @@ def _subtitle(motion: LabelledRecording) -> str:
     choices = ("integrator", "formulation", "stabilization", "coordinates")
     strategies = [str(motion.statistics[k]) for k in choices if k in motion.statistics]
     listed = " + ".join(u for u in strategies if u != "AbsoluteCoordinates")
-    return ", ".join([motion.analysis.spoken, listed]).rstrip(", ")
+    return ", ".join([motion.analysis.display_name, listed]).rstrip(", ")
 
 
 def _extra_series(motion: LabelledRecording, name: str, keep: np.ndarray) -> dict[str, Any]:

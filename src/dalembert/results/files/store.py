@@ -13,7 +13,7 @@ from dalembert.errors import DalembertError, FileError
 from dalembert.files import atomic_path, readable
 from dalembert.results.files.contents import Contents, Labelled
 from dalembert.results.files.inspection import check_seal, inspect, seal
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -51,7 +51,7 @@ def save_dataset(data: xr.Dataset | Contents, path: str | Path) -> Path:
     return Path(path)
 
 
-@spelled
+@check_arguments
 def load_results(path: str | Path) -> xr.Dataset:
     """Read a result file written by ``save`` as an ``xarray.Dataset``.
 

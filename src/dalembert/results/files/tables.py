@@ -98,7 +98,7 @@ def parameter_rows(
     """
     rows = []
     for parameter, value in zip(parameters.values(), values, strict=False):
-        declared = [parameter.given_unit] if parameter.given_unit else []
+        declared = [parameter.declared_unit] if parameter.declared_unit else []
         factor, unit = shown_in(parameter.unit, [*checked_units(units), *declared])
         lower, upper = (None if b is None else b / factor for b in parameter.bounds)
         row = {"name": parameter.name, "value": float(value) / factor, "unit": unit}

@@ -74,7 +74,7 @@ class MeshPicture:
 
     def _moved(self, state: int) -> np.ndarray:
         """(vertices, 3) displacements of a state."""
-        return np.asarray(self.mesh["moved"][state], dtype=float).reshape(-1, 3)
+        return np.asarray(self.mesh["vertex_displacements"][state], dtype=float).reshape(-1, 3)
 
     def _cells(self, kind: str) -> list[tuple[np.ndarray, np.ndarray]]:
         """Vertices (m, k) and elements (m,) of each group of lines, faces or points."""

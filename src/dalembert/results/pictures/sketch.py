@@ -227,7 +227,7 @@ class Sketch:
 def symbol_header(look: Look, element: Any) -> dict[str, Any]:
     """Name and type of the element, and the symbol of the primitive."""
     description = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(element).__name__).lower()
-    return {"name": element.name, "what": description, "symbol": type(look).__name__.lower()}
+    return {"name": element.name, "description": description, "symbol": type(look).__name__.lower()}
 
 
 def body_names(point: Point, base: Point | BodyElement) -> tuple[str, str]:

@@ -16,7 +16,7 @@ from dalembert.results.pictures.influence import (
     range_influence,
     relative_influence,
 )
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,7 +55,7 @@ class Chart:
         return lines
 
 
-@spelled
+@check_arguments
 def tornado(
     gradient: xr.DataArray, kind: str = "relative", most: int = 15, axes: Any = None
 ) -> Any:

@@ -18,6 +18,7 @@ from dalembert.elements.look import (
     SolidFaces,
     Support,
 )
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.structural.shapes import (
     COIL,
     SHARP_ANGLE,
@@ -27,7 +28,6 @@ from dalembert.results.structural.shapes import (
     samples,
     turned_tangent,
 )
-from dalembert.structures.model import StructuralModel
 
 
 class StructuralDrawing:

@@ -10,18 +10,18 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.results.files.contents import Contents
-from dalembert.results.numbered import Numbered
-from dalembert.results.structural.measured_states import MeasuredStates
-from dalembert.results.structural.outputs import StructuralOutputs
-from dalembert.structures.measuring.measures import (
+from dalembert.model.assembled.measuring.measures import (
     Compliance,
     ExternalForce,
     Measure,
     State,
     Weights,
 )
-from dalembert.structures.model import StructuralModel
+from dalembert.model.assembled.model import StructuralModel
+from dalembert.results.files.contents import Contents
+from dalembert.results.numbered import Numbered
+from dalembert.results.structural.measured_states import MeasuredStates
+from dalembert.results.structural.outputs import StructuralOutputs
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.formulas.parser import Names
 
@@ -66,8 +66,8 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
     """
 
     model: StructuralModel
-    main: ClassVar[str]
-    """Main measure in texts."""
+    derived: ClassVar[dict[str, Expression]] = {}
+    """Further measures of the eigenvalue, which are not reported."""
 
     # measures -----------------------------------------------------------------------------
     @classmethod
@@ -79,9 +79,10 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
         ExpressionError
             A text with an unknown name; ``AnalysisError`` for measures that a mode does not have.
         """
+        own, measures = cls.named | cls.derived, model.linearized.measures
         names = Names(
             lambda name: cls._find(model, name),
-            lambda: [*cls.named, *model.parameters, *model.linearized.measures.names()],
+            lambda: [*own, *model.parameters, *measures.names()],
         )
         expression = names.expression(measure)
         for name in free_symbols(expression.sx) - set(model.parameters):
@@ -90,8 +91,9 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
 
     @classmethod
     def _find(cls, model: StructuralModel, name: str) -> Expression | None:
-        if name in cls.named:
-            return cls.named[name]
+        own = cls.named | cls.derived
+        if name in own:
+            return own[name]
         if name in model.parameters:
             return model.parameters[name]
         return model.linearized.measures.find(name)
@@ -146,9 +148,7 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
     @property
     def cases(self) -> list[str]:  # type: ignore[override]
         """Number and main measure of each mode."""
-        unit = f" {self.named[self.main].unit}".rstrip()
-        values = zip(self.numbers, self.values(self.main), strict=True)
-        return [f"mode {number}: {value:.5g}{unit}" for number, value in values]
+        return self.state_names
 
     @property
     def displacements(self) -> np.ndarray:  # type: ignore[override]

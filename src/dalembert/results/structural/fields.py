@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from dalembert.elements.look import Cells
 from dalembert.errors import AnalysisError
+from dalembert.model.assembled.measuring.measures import State
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.structural.drawing import StructuralDrawing
-from dalembert.structures.measuring.measures import State
-from dalembert.structures.model import StructuralModel
+from dalembert.text.wording import similar
 
 DISPLACEMENT = "displacement"
 """Name of the field of displacement magnitudes."""
@@ -129,5 +129,5 @@ def _all_names(model: StructuralModel) -> list[str]:
 
 
 def _suggestions(name: str, candidates: list[str]) -> str:
-    close = difflib.get_close_matches(name, candidates, 3, 0.4)
+    close = similar(name, candidates)
     return f"; nearest: {', '.join(close)}" if close else ""

@@ -8,11 +8,11 @@ from typing import cast
 
 import numpy as np
 
+from dalembert.model.assembled.measuring.measures import State
 from dalembert.results.files.contents import Contents
 from dalembert.results.result import Instants
 from dalembert.results.sampling import checked_numbers
 from dalembert.results.structural.result import StructuralResult
-from dalembert.structures.measuring.measures import State
 
 
 @dataclass(frozen=True)

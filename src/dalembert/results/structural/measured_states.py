@@ -9,9 +9,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.model.assembled.measuring.measures import Measure, State, Weights
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.result import Result
-from dalembert.structures.measuring.measures import Measure, State, Weights
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression, stack, t
 from dalembert.symbolic.once import once
 

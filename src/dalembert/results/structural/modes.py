@@ -8,13 +8,17 @@ from typing import ClassVar
 import casadi as ca
 import numpy as np
 
+from dalembert.model.assembled.evaluation.inertia import from_rest
+from dalembert.model.assembled.measuring.measures import Measure, State, Weights
+from dalembert.model.assembled.model import StructuralModel
+from dalembert.results.modes import Modes
 from dalembert.results.structural.eigenmodes import EIGENVALUE, EigenModes
-from dalembert.structures.evaluation.inertia import from_rest
-from dalembert.structures.measuring.measures import Measure, State, Weights
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression
 
 OMEGA = ca.sign(EIGENVALUE) * ca.sqrt(ca.fabs(EIGENVALUE))
+GROWS = EIGENVALUE < 0
+GROWTH = ca.if_else(GROWS, -OMEGA, 0)
+"""``Re s``; of an undamped mode it is zero, or positive where the structure is unstable."""
 PARTICIPATION, EFFECTIVE = "participation.", "effective_mass."
 
 
@@ -55,7 +59,7 @@ class Participation(Measure):
         return self.model.assembly.mass(s.p, self.lumped) @ self.motion
 
 
-class VibrationModes(EigenModes):
+class VibrationModes(EigenModes, Modes):
     """Modes of ``K φ = ω² M φ`` by increasing ``ω²``, scaled to ``φᵀ M φ = 1 kg m²``.
 
     If the structure is unstable ``ω²`` is negative; ``frequency`` and ``angular_frequency`` then
@@ -69,12 +73,11 @@ class VibrationModes(EigenModes):
         "angular_frequency": Expression(OMEGA, "angular_frequency", "rad/s"),
         "eigenvalue": Expression(EIGENVALUE, "eigenvalue", "rad^2/s^2"),
     }
-    main = "frequency"
-
-    @property
-    def frequencies(self) -> np.ndarray:
-        """(k,) [Hz]."""
-        return self.values("frequency")
+    derived: ClassVar[dict[str, Expression]] = {
+        "damping_ratio": Expression(ca.if_else(GROWS, -1, 0), "damping_ratio", "1"),
+        "eigenvalue_real": Expression(GROWTH, "eigenvalue_real", "1/s"),
+        "eigenvalue_imag": Expression(OMEGA + GROWTH, "eigenvalue_imag", "rad/s"),
+    }
 
     def measure(self, name: str) -> Measure:
         return self._measure_of(self.model, name, self.analysis.lumped)  # type: ignore[attr-defined]

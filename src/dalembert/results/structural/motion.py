@@ -13,6 +13,9 @@ import scipy
 from dalembert.elements.coordinates import rate_of, second_rate_of
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.model.assembled.loads.load_case import Temperatures
+from dalembert.model.assembled.measuring.named_measures import MovingState, MovingWeights
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.files.contents import Contents
 from dalembert.results.recording import Recording
 from dalembert.results.result import Instants
@@ -20,9 +23,6 @@ from dalembert.results.sampling import checked_instants
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
-from dalembert.structures.loads.load_case import Temperatures
-from dalembert.structures.measuring.named_measures import MovingState, MovingWeights
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression, t
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
         for name in ("kinetic_energy", "strain_energy"):
             variables[name] = ("time", self.values(name), {"units": "J"})
         coords = {"degree": self.model.degrees.names, "time": ("time", self.time, {"units": "s"})}
-        return Contents.from_arrays(variables, coords, self.about)
+        return Contents.from_arrays(variables, coords, self.attributes)
 
     def __repr__(self) -> str:
         span = f"{self.time.size} times to {self.status.time:g} s"

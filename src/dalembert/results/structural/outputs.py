@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -77,10 +77,12 @@ class StructuralOutputs(StructuralStates):
         """Status, and maximum displacement and sum of the reactions of each state."""
         return structural_summary(self)
 
-    def page(self, units: Sequence[str] = ()) -> dict[str, Any]:
+    def page(
+        self, units: Sequence[str] = (), views: Sequence[Mapping[str, Any]] = ()
+    ) -> dict[str, Any]:
         from dalembert.results.structural.payload import structural_payload
 
-        return structural_payload(self, units)
+        return structural_payload(self, units) | {"views": list(views)}
 
 
 def structural_summary(result: StructuralStates) -> dict[str, Any]:
@@ -91,16 +93,14 @@ def structural_summary(result: StructuralStates) -> dict[str, Any]:
         "statistics": result.statistics,
         "warnings": list(result.warnings),
     }
-    numbers = {name: result.values(name) for name in result.named}
-    rows = []
-    for k, label in enumerate(result.state_names):
-        row: dict[str, Any] = {result.kind_of_state: label}
-        row |= {name: float(values[k]) for name, values in numbers.items()}
-        if not result.of_any_size:
-            row["largest displacement"] = _largest(result, k)
-            row["sum of reactions"] = _reactions(result, k)
-        rows.append(row)
-    summary["states"] = rows
+    summary["states"] = rows = [
+        {
+            result.kind_of_state: label,
+            "largest displacement": _largest(result, k),
+            "sum of reactions": _reactions(result, k),
+        }
+        for k, label in enumerate(result.state_names)
+    ]
     if len(rows) == 1:
         totals = {name: result.values(name) for name in result.totals}
         summary["totals"] = {name: float(value[0]) for name, value in totals.items()}

@@ -46,7 +46,7 @@ def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> d
         "format": 2,
         "kind": "structure",
         "title": model.name,
-        "subtitle": result.analysis.spoken,
+        "subtitle": result.analysis.display_name,
         "states": {
             "kind": result.kind_of_state,
             "names": [result.state_names[k] for k in keep],

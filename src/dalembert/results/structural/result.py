@@ -12,15 +12,16 @@ import numpy as np
 
 from dalembert.elements.fem.node import ROTATIONS
 from dalembert.errors import DalembertError
+from dalembert.model.assembled.measuring.measures import State
+from dalembert.model.assembled.model import StructuralModel
+from dalembert.results.analysis import Analysis
 from dalembert.results.files.contents import Contents
 from dalembert.results.files.tables import checked_units
-from dalembert.results.result import Analysis, Instants
+from dalembert.results.result import Instants
 from dalembert.results.sampling import checked_numbers
 from dalembert.results.status import Status
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
-from dalembert.structures.measuring.measures import State
-from dalembert.structures.model import StructuralModel
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.units.unit import shown_in
 
@@ -98,7 +99,7 @@ class StructuralResult(MeasuredStates, StructuralOutputs):
         for name, (elements, rows, unit) in element_variables(self).items():
             coords[f"{name}_of"] = elements
             variables[name] = ((f"{name}_of", along), np.array(rows), {"units": unit})
-        return Contents.from_arrays(variables, coords, self.about)
+        return Contents.from_arrays(variables, coords, self.attributes)
 
     @property
     def _labels(self) -> Any:

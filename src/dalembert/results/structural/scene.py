@@ -45,7 +45,7 @@ def structural_scene(
         "outline": drawing.outline().ravel(),
         "nodes": drawing.model.degrees.nodes.names,
         "elements": drawing.element_names,
-        "moved": [moved.ravel() for moved in displacements],
+        "vertex_displacements": [moved.ravel() for moved in displacements],
         "scales": list(scales),
         "drop": height + DROP * drawing.extent if drawing.dimension == 1 else 0.0,
     }
@@ -165,13 +165,13 @@ def load_symbols(drawing: StructuralDrawing, loads: np.ndarray) -> list[dict[str
     symbols: list[dict[str, Any]] = []
     for row, node in enumerate(loaded):
         columns = {f"force_{AXES[k]}": force[node, k] for k in range(max(2, d))}
-        symbol = {"symbol": "arrow", "what": "load", "node": int(node), **columns}
+        symbol = {"symbol": "arrow", "description": "load", "node": int(node), **columns}
         symbols.append(symbol | {"inward": inward[row]})
     moment = nodal[:, 2] if d == 2 and numbers.shape[1] > 2 else np.zeros((0, loads.shape[1]))
     turned = np.flatnonzero((np.abs(moment) > 1e-9 * np.abs(moment).max(initial=0.0)).any(axis=1))
     for node in turned if turned.size <= MAX_ARROWS else ():
         symbols.append(
-            {"symbol": "twist", "what": "load", "node": int(node), "moment": moment[node]}
+            {"symbol": "twist", "description": "load", "node": int(node), "moment": moment[node]}
         )
     return symbols
 

@@ -7,13 +7,12 @@ from typing import ClassVar
 import numpy as np
 
 from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.sets import Nodes
 from dalembert.errors import AnalysisError
+from dalembert.model.assembled.measuring.measures import State
+from dalembert.model.assembled.model import StructuralModel
+from dalembert.model.meshes.mesh import Mesh
 from dalembert.results.result import Result
-from dalembert.structures.measuring.measures import State
-from dalembert.structures.meshes.mesh import Mesh
-from dalembert.structures.model import StructuralModel
-from dalembert.structures.sets import Nodes
-from dalembert.symbolic.formulas.expression import Expression
 
 
 class StructuralStates(Result):
@@ -34,8 +33,6 @@ class StructuralStates(Result):
     """Name of a state in texts."""
     totals: ClassVar[tuple[str, ...]] = ("mass", "compliance", "strain_energy")
     """Measures of the whole structure in summaries."""
-    named: ClassVar[dict[str, Expression]] = {}
-    """Measures of a whole state, such as the frequency of a mode."""
     in_sequence: ClassVar[bool] = False
     """Whether the states are consecutive, such as instants."""
     of_any_size: ClassVar[bool] = False

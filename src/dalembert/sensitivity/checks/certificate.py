@@ -254,7 +254,7 @@ def _verdicts(
 def _has_moving_kinks(motion: Result, response: Response) -> bool:
     """True if repeated runs have errors from kinks or impacts that move inside fixed steps."""
     moves = motion.statistics.get("switches", 0) > 0 or bool(getattr(motion, "impacts", ()))
-    return moves and (isinstance(response, OverRun) or not response.stays(motion))
+    return moves and (isinstance(response, OverRun) or not response.has_fixed_times(motion))
 
 
 def _taylor_verdict(taylor: TaylorTest, response: int, rough: bool) -> str:

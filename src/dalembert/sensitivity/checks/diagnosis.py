@@ -175,7 +175,7 @@ def divided_steps(f: Findings) -> list[str]:
         return []
     return [
         f"{describe(growth)}: the gradient is that of the same run with these steps in up to "
-        f"{growth.parts.max()} parts; Radau() or Bdf() take fewer steps"
+        f"{growth.parts.max()} parts; Radau() or BDF() take fewer steps"
     ]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.responses.base import Response, scalar_measure
 from dalembert.responses.extremes import Maximum
-from dalembert.responses.integrals import Rms
+from dalembert.responses.integrals import RMS
 from dalembert.responses.smooth_extreme import SAME
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.stencils import parameter_scales
@@ -86,7 +86,7 @@ def refuse_kinks(motion: Result, responses: Sequence[Response], columns: Sequenc
         Names the response and alternatives.
     """
     for response in responses:
-        if not isinstance(response, Rms):
+        if not isinstance(response, RMS):
             continue
         sampled = response.sampled(motion)
         samples = sampled.values(scalar_measure(sampled, response))

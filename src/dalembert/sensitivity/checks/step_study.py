@@ -19,7 +19,7 @@ from dalembert.sensitivity.checks.stencils import (
     quotient_within_bounds,
 )
 from dalembert.sensitivity.gradient import sensitivity
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -86,7 +86,7 @@ class StepStudy:
         return self.data._repr_html_()
 
 
-@spelled
+@check_arguments
 def step_study(
     result: Result,
     response: Response,

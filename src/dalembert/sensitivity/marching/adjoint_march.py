@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.integrators.marching.march import branches, with_flag
-from dalembert.integrators.step import Step
-from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_adjoint
+from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.marching.walk import BackwardWalk
-from dalembert.symbolic.evaluation.kernel import Kernel
-from dalembert.symbolic.evaluation.prelude import Prelude
-from dalembert.symbolic.once import once
 
 
 class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
@@ -76,13 +69,13 @@ class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
     def _backward(self, begin: int, end: int, carried: np.ndarray, steps) -> np.ndarray:
         """``[x̄; p̄]`` pulled back through the steps between two states in one call."""
         n, p, count, mode = self.size, self.p, end - begin, int(self.steps.mode[begin])
-        if self.kernel.fixed.at_once(mode):
-            return _backward_chunk(self.step_of(mode), count)(carried, *steps, p)[0].ravel()
-        compiled = self.kernel.steps(mode).compiled
-        prelude, single = backward_step(self.kernel, mode, compiled)
+        step = self.kernel.fixed.marched(mode)
+        if step.at_once:
+            return step.chunk_adjoint(count)(carried, *steps, p)[0].ravel()
+        prelude, compiled = step.prelude, self.kernel.steps(mode).compiled
         first = np.append(carried[:n], np.zeros(prelude.rate_count))
         values = prelude.values(p).full()
-        columns = self.kernel.marched(single, (6,))
+        columns = self.kernel.marched(step.adjoint(compiled), (6,))
         columns.announce(end)
         (out,) = columns(count, first, *steps, values)
         last = out[:, -1]
@@ -100,51 +93,9 @@ class AdjointMarch(MarchedSample, BackwardWalk[np.ndarray]):
         weight = x_bar[:size]
         if first.begin is not None:
             x0 = self.steps.x[:size, 0]
-            memory = first.begin(start, x0, p)
-            adjoint = memory_adjoint(first)
-            _, back, p_bar = adjoint(start, x0, p, memory, x_bar[size:])
+            _, back, p_bar = first.begin.adjoint(start, x0, p, x_bar[size:])
             weight, gradient = weight + back.full().ravel(), p_bar.full().ravel()
         y, v = self.assembled()
         _, y_bar, v_bar, p_bar = self.kernel.start.adjoint(start, y, v, p, weight)
         parts = self.model.initial_state.adjoint(start, y, p, y_bar, v_bar)
         return gradient + p_bar.full().ravel() + parts[2].full().ravel()
-
-
-@once
-def _backward_chunk(step: Step, count: int) -> Kernel:
-    """Kernel of ``[x̄; p̄]`` pulled back through a chunk of equal steps."""
-    n, m = step.size, step.parameter_count
-    carried, p = ca.MX.sym("c", n + m), ca.MX.sym("p", m)
-    t, h, flag = (ca.MX.sym(s, 1, count) for s in ("t", "h", "flag"))
-    x, inject = ca.MX.sym("x", n, count), ca.MX.sym("i", n, count)
-    forwards = list(reversed(range(count)))
-    weights = ca.horzcat(inject[:, forwards[1:]], carried[:n])
-    steps = (x[:, -1], t[:, forwards], h[:, forwards], flag[:, forwards], p)
-    x_bar, p_bar = step.chunk_adjoint(count)(*steps, weights)
-    following = ca.vertcat(x_bar + inject[:, -1], carried[n:] + p_bar)
-    return Kernel(ca.Function("backward", [carried, t, h, flag, x, inject, p], [following]))
-
-
-@once
-def backward_step(kernel: DynamicsKernel, mode: int, compiled: bool) -> tuple[Prelude, ca.Function]:
-    """The prelude, and ``([x̄; q̄], t, h, flag, x, injected weights, q) → [x̄; q̄]``.
-
-    ``compiled`` selects the form that is fastest as machine code.
-    """
-    step, period = kernel.variants[mode].step, kernel.fixed.period
-    prelude, n = step.prelude, step.size
-    if branches(step, period):  # two variants, each with its own prelude
-        prelude = Prelude.identity(step.parameter_count)
-        call, _ = with_flag(step, period, lambda step: step.adjoint)
-    elif compiled:
-        call, _ = with_flag(step, period, lambda step: step.compiled_adjoint)
-    else:
-        call, _ = with_flag(step, period, lambda step: step.prepared_adjoint)
-    carried = ca.MX.sym("c", n + prelude.rate_count)
-    q = ca.MX.sym("q", prelude.value_count)
-    x, inject = ca.MX.sym("x", n), ca.MX.sym("i", n)
-    t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
-    x_bar, q_bar = call(flag, t, h, x, q, carried[:n])
-    following = ca.vertcat(x_bar + inject, carried[n:] + q_bar)
-    inputs = [carried, t, h, flag, x, inject, q]
-    return prelude, ca.Function("backward_step", inputs, [following])

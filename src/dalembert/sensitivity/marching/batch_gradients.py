@@ -12,16 +12,11 @@ import numpy as np
 
 from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.batch.states import MarchedStates, measured
-from dalembert.integrators.marching.march import branches
-from dalembert.integrators.step import Step
 from dalembert.responses.base import Response
 from dalembert.results.batch.batch import Batch
-from dalembert.sensitivity.marching.adjoint_march import backward_step
 from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.samples import Sample, take_sample
-from dalembert.symbolic.evaluation.columns import LONG, instructions
 from dalembert.symbolic.evaluation.parallel import LaneMarch, in_blocks, in_groups
-from dalembert.symbolic.once import once
 
 MEMORY = 2.0**26
 """Upper limit of the memory for states and their weights or changes [bytes]."""
@@ -44,19 +39,19 @@ class BatchGradients(ABC):
         self.batch, self.model, self.columns = batch, batch.model, list(columns)
         self.states: MarchedStates = batch.samples  # type: ignore[assignment]
         self.kernel, self.variant = self.states.kernel, self.states.variant
+        self.step = self.kernel.fixed.marched(self.states.mode)
         self.samples = [take_sample(example, response) for response in responses]
 
     @property
     def serves(self) -> bool:
         """True if the responses depend only on states at the ends of common steps."""
-        step = self.variant.step
         if self.kernel.adaptive is not None:  # steps differ between designs
             return False
-        if step.begin is not None or branches(step, self.kernel.fixed.period):
+        if self.variant.step.begin is not None or self.step.branches:
             return False
         for sample in self.samples:
             marched = MarchedSample(sample)
-            if marched.within.any() or sample.moves_with is not None:
+            if marched.within.any() or sample.final_event is not None:
                 return False
         return True
 
@@ -152,7 +147,7 @@ class BatchDirect(BatchGradients):
 
     @property
     def serves(self) -> bool:
-        return super().serves and self.variant.step.linear is not None
+        return super().serves and self.step.linear is not None
 
     def _stored(self, states: int) -> int:
         outputs = sum(MarchedSample(sample).number.size for sample in self.samples)
@@ -175,7 +170,7 @@ class BatchDirect(BatchGradients):
         self, path: MarchedStates, solved: np.ndarray, units: np.ndarray, numbers: np.ndarray
     ) -> np.ndarray:
         """(solved, numbers, c, n) changes of the states with these numbers."""
-        step, (count, width, _) = self.variant.step, units.shape
+        step, (count, width, _) = self.step, units.shape
         p, h, n = path.p[solved], np.diff(path.time), path.x.shape[2]
         (q,) = self._evaluate(step.prelude.values, p)
         (rates,) = self._evaluate(step.prelude.tangent, np.repeat(p, width, axis=0), _rows(units))
@@ -185,7 +180,7 @@ class BatchDirect(BatchGradients):
             return [path.x[solved[group], :-1].transpose(0, 2, 1)]
 
         tangents = self._march(
-            _forward_steps(step, width),
+            step.stacked_tangents(width),
             (path.time[:-1], h, np.ones(h.size)),
             own,
             first.reshape(count, -1),
@@ -213,26 +208,6 @@ def _rows(units: np.ndarray) -> np.ndarray:
     return units.reshape(-1, units.shape[2])
 
 
-@once
-def _forward_steps(step: Step, width: int) -> ca.Function:
-    """``(dx, t, h, flag, x, [q; dq]) → dx`` of one step, with stacked directions."""
-    linear, prelude, n = step.linear, step.prelude, step.size
-    assert linear is not None
-    m, r = prelude.value_count, prelude.rate_count
-    dx, x, q = (ca.MX.sym(s, k) for s, k in zip("dxq", (n * width, n, m + r * width), strict=True))
-    t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
-    entries = linear.entries(t, h, x, q[:m])
-    changes = [
-        linear.along(dx[k * n : (k + 1) * n], entries, q[m + k * r : m + (k + 1) * r])
-        for k in range(width)
-    ]
-    function = ca.Function("forward_steps", [dx, t, h, flag, x, q], [ca.vertcat(*changes)])
-    if instructions(function) > LONG:
-        return function
-    scalar = function.expand()
-    return function if scalar.n_instructions() > LONG else scalar
-
-
 class BatchAdjoint(BatchGradients):
     """Adjoint gradients: one backward march for each response."""
 
@@ -258,7 +233,7 @@ class BatchAdjoint(BatchGradients):
         self, path: MarchedStates, solved: np.ndarray, injected: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """Weights of the first states, and of the parameters through the steps."""
-        prelude, single = backward_step(self.kernel, self.states.mode, True)
+        prelude, single = self.step.prelude, self.step.adjoint(compiled=True)
         h, n = np.diff(path.time)[::-1], path.x.shape[2]
         (q,) = self._evaluate(prelude.values, path.p[solved])
         carried = np.zeros((solved.size, n + prelude.rate_count))

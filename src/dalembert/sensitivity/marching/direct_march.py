@@ -5,21 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 
-import casadi as ca
 import numpy as np
 
-from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.step_outputs import columns_by_mode
-from dalembert.integrators.marching.march import CHUNK, branches, with_flag
-from dalembert.integrators.step import Step
-from dalembert.sensitivity.marching.marched_sample import MarchedSample, memory_tangent
+from dalembert.integrators.marching.march import CHUNK
+from dalembert.sensitivity.marching.marched_sample import MarchedSample
 from dalembert.sensitivity.marching.walk import ForwardWalk
 from dalembert.sensitivity.samples import Sample
-from dalembert.symbolic.equations.implicit import ImplicitFunction
-from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.evaluation.lane_tangents import LaneTangents
 from dalembert.symbolic.evaluation.prelude import Prelude
-from dalembert.symbolic.once import once
 
 MAX_ENTRIES = 1 << 18
 """Upper limit of the entries of all changes in a chunk of steps."""
@@ -72,8 +66,7 @@ class TangentMarch(ForwardWalk[np.ndarray]):
         if first.begin is None:
             return dx
         x0 = run.steps.x[: first.state_size, 0]
-        memory = first.begin(t, x0, p)
-        more = memory_tangent(first).map(c)(t, x0, p, memory, 0, dx, unit)
+        more = first.begin.tangent.map(c)(t, x0, p, 0, dx, unit)
         return np.vstack([dx, more.full()])
 
     def push(self, begin: int, end: int, change: np.ndarray) -> np.ndarray:
@@ -92,7 +85,7 @@ class TangentMarch(ForwardWalk[np.ndarray]):
         """(…, c, n) changes at the chosen outputs from the changes of states from ``first`` on."""
         tangents = changes[sample.number[chosen] - first]
         for mode, part in sample.partial_steps(chosen):
-            function = sample.kernel.over(_inside(sample.step_of(mode), self.width), part.size)
+            function = sample.kernel.over(sample.step_of(mode).tangents(self.width), part.size)
             along = side_by_side(tangents[part]), np.tile(self.unit, part.size)
             dx = function(*sample.partial_step_data(chosen[part]), *along)[0]
             tangents[part] = dx.reshape(-1, part.size, self.width).transpose(1, 2, 0)
@@ -106,17 +99,17 @@ class TangentMarch(ForwardWalk[np.ndarray]):
         """(steps, c, n) changes after each of the steps between two states."""
         kernel, p, steps = self.run.kernel, self.run.p, self.run.step_data(begin, end)
         count, mode = end - begin, int(self.run.steps.mode[begin])
-        if kernel.fixed.at_once(mode):
-            forward = _forward_chunk(self.run.step_of(mode), count, self.width)
+        step = kernel.fixed.marched(mode)
+        if step.at_once:
+            forward = step.chunk_tangents(count, self.width)
             return self._by_step(forward(dx, *steps, p, self.unit)[0])
+        values, rates = self._prepared(step.prelude)
         if (lanes := self._lanes(mode)) is not None:
             t, h, _, x = steps
-            values, rates = self._prepared(self.run.step_of(mode).prelude)
             return lanes(dx, (t[None], h[None], x), values, rates)
-        prelude, single = _forward_step(kernel, mode, self.width)
-        columns = kernel.marched(single, (5, 6))
+        columns = kernel.marched(step.tangents(self.width), (5, 6))
         columns.announce(self.count)
-        return self._by_step(columns(count, dx, *steps, *self._prepared(prelude))[0])
+        return self._by_step(columns(count, dx, *steps, values, rates)[0])
 
     def _by_step(self, out: np.ndarray) -> np.ndarray:
         return out.T.reshape(-1, self.width, out.shape[0])
@@ -132,10 +125,10 @@ class TangentMarch(ForwardWalk[np.ndarray]):
     def _lanes(self, mode: int) -> LaneTangents | None:
         """Evaluator of the tangents of a mode in SIMD lanes, None if not available."""
         if mode not in self._lane_tangents:
-            kernel, step, lanes = self.run.kernel, self.run.step_of(mode), None
-            possible = kernel.backend.has_lanes and not branches(step, kernel.fixed.period)
-            if possible and step.linear is not None:
-                lanes = LaneTangents.of(step.linear, kernel.backend, self.count, self.width)
+            kernel, lanes = self.run.kernel, None
+            linear = kernel.fixed.marched(mode).linear if kernel.backend.has_lanes else None
+            if linear is not None:
+                lanes = LaneTangents.of(linear, kernel.backend, self.count, self.width)
             self._lane_tangents[mode] = lanes
         return self._lane_tangents[mode]
 
@@ -143,38 +136,6 @@ class TangentMarch(ForwardWalk[np.ndarray]):
 def side_by_side(changes: np.ndarray) -> np.ndarray:
     """(n, instants · columns) changes from (instants, columns, n)."""
     return changes.transpose(2, 0, 1).reshape(changes.shape[2], -1)
-
-
-@once
-def _inside(step: Step, columns: int) -> ca.Function:
-    """Tangents of a partial step."""
-    return step.tangents(columns)
-
-
-@once
-def _forward_chunk(step: Step, count: int, c: int) -> Kernel:
-    """Kernel of the changes after each step of a chunk of equal steps."""
-    n, m = step.size, step.parameter_count
-    dx, p, dp = ca.MX.sym("dx", n, c), ca.MX.sym("p", m), ca.MX.sym("dp", m, c)
-    xs = ca.MX.sym("xs", n, count)
-    times = [ca.MX.sym(s, 1, count) for s in ("t", "h", "flag")]
-    out = step.chunk_tangents(count, c)(xs[:, 0], *times, p, dx, dp)
-    return Kernel(ca.Function("forward", [dx, *times, xs, p, dp], [out]))
-
-
-@once
-def _forward_step(kernel: DynamicsKernel, mode: int, c: int) -> tuple[Prelude, ca.Function]:
-    """The prelude, and ``(dx, t, h, flag, x, q, dq) → dx`` of one step, for ``c`` columns."""
-    step, period = kernel.variants[mode].step, kernel.fixed.period
-    prelude, tangents = step.prelude, lambda step: step.prepared_tangents(c)
-    if branches(step, period):  # two variants, each with its own prelude
-        prelude, tangents = Prelude.identity(step.parameter_count), lambda step: step.tangents(c)
-    call, _ = with_flag(step, period, tangents)
-    dx, dq = ca.MX.sym("dx", step.size, c), ca.MX.sym("dq", prelude.rate_count, c)
-    x, q = ca.MX.sym("x", step.size), ca.MX.sym("q", prelude.value_count)
-    t, h, flag = (ca.MX.sym(s) for s in ("t", "h", "flag"))
-    following = ca.densify(call(flag, t, h, x, q, dx, dq))
-    return prelude, ca.Function("forward_step", [dx, t, h, flag, x, q, dq], [following])
 
 
 OnOutput = Callable[[int, int, np.ndarray], None]
@@ -253,7 +214,7 @@ class DirectMarch:
         states = sample.states_at(chosen)
         for mode, part in columns_by_mode(sample.modes[chosen], np.arange(chosen.size)):
             size = sample.step_of(mode).state_size
-            measured = _measured(sample.measured(sample.kernel.variants[mode]), self.width)
+            measured = sample.measured(sample.kernel.variants[mode]).tangents(self.width)
             rates = sample.kernel.over(measured, part.size)(
                 sample.motion.time[chosen[part]],
                 states[:size, part],
@@ -263,8 +224,3 @@ class DirectMarch:
             )[0]
             rows = rates.reshape(part.size, -1)
             yield from zip((int(chosen[j]) for j in part), rows, strict=True)
-
-
-@once
-def _measured(function: ImplicitFunction, columns: int) -> ca.Function:
-    return function.tangents(columns)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 
-import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
@@ -18,13 +17,11 @@ from dalembert.integrators.step import Step
 from dalembert.sensitivity.marching.moving_instants import (
     MovingInstant,
     MovingSteps,
-    by_times,
     moving_instants,
     step_slopes,
 )
 from dalembert.sensitivity.samples import Sample, SampledOutputs
 from dalembert.symbolic.equations.implicit import ImplicitFunction
-from dalembert.symbolic.once import once
 
 
 class MarchedSample(SampledOutputs):
@@ -104,7 +101,7 @@ class MarchedSample(SampledOutputs):
         number = self.number[chosen]
         rates = -self.moving.by_length[:, np.maximum(number - 1, 0)]  # at the ends of steps
         for mode, part in self.partial_steps(chosen):
-            function = self.kernel.over(by_times(self.step_of(mode)), part.size)
+            function = self.kernel.over(self.step_of(mode).by_times, part.size)
             by_time, by_length = function(*self.partial_step_data(chosen[part]))
             rates[:, part] = by_time - by_length
         return rates, self.moving.slopes[number]
@@ -124,17 +121,3 @@ class MarchedSample(SampledOutputs):
         """Initial poses and speeds of the bodies."""
         state = self.model.assemble(self.p, float(self.steps.t[0]))
         return state.y, state.v
-
-
-@once
-def memory_tangent(step: Step) -> ca.Function:
-    """``(t, x, p, m, dt, dx, dp) → dm`` of the memory ``m(t, x, p)`` at the start."""
-    assert step.begin is not None
-    return step.begin.forward(1)
-
-
-@once
-def memory_adjoint(step: Step) -> ca.Function:
-    """``(t, x, p, m, m̄) → (t̄, x̄, p̄)``."""
-    assert step.begin is not None
-    return step.begin.reverse(1)

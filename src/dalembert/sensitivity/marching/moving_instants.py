@@ -24,7 +24,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from dalembert.analysis.contact.change import ContactChange
@@ -34,14 +33,11 @@ from dalembert.analysis.dynamics.transition import Transition
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.timeline import checked_span, checked_step, uniform_grid
 from dalembert.analysis.times import follow_parameters, slopes
-from dalembert.integrators.marching.march import branches
 from dalembert.integrators.marching.steps import Steps
-from dalembert.integrators.step import Step
 from dalembert.results.result import Result
 from dalembert.results.status import Outcome
 from dalembert.sensitivity.samples import Sample
 from dalembert.symbolic.evaluation.kernel import Kernel
-from dalembert.symbolic.once import once
 
 
 def step_slopes(motion: Result) -> np.ndarray | None:
@@ -114,26 +110,15 @@ def _by_times(kernel: DynamicsKernel, steps: Steps, p: np.ndarray) -> tuple[np.n
     by_time_and_length = np.zeros((2, size, steps.count))
     lasting = steps.lasting
     for mode, same_mode in columns_by_mode(steps.mode[lasting], lasting):
-        step = kernel.variants[mode].step
+        marched = kernel.fixed.marched(mode)
         for corrected in np.unique(steps.corrected[same_mode]):
             part = same_mode[steps.corrected[same_mode] == corrected]
-            plain = branches(step, kernel.fixed.period) and not corrected
-            rates = kernel.over(by_times(step.plain if plain else step), part.size)
+            plain = marched.branches and not corrected
+            step = marched.step.plain if plain else marched.step
+            rates = kernel.over(step.by_times, part.size)
             point = steps.t[part], steps.h[part], steps.x[:, part], np.tile(p[:, None], part.size)
             by_time_and_length[:, :, part] = rates(*point)
     return by_time_and_length[0], by_time_and_length[1]
-
-
-@once
-def by_times(step: Step) -> ca.Function:
-    """``(t, h, x, p) → ∂S/∂t, ∂S/∂h``."""
-    step = step.exact_in_h
-    t, h, x, p = (ca.MX.sym(name, step.function.numel_in(i)) for i, name in enumerate("thxp"))
-    new = step.function(t, h, x, p)
-    zeros = ca.MX(x.numel(), 2), ca.MX(p.numel(), 2)
-    both = step.function.forward(2)(t, h, x, p, new, ca.DM([[1, 0]]), ca.DM([[0, 1]]), *zeros)
-    rates = [ca.densify(both[:, 0]), ca.densify(both[:, 1])]
-    return ca.Function("by_times", [t, h, x, p], rates)
 
 
 @dataclass(frozen=True)
@@ -163,9 +148,9 @@ def moving_instants(sample: Sample) -> list[MovingInstant]:
         weight = weight_of(first, last)
         if weight == 0.0:
             continue
-        slopes = _slopes(kernel.variants[steps.mode[guarded]])
+        slopes = Kernel(kernel.variants[steps.mode[guarded]].instant.adjoint)
         size = kernel.variants[0].step.state_size
-        by_x, by_p = slopes(steps.t[guarded], steps.x[:size, guarded], p)
+        _, by_x, by_p = slopes(steps.t[guarded], steps.x[:size, guarded], p, 1.0)
         x = np.zeros(steps.x.shape[0])
         x[:size] = weight * by_x.ravel()
         instants.append(MovingInstant(guarded, x, weight * by_p.ravel()))
@@ -203,7 +188,7 @@ def _weight_function(sample: Sample) -> Callable[[int, int], float]:
             return response.jump_weight(times, values, values[before], values[after])
 
         return jump
-    if motion.analysis.outputs is not None or response.stays(motion):
+    if motion.analysis.outputs is not None or response.has_fixed_times(motion):
         return lambda first, last: 0.0
     branches = motion.record.branches
     active = (sample.weights != 0) | (sample.time_weights != 0)
@@ -231,12 +216,3 @@ def _rate(sample: Sample, k: int) -> float:
     rate = Kernel(variant.rate.function)(t, x, p)[0].ravel()
     tangent = Kernel(variant.measured(sample.measure).tangent)
     return float(tangent(t, x, p, 1.0, rate, np.zeros(p.size))[0].item())
-
-
-@once
-def _slopes(change: Transition | ContactChange) -> Kernel:
-    """``(t, x, p) → ∂t*/∂x, ∂t*/∂p``."""
-    delay = change.instant
-    t, x, p = (ca.MX.sym(delay.name_in(i), delay.size_in(i)) for i in range(3))
-    _, by_x, by_p = delay.reverse(1)(t, x, p, delay(t, x, p), 1.0)
-    return Kernel(ca.Function("instant_slopes", [t, x, p], [ca.densify(by_x), ca.densify(by_p)]))

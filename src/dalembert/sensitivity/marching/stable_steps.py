@@ -22,7 +22,7 @@ from dalembert.symbolic.once import once
 
 MAX_PARTS = 1000
 """Upper limit of the number of parts of a step."""
-REMEDY = "use Radau() or Bdf(), whose steps dampen stiff modes"
+REMEDY = "use Radau() or BDF(), whose steps dampen stiff modes"
 
 
 @once

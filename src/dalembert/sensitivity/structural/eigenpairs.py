@@ -17,14 +17,14 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from dalembert.analysis.structural.pencil import Loaded, Pencil, Term
-from dalembert.analysis.structural.spectrum import Spectrum
+from dalembert.analysis.modes.pencil import Loaded, Pencil, Term
+from dalembert.analysis.modes.spectrum import Spectrum
 from dalembert.errors import SingularityError
+from dalembert.model.assembled.measuring.measures import Weights
 from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample
 from dalembert.sensitivity.structural.statics import StaticsTangent
 from dalembert.sparse.eigenvalues import EQUAL_WEIGHTS, coincidence, weighed_differently
-from dalembert.structures.measuring.measures import Weights
 
 
 class PencilTangent:

@@ -9,13 +9,13 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.results.structural.eigenmodes import EigenModes, ModeWeights
 from dalembert.sensitivity.structural.eigenpairs import PencilTangent
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
-@spelled
+@check_arguments
 def eigenvalue_slopes(
     modes: EigenModes, parameter: str, measure: str | None = None
 ) -> xr.DataArray:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.structural.path_equations import PathEquations
+from dalembert.analysis.equilibrium.path_equations import PathEquations
 from dalembert.results.structural.load_path import LoadPathResult
 from dalembert.sensitivity.samples import Sample
 from dalembert.sensitivity.structural.statics import StaticsEngine, StaticsGradient

@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.model.assembled.evaluation.columns import Pulls
+from dalembert.model.assembled.measuring.measures import State, Weights
 from dalembert.results.structural.measured_states import Formula
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample, weights_change
-from dalembert.structures.evaluation.columns import Pulls
-from dalembert.structures.measuring.measures import State, Weights
 
 MAX_ENTRIES = 4_000_000
 """Upper limit of gathered element entries, times responses."""

@@ -12,9 +12,9 @@ import numpy as np
 
 from dalembert.analysis.structural.instant import Instant
 from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions
-from dalembert.structures.evaluation.block import ElementKind
-from dalembert.structures.evaluation.columns import Products, Pulls, Pushes
-from dalembert.structures.evaluation.inertia import from_rest
+from dalembert.model.assembled.evaluation.block import ElementKind
+from dalembert.model.assembled.evaluation.columns import Products, Pulls, Pushes
+from dalembert.model.assembled.evaluation.inertia import from_rest
 
 MAX_ENTRIES = 4_000_000
 """Upper limit of gathered element entries, times states and responses."""

@@ -39,7 +39,7 @@ def symmetric(matrix: ca.SX) -> ca.SX:
 class QrFactor:
     """Sparse Householder ``Q R`` of a square matrix; needs no pivoting to be stable.
 
-    Entries of different dimension, metres beside radians or masses beside lengths, are scaled by
+    Entries of different dimension, such as metres and radians or masses and lengths, are scaled by
     ``rows`` and ``columns``: natural sizes of the equations and of the unknowns.
     """
 

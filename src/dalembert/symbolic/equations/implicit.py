@@ -25,6 +25,7 @@ from dalembert.symbolic.equations.linear_map import LinearChain, LinearMap, Tria
 from dalembert.symbolic.evaluation.kernel import condensed
 from dalembert.symbolic.evaluation.prelude import Prelude, before_tangent
 from dalembert.symbolic.evaluator import Evaluator
+from dalembert.symbolic.once import CacheOwner, once
 
 Solver = Callable[[ca.SX], ca.SX]
 
@@ -78,7 +79,7 @@ class Stage(Evaluator):
         return ca.dot(weights, self.residual)
 
 
-class ImplicitFunction:
+class ImplicitFunction(CacheOwner):
     """``outputs(inputs)`` through a chain of implicit stages.
 
     Parameters
@@ -131,7 +132,7 @@ class ImplicitFunction:
 
     @cached_property
     def linear(self) -> LinearMap:
-        """The tangent at a point and fixed time, with the outputs there beside its entries."""
+        """The tangent at a point and fixed time, with its entries and the outputs there."""
         return LinearMap(self._tangent_at_fixed_time, len(self.inputs), [self.function])
 
     @cached_property
@@ -173,6 +174,7 @@ class ImplicitFunction:
         *_, entries = self.linear.point(*inputs)
         return chain.closed(chain.through(self.linear, range(chain.input_count), entries))
 
+    @once
     def tangents(self, count: int) -> ca.Function:
         """inputs, rates of all but the first in ``count`` columns → rates of the outputs."""
         inputs = [ca.MX.sym(f"i{i}", x.numel()) for i, x in enumerate(self.inputs)]

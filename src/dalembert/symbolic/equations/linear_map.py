@@ -33,7 +33,7 @@ class LinearMap:
     ----------
     tangent : SX function of ``fixed`` inputs and then of directions, linear in these
     fixed : number of inputs that define the point
-    values : SX functions of the point that are evaluated beside the entries
+    values : SX functions of the point, evaluated together with the entries
 
     Attributes
     ----------

@@ -27,13 +27,13 @@ from dalembert.symbolic.native.code_cache import compiled_loop
 from dalembert.symbolic.native.llvm import find_llvm, require_llvm
 from dalembert.symbolic.native.source import c_source, obstacle
 from dalembert.symbolic.native.toolchain import NotTranslated, Toolchain
-from dalembert.symbolic.once import once
+from dalembert.symbolic.once import CacheOwner, once
 
 COMPILE_COLUMNS = 100
 """Threshold for compiling a mapped function: number of columns."""
 
 
-class Backend(ABC):
+class Backend(CacheOwner, ABC):
     """Strategy for the evaluation of functions."""
 
     @once
@@ -185,7 +185,7 @@ class Automatic(Backend):
         return self.repays_lanes(work * instructions(function), [called])
 
     def repays_lanes(self, operations: float, compiled: Sequence[ca.Function]) -> bool:
-        return self.has_lanes and repays(operations, compiled)
+        return self.has_lanes and repays(self, operations, compiled)
 
     def _columns(
         self,

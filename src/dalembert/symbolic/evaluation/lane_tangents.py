@@ -17,14 +17,14 @@ import numpy as np
 from dalembert.symbolic.evaluation.backends import Backend
 from dalembert.symbolic.evaluation.columns import LONG, instructions
 from dalembert.symbolic.evaluation.lanes import LaneColumns, SideBySide
-from dalembert.symbolic.once import once
+from dalembert.symbolic.once import CacheOwner, once
 
 BLOCK = 1 << 17
 """Block size: number of entries computed at once; chosen to fit the cache."""
 
 
 @dataclass(frozen=True, eq=False)
-class LinearStep:
+class LinearStep(CacheOwner):
     """The tangent of a step: entries computed once, and a substitution for each direction.
 
     Attributes

@@ -30,7 +30,7 @@ from dalembert.symbolic.native.code_cache import cached_loop, compiled_loop
 from dalembert.symbolic.native.llvm import find_llvm
 from dalembert.symbolic.native.source import c_source, obstacle
 from dalembert.symbolic.native.toolchain import Call, Toolchain
-from dalembert.symbolic.once import once
+from dalembert.symbolic.once import CacheOwner, once
 
 VIRTUAL_RATE = 2e-9
 TEXT_RATE = 4e-6
@@ -166,19 +166,19 @@ class SwitchingColumns(Columns):
             self._decided = True
 
 
-def repays(operations: float, compiled: Sequence[ca.Function]) -> bool:
+def repays(backend: CacheOwner, operations: float, compiled: Sequence[ca.Function]) -> bool:
     """Whether this many operations take longer than compiling functions by LLVM."""
     work = operations * VIRTUAL_RATE
     if find_llvm() is None or work < TEXT_RATE * sum(map(instructions, compiled)):
         return False
-    least, times = zip(*map(_compile_times, compiled), strict=True)
+    least, times = zip(*(_compile_times(backend, f) for f in compiled), strict=True)
     if work < WORTH_WAITING * sum(least):
         return False
     return work >= WORTH_WAITING * sum(time() for time in times)
 
 
 @once
-def _compile_times(called: ca.Function) -> tuple[float, Callable[[], float]]:
+def _compile_times(backend: CacheOwner, called: ca.Function) -> tuple[float, Callable[[], float]]:
     """Time to compile a function by LLVM [s]: a lower bound, and a better estimate."""
     text, toolchain = c_source(called) or "", find_llvm()
     assert toolchain is not None

@@ -81,6 +81,8 @@ def checked_expression(
             check_magnitude(float(sx[i]), entity)
     if unit is None:
         unit = value.unit if isinstance(value, Expression) and sx.is_constant() else ""
+    elif isinstance(value, Expression) and value.unit in unit.split(" | "):
+        unit = value.unit
     name = value.name if isinstance(value, Expression) else ""
     return Expression(sx, name, unit, splines_of(value))
 

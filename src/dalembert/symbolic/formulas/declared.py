@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.interpolation import Interpolation
 from dalembert.symbolic.formulas.parameter import Bounds, Parameter
-from dalembert.text.spelling import spelled
+from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import check_length
 
 CONSTANTS = {"pi": "the number π"}
@@ -51,7 +51,7 @@ class Declared:
     parameters: dict[str, Parameter]
     tables: dict[str, Interpolation]
 
-    @spelled
+    @check_arguments
     def parameter(
         self,
         name: str,
@@ -69,7 +69,7 @@ class Declared:
         self.parameters[name] = parameter
         return parameter
 
-    @spelled
+    @check_arguments
     def table(
         self,
         name: str,

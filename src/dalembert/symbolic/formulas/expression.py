@@ -180,7 +180,7 @@ class Expression:
 
     def __bool__(self):
         raise ExpressionError(
-            "whether a formula is true is not known before a run; use where(condition, a, b)",
+            "a formula has no truth value before it is evaluated; use where(condition, a, b)",
             self.name or None,
         )
 

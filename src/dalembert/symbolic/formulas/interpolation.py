@@ -14,7 +14,7 @@ from dalembert.symbolic.formulas.checked import checked_expression
 from dalembert.symbolic.formulas.end_conditions import ENDS
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.spline import SLACK, CubicSpline, reached
-from dalembert.text.spelling import Spelled, spelled
+from dalembert.text.arguments import CheckedArguments
 from dalembert.text.wording import unknown
 from dalembert.units.amounts import check_unit
 from dalembert.units.unit import unit
@@ -26,7 +26,7 @@ MAX_ROWS = 1000
 """Upper limit of rows; longer tables are usually noise or the wrong file."""
 
 
-class Interpolation(Spelled):
+class Interpolation(CheckedArguments):
     """A function ``y(x)`` through the rows of a table, with exact derivatives.
 
     Call it with a number or an expression: ``gas(piston.x)``; in the text of a formula write
@@ -164,32 +164,6 @@ class Polyline(CubicSpline):
             return value + slope * (x - left)
 
         return inside, ends
-
-
-@spelled
-def table(
-    x: Sequence[Any] | np.ndarray,
-    y: Sequence[Any] | np.ndarray,
-    kind: str = "spline",
-    outside: str = "error",
-    units: tuple[str, str] = ("", ""),
-    name: str = "",
-    ends: str = "not-a-knot",
-) -> Interpolation:
-    """A function through the rows of a table, see ``Interpolation``.
-
-    Parameters
-    ----------
-    x, y, kind, outside, units, name, ends : as in ``Interpolation``
-
-    Examples
-    --------
-    >>> import dalembert as da
-    >>> torque = da.table([0, 1000, 3000], [10, 30, 0], kind="linear", units=("rpm", "N m"))
-    >>> round(float(torque("2000 rpm")), 12)
-    15.0
-    """
-    return Interpolation(x, y, kind, outside, units, name, ends)
 
 
 def interp(x: Any, curve: Any) -> Expression:

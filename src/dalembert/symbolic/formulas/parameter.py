@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.budget import numeral
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.symbolic.formulas.expression import Expression, check_magnitude
-from dalembert.text.spelling import Spelled
+from dalembert.text.arguments import CheckedArguments
 from dalembert.text.wording import plain_text, unknown
 from dalembert.units.amounts import Amount, check_unit
 from dalembert.units.grammar import amount_of
@@ -22,7 +22,7 @@ Bounds = tuple[float | str | None, float | str | None] | None
 """Lower and upper bound; None for no bound."""
 
 
-class Parameter(Spelled, Expression):
+class Parameter(CheckedArguments, Expression):
     """A named number with unit, bounds and description.
 
     Parameters
@@ -42,7 +42,7 @@ class Parameter(Spelled, Expression):
     ----------
     value, bounds : in SI units
     unit : their SI unit
-    given_unit : the unit of the arguments, used for output
+    declared_unit : the unit of the arguments, used for output
 
     Raises
     ------
@@ -54,11 +54,11 @@ class Parameter(Spelled, Expression):
     --------
     >>> import dalembert as da
     >>> crank = da.System("press").parameter("crank", 45, unit="mm", bounds=(30, "6 cm"))
-    >>> isinstance(crank, da.Parameter), crank.value, crank.unit, crank.given_unit
+    >>> isinstance(crank, da.Parameter), crank.value, crank.unit, crank.declared_unit
     (True, 0.045, 'm', 'mm')
     """
 
-    __slots__ = ("bounds", "description", "given_unit", "value")
+    __slots__ = ("bounds", "declared_unit", "description", "value")
     is_parameter = True
 
     def __repr__(self) -> str:
@@ -76,8 +76,8 @@ class Parameter(Spelled, Expression):
             raise ModelError(
                 f"{name!r} is not an identifier; use letters, digits and '_'", "parameter"
             )
-        self.given_unit = plain_text(unit, f"{name}.unit") or _unit_in(value)
-        si_unit = _unit(self.given_unit, name)
+        self.declared_unit = plain_text(unit, f"{name}.unit") or _unit_in(value)
+        si_unit = _unit(self.declared_unit, name)
         super().__init__(ca.SX.sym(name), name, si_unit.si)
         self.value = si_value(value, si_unit, name, "value")
         lower, upper = bounds if bounds is not None else (None, None)
@@ -95,11 +95,11 @@ class Parameter(Spelled, Expression):
 
     def in_si(self, value: float | str) -> float:
         """A value given in its unit, or a text with a unit, in SI units."""
-        return si_value(value, _unit(self.given_unit, self.name), self.name, "value")
+        return si_value(value, _unit(self.declared_unit, self.name), self.name, "value")
 
-    def shown(self, value: float) -> float:
+    def in_declared_unit(self, value: float) -> float:
         """A value in SI units, converted to the unit of the parameter."""
-        return value / _unit(self.given_unit, self.name).factor
+        return value / _unit(self.declared_unit, self.name).factor
 
 
 def _unit_in(value: Any) -> str:

@@ -6,7 +6,6 @@ The grammar is that of :mod:`dalembert.units.grammar`, with the functions of
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -14,7 +13,7 @@ from dalembert.errors import ExpressionError, UnknownNameError
 from dalembert.symbolic.formulas.expression import Dimensioned, Expression
 from dalembert.symbolic.formulas.functions import FORMULA_FUNCTIONS
 from dalembert.symbolic.formulas.interpolation import Interpolation, interp
-from dalembert.text.wording import listed
+from dalembert.text.wording import listed, similar
 from dalembert.units.amounts import Amount
 from dalembert.units.grammar import Grammar
 from dalembert.units.unit import MOST_POWER, si_unit
@@ -88,8 +87,7 @@ class Names:
                 raise UnknownNameError(
                     f"{name!r} has several measures; name one of them: {listed(own)}", name
                 )
-            close = difflib.get_close_matches(name, known, 3, 0.4)
-            nearest = ", ".join(close) or "none"
+            nearest = ", ".join(similar(name, known)) or "none"
             raise UnknownNameError(f"no measure {name!r}; nearest: {nearest}", name)
         return expression
 

@@ -1,10 +1,10 @@
 """Frozen branches of formulas with comparisons, ``abs``, ``sign``, ``min`` and ``max``.
 
-A formula with frozen branches follows, for each switch, the branch of a given *side*, whatever the
-sign of the switching function: it is smooth, also a little beyond the switch. So a step across the
-switch can be computed, the switch located within it, and the step cut there. Powers and roots of
-numbers that turn negative only beyond a switch, as in ``where(x > 0, x**1.5, 0)``, are continued as
-odd functions.
+A formula with frozen branches evaluates a given *side* of each switch, for any sign of the
+switching function: it is smooth, also slightly beyond the switch. A step across the switch can
+therefore be computed, the switch located within it, and the step shortened. Powers and roots of
+numbers that become negative only beyond a switch, as in ``where(x > 0, x**1.5, 0)``, are continued
+as odd functions.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ def c_source(function: ca.Function) -> str | None:
     """C text of a function and its loop; None if CasADi cannot write it, as for SUNDIALS."""
     generator = ca.CodeGenerator("dalembert.c")
     try:
-        with redirect_stderr(StringIO()):  # the result reports what CasADi warns of
+        with redirect_stderr(StringIO()):  # the result reports warnings of CasADi
             generator.add(function)
             text = generator.dump()
     except RuntimeError:

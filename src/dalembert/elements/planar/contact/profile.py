@@ -38,7 +38,7 @@ class Profile(Shape):
     >>> contact = planar.contact
     >>> system = da.System("rocker", gravity=(0, -10))
     >>> egg = system.add(planar.Body("egg", mass=1.0, inertia=0.01, position=(0, 0.0999)))
-    >>> oval = da.FormulaCurve(0.2 * da.cos(da.u), 0.1 * da.sin(da.u))
+    >>> oval = da.FormulaCurve(0.2 * da.cos(da.curves.u), 0.1 * da.sin(da.curves.u))
     >>> floor = contact.HalfPlane(system.ground.center)
     >>> law = contact.KelvinVoigt(stiffness=1e5)
     >>> touch = planar.Contact("touch", floor, contact.Profile(egg, oval), law=law)

@@ -1,0 +1,1 @@
+"""Modes: linearisation about a state, vibration, buckling."""

@@ -1,0 +1,160 @@
+"""Modes of small motions about a state: frequencies, damping ratios, shapes.
+
+A mechanism is a first-order system ``ẋ = F(x)`` with accelerations from (5.7), linearised on the
+tangent space of ``Φ = 0, Ψ = 0``: with a basis ``T`` of it, ``A = T⁺ (∂F/∂x) T``. At rest this
+gives the usual modes of ``(ZᵀMZ, ZᵀDZ, ZᵀKZ)``; it holds in motion, too. A structure without
+damping has ``K φ = ω² M φ``.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+
+from dalembert.analysis.modes.linearized_states import linearized
+from dalembert.analysis.modes.spectral import SpectralAnalysis
+from dalembert.analysis.modes.vibration import vibration
+from dalembert.analysis.requirements import need_count
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.model.assembled.model import StructuralModel
+from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
+from dalembert.model.model import Model
+from dalembert.options import only_for, options
+from dalembert.results.analysis import ParameterValues
+from dalembert.results.mechanism_modes import MechanismModes
+from dalembert.results.modes import Modes
+from dalembert.results.result import Result
+from dalembert.results.structural.modes import VibrationModes
+from dalembert.results.structural.result import StructuralResult
+
+ABSOLUTE = AbsoluteCoordinates()
+"""Default coordinates."""
+
+
+@options
+class Modal(SpectralAnalysis[Any, Modes]):
+    """Modes of small motions as a strategy object.
+
+    Without ``about``, a mechanism moves about its static equilibrium, a structure about its
+    unloaded configuration.
+
+    Parameters
+    ----------
+    count : number of modes, by default all of a mechanism and six of a structure
+    about : state about which the motions are small. Of a mechanism, an equilibrium, or a motion
+        whose last instant counts. Of a structure, statics with one load case (``result.at([0])``
+        selects it), with the tangent stiffness at large displacements, and ``K + K_g`` at small
+        ones
+    time : instant at which laws and forces of a mechanism are evaluated [s]
+    equilibrium : about the static equilibrium of a mechanism; otherwise about its assembled state
+    coordinates : coordinates of small motions of a mechanism. In a steady motion, such as that of a
+        rolling wheel or a spinning governor, eigenvalues are meaningful if only cyclic coordinates
+        change, as with ``JointCoordinates()``
+    lumped : lumped instead of consistent mass matrix of a structure
+    shift : ``σ``: modes of a structure nearest to ``ω² = σ`` [rad²/s²]; negative for unsupported
+        structures
+
+    Raises
+    ------
+    UnsupportedError
+        A count that is not positive; ``about`` with several load cases, or of another analysis.
+    AnalysisError
+        ``time`` or ``equilibrium`` together with ``about``.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> bar = da.Structure("bar")
+    >>> a, b = bar.node("a", 0), bar.node("b", 1)
+    >>> k = bar.parameter("k", 100.0, unit="N/m")
+    >>> spring = bar.add(structures.AxialSpring("spring", a, b, stiffness=k))
+    >>> mass = bar.add(structures.PointMass("mass", b, mass=4.0))
+    >>> bar.support(a)
+    >>> modes = da.Modal(count=1).run(bar.build(), {"k": 400.0})
+    >>> round(float(modes.frequencies[0]) * 2 * math.pi, 6)  # √(k/m)
+    10.0
+    """
+
+    display_name = "modes"
+
+    count: int | None = None
+    about: Annotated[Result | None, StructuralResult | None] = None
+    time: float = only_for("mechanism", default=0.0)
+    equilibrium: bool = only_for("mechanism", default=True)
+    coordinates: Coordinates = only_for("mechanism", default=ABSOLUTE)
+    lumped: bool = only_for("structure", default=False)
+    shift: float = only_for("structure", default=0.0)
+
+    def __post_init__(self) -> None:
+        need_count(self)
+        about: Any = self.about
+        if about is None:
+            return
+        if name := "time" if self.time else "" if self.equilibrium else "equilibrium":
+            raise AnalysisError(f"Modal: {name} cannot be given with about=, which has its own")
+        if about.model.kind == "structure" and not about.analysis.at_rest:
+            kind = type(about.analysis).__name__
+            raise UnsupportedError(f"Modal: about is of {kind}; use a result of solve_statics")
+        if about.model.kind == "structure" and len(about.cases) != 1:
+            raise UnsupportedError(
+                f"Modal: about has the load cases {', '.join(map(repr, about.cases))}; "
+                "select one with about=result.at([number])"
+            )
+
+    @staticmethod
+    def modes_class(model: Any) -> type[Modes]:
+        return VibrationModes if isinstance(model, StructuralModel) else MechanismModes
+
+    def run(
+        self,
+        model: Model | StructuralModel,
+        parameters: ParameterValues = None,
+        progress: Any = False,
+    ) -> Modes:
+        """Modes at parameter values, by default those of ``about``.
+
+        Raises
+        ------
+        SingularityError
+            A free motion has no mass; a part of a structure moves freely and the shift is zero.
+        AnalysisError
+            No equilibrium was found, no element has mass; ``about`` is of another model, or failed.
+        """
+        about: Any = self.about
+        if about is not None:
+            if _source(about.model) is not _source(model):
+                raise AnalysisError(f"about is a result of {about.model.name}, not of this model")
+            parameters = about.parameters if parameters is None else parameters
+        return super().run(model, parameters, progress)
+
+    def spectrum(self, model: Any, p: np.ndarray, near: np.ndarray | None = None) -> Any:
+        """Linearised system of a mechanism, or eigenpairs of a structure."""
+        about = self._about(p)
+        if isinstance(model, StructuralModel):
+            return vibration(self, model, p, about)
+        return linearized(self, model, p, about, near)
+
+    def again(self, result: Modes, p: np.ndarray) -> Any:
+        at_equilibrium = isinstance(result.model, Model) and self.equilibrium and not self.about
+        count = result.model.equations.coordinate_count if at_equilibrium else 0
+        return self.spectrum(result.model, p, result.record.near[:count] if count else None)
+
+    def _about(self, p: np.ndarray) -> Any:
+        """The state about which motions are small, at parameter values."""
+        about: Any = self.about
+        if about is not None and not np.array_equal(p, about.parameters):
+            cases = getattr(about, "cases", None)
+            about = about.analysis.replay(about, p)
+            about = about if cases is None else about.at([about.case(cases[0])])
+        if isinstance(about, StructuralResult) and not about.status.success:
+            raise AnalysisError(f"about is no equilibrium: {about.status}", about.status.residual)
+        return about
+
+
+def _source(model: Any) -> Any:
+    """The description of a structure, whose variants for small displacements share it; the model
+    of a mechanism."""
+    return getattr(model, "structure", model)

@@ -1,0 +1,1 @@
+"""Assembled models: sums over many alike elements, with sparse factors."""

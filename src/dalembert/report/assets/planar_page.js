@@ -1,8 +1,0 @@
-// Page of a planar mechanism or structure.
-
-import { buildPage } from "./page.js";
-import { PlanarMotion } from "./planar_motion.js";
-import { PlanarPainter } from "./planar_painter.js";
-import { PlanarView } from "./planar_view.js";
-
-buildPage({ Motion: PlanarMotion, View: PlanarView, Painter: PlanarPainter });

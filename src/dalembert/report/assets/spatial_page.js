@@ -1,9 +1,0 @@
-// Page of a spatial mechanism or structure.
-
-import { buildPage } from "./page.js";
-import { SpatialMotion } from "./spatial_motion.js";
-import { SpatialPainter } from "./spatial_painter.js";
-import { buildSpatialTools } from "./spatial_tools.js";
-import { SpatialView } from "./spatial_view.js";
-
-buildPage({ Motion: SpatialMotion, View: SpatialView, Painter: SpatialPainter }, buildSpatialTools);

@@ -1,0 +1,138 @@
+"""Base class of analyses, the interface of responses, gradients and designs."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, Field, fields
+from functools import partial
+from typing import Any, ClassVar, Generic, Self, TypeVar
+
+import numpy as np
+
+from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.text.wording import unknown
+
+ParameterValues = Mapping[str, float] | np.ndarray | None
+"""Parameter values: some by name, all in order, or None for those of the model."""
+M = TypeVar("M")
+R = TypeVar("R")
+
+
+class Analysis(ABC, Generic[M, R]):
+    """Computation of a result, with replay at other parameters and sampling at other instants.
+
+    A new analysis is a frozen dataclass of options with ``run`` and ``replay``; an analysis over
+    time implements ``resample``, one with events ``at_event``.
+    """
+
+    display_name: ClassVar[str] = ""
+    """Name of the analysis in texts."""
+    events: Mapping[str, Any] | None = None
+    """Name → event, for analyses with events."""
+    at_rest: ClassVar[bool] = False
+    """Whether its results are independent equilibria."""
+    integrates: ClassVar[bool] = False
+    """Whether its results come from time integration, checked by energy balances."""
+
+    batched: ClassVar[Any] = None
+    """Class that runs many designs at once; its ``serves`` returns whether it can."""
+
+    @property
+    def gradient_error(self) -> float:
+        """Relative error of its gradients, in addition to round-off of the solved equations."""
+        return 0.0
+
+    @abstractmethod
+    def run(self, model: M, parameters: ParameterValues = None) -> R:
+        """Run the analysis of a model, with some or all parameters replaced."""
+
+    def for_designs(self) -> Self:
+        """The analysis as run for many designs."""
+        return self
+
+    def checks(self, model: M) -> Mapping[str, Callable[[], object]]:
+        """Option → check that raises if the option is invalid, before a run and without compiling.
+
+        Checks that concern no single option have an empty name.
+        """
+        return {
+            option.name: partial(_refuse_option, self, option, model)
+            for option in fields(self)  # type: ignore[arg-type]
+            if option.metadata.get("model", model.kind) != model.kind  # type: ignore[attr-defined]
+        }
+
+    def check_options(self, model: M) -> None:
+        """Check that no option is set which does not apply to this kind of model.
+
+        Raises
+        ------
+        UnsupportedError
+            Names the option and its value.
+        """
+        for check in Analysis.checks(self, model).values():
+            check()
+
+    @classmethod
+    def expression(cls, model: Any, measure: str | Expression) -> Expression:
+        """A measure of its results by name, a formula or an expression."""
+        return model.expression(measure)  # type: ignore[no-any-return]
+
+    def replay(self, result: R, p: np.ndarray) -> R:
+        """The result at other parameter values, with the same steps and branches."""
+        return self.run(result.model, p)  # type: ignore[attr-defined]
+
+    def resample(self, result: R, times: np.ndarray) -> R:
+        """The result at other instants."""
+        raise UnsupportedError(f"a result of {type(self).__name__} has no other instants")
+
+    def continued(
+        self, result: R, duration: Any, options: Mapping[str, Any], progress: Any = False
+    ) -> R:
+        """Continue a result from its end."""
+        kind = type(self).__name__
+        raise UnsupportedError(f"a result of {kind} cannot be continued; request a longer run")
+
+    def at_event(self, result: R, occurrence: Any) -> R:
+        """The result at the instant of an event."""
+        kind = type(self).__name__
+        raise UnsupportedError(f"{kind} has no events; use solve_dynamics or solve_kinematics")
+
+    def over_steps(self, result: R) -> R:
+        """The result at the sampling points of integrals."""
+        return result
+
+    def peaks(self, result: R, measure: str | Expression, sign: float) -> R:
+        """The result at the maxima of ``sign`` times a measure, if it is defined between its
+        instants; else the result."""
+        return result
+
+    def over_peaks(self, result: R, measure: str | Expression, sharpness: float, sign: float) -> R:
+        """The result at the sampling points of integrals of ``exp(± sharpness m)``, if defined."""
+        return result
+
+    @classmethod
+    def of(cls, verb: str, **options: Any) -> Self:
+        """The analysis from the options of a function.
+
+        Raises
+        ------
+        AnalysisError
+            It has no such option; suggests the nearest.
+        """
+        names = [field.name for field in fields(cls)]  # type: ignore[arg-type]
+        for name in options:
+            if name not in names:
+                raise AnalysisError(f"{verb}: {unknown('option', name, names)}")
+        return cls(**options)
+
+
+def _refuse_option(analysis: Any, option: Field[Any], model: Any) -> None:
+    """Raise if an option for the other kind of model is set."""
+    value, factory = getattr(analysis, option.name), option.default_factory
+    if value != (option.default if factory is MISSING else factory()):
+        raise UnsupportedError(
+            f"{type(analysis).__name__}({option.name}={value!r:.60}): {option.name} is an option "
+            f"for {option.metadata['model']}s, and {model.name!r} is a {model.kind}"
+        )

@@ -1,0 +1,173 @@
+"""One analysis answers a question for mechanisms and for structures, in the same words."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar, structures
+
+FORCE = 1.7
+
+
+def mechanism():
+    """A mass of 1.3 kg on a spring of 9 N/m."""
+    system = da.System("mass on a spring")
+    k = system.parameter("k", 9.0)
+    mass = system.add(planar.Particle("mass", mass=1.3, position=(1.0, 0.0)))
+    rail = system.add(planar.PinInSlot("rail", system.ground.center, mass.center))
+    assert rail
+    wall = system.ground.point(-4, 0)
+    system.add(planar.Spring("spring", wall, mass.center, stiffness=k, free_length=5))
+    system.add(planar.Force("force", mass.center, (FORCE, 0.0)))
+    return system.build()
+
+
+def structure():
+    """The same as a structure."""
+    s = da.Structure("mass on a spring")
+    k = s.parameter("k", 9.0)
+    a, b = s.node("a", 0.0), s.node("b", 1.0)
+    s.add(structures.AxialSpring("spring", a, b, stiffness=k))
+    s.add(structures.PointMass("mass", b, mass=1.3))
+    s.support(a)
+    s.load(b, fx=FORCE)
+    return s.build()
+
+
+TWINS = {"mechanism": (mechanism, "mass.x - 1"), "structure": (structure, "b.ux")}
+
+
+@pytest.mark.parametrize("kind", TWINS)
+@pytest.mark.parametrize("solve", [da.solve_equilibrium, da.solve_statics])
+def test_equilibria(kind, solve):
+    make, measure = TWINS[kind]
+    linear_by_default = kind == "structure" and solve is da.solve_statics
+    rest = solve(make(), **({"nonlinear": True} if linear_by_default else {}))
+    assert type(rest.analysis) is da.Equilibrium
+    assert np.ravel(rest[measure])[-1] == pytest.approx(FORCE / 9, rel=1e-9)
+    slope = da.sensitivity(rest, da.final(measure)).item()
+    assert slope == pytest.approx(-FORCE / 81, rel=1e-9)
+    assert rest.status.outcome is da.Outcome.COMPLETED
+    assert re.fullmatch(r"residual \S+ N after \d+ iterations?, stable", rest.status.message)
+    assert {"iterations", "stable", "residual [N or N m]"} <= set(rest.statistics)
+    assert rest.statistics["stable"] is True
+    assert not list(rest.warnings)
+
+
+def leaning(kind):
+    """A bar on its head, held by a torsion spring that is too weak; and one that is not."""
+    if kind == "mechanism":
+        system = da.System("bar on its head")
+        stiffness = system.parameter("stiffness", 0.5)
+        bar = system.add(planar.Bar("bar", length=1.0, mass=1.0, angle=np.pi / 2))
+        system.add(planar.Revolute("O", system.ground.center, bar.start))
+        given = {"stiffness": stiffness, "free_angle": np.pi / 2}
+        system.add(planar.TorsionSpring("spring", system.ground, bar, **given))
+        system.add(planar.Force("push", bar.end, (0.0, -1.0)))
+        return system.build()
+    s = da.Structure("bar on its head")
+    stiffness = s.parameter("stiffness", 0.5)
+    foot, head = s.node("foot", 0, 0), s.node("head", 0, 1)
+    s.add(structures.Truss("bar", foot, head, area=1e-2, modulus=1e9))
+    s.add(structures.GroundSpring("spring", head, stiffness_x=stiffness))
+    s.support(foot)
+    s.load(head, fy=-1.0)
+    return s.build()
+
+
+@pytest.mark.parametrize("kind", TWINS)
+def test_stability_of_equilibria(kind):
+    model = leaning(kind)
+    for stiffness, stable in ((0.5, False), (1.5, True)):
+        rest = da.solve_equilibrium(model, parameters={"stiffness": stiffness})
+        assert rest.status.success
+        assert rest.statistics["stable"] is stable
+        assert rest.status.message.endswith("stable" if stable else "not a stable position")
+        warned = [text for text in rest.warnings if "the equilibrium is not stable" in text]
+        assert len(warned) == (not stable)
+        assert all("1 negative eigenvalue," in text for text in warned)
+
+
+@pytest.mark.parametrize(
+    ("kind", "analysis", "option"),
+    [
+        ("mechanism", da.Equilibrium(steps=3), "steps"),
+        ("structure", da.Equilibrium(time=1), "time"),
+    ],
+)
+def test_options_of_the_other_kind_are_refused(kind, analysis, option):
+    model, other = TWINS[kind][0](), next(name for name in TWINS if name != kind)
+    text = rf"{option}=.*: {option} is an option for {other}s, and 'mass on .*' is a {kind}"
+    with pytest.raises(da.UnsupportedError, match=text):
+        analysis.run(model)
+    with pytest.raises(da.UnsupportedError, match=text):
+        analysis.checks(model)[option]()
+    many = {"k": np.array([9.0, 10.0])}
+    with pytest.raises(da.UnsupportedError, match=text):
+        da.solve_equilibrium(model, parameters=many, **{option: getattr(analysis, option)})
+
+
+@pytest.mark.parametrize("kind", TWINS)
+def test_modes(kind):
+    model = TWINS[kind][0]()
+    omega = np.sqrt(9 / 1.3)
+    for modes in (da.linearize(model), da.solve_modes(model, 1), da.Modal(count=1).run(model)):
+        assert type(modes.analysis) is da.Modal
+        assert modes.frequencies * 2 * np.pi == pytest.approx([omega], rel=1e-9)
+        assert modes.damping_ratios == pytest.approx([0.0], abs=1e-12)
+        assert modes.stable
+        assert modes.status.message == "modes: 1 mode(s)"
+    names = ("frequency", "angular_frequency", "damping_ratio", "eigenvalue_real")
+    values = [modes[name].item() for name in (*names, "eigenvalue_imag")]
+    assert values == pytest.approx([omega / 2 / np.pi, omega, 0, 0, omega], rel=1e-9, abs=1e-12)
+    (row,) = modes.summary()["states"]
+    assert row["mode"] == f"mode 1: {omega / 2 / np.pi:.5g} Hz"
+    slope = da.sensitivity(modes, da.at(1, "angular_frequency")).item()
+    assert slope == pytest.approx(omega / 18, rel=1e-9)
+    assert list(modes.to_dataframe()["frequency"]) == pytest.approx([omega / 2 / np.pi])
+
+
+@pytest.mark.parametrize("kind", TWINS)
+def test_modes_about_an_equilibrium(kind):
+    """A bar on its head grows away from it unless the spring is stiff enough."""
+    make = massive(kind)
+    for stiffness, stable in ((0.5, False), (1.5, True)):
+        rest = da.solve_equilibrium(make, parameters={"stiffness": stiffness})
+        modes = da.linearize(make, about=rest)
+        assert modes.stable is stable
+        lowest = int(np.argmax(modes["eigenvalue_real"].values)) if not stable else 0
+        growth = np.sqrt(max(0.0, 1.0 - stiffness))
+        assert modes["eigenvalue_real"][lowest].item() == pytest.approx(growth, abs=1e-5)
+        with pytest.raises(da.AnalysisError, match="stiffness cannot be given with about="):
+            da.linearize(make, about=rest, parameters={"stiffness": 1.0})
+        again = modes.analysis.replay(modes, np.array([stiffness + 1.0]))
+        assert again.stable
+        assert again.values("angular_frequency")[0] == pytest.approx(stiffness**0.5, rel=1e-5)
+
+
+def massive(kind):
+    """The bar on its head, light, with a mass of 1 kg on top."""
+    if kind == "mechanism":
+        system = da.System("bar on its head")
+        stiffness = system.parameter("stiffness", 0.5)
+        bar = system.add(planar.Bar("bar", length=1.0, mass=1e-9, angle=np.pi / 2))
+        head = system.add(planar.Particle("head", mass=1.0, position=(0.0, 1.0)))
+        system.add(planar.Revolute("O", system.ground.center, bar.start))
+        system.add(planar.Revolute("H", bar.end, head.center))
+        given = {"stiffness": stiffness, "free_angle": np.pi / 2}
+        system.add(planar.TorsionSpring("spring", system.ground, bar, **given))
+        system.add(planar.Force("push", bar.end, (0.0, -1.0)))
+        return system.build()
+    s = da.Structure("bar on its head")
+    stiffness = s.parameter("stiffness", 0.5)
+    foot, head = s.node("foot", 0, 0), s.node("head", 0, 1)
+    s.add(structures.Truss("bar", foot, head, area=1e-2, modulus=1e9))
+    s.add(structures.GroundSpring("spring", head, stiffness_x=stiffness))
+    s.add(structures.PointMass("mass", head, mass=1.0))
+    s.support(foot)
+    s.load(head, fy=-1.0)
+    return s.build()
