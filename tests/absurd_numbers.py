@@ -60,7 +60,6 @@ BASE: dict[str, dict[str, Any]] = {
     "Dynamics": {"duration": 0.2, "step": 0.01},
     "Kinematics": {"duration": 0.2, "step": 0.01},
     "InverseDynamics": {"duration": 0.2, "step": 0.01},
-    "Transient": {"duration": 0.2, "step": 0.01},
 }
 
 

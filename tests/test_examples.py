@@ -12,7 +12,7 @@ import dalembert as da
 from dalembert.io.analyses import make_analysis
 from dalembert.io.decisions.designs import make_design
 from dalembert.io.decisions.responses import make_responses
-from dalembert.io.decisions.tasks import report_choices
+from dalembert.io.report import report_choices
 
 
 @pytest.mark.parametrize("name", FILES)

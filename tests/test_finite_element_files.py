@@ -92,12 +92,12 @@ def in_python() -> da.System:
     system.add(structures.Frame("beam", b, c, second_moment=1e-8, **numbers))
     mesh = structures.rectangle_mesh((0.5, 0.1), (2, 1))
     flag = system.add_mesh("flag", mesh, thickness=0.01, modulus=modulus, density=1000)
-    system.support(flag.where(x=0))
+    system.support(flag.nodes().where(x=0))
     system.support(c, uy=-0.01 * da.t, ux=0)
-    system.load(flag.nearest(0.5, 0.1), fy=-0.1 * da.t)
+    system.load(flag.nodes().nearest(0.5, 0.1), fy=-0.1 * da.t)
     system.add(planar.Revolute("foot", car.center, a))
     system.add(planar.Prismatic("rails", system.ground.center, car.center))
-    middle = flag.node("mesh_nodes", 1)
+    middle = flag.nodes()[1]
     system.add(planar.Revolute("tip", system.ground.point(0.25, 0.0), middle))
     return system
 
@@ -105,7 +105,7 @@ def in_python() -> da.System:
 def test_files_mirror_python(tmp_path):
     models = load(written(tmp_path)).build(), in_python().build()
     runs = [da.solve_dynamics(m, 0.05, step=1e-3, integrator=da.HHT()) for m in models]
-    for name in ("c.y", "b.angle", "flag.mesh_nodes5.y", "bar.force", "tip.force"):
+    for name in ("c.y", "b.angle", "flag_nodes[5].y", "bar.force", "tip.force"):
         np.testing.assert_allclose(runs[0][name], runs[1][name], rtol=1e-9, atol=1e-12)
 
 
@@ -116,9 +116,9 @@ WRONG = {
     ('nodes = "c"', 'nodes = "car"'): "supports[1].nodes: 'car' is no node",
     ('nodes = "flag"', 'nodes = "flga"'): "supports[0].nodes: unknown node 'flga' (did you mean",
     ('nodes = "flag"', 'nodes = "flag.top"'): "supports[0].nodes: has no group 'top'",
-    ("where = { x = 0 }", "where = { x = 9 }"): "supports[0].nodes: no node fulfils x = 9",
+    ("where = { x = 0 }", "where = { x = 9 }"): "supports[0]: no node fulfils x = 9",
     ("ux = 0", "uz = 0"): "supports[1]: c: unknown direction 'uz'; known: ux, uy, rz",
-    ('fy = "-0.1*t"', 'mz = "t"'): "loads[0]: flag.mesh_nodes5: unknown direction 'mz'",
+    ('fy = "-0.1*t"', 'mz = "t"'): "load flag_nodes[5]: rz: no element turns this node",
     ('fy = "-0.1*t"', 'fy = "c.y"'): "loads[0].fy: in formula 'c.y'",
     ("mesh_nodes1", "nodes1"): "joints.tip.connect[1]: unknown node 'flag.nodes1' (did you mean",
     ("[meshes.flag]", "[meshes.car]"): "meshes.car: the name is already used by bodies.car",

@@ -51,7 +51,6 @@ def test_those_of_mechanisms_name_that_of_structures(solve, cure, bar):
 @pytest.mark.parametrize(
     ("solve", "cure"),
     [
-        (da.solve_transient, "use solve_dynamics"),
         (da.solve_buckling, "use linearize"),
         (da.solve_load_path, "use solve_equilibrium"),
     ],

@@ -83,7 +83,7 @@ OPTIONS = {
     "ArcLength": "first = 0.2\nmax_points = 5",
     "Modal": "count = 2",
     "Buckling": "count = 1",
-    "Transient": 'duration = 0.01\nstep = 1e-3\ndamping = { stiffness = "k*1e-4" }\n'
+    "Dynamics": 'duration = 0.01\nstep = 1e-3\ndamping = { stiffness = "k*1e-4" }\n'
     'integrator = "HHT"',
 }
 
@@ -116,7 +116,7 @@ def test_modes_about_a_loaded_state(tmp_path: Path, schema) -> None:
 @pytest.mark.parametrize("name", list(RESPONSES))
 def test_every_response_can_be_asked_for(name: str, tmp_path: Path, schema) -> None:
     more = {"At": ", time = 0.005", "AtEvent": ', event = "e"'}.get(name, "")
-    table = '[analysis]\ntype = "Transient"\nduration = 0.01\nstep = 1e-3\n'
+    table = '[analysis]\ntype = "Dynamics"\nduration = 0.01\nstep = 1e-3\n'
     text = HEAD.replace(
         "sag = {", f'other = {{ type = "{name}", measure = "b.vy"{more} }}\nsag = {{'
     )
@@ -212,7 +212,7 @@ def test_smooth_maximum_is_a_measure(tmp_path: Path) -> None:
 def test_initial_motion(tmp_path: Path, schema) -> None:
     text = HEAD + (
         '[[initial]]\nnodes = "b"\nvy = 2\nuy = 1e-3\nvrz = 0.5\n'
-        '[analysis]\ntype = "Transient"\nduration = 1e-3\nstep = 1e-4\n'
+        '[analysis]\ntype = "Dynamics"\nduration = 1e-3\nstep = 1e-4\n'
     )
     file, model = loaded(tmp_path, text, schema)
     motion = make_analysis(file, model).run(model)
@@ -221,7 +221,7 @@ def test_initial_motion(tmp_path: Path, schema) -> None:
 
 def test_loads_that_change_with_time(tmp_path: Path, schema) -> None:
     text = HEAD.replace("fy = -10", 'fy = "-10*sin(k*t)"') + (
-        '[analysis]\ntype = "Transient"\nduration = 1.0\nstep = 0.1\n'
+        '[analysis]\ntype = "Dynamics"\nduration = 1.0\nstep = 0.1\n'
     )
     file, model = loaded(tmp_path, text, schema)
     motion = make_analysis(file, model).run(model)

@@ -30,7 +30,7 @@ def motion():
     structure.support(a)
     structure.support(b, uy=0)
     structure.load(b, fx=100.0)
-    return da.Transient(duration=0.01, step=1e-4, outputs=21).run(structure.build())
+    return da.Dynamics(duration=0.01, step=1e-4, outputs=21).run(structure.build())
 
 
 @pytest.mark.parametrize("name", list(BUILDERS))

@@ -240,7 +240,7 @@ def test_modes_buckling_and_motion_are_drawn_too() -> None:
     modes, buckling = da.Modal(count=2).run(model), da.Buckling(count=1).run(model)
     assert "mode 2" in modes.plot("displacement", 2).get_title("left")
     assert "mode 1" in buckling.plot().get_title("left")
-    motion = da.Transient(duration=0.1, step=0.01).run(model)
+    motion = da.Dynamics(duration=0.1, step=0.01).run(model)
     assert "0.1 s" in motion.plot("moment_i", case=-1).get_title("left")
 
 

@@ -39,7 +39,7 @@ WRONG = [
     ("a = [0, 0]", "a = [0, true]", "nodes.a: expected a number or a formula, got true"),
     ("c = [2, 0]", "c = [2, 0]\nd = [3, 3]", "nodes.d: is not connected to any element"),
     ("c = [2, 0]", "c = [2, 0]\nleft = [3, 3]", "elements.left: the name is already used by"),
-    ('nodes = ["a", "c"]', 'nodes = ["a", "x"]', "supports[0].nodes: unknown nodes 'x'"),
+    ('nodes = ["a", "c"]', 'nodes = ["a", "x"]', "supports[0].nodes: unknown node 'x'"),
     ('nodes = ["a", "c"]', 'nodes = "a"\nuz = 0', "unknown direction 'uz'; known: ux, uy, rz"),
     ('nodes = ["a", "c"]', 'nodes = "a"\nwhere = { x = 0 }', "supports[0]: a is one node; where"),
     ('nodes = ["a", "c"]', "nodes = []", "supports[0].nodes: expected the name of nodes"),
@@ -58,8 +58,8 @@ WRONG = [
     ),
     (
         "[responses]",
-        '[analysis]\ntype = "Dynamics"\n[responses]',
-        "analysis: unknown type 'Dynamics'",
+        '[analysis]\ntype = "Kinematics"\n[responses]',
+        "analysis: unknown type 'Kinematics'",
     ),
     (
         "[responses]",
@@ -68,8 +68,8 @@ WRONG = [
     ),
     (
         "[responses]",
-        '[analysis]\ntype = "Transient"\nduration = 1\nintegrator = "RK4"\n[responses]',
-        "analysis: integrator is RK4",
+        '[analysis]\ntype = "Dynamics"\nduration = 1\nintegrator = "RK4"\n[responses]',
+        "analysis.integrator: integrator is RK4",
     ),
     ("[responses]", "[bodies.x]\nmass = 1\n[responses]", "bodies: unknown key"),
     (
@@ -118,7 +118,7 @@ MESH_WRONG = [
     (
         'nodes = "plate"\nwhere',
         'nodes = "plat"\nwhere',
-        "unknown nodes 'plat' (did you mean 'plate'?)",
+        "unknown node 'plat' (did you mean 'plate'?)",
     ),
     (
         "plate.von_mises.max",

@@ -22,6 +22,7 @@ from dalembert.elements.curves import Curve, FormulaCurve, u
 from dalembert.elements.frame import Frame
 from dalembert.elements.laws.base import Law
 from dalembert.elements.springs import SpringDamper
+from dalembert.model.description import Description
 from dalembert.symbolic.formulas.expression import Expression
 
 DIMENSIONS = {
@@ -69,6 +70,7 @@ def in_other_units(system, units: Units) -> da.System:
 
 class _Translation:
     def __init__(self, system, units: Units):
+        system = system if isinstance(system, Description) else Description(system)
         self.units, self.made = units, da.System(system.name)
         self.made.parameters.update(system.parameters)
         self.made.derived_parameters.update(system.derived_parameters)
@@ -76,7 +78,7 @@ class _Translation:
         self.old, self.new = [t.sx], [t.sx / units.time]
         self._identify(system.ground, self.made.ground)
         if system.gravity is not None:
-            self.made.gravity = self.formula(system.gravity, "m/s^2")
+            self.made.gravity(*self.formula(system.gravity, "m/s^2"))
         for element in system.elements.values():
             if isinstance(element, BodyElement):
                 made = self.made.add(self.body(element))

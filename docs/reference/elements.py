@@ -6,6 +6,7 @@ import dataclasses
 from pathlib import Path
 
 from dalembert.analysis.events import Event, Events
+from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
@@ -72,6 +73,7 @@ HOLDS: dict[object, str] = {
     ContactSolver: "contact solver",
     Events: "table of events",
     Distribution: "distribution",
+    Rayleigh: "table with `mass` and `stiffness`",
 }
 NEEDED = {
     "Bar.length",

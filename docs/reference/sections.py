@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dalembert.io import orientations, schema, tables
+from dalembert.io import documents, orientations, schema, tables
 from dalembert.io.decisions import design_tables, task_tables
 from reference.markdown import table
 
@@ -10,7 +10,7 @@ ABOUT = "free text"
 UNIT = "coherent unit of the formula, such as `m^3/s`"
 FIXED = {
     "document": (
-        schema.Document,
+        documents.Document,
         {
             "schema_location": "address of a schema, for editors",
             "format": "version of the format: `1`",
@@ -23,7 +23,7 @@ FIXED = {
             "joints": "name → joint",
             "drivers": "name → driver",
             "forces": "name → force",
-            "initial": "measure → its exact initial value, a number or formula",
+            "initial": "measure → its exact initial value; or tables of motions of nodes",
             "analysis": "analysis of `dalembert run`",
             "compare": "strategies of `dalembert compare`",
             "responses": "name → response",
@@ -130,7 +130,7 @@ FIXED = {
             "name": "name in results; its number by default",
         },
     ),
-    "case": (schema.CaseTable, {}),
+    "case": (documents.CaseTable, {}),
     "combined": (design_tables.CombinedTable, {}),
     "robust": (design_tables.RobustTable, {"response": "name of a response of this run"}),
     "pareto": (

@@ -7,7 +7,10 @@ from dalembert import structures as structures
 from dalembert.analysis.assembly import solve_assembly as solve_assembly
 from dalembert.analysis.comparison.compare import compare as compare
 from dalembert.analysis.dynamics.dynamics import Dynamics as Dynamics
-from dalembert.analysis.dynamics.solve import solve_dynamics as solve_dynamics
+from dalembert.analysis.dynamics.solve import (
+    solve_dynamics as solve_dynamics,
+    solve_transient as solve_transient,
+)
 from dalembert.analysis.equilibrium.equilibrium import (
     Equilibrium as Equilibrium,
     solve_equilibrium as solve_equilibrium,
@@ -39,11 +42,7 @@ from dalembert.analysis.nonsmooth.nonsmooth import (
     Nonsmooth as Nonsmooth,
     solve_nonsmooth as solve_nonsmooth,
 )
-from dalembert.analysis.structural.transient import (
-    Transient as Transient,
-    solve_transient as solve_transient,
-)
-from dalembert.analysis.structural.transient_equation import Rayleigh as Rayleigh
+from dalembert.analysis.transient.equation import Rayleigh as Rayleigh
 from dalembert.design.case import Case as Case
 from dalembert.design.ecosystem.functions import DesignFunctions as DesignFunctions
 from dalembert.design.ecosystem.openmdao_component import openmdao_component as openmdao_component

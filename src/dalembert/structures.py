@@ -14,13 +14,11 @@ from dalembert.elements.fem.solid import Hexahedron, Hexahedron20, Tetrahedron, 
 from dalembert.elements.fem.space_frame import SpaceFrame, TimoshenkoSpaceFrame
 from dalembert.elements.fem.truss import Truss
 from dalembert.elements.sections import Material, Section, circle, i_section, rectangle, tube
-from dalembert.model.elastic_structure import ElasticStructure
 from dalembert.model.meshes.generators import box_mesh, line_mesh, rectangle_mesh
 from dalembert.model.structure import Structure
 
 __all__ = [
     "AxialSpring",
-    "ElasticStructure",
     "Frame",
     "GroundRotationSpring",
     "GroundSpring",

@@ -95,7 +95,7 @@ def test_the_budget_can_be_raised(monkeypatch):
     [
         (pendulum, da.Dynamics(1.0, step=1e-4)),
         (driven, da.Kinematics(1.0, step=1e-4)),
-        (beam, da.Transient(1.0, step=1e-3)),
+        (beam, da.Dynamics(1.0, step=1e-3)),
         (beam, da.Equilibrium(steps=20)),
         (beam, da.ArcLength(first=0.01)),
     ],

@@ -8,7 +8,6 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial, structures
-from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
 from dalembert.elements.base import Element
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.registry import ELEMENTS
@@ -17,7 +16,13 @@ from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.contact.schemes import ContactScheme
-from dalembert.io.strategies import ANALYSES, RESPONSES, STRATEGIES_OF, STRUCTURAL_ANALYSES
+from dalembert.io.strategies import (
+    ANALYSES,
+    RESPONSES,
+    STRATEGIES_OF,
+    STRUCTURAL_ANALYSES,
+    TRAJECTORY_METHODS,
+)
 from dalembert.responses.base import Response
 from dalembert.results.analysis import Analysis
 

@@ -266,7 +266,7 @@ WRONG = [
     ({"modes": -1}, "modes must be a number of modes; got -1"),
     ({"up_to": 0.0}, "up_to must be a frequency"),
     ({"reference": 3}, "name of an interface or 'mean'"),
-    ({"structure": "beam"}, "must be a built structural model"),
+    ({"structure": "beam"}, "must be a model of nodes and finite"),
 ]
 
 

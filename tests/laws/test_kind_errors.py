@@ -159,7 +159,6 @@ ANALYSES = {
     keywords.OverTimeKeywords: [da.Kinematics],
     keywords.NonsmoothKeywords: [da.Nonsmooth],
     keywords.EquilibriumKeywords: [da.Equilibrium],
-    keywords.TransientKeywords: [da.Transient],
     keywords.StaticsKeywords: [da.Statics, da.Equilibrium],
     keywords.ModalKeywords: [da.Modal],
     keywords.BucklingKeywords: [da.Buckling],

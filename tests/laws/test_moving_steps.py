@@ -100,7 +100,7 @@ def test_steps_of_structures_that_follow_parameters_are_refused():
     bar.initial(end, vx=2.0)
     assert period is not None
     motion = da.solve_transient(bar.build(), 1.0, step="T/50")
-    with pytest.raises(da.UnsupportedError, match="step of a Transient follows"):
+    with pytest.raises(da.UnsupportedError, match="step of the dynamics follows"):
         da.sensitivity(motion, da.final("b.ux"))
 
 

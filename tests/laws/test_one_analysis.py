@@ -171,3 +171,56 @@ def massive(kind):
     s.support(foot)
     s.load(head, fy=-1.0)
     return s.build()
+
+
+RUN = {"duration": 1.0, "step": 0.01, "integrator": da.Newmark()}
+
+
+@pytest.mark.parametrize("kind", TWINS)
+@pytest.mark.parametrize("solve", [da.solve_dynamics, da.solve_transient])
+def test_motions(kind, solve):
+    make, measure = TWINS[kind]
+    model, omega = make(), np.sqrt(9 / 1.3)
+    motion = solve(model, **RUN)
+    assert type(motion.analysis) is da.Dynamics
+    assert motion.status.message == "reached t = 1 s"
+    assert motion.time.size == 101
+    expected = FORCE / 9 * (1 - np.cos(omega * motion.time))
+    np.testing.assert_allclose(motion[measure], expected, atol=1e-4)
+    assert motion.at([0.505])[measure].item() == pytest.approx(
+        FORCE / 9 * (1 - np.cos(omega * 0.505)), abs=1e-4
+    )
+    slope = da.sensitivity(motion, da.final(measure)).item()
+    again = motion.analysis.replay(motion, motion.parameters + 1e-5)
+    change = np.ravel(again[measure])[-1] - np.ravel(motion[measure])[-1]
+    assert slope == pytest.approx(change / 1e-5, rel=1e-4)
+    later = solve(model, t_span=(2.0, 3.0), step=0.01, integrator=da.Newmark())
+    np.testing.assert_allclose(later[measure], motion[measure], atol=1e-12)
+    assert later.time[0] == 2.0
+
+
+@pytest.mark.parametrize("kind", TWINS)
+def test_default_integrators(kind):
+    model = TWINS[kind][0]()
+    defaults = {"mechanism": (da.AutomaticIntegrator, da.RK4), "structure": (da.Newmark,) * 2}
+    for options, expected in zip(({}, {"step": 0.1}), defaults[kind], strict=True):
+        for motion in (
+            da.solve_dynamics(model, 0.5, **options),
+            da.Dynamics(0.5, **options).run(model),
+        ):
+            assert type(motion.analysis.integrator) is expected
+
+
+def test_loads_begin_at_the_start_of_the_run():
+    """A structure that starts in equilibrium under the loads of that time stays there."""
+    s = da.Structure("held")
+    a, b = s.node("a", 0.0), s.node("b", 1.0)
+    s.add(structures.Truss("bar", a, b, area=1.0, modulus=100.0, density=1.0))
+    s.support(a)
+    s.load(b, fx=2.0 - da.t)
+    for nonlinear in (False, True):
+        options = {"step": 1e-4, "start": "statics", "nonlinear": nonlinear}
+        motion = da.solve_dynamics(s.build(), t_span=(1.0, 1.001), **options)
+        rest = da.solve_statics(s.build(), nonlinear=nonlinear)
+        assert float(motion["b.ux"][0]) == pytest.approx(rest["b.ux"] / 2, rel=0.02)
+        assert float(motion["b.ax"][0]) == pytest.approx(0.0, abs=1e-9)

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 import dalembert as da
 from dalembert import structures
-from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions
+from dalembert.analysis.transient.equation import EquationOfMotion, Motions
 from dalembert.elements.fem.attached import GroundSpring
 from dalembert.elements.fem.cells import CELLS
 from dalembert.elements.fem.registry import ELEMENTS, cell_of

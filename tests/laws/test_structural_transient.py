@@ -12,8 +12,8 @@ from scipy.integrate import solve_ivp
 
 import dalembert as da
 from dalembert import structures
-from dalembert.analysis.structural import transient_step
-from dalembert.analysis.structural.transient_equation import Motions
+from dalembert.analysis.transient import step as transient_step
+from dalembert.analysis.transient.equation import Motions
 from dalembert.elements.fem.cells import CELLS
 from dalembert.elements.fem.registry import ELEMENTS, cell_of
 from dalembert.integrators.marching import steps as marching_steps

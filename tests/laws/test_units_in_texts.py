@@ -119,7 +119,8 @@ def test_texts_in_python():
     turned = da.rotation.axis_angle((1, 0, 0), "90 deg")
     assert turned is not None
     system = da.System("x", gravity=(0.0, "-981 cm/s^2"))
-    assert float(system.gravity[1]) == pytest.approx(-9.81, rel=1e-15)
+    system.add(planar.Particle("stone", mass=1.0))
+    assert float(system.build().parts.gravity[1]) == pytest.approx(-9.81, rel=1e-15)
 
 
 @pytest.mark.parametrize(

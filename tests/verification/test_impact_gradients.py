@@ -62,7 +62,6 @@ def test_ball(integrator, step):
         system.parameter(name, value)
         for name, value in (("z0", 5.0), ("v0", -0.1), ("g", 10.0), ("restitution", 0.8))
     )
-    system.gravity = None
     ball = system.add(planar.Particle("ball", mass=1.0, position=(0, z), velocity=(0, v)))
     system.add(planar.Force("weight", ball.center, (0, -g)))
     system.add(planar.UnilateralConstraint("floor", ball.y, restitution=e))

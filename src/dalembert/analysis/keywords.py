@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, TypedDict
 
 if TYPE_CHECKING:
     from dalembert.analysis.events import Events
-    from dalembert.analysis.structural.transient_equation import Rayleigh
     from dalembert.analysis.times import Time, Times
+    from dalembert.analysis.transient.equation import Rayleigh
     from dalembert.formulations.base import Formulation
     from dalembert.formulations.stabilization import Stabilization
     from dalembert.integrators.base import Integrator
     from dalembert.integrators.contact.contact_solver import ContactSolver
     from dalembert.integrators.contact.schemes import ContactScheme
-    from dalembert.integrators.newmark.family import NewmarkFamily
     from dalembert.model.coordinates import Coordinates
     from dalembert.results.structural.load_path import LoadPathResult
 
@@ -42,6 +41,11 @@ class DynamicsKeywords(OverTimeKeywords, total=False):
     backend: str
     balance: float
     memory: float
+    nonlinear: bool
+    lumped: bool
+    damping: Rayleigh
+    case: str
+    start: str
 
 
 class NonsmoothKeywords(OverTimeKeywords, total=False):
@@ -59,19 +63,6 @@ class EquilibriumKeywords(TypedDict, total=False):
     tolerance: float
     max_iterations: int | None
     steps: int
-
-
-class TransientKeywords(TypedDict, total=False):
-    """Keywords of ``Transient``."""
-
-    step: Time | None
-    outputs: Times | None
-    integrator: NewmarkFamily
-    nonlinear: bool
-    lumped: bool
-    damping: Rayleigh
-    case: str
-    start: str
 
 
 class StaticsKeywords(EquilibriumKeywords, total=False):

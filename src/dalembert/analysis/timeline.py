@@ -207,14 +207,14 @@ def check_times(
 class Execution(Protocol):
     """One execution of an analysis."""
 
-    def __init__(self, analysis: Any, model: Model, parameters: Any): ...
+    def __init__(self, analysis: Any, model: Any, parameters: Any): ...
 
     def execute(self, progress: Any) -> Any:
         """The result."""
 
 
 @options
-class OverTime(Analysis[Model, R]):
+class OverTime(Analysis[Any, R]):
     """An analysis from one time to another.
 
     Parameters
@@ -227,8 +227,8 @@ class OverTime(Analysis[Model, R]):
         control also instants inside steps, so that straight lines between outputs follow the motion
     """
 
-    execution: ClassVar[type[Execution]]
-    """Class whose objects execute one run."""
+    executions: ClassVar[dict[str, type[Execution]]]
+    """Kind of model → class whose objects execute one run."""
 
     duration: float | None = None
     step: float | None = None
@@ -239,15 +239,16 @@ class OverTime(Analysis[Model, R]):
         super().__init_subclass__(**keywords)
         inherit_texts(cls)
 
-    def checks(self, model: Model) -> dict[str, Callable[[], object]]:
+    def checks(self, model: Any) -> dict[str, Callable[[], object]]:
         """Checks by the name of the option."""
         return {
-            "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs)
+            **super().checks(model),
+            "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs),
         }
 
     def run(
         self,
-        model: Model,
+        model: Any,
         parameters: Mapping[str, float] | np.ndarray | None = None,
         progress: bool | Callable[[float], None] = False,
     ) -> R:
@@ -260,6 +261,6 @@ class OverTime(Analysis[Model, R]):
         AssemblyError, SingularityError, UnsupportedError
             The run cannot begin.
         """
-        analysis = evaluate_times(self, model, parameters)
-        result: R = self.execution(analysis, model, parameters).execute(progress)
+        analysis = evaluate_times(self.for_model(model), model, parameters)
+        result: R = self.executions[model.kind](analysis, model, parameters).execute(progress)
         return result

@@ -122,7 +122,7 @@ class DecisionCommand:
 
     @staticmethod
     def _first_view(file: ModelFile, model: Any) -> dict[str, Any]:
-        from dalembert.io.decisions.tasks import report_choices
+        from dalembert.io.report import report_choices
 
         return {} if model is None else report_choices(file, model)
 

@@ -91,7 +91,7 @@ def run(
         Print the computing time of building, steps, outputs and report.
     """
     from dalembert.io.analyses import make_analysis
-    from dalembert.io.decisions.tasks import report_choices
+    from dalembert.io.report import report_choices
     from dalembert.report.page import write_page
 
     if is_deck(model):

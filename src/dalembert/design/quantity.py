@@ -13,7 +13,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.symbolic.parametric_model import ParametricModel

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -72,9 +71,9 @@ class Robust(Quantity):
     def terms(self) -> list[CaseResponse]:
         return list(self.runs)
 
-    def _graph(self, values: Any) -> Any:
+    def _graph(self, values: ca.SX) -> ca.SX:
         """Expression of the responses at the centre and on both sides of each variable."""
-        centre, mean, variance = values[0], values[0], 0
+        centre, mean, variance = values[0], values[0], ca.SX(0)
         for k in range((values.numel() - 1) // 2):
             samples = ca.vertcat(centre, values[1 + 2 * k], values[2 + 2 * k])
             weights = ca.DM(WEIGHTS)

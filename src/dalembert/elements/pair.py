@@ -11,6 +11,7 @@ import casadi as ca
 from dalembert.elements.base import Constraint, Element, Look, Scalar, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates, rate_of
+from dalembert.elements.fem.nodal import NodeLike
 from dalembert.elements.look import Mark, Rod
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
@@ -18,12 +19,13 @@ from dalembert.symbolic.formulas.expression import Expression, t
 
 
 def need_point(value: Any, owner: str, field: str, dimension: int = 2) -> Point:
-    """Check that an argument is a point of a body; a body stands for its origin.
+    """Check that an argument is a point of a body; a body or a node stands for its origin.
 
     Parameters
     ----------
     dimension : number of coordinates of the other point, if any
     """
+    value = value.body if isinstance(value, NodeLike) else value
     if isinstance(value, BodyElement):
         refuse_floating_frame(value, owner, field)
         return Point(value, (0.0,) * max(value.dimension, dimension))
@@ -35,7 +37,8 @@ def need_point(value: Any, owner: str, field: str, dimension: int = 2) -> Point:
 
 
 def need_body(value: Any, owner: str, field: str) -> Any:
-    """Check that an argument is a body."""
+    """Check that an argument is a body, or a node."""
+    value = value.body if isinstance(value, NodeLike) else value
     if not isinstance(value, BodyElement):
         raise ModelError(f"{field} must be a body; got {value!r}", owner)
     refuse_floating_frame(value, owner, field)

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
 import numpy as np
 from pydantic import BaseModel
 
-from dalembert.analysis.equilibrium.statics import Statics
 from dalembert.analysis.events import Event, Events
 from dalembert.analysis.requirements import need_structure
-from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.times import in_seconds
+from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.errors import SingularityError
 from dalembert.io.fields import Interval, keyed_fields
 from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.model_file import ModelFile
-from dalembert.io.strategies import STRATEGIES_OF
+from dalembert.io.strategies import STRATEGIES_OF, STRUCTURAL_ANALYSES
 from dalembert.io.tables import EventTable
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
@@ -40,7 +39,7 @@ def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
         raise file.located.error(
             'is missing; add a table [analysis] with type = "Dynamics" and duration = …', "analysis"
         )
-    name = kind if kind is not None else table.type if table is not None else default
+    name: Any = kind if kind is not None else table.type if table is not None else default
     if name not in classes:
         raise file.located.error(unknown("type", name, classes), "analysis", "type")
     return _create(file, model, classes[name], table, "analysis")
@@ -58,7 +57,7 @@ def make_table(file: ModelFile, model: Any, table: Any, *where: str) -> Any:
 
 
 def make_method(
-    file: ModelFile, model: Any, registry: dict[str, Any], entry: str | BaseModel, *where: str
+    file: ModelFile, model: Any, registry: Mapping[str, Any], entry: str | BaseModel, *where: str
 ) -> Any:
     """A method by its name, or from a table whose options may be strategies.
 
@@ -118,7 +117,7 @@ def _damping(file: ModelFile, model: StructuralModel, table: Any) -> Rayleigh:
 def _load_case_state(model: StructuralModel, case: str) -> StructuralResult:
     """Linear statics under one load case."""
     need_structure(model, "about", "its modes are those about its equilibrium")
-    solution = Statics().run(model)
+    solution = STRUCTURAL_ANALYSES["Statics"]().run(model)
     return solution.at(np.array([solution.case(case)]))
 
 

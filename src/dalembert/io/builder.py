@@ -1,4 +1,4 @@
-"""Construction of a mechanism from a validated document, in order of dependence."""
+"""Construction of a model from a validated document, in order of dependence."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ from dalembert.io.declarations import (
     declare_tables,
     dependency_order,
 )
+from dalembert.io.documents import Document, StructureDocument
 from dalembert.io.fields import (
     FileField,
     Places,
@@ -42,6 +43,8 @@ from dalembert.io.fields import (
     keyed_fields,
     read_fields,
 )
+from dalembert.io.finite_element_tables import DISPLACEMENTS, VELOCITIES
+from dalembert.io.finite_elements import FiniteElements
 from dalembert.io.formulas import Formulas, Scope
 from dalembert.io.laws_and_curves import LawReader, construct
 from dalembert.io.location import Located
@@ -49,10 +52,7 @@ from dalembert.io.messages import explain
 from dalembert.io.orientations import read_frame, read_orientation
 from dalembert.io.reading import read_document
 from dalembert.io.references import References
-from dalembert.io.schema import DerivedTable, Document
-from dalembert.io.structures.finite_elements import FiniteElements, MeshReader
-from dalembert.io.structures.structure_builder import StructureBuilder
-from dalembert.io.structures.structure_schema import StructureDocument
+from dalembert.io.schema import DerivedTable, ModelDocument
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.system import System
 from dalembert.symbolic.formulas.conversion import as_expression
@@ -68,17 +68,17 @@ class Builder:
 
     Parameters
     ----------
-    document : Document
+    document : ModelDocument
     source : path of the file, for messages and relative paths
     """
 
-    def __init__(self, document: Document, source: Path):
+    def __init__(self, document: ModelDocument, source: Path):
         self.document, self.source = document, source
         self.located = Located(source, document)
         name = document.name or visible(source.stem)
-        self.system = System(name, description=document.description)
+        self.system: System = document.builder(name, description=document.description)
         self.formulas = Formulas(self.system)
-        self.references = References(document, self.system, self.formulas)
+        self.elastic = FiniteElements(document, self.system, self.located, self.formulas)
         self.structures: dict[Path, StructuralModel] = {}
         self.laws = LawReader(self.located, self.formulas)
 
@@ -87,47 +87,56 @@ class Builder:
 
         Raises
         ------
-        ModelError
+        ModelError, FileError, UnsupportedError
             Names file, location, value and a fix.
         """
-        self._check_budget()
         declare_parameters(self.system, self.document, self.located)
         declare_tables(self.system, self.document, self.located, self.formulas)
         self.derived()
-        self.histories()
-        if self.document.gravity is not None:
-            with self.located("gravity"):
-                components = [self.formulas.read(g) for g in self.document.gravity]
-                self.system.gravity = as_expression(components, "", "m/s^2", len(components))
-        for name, at in self.document.ground.points.items():
-            with self.located("ground", "points", name):
-                self.system.ground.add_point(name, self.vector(at, Scope.PARAMETERS))
-        for name, frame in self.document.ground.frames.items():
-            with self.located("ground", "frames", name):
-                self.system.ground.add_frame(name, **read_frame(frame, self.formulas))
-        for name in self.document.bodies:
-            self.add("bodies", name)
-        for name in self.document.beams:
-            self.add("beams", name)
-        elastic = FiniteElements(
-            self.document, MeshReader(self.source, self.located, self.formulas), self.system
-        )
-        elastic.add()
-        for name in self.document.joints:
-            self.add("joints", name)
-        for name in self.document.drivers:
-            self.add("drivers", name)
-        self.forces()
-        elastic.add_loads()
-        for measure, value in self.document.initial.items():
-            with self.located("initial", measure):
-                quantity = self.formulas.read(measure, Scope.MOTION)
-                self.system.initial(as_expression(quantity, ""), self.formulas.read(value))
+        if isinstance(self.document, Document):
+            self.mechanism(self.document)
+        else:
+            self.elastic.add()
+        self.elastic.add_conditions()
+        self.initial()
         return self.system
 
-    def _check_budget(self) -> None:
+    def mechanism(self, document: Document) -> None:
+        """Add bodies, finite elements, joints, drivers and forces."""
+        self._check_budget(document)
+        self.references = References(document, self.system, self.formulas)
+        self.histories(document)
+        for name, at in document.ground.points.items():
+            with self.located("ground", "points", name):
+                self.system.ground.add_point(name, self.vector(at, Scope.PARAMETERS))
+        for name, frame in document.ground.frames.items():
+            with self.located("ground", "frames", name):
+                self.system.ground.add_frame(name, **read_frame(frame, self.formulas))
+        for section in ("bodies", "beams"):
+            for name in getattr(document, section):
+                self.add(document, section, name)
+        self.elastic.add()
+        for section in ("joints", "drivers"):
+            for name in getattr(document, section):
+                self.add(document, section, name)
+        self.forces(document)
+
+    def initial(self) -> None:
+        """Prescribe measures, or motions of nodes, at the start."""
+        if isinstance(self.document.initial, list):
+            return
+        for measure, value in self.document.initial.items():
+            with self.located("initial", measure):
+                number = self.formulas.read(value)
+                owner, _, direction = measure.rpartition(".")
+                if owner in self.document.nodes and direction in DISPLACEMENTS | VELOCITIES:
+                    self.system.initial(self.system.nodes[owner], **{direction: number})
+                else:
+                    quantity = self.formulas.read(measure, Scope.MOTION)
+                    self.system.initial(as_expression(quantity, ""), number)
+
+    def _check_budget(self, document: Document) -> None:
         """Refuse more names than can be processed in reasonable time."""
-        document = self.document
         owners = [document.ground, *document.bodies.values()]
         tables = [owner if isinstance(owner, dict) else vars(owner) for owner in owners]
         points = (table.get(key) for table in tables for key in ("points", "frames"))
@@ -159,9 +168,9 @@ class Builder:
                 formula = self.formulas.read(table.formula)
                 self.system.derived(name, formula, table.unit, table.description)
 
-    def histories(self) -> None:
+    def histories(self, document: Document) -> None:
         """Declare unknown functions of time, for forces and drivers."""
-        tables: dict[str, Any] = self.document.histories
+        tables: dict[str, Any] = document.histories
         for name, table in tables.items():
             with self.located("histories", name):
                 declared = declare_history(self.system, name, table)
@@ -172,19 +181,19 @@ class Builder:
         return [self.formulas.read(entry, scope) for entry in entries]
 
     # elements ------------------------------------------------------------------
-    def forces(self) -> None:
+    def forces(self, document: Document) -> None:
         """Add forces, which may be formulas of other forces, in order of dependence."""
-        entries: dict[str, Any] = self.document.forces
+        entries: dict[str, Any] = document.forces
         with self.located():
-            classes = elements_of(self.document.space, "forces")
+            classes = elements_of(document.space, "forces")
             texts = {name: _formula_texts(classes[f.type], f) for name, f in entries.items()}
             order = dependency_order("forces", texts)
         for name in order:
-            self.add("forces", name)
+            self.add(document, "forces", name)
 
-    def add(self, section: str, name: str) -> None:
-        table = getattr(self.document, section)[name]
-        cls, where = elements_of(self.document.space, section)[table.type], (section, name)
+    def add(self, document: Document, section: str, name: str) -> None:
+        table = getattr(document, section)[name]
+        cls, where = elements_of(document.space, section)[table.type], (section, name)
         moving = issubclass(cls, (ForceElement, UserConstraint)) and section != "beams"
         scope = Scope.MOTION if moving else Scope.PARAMETERS
         with self.located(*where):
@@ -235,7 +244,7 @@ class Builder:
         """A contact shape, or the point or body that replaces it."""
         if isinstance(entry, str):
             return self.references.end(Point, entry)
-        return self.component(SHAPES[self.document.space.dimension], entry, where)
+        return self.component(SHAPES[self.references.document.space.dimension], entry, where)
 
     def component(self, registry: dict[str, type], table: Any, where: tuple[str | int, ...]) -> Any:
         """Component object of an element, such as a contact law, from its table."""
@@ -261,7 +270,8 @@ class Builder:
                 document = StructureDocument.model_validate(data)
             except ValidationError as error:
                 raise explain(error, data, path) from None
-            self.structures[path] = StructureBuilder(document, path).build().build()
+            model: Any = Builder(document, path).build().build()
+            self.structures[path] = model
         return self.structures[path]
 
     def force_law(self, text: float | str, scope: Scope) -> Callable:
@@ -284,6 +294,6 @@ def _formula_texts(cls: type, table: BaseModel) -> list[str]:
     return formulas
 
 
-def _as_list(entry: Any) -> list:
+def _as_list(entry: object) -> list:
     """A list; a single entry becomes a list of one."""
     return entry if isinstance(entry, list) else [entry]

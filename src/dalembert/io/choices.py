@@ -53,7 +53,7 @@ class DeferredTable:
     def _table(self) -> Table:
         return self.make()
 
-    def _read(self, value: Any) -> Any:
+    def _read(self, value: object) -> Any:
         return self._table.model_validate(value)
 
     def __get_pydantic_core_schema__(self, *_: Any) -> CoreSchema:
@@ -86,14 +86,14 @@ def one_of(
     prefix : optional prefix of a type
     """
 
-    def choose(value: Any) -> Any:
+    def choose(value: object) -> Any:
         if not isinstance(value, (dict, BaseModel)):
             return PLAIN
         keys = value if isinstance(value, dict) else vars(value)
         kind = keys.get("type", default)
         return kind.removeprefix(prefix) if isinstance(kind, str) else kind
 
-    def check(value: Any) -> Any:
+    def check(value: object) -> Any:
         kinds = ", ".join(tables)
         if not isinstance(value, (dict, BaseModel)):
             if plain is None:
@@ -120,8 +120,19 @@ def one_of(
 def table_or(table: type[BaseModel], plain: Any) -> Any:
     """Union of one table and a plain value."""
 
-    def choose(value: Any) -> str:
+    def choose(value: object) -> str:
         return "table" if isinstance(value, (dict, BaseModel)) else PLAIN
 
     members = (Annotated[table, Tag("table")], Annotated[plain, Tag(PLAIN)])
+    return Annotated[Union[members], Discriminator(choose)]  # noqa: UP007
+
+
+def tables_or(table: Any, plain: Any) -> Any:
+    """Union of a list of tables and a plain value."""
+
+    def choose(value: Any) -> str:
+        entries = value if isinstance(value, list) else ()
+        return "tables" if any(isinstance(e, (dict, BaseModel)) for e in entries) else PLAIN
+
+    members = (Annotated[list[table], Tag("tables")], Annotated[plain, Tag(PLAIN)])
     return Annotated[Union[members], Discriminator(choose)]  # noqa: UP007

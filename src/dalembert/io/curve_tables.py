@@ -17,7 +17,7 @@ from dalembert.symbolic.formulas.interpolation import KINDS, OUTSIDE, TABLE_ENDS
 from dalembert.text.wording import unknown
 
 
-def _column(value: Any) -> str | list[float | str]:
+def _column(value: object) -> str | list[float | str]:
     if isinstance(value, str):
         return value
     if not isinstance(value, list):

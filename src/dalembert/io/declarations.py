@@ -10,10 +10,12 @@ from typing import Any
 from dalembert.design.inverse.input_history import InputHistory, input_history
 from dalembert.errors import ExpressionError
 from dalembert.io.curve_tables import read_curve
+from dalembert.io.decisions.task_tables import HistoryTable
 from dalembert.io.formulas import Formulas
 from dalembert.io.location import Located
 from dalembert.io.messages import key_path
 from dalembert.io.schema import ModelDocument, ParameterTable
+from dalembert.symbolic.formulas.declared import Declared
 
 _FIRST_NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
 
@@ -42,7 +44,7 @@ def dependency_order(section: str, formulas: Mapping[str, Iterable[str]]) -> lis
         ) from None
 
 
-def declare_parameters(target: Any, document: ModelDocument, located: Located) -> None:
+def declare_parameters(target: Declared, document: ModelDocument, located: Located) -> None:
     """Declare all parameters of a document on a system or structure.
 
     Raises
@@ -58,7 +60,7 @@ def declare_parameters(target: Any, document: ModelDocument, located: Located) -
 
 
 def declare_tables(
-    target: Any, document: ModelDocument, located: Located, formulas: Formulas
+    target: Declared, document: ModelDocument, located: Located, formulas: Formulas
 ) -> None:
     """Declare all tables of a document on a system or structure.
 
@@ -72,6 +74,6 @@ def declare_tables(
             target.table(name, **read_curve(table, located.source, formulas.read))
 
 
-def declare_history(system: Any, name: str, table: Any) -> InputHistory:
+def declare_history(system: Declared, name: str, table: HistoryTable) -> InputHistory:
     """Declare the parameters of a history on a system."""
     return input_history(system, name, table.times(), table.value, table.unit, table.ends)

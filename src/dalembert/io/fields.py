@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.structural.transient_equation import Rayleigh
+from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.elements.base import Constraint, Rows, Vector
 from dalembert.elements.body import BodyElement
@@ -26,7 +27,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
-from dalembert.elements.fem.node import Nodal
+from dalembert.elements.fem.nodal import Nodal
 from dalembert.elements.flexible.body import Interfaces, Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
@@ -162,7 +163,7 @@ def keyed_fields(cls: type, hidden: frozenset[str] = frozenset({"name"})) -> lis
 
 
 def read_fields(
-    cls: type, table: Any, located: Any, where: tuple[str | int, ...], value: Callable
+    cls: type, table: BaseModel, located: Any, where: tuple[str | int, ...], value: Callable
 ) -> dict[str, Any]:
     """Values of the fields in a table, converted by ``value(field, entry, where)``."""
     values = {}

@@ -33,7 +33,7 @@ class Namespace(Protocol):
     @property
     def tables(self) -> Mapping[str, Interpolation]: ...
 
-    def lookup(self, name: str) -> Any: ...
+    def lookup(self, name: str) -> Expression | Interpolation | None: ...
 
     def measure_names(self) -> list[str]: ...
 
@@ -56,7 +56,7 @@ class ParameterNames:
         self.tables: Mapping[str, Interpolation] = {} if tables is None else tables
         self.derived_parameters: Mapping[str, Expression] = {}
 
-    def lookup(self, name: str) -> Any:
+    def lookup(self, name: str) -> Expression | Interpolation | None:
         """The parameter, the table, or time."""
         value = self.parameters.get(name, t if name == "t" else None)
         return self.tables.get(name) if value is None else value

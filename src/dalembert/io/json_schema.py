@@ -8,8 +8,7 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 
 from dalembert.elements.registry import SPACES
-from dalembert.io.schema import Document, document_of
-from dalembert.io.structures.structure_schema import StructureDocument
+from dalembert.io.documents import Document, StructureDocument, document_of
 
 
 def json_schema(kind: str | None = None) -> dict[str, Any]:
@@ -45,11 +44,12 @@ def _condition(model: type[BaseModel]) -> dict[str, Any]:
         return {"properties": {"kind": {"const": "structure"}}, "required": ["kind"]}
     size = model.space.dimension
     declared = {"properties": {"dimension": {"const": size}}, "required": ["dimension"]}
-    implied = {"properties": {"gravity": {"minItems": size}}, "required": ["gravity"]}
+    vector = {"minItems": size, "items": {"not": {"type": "object"}}}
+    implied = {"properties": {"gravity": vector}, "required": ["gravity"]}
     return {"anyOf": [declared, {"not": {"required": ["dimension"]}, **implied}]}
 
 
-def _drop_null_defaults(node: Any) -> None:
+def _drop_null_defaults(node: object) -> None:
     """Remove null defaults, because null is not a value of this format."""
     if isinstance(node, dict):
         if "default" in node and node["default"] is None:

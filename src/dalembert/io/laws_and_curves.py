@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from dalembert.elements.curves import u
+from dalembert.elements.laws.base import Law
 from dalembert.elements.registry import CURVES, LAWS
 from dalembert.errors import FileError, ModelError
 from dalembert.io.curve_tables import read_columns
@@ -32,7 +33,7 @@ class LawReader:
 
     def __init__(self, located: Located, formulas: Formulas):
         self.located, self.formulas = located, formulas
-        self.histories: dict[str, Any] = {}
+        self.histories: dict[str, Law] = {}
         """Name of an unknown history → its law."""
 
     def law(self, entry: Any, where: KeyPath) -> Any:

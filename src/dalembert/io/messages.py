@@ -5,13 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
 from dalembert.errors import ModelError
 from dalembert.io.values import short_repr
 from dalembert.text.wording import nearest
+
+if TYPE_CHECKING:
+    from pydantic_core import ErrorDetails
 
 MAX_LINES = 5
 _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
@@ -52,7 +55,7 @@ def explain(error: ValidationError, data: dict, source: Path | str) -> ModelErro
     return ModelError(lines[0] if len(lines) == 1 else "\n  ".join(["", *lines]), str(source))
 
 
-def _location(item: Any, data: Any) -> list[str | int]:
+def _location(item: ErrorDetails, data: Any) -> list[str | int]:
     """Keys that lead to the error, without the type tags of the validator."""
     where: list[str | int] = []
     loc = item["loc"]
@@ -67,7 +70,7 @@ def _location(item: Any, data: Any) -> list[str | int]:
     return [*where, cause.key] if isinstance(cause, UnknownKey) else where
 
 
-def _description(item: Any) -> str:
+def _description(item: ErrorDetails) -> str:
     kind, value = item["type"], item.get("input")
     cause = item.get("ctx", {}).get("error")
     if cause is not None:

@@ -12,22 +12,21 @@ from pydantic import BaseModel, ValidationError
 from dalembert.elements.registry import SPACES
 from dalembert.errors import ModelError
 from dalembert.io.builder import Builder
+from dalembert.io.documents import Document, StructureDocument, document_of
 from dalembert.io.location import Located
 from dalembert.io.messages import explain, key_path
+from dalembert.io.older_names import with_present_names
 from dalembert.io.reading import read_document
-from dalembert.io.schema import Document, ParameterTable, document_of
-from dalembert.io.structures.structure_builder import StructureBuilder
-from dalembert.io.structures.structure_schema import StructureDocument
+from dalembert.io.schema import ModelDocument, ParameterTable
 from dalembert.io.values import in_own_unit, short_repr
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
-from dalembert.model.structure import Structure
-from dalembert.model.system import ELEMENT_MEANINGS, System
-from dalembert.symbolic.formulas.declared import CONSTANTS, VARIABLES, check_free
+from dalembert.model.system import System
+from dalembert.symbolic.formulas.declared import check_free
 from dalembert.text.wording import nearest, visible
 
-BUILDERS: dict[str, Any] = {"mechanism": Builder, "structure": StructureBuilder}
-"""Value of ``kind`` in a file → its builder."""
+KINDS = ("mechanism", "structure")
+"""Values of ``kind`` in a file."""
 
 VALUE_SECTIONS = ("parameters", "derived", "tables", "histories")
 """Sections whose entries are referred to in formulas by their bare names."""
@@ -40,7 +39,7 @@ class ModelFile:
     Attributes
     ----------
     path : Path
-    document : validated contents, a ``Document`` (mechanism) or a ``StructureDocument``
+    document : validated contents
     """
 
     path: Path
@@ -56,7 +55,7 @@ class ModelFile:
         """Context manager that adds this file and the location to errors."""
         return Located(self.path, self.document)
 
-    def build(self) -> System | Structure:
+    def build(self) -> System:
         """The system or structure, ready to be changed or built.
 
         Raises
@@ -64,7 +63,7 @@ class ModelFile:
         ModelError, FileError
             Names file, location, value and a fix.
         """
-        return BUILDERS[self.document.kind](self.document, self.path).build()
+        return Builder(self.document, self.path).build()
 
     def model(self) -> Model | StructuralModel:
         """The assembled model.
@@ -118,7 +117,7 @@ def load_model_file(path: str | Path) -> ModelFile:
         Invalid contents; names all invalid locations.
     """
     path = Path(path)
-    data = read_document(path)
+    data = with_present_names(read_document(path))
     schema = _document_type(data, path)
     try:
         document = schema.model_validate(data)
@@ -147,8 +146,8 @@ def _other_dimension(data: dict[str, Any], schema: type) -> str:
 def _document_type(data: dict[str, Any], path: Path) -> type[Document] | type[StructureDocument]:
     """Document type for the ``kind`` and ``dimension`` of a file."""
     kind = data.get("kind", "mechanism")
-    if not isinstance(kind, str) or kind not in BUILDERS:
-        kinds, suggestion = ", ".join(BUILDERS), nearest(kind, BUILDERS)
+    if not isinstance(kind, str) or kind not in KINDS:
+        kinds, suggestion = ", ".join(KINDS), nearest(kind, KINDS)
         raise ModelError(
             f"unknown kind {short_repr(kind)}{suggestion}; known: {kinds}", f"{path}: kind"
         )
@@ -157,8 +156,10 @@ def _document_type(data: dict[str, Any], path: Path) -> type[Document] | type[St
         raise ModelError('nodes and elements make a structure; add kind = "structure"', str(path))
     if kind == "structure":
         return StructureDocument
-    gravity = data.get("gravity")
-    implied = len(gravity) if isinstance(gravity, list) and len(gravity) in SPACES else 2
+    gravity: Any = data.get("gravity")
+    tables = isinstance(gravity, list) and any(isinstance(entry, dict) for entry in gravity)
+    is_vector = isinstance(gravity, list) and len(gravity) in SPACES and not tables
+    implied = len(gravity) if is_vector else 2
     dimension = data.get("dimension", implied)
     if isinstance(dimension, bool) or dimension not in SPACES:
         kinds = ", ".join(map(str, SPACES))
@@ -202,7 +203,7 @@ def _table_type(kind: Any) -> type[BaseModel]:
     return types[0]  # type: ignore[no-any-return]
 
 
-def load_model(path: str | Path) -> System | Structure:
+def load_model(path: str | Path) -> System:
     """Read a mechanism or structure from a TOML or JSON model file; ``build()`` it to analyse it.
 
     Parameters
@@ -237,14 +238,12 @@ def load_model(path: str | Path) -> System | Structure:
     return load_model_file(path).build()
 
 
-def _check_names(document: Document | StructureDocument, path: Path) -> None:
+def _check_names(document: ModelDocument, path: Path) -> None:
     """Refuse duplicate and reserved names, separately for values and for parts."""
-    of_structure = isinstance(document, StructureDocument)
-    meanings = CONSTANTS if of_structure else VARIABLES
     seen: dict[tuple[bool, str], str] = {}
     for section in document.sections:
         is_value = section in VALUE_SECTIONS
-        reserved = meanings if is_value else {} if of_structure else ELEMENT_MEANINGS
+        reserved = document.builder.meanings if is_value else document.builder.reserved
         for name in getattr(document, section):
             location = f"{path}: {key_path(section, name)}"
             check_free(name, reserved, location, "formulas" if is_value else "mechanisms")

@@ -50,7 +50,7 @@ def read_document(path: str | Path) -> dict[str, Any]:
     return data
 
 
-def _parse_toml(path: Path, text: str) -> Any:
+def _parse_toml(path: Path, text: str) -> object:
     for match in _KEY.finditer(text):
         if match[0].count(".") > MAX_KEY_PARTS:
             line = text.count("\n", 0, match.start()) + 1
@@ -65,7 +65,7 @@ def _parse_toml(path: Path, text: str) -> Any:
         raise FileError(f"{path}: cannot be read as TOML: {_reason(error)}") from None
 
 
-def _parse_json(path: Path, text: str) -> Any:
+def _parse_json(path: Path, text: str) -> object:
     def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         table: dict[str, Any] = {}
         for key, value in pairs:
@@ -90,7 +90,7 @@ def _reason(error: Exception) -> str:
     return "nested too deep" if isinstance(error, RecursionError) else str(error)
 
 
-def _depth(data: Any) -> int:
+def _depth(data: dict | list) -> int:
     """Maximum nesting depth, computed without recursion."""
     level, depth = [data], 0
     while level and depth <= MAX_DEPTH:
@@ -104,9 +104,9 @@ def _depth(data: Any) -> int:
     return depth
 
 
-def _refuse_hidden(path: Path, data: Any) -> None:
+def _refuse_hidden(path: Path, data: dict | list) -> None:
     """Refuse names and texts with hidden characters."""
-    pending: list[tuple[tuple[str | int, ...], Any]] = [((), data)]
+    pending: list[tuple[tuple[str | int, ...], dict | list]] = [((), data)]
     while pending:
         keys, item = pending.pop()
         for key, child in item.items() if isinstance(item, dict) else enumerate(item):

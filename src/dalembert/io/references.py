@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
 from dalembert.errors import ModelError
+from dalembert.io.documents import Document
 from dalembert.io.formulas import Formulas
 from dalembert.io.orientations import FrameTable, read_frame
-from dalembert.io.schema import Document
 from dalembert.model.system import System
 from dalembert.text.wording import listed, nearest, unknown
 
@@ -35,20 +36,29 @@ class References:
         return self.system.body(name)
 
     def node(self, owner: str, name: str) -> Any:
-        """The body at a node of a beam or a mesh."""
+        """The body at a node of a beam."""
         if owner not in self.system.elements:
             raise ModelError(
                 f"{owner} is not defined yet; a beam begins and ends at bodies, or at "
                 "beams before it"
             )
         element: Any = self.system.elements[owner]
-        nodes = element.named_nodes
+        return self._among(element.named_nodes, owner, name, f"{owner}.")
+
+    def node_of_mesh(self, owner: str, reference: str) -> Any:
+        """A node of a mesh, ``mesh_nodes[3]``."""
+        nodes = self.system.meshes[owner].nodes()
+        named = {name: nodes[k] for k, name in enumerate(nodes.names)}
+        return self._among(named, owner, reference, "")
+
+    @staticmethod
+    def _among(nodes: Mapping[str, Any], owner: str, name: str, prefix: str) -> Any:
+        """The node of this name."""
         if name not in nodes:
-            qualified = [f"{owner}.{node}" for node in nodes]
-            reference = f"{owner}.{name}" if name else owner
+            reference, known = f"{prefix}{name}" if name else owner, [prefix + n for n in nodes]
             raise ModelError(
-                f"unknown node {reference!r}{nearest(reference, qualified)}; "
-                f"nodes of {owner}: {listed(qualified)}"
+                f"unknown node {reference!r}{nearest(reference, known)}; nodes of {owner}: "
+                f"{listed(known)}"
             )
         return nodes[name]
 
@@ -70,8 +80,13 @@ class References:
         if not isinstance(reference, str):
             return self._from_table(kind, reference)
         owner, _, name = reference.partition(".")
-        if owner in self.document.beams or owner in self.document.meshes:
+        mesh = owner.partition("[")[0].removesuffix("_nodes")
+        if owner in self.document.beams:
             return self.node(owner, name)
+        if owner in self.document.nodes:
+            return self.system.nodes[owner]
+        if mesh in self.document.meshes:
+            return self.node_of_mesh(mesh, reference)
         body = self.body(owner)
         if not name:
             return body

@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-from dalembert.analysis.dynamics.dynamics import Dynamics
-from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.equilibrium.load_path import ArcLength
-from dalembert.analysis.equilibrium.statics import Statics
-from dalembert.analysis.kinematics.inverse_dynamics import InverseDynamics
-from dalembert.analysis.kinematics.kinematics import Kinematics
-from dalembert.analysis.modes.buckling import Buckling
-from dalembert.analysis.modes.modal import Modal
-from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
-from dalembert.analysis.structural.transient import Transient
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from typing import Any
+
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.registry import FORMULATIONS, STABILIZATIONS
 from dalembert.formulations.stabilization import Stabilization
@@ -44,23 +38,32 @@ STRATEGIES: dict[str, dict[str, type]] = {
 }
 """Key of an analysis → the registry of its strategies."""
 
-ANALYSES: dict[str, type] = {
-    "Dynamics": Dynamics,
-    "Kinematics": Kinematics,
-    "InverseDynamics": InverseDynamics,
-    "Equilibrium": Equilibrium,
-    "Modal": Modal,
-    "Nonsmooth": Nonsmooth,
-}
 
-STRUCTURAL_ANALYSES: dict[str, type] = {
-    "Statics": Statics,
-    "Equilibrium": Equilibrium,
-    "ArcLength": ArcLength,
-    "Modal": Modal,
-    "Buckling": Buckling,
-    "Transient": Transient,
-}
+class PublicClasses(Mapping[str, Any]):
+    """Public classes by their names, each imported when it is accessed."""
+
+    def __init__(self, *names: str):
+        self.names = names
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self.names:
+            raise KeyError(name)
+        return getattr(import_module("dalembert"), name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+ANALYSES = PublicClasses(
+    "Dynamics", "Kinematics", "InverseDynamics", "Equilibrium", "Modal", "Nonsmooth"
+)
+STRUCTURAL_ANALYSES = PublicClasses(
+    "Statics", "Equilibrium", "ArcLength", "Modal", "Buckling", "Dynamics"
+)
+TRAJECTORY_METHODS = PublicClasses("DirectCollocation", "MultipleShooting")
 
 RESPONSES: dict[str, type[Response]] = {
     "Final": Final,

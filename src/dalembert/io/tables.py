@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, Field, create_model
 
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.structural.transient_equation import Rayleigh
 from dalembert.analysis.times import TIMES
+from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
@@ -94,10 +94,10 @@ class RayleighTable(Record):
     stiffness: Entry = Field(default=0.0, description="β [s]")
 
 
-def name_or_table(classes: dict[str, type]) -> Any:
+def name_or_table(classes: Mapping[str, type]) -> Any:
     """Type of a strategy: its name, or a table with its type and options."""
 
-    def check(value: Any) -> Any:
+    def check(value: object) -> Any:
         if isinstance(value, str) and value not in classes:
             raise ValueError(unknown("name", value, classes))
         if not isinstance(value, (str, dict, BaseModel)):
@@ -107,8 +107,7 @@ def name_or_table(classes: dict[str, type]) -> Any:
         return value
 
     plain: Any = Annotated[Literal[tuple(classes)], Field(title="name")]
-    tables = {name: partial(table_of, name, cls) for name, cls in classes.items()}
-    return Annotated[one_of(tables, plain=plain), BeforeValidator(check)]
+    return Annotated[one_of(tables_of(classes), plain=plain), BeforeValidator(check)]
 
 
 def reference(dimension: int) -> Any:
@@ -223,9 +222,18 @@ def friction_type() -> Any:
     return any_of(FRICTIONS)
 
 
-def any_of(registry: dict[str, type]) -> Any:
+def any_of(registry: Mapping[str, type]) -> Any:
     """Type of a table that describes an object of one of the registered classes."""
-    return one_of({name: partial(table_of, name, cls) for name, cls in registry.items()})
+    return one_of(tables_of(registry))
+
+
+def tables_of(registry: Mapping[str, type]) -> dict[str, Callable[[], type[BaseModel]]]:
+    """Name of a class → function that creates its table."""
+
+    def table(name: str) -> type[BaseModel]:
+        return table_of(name, registry[name])
+
+    return {name: partial(table, name) for name in registry}
 
 
 @cache

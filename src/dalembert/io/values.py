@@ -7,7 +7,7 @@ import reprlib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pkgutil import resolve_name
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeGuard
 
 from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema
 
@@ -16,7 +16,7 @@ from dalembert.text.wording import nearest
 from dalembert.units.measured import Measured, measured
 
 
-def short_repr(value: Any) -> str:
+def short_repr(value: object) -> str:
     """A value as it appears in messages, abbreviated."""
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -25,7 +25,7 @@ def short_repr(value: Any) -> str:
     return reprlib.repr(value)
 
 
-def constant(value: Any) -> float:
+def constant(value: object) -> float:
     """A finite number; a text is read as a formula of numbers alone, ``2*pi``, or with units.
 
     Raises
@@ -43,10 +43,10 @@ def constant(value: Any) -> float:
     return _finite(value)
 
 
-def in_own_unit(value: Any) -> float | str:
+def in_own_unit(value: object) -> float | str:
     """A finite number, or a text with a number and a unit, which is returned unchanged."""
     number = constant(value)
-    return value if isinstance(number, Measured) else number
+    return value if isinstance(value, str) and isinstance(number, Measured) else number
 
 
 def _finite(value: int | float) -> float:
@@ -59,7 +59,7 @@ def _finite(value: int | float) -> float:
     return value if isinstance(value, Measured) else number
 
 
-def number_or_formula(value: Any) -> float | str:
+def number_or_formula(value: object) -> float | str:
     """A finite number, or the text of a formula (parsed when the model is built)."""
     if isinstance(value, str):
         if not value.strip():
@@ -70,15 +70,15 @@ def number_or_formula(value: Any) -> float | str:
     return _finite(value)
 
 
-def _bound(value: Any) -> float | None:
+def _bound(value: object) -> float | None:
     return value if _is_open(value) else constant(value)
 
 
-def _own_bound(value: Any) -> float | str | None:
+def _own_bound(value: object) -> float | str | None:
     return value if _is_open(value) else in_own_unit(value)
 
 
-def _number_or_bounds(value: Any) -> float | list[float | None]:
+def _number_or_bounds(value: object) -> float | list[float | None]:
     if not isinstance(value, list):
         return constant(value)
     if len(value) != 2:
@@ -86,11 +86,11 @@ def _number_or_bounds(value: Any) -> float | list[float | None]:
     return [_bound(side) for side in value]
 
 
-def _is_open(value: Any) -> bool:
+def _is_open(value: object) -> TypeGuard[float | None]:
     return value is None or (isinstance(value, float) and math.isinf(value))
 
 
-def _integer(value: Any) -> int:
+def _integer(value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError(f"expected a whole number, got {short_repr(value)}")
     if abs(value) > 10**12:
@@ -98,19 +98,19 @@ def _integer(value: Any) -> int:
     return value
 
 
-def _flag(value: Any) -> bool:
+def _flag(value: object) -> bool:
     if not isinstance(value, bool):
         raise ValueError(f"expected true or false, got {short_repr(value)}")
     return value
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     if not isinstance(value, str):
         raise ValueError(f"expected a text in quotes, got {short_repr(value)}")
     return value
 
 
-def _count_or_times(value: Any) -> int | list[float | str]:
+def _count_or_times(value: object) -> int | list[float | str]:
     if isinstance(value, list):
         return [number_or_formula(item) for item in value]
     if isinstance(value, bool) or not isinstance(value, int):
@@ -118,7 +118,7 @@ def _count_or_times(value: Any) -> int | list[float | str]:
     return _integer(value)
 
 
-def _rows(value: Any) -> list:
+def _rows(value: object) -> list:
     if not isinstance(value, list):
         raise ValueError(f"expected a list of numbers, got {short_repr(value)}")
     return [
@@ -191,7 +191,7 @@ ListOfRows = Annotated[
 _NODE_NAMES = {"type": "array", "items": {"type": "string"}, "minItems": 1}
 
 
-def _interfaces(value: Any) -> Any:
+def _interfaces(value: object) -> Any:
     chosen = list(value.values()) if isinstance(value, dict) else value
     if not isinstance(chosen, list) or not chosen:
         got = "none" if value == {} else short_repr(value)
@@ -242,7 +242,7 @@ def one_name(choices: str | Iterable[str]) -> Any:
     def names() -> list[str]:
         return list(resolve_name(choices) if isinstance(choices, str) else choices)
 
-    def check(value: Any) -> str:
+    def check(value: object) -> str:
         if not isinstance(value, str) or value not in names():
             near, listed = nearest(value, names()), ", ".join(names())
             raise ValueError(f"unknown name {short_repr(value)}{near}; known: {listed}")
@@ -255,7 +255,7 @@ def list_of(item: Any, size: int, description: str = "numbers or formulas", leas
     """Type of a list with ``size`` or ``least`` entries; ``what`` names them in messages."""
     sizes = f"{least} or {size}" if least else f"{size}"
 
-    def check(value: Any) -> Any:
+    def check(value: object) -> Any:
         if not isinstance(value, list):
             raise ValueError(
                 f"expected a list of {sizes} entries ({description}), got {short_repr(value)}"

@@ -6,6 +6,8 @@ of the whole system; a vector's components are ``.x``, ``.y`` and ``.z``.
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import casadi as ca
 
 from dalembert.elements.base import Constraint, Element, ForceElement
@@ -18,12 +20,17 @@ from dalembert.symbolic.formulas.expression import Expression, t
 Measures = dict[str, tuple[ca.SX, str]]
 
 
-def element_measures(element: Element, everything: list[Coordinates]) -> Measures:
-    """Quantities of an element: name → (expression, unit).
+class Everything(Protocol):
+    """Parts with all coordinates, for elements that are formulas and have no list of bodies."""
 
-    ``everything`` is used for elements written as a formula, which have no list of bodies.
-    """
-    owners = element.parts() or everything
+    @property
+    def coordinates(self) -> list[Coordinates]:
+        """All groups of coordinates."""
+
+
+def element_measures(element: Element, everything: Everything) -> Measures:
+    """Quantities of an element: name → (expression, unit)."""
+    owners = element.parts() or everything.coordinates
 
     def rate(expression: ca.SX) -> ca.SX:
         return rate_of(expression, owners, t.sx)
@@ -62,7 +69,7 @@ def constraint_measures(constraint: Constraint, rate) -> Measures:
     return measures | constraint.measures(rate)
 
 
-def _about(element: Element, everything: list[Coordinates], quantity: str) -> Measures:
+def _about(element: Element, everything: Everything, quantity: str) -> Measures:
     """Measures of an element that include a quantity, if it exists; avoids all points of a body."""
     name = quantity.partition(".")[0]
     if isinstance(element, BodyElement) and name in element.places:
@@ -71,14 +78,16 @@ def _about(element: Element, everything: list[Coordinates], quantity: str) -> Me
 
 
 def find_measure(
-    elements: dict[str, Element], everything: list[Coordinates], name: str
+    element: Element, everything: Everything, owner: str, quantity: str
 ) -> Expression | None:
-    """The measure of a dotted name, or None."""
-    owner, _, quantity = name.partition(".")
-    element = elements.get(owner)
-    if element is None or not quantity:
-        return None
-    measures = _about(element, everything, quantity)
+    """A measure of an element, or None.
+
+    Parameters
+    ----------
+    owner : name of the element in formulas
+    quantity : name of the measure, or of a component of it
+    """
+    measures, name = _about(element, everything, quantity), f"{owner}.{quantity}"
     if quantity in measures:
         sx, unit = measures[quantity]
         return Expression(sx, name, unit)

@@ -23,6 +23,7 @@ from dalembert.model.natural_units import scales_of
 from dalembert.model.scales import Scales
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.evaluation.kernel import SELDOM, condensed
+from dalembert.symbolic.formulas.declared import parameter_table
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.once import once
@@ -257,5 +258,5 @@ class Model(ParametricModel):
 
     def _repr_html_(self) -> str:
         diagnosis = self.diagnosis
-        tables = (table(diagnosis.rows), self.parts.parameter_table())
+        tables = (table(diagnosis.rows), parameter_table(self.parameters))
         return card(f"Model {self.name}", diagnosis.summary, messages(diagnosis.messages), *tables)

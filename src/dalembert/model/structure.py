@@ -1,19 +1,20 @@
-"""The mutable, validating builder of a structure."""
+"""Builder of structures."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.errors import ModelError
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.meshes.mesh import Classes, Mesh, add_mesh
-from dalembert.model.supports_and_loads import StructureDescription
-from dalembert.text.arguments import CheckedArguments
+from dalembert.model.parts import E
+from dalembert.model.system import System
+from dalembert.symbolic.formulas.declared import CONSTANTS, declared
 
 
-class Structure(CheckedArguments, StructureDescription):
-    """A structure under construction: nodes, elements between them, supports and loads.
-
-    Every number may be a formula of parameters.
+class Structure(System):
+    """A system of nodes and finite elements between them, with supports and loads.
 
     Parameters
     ----------
@@ -36,45 +37,30 @@ class Structure(CheckedArguments, StructureDescription):
     -0.015
     """
 
+    meanings = CONSTANTS
+    reserved: ClassVar[Mapping[str, str]] = {}
+
     def __init__(self, name: str, description: str = ""):
-        super().__init__(name, description)
-        self.meshes: dict[str, Mesh] = {}
+        super().__init__(name, description=description)
 
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str):
-            raise AttributeError(
-                f"{type(self).__name__} {vars(self).get('name', '')!r} has no {name!r}; analyses "
-                "use the model returned by its build()"
+    def add(self, element: E) -> E:
+        """Add a finite element; returns it."""
+        if not isinstance(element, StructuralElement):
+            raise ModelError(
+                f"add() takes a structural element, got {element!r}; a System takes others, too",
+                self.name,
             )
+        return super().add(element)
 
-    def add_mesh(self, name: str, mesh: Any, element: Classes = None, **quantities: Any) -> Mesh:
-        """Add the nodes and elements of a mesh.
+    def lookup(self, name: str) -> Any:
+        """The parameter, table or time of a name in a formula; None if unknown."""
+        return declared(self, name)
 
-        Nodes are called ``name_nodes[k]``, elements ``name[k]`` (``name_shape[k]`` where cells of
-        several shapes become elements). Points in the plane ``z = 0`` get two coordinates; points
-        without elements are omitted; cells of lower dimension, such as the edges of an area, only
-        serve as groups of nodes.
+    def measure_names(self) -> list[str]:
+        """Empty: measures exist in the built model."""
+        return []
 
-        Parameters
-        ----------
-        name : of the mesh
-        mesh : meshio.Mesh, path of a file that meshio reads, or ``(points, cells)`` with cells an
-            array (cells, nodes) or a table of such arrays by shape
-        element : class of the elements, or a table of classes by shape; by default chosen by shape
-            and dimension, except for lines
-        **quantities : of the elements: a number or formula for all, an array with one per element,
-            or a table with one per group of elements; options
-
-        Raises
-        ------
-        ModelError, FileError, UnsupportedError
-            Not a mesh, an element that does not fit its cells, meshio missing.
-        """
-        self.meshes[name] = add_mesh(self, name, mesh, element, quantities)
-        return self.meshes[name]
-
-    def build(self) -> StructuralModel:
+    def build(self) -> StructuralModel:  # type: ignore[override]
         """Check the structure and build the frozen model.
 
         Raises

@@ -1,33 +1,29 @@
-"""Builder of mechanism models, with validation."""
+"""Builder of models, with validation."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
-from dalembert.elements.base import Constraint, Element, ForceElement
-from dalembert.errors import ModelError
+from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.between_bodies import NodeBody
+from dalembert.elements.fem.element_set import Elements
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.checks import ValueChecks, check_membership, check_symbols
-from dalembert.model.description import Description
-from dalembert.model.elastic_structure import ElasticStructure
-from dalembert.model.meshes.mesh import Classes
+from dalembert.model.copies import Copied, include
+from dalembert.model.description import Description, gravity_field
+from dalembert.model.load_records import Weight
+from dalembert.model.mechanism_parts import MechanismParts
 from dalembert.model.model import Model
-from dalembert.model.nodal_conditions import Nodes, loads, supports
-from dalembert.model.structure import Structure
-from dalembert.symbolic.formulas.conversion import as_expression
-from dalembert.symbolic.formulas.declared import VARIABLES, Declared, check_free
-from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.formulas.parameter import coherent
+from dalembert.model.supports_and_loads import SupportsAndLoads
+from dalembert.symbolic.formulas.declared import VARIABLES
 from dalembert.text.arguments import CheckedArguments, check_arguments
 
-E = TypeVar("E", bound=Element)
 
-ELEMENT_MEANINGS = {"ground": "the body at rest"}
-"""Reserved names of elements, with their meaning."""
+class System(CheckedArguments, SupportsAndLoads, MechanismParts):
+    """A mechanism or structure under construction.
 
-
-class System(CheckedArguments, Declared, Description):
-    """A mechanism under construction.
+    Bodies, joints, drivers and forces, nodes and finite elements, supports and loads; every number
+    may be a formula of parameters.
 
     Parameters
     ----------
@@ -38,15 +34,30 @@ class System(CheckedArguments, Declared, Description):
     Examples
     --------
     >>> import dalembert as da
-    >>> from dalembert import planar
+    >>> from dalembert import planar, structures
     >>> system = da.System("pendulum", gravity=(0, -9.81))
     >>> bob = system.add(planar.Bar("bob", length="800 mm", mass=2.0))
     >>> hinge = system.add(planar.Revolute("O", system.ground.center, bob.start))
     >>> system.build().diagnosis.degrees_of_freedom
     1
+
+    A rope between the bar and a fixed node:
+
+    >>> low, hook = system.node("low", 0.8, 0), system.node("hook", 0.8, 1)
+    >>> rope = system.add(structures.Truss("rope", low, hook, area=1e-6, modulus=1e9))
+    >>> joint = system.add(planar.Revolute("A", bob.end, low))
+    >>> system.support(hook)
+    >>> rest = da.solve_equilibrium(system.build())
+    >>> round(rest["rope.force"].item(), 1)  # half of the weight
+    9.8
     """
 
     meanings = VARIABLES
+
+    def __init__(self, name: str, gravity: Any = None, description: str = ""):
+        super().__init__(name, description)
+        if gravity is not None:
+            self.spread[""] = [Weight(gravity_field(gravity))]
 
     if not TYPE_CHECKING:
 
@@ -56,130 +67,80 @@ class System(CheckedArguments, Declared, Description):
                 "take the model returned by its build()"
             )
 
-    # building ----------------------------------------------------------------
-    @check_arguments
-    def derived(self, name: str, formula, unit: str = "", description: str = "") -> Expression:
-        """Name a formula of parameters; it is listed with the parameters.
+    def include(
+        self, name: str, source: System, *, velocity: Any = None, angular_velocity: Any = None
+    ) -> Copied:
+        """Add copies of the nodes and finite elements of another system.
 
-        Without a ``unit`` it has the unit of the formula, if that is known.
-        """
-        self._declare(name)
-        expression = as_expression(formula, name, coherent(unit, name) if unit else None)
-        if not unit:
-            expression.unit = getattr(formula, "unit", "")
-        expression.name = name
-        self.derived_parameters[name] = expression
-        return expression
-
-    def add(self, element: E) -> E:
-        """Add a body, joint, driver or force; returns it."""
-        if not isinstance(element, Element):
-            raise ModelError(f"add() takes an element, got {element!r}", self.name)
-        if element.name in self.elements:
-            raise ModelError(
-                "the name is already used by another element; choose a different one", element.name
-            )
-        self._claim(element.name)
-        self.elements[element.name] = element
-        return element
-
-    def add_mesh(
-        self,
-        name: str,
-        mesh: Any,
-        element: Classes = None,
-        *,
-        velocity: Any = None,
-        angular_velocity: Any = None,
-        **quantities: Any,
-    ) -> ElasticStructure:
-        """Add a mesh of finite elements, every node of which is a body.
-
-        For few elements, as all of them are part of the equations; use a ``FlexibleBody`` for a
-        fine mesh.
+        Their names are ``name_original``.
 
         Parameters
         ----------
-        mesh, element, **quantities : as in ``Structure.add_mesh``
-        velocity, angular_velocity : of the whole mesh at the start [m/s], [rad/s]
-
-        Raises
-        ------
-        ModelError, FileError, UnsupportedError
-            No mesh, an element that does not fit its cells, meshio missing.
-        """
-        structure = Structure(name)
-        structure.add_mesh("mesh", mesh, element, **quantities)
-        elastic = ElasticStructure(
-            name, structure=structure, velocity=velocity, angular_velocity=angular_velocity
-        )
-        return self.add(elastic)
-
-    def support(self, nodes: Nodes, **displacements: Any) -> list[Constraint]:
-        """Prescribe displacements of nodes, e.g. ``ux=0, uy=0.01`` [m], ``rz=0`` [rad].
-
-        By default all are zero. A value, which may be a formula of parameters and time, holds for
-        each of the nodes. Zero displacements are a pin or a clamp, others drivers.
+        name : of the copy
+        source : without supports, loads and parameters; formulas use parameters of this system
+        velocity, angular_velocity : of the copy at the start of a mechanism's motion, the latter
+            about the origin [m/s], [rad/s]
 
         Raises
         ------
         ModelError
-            No node, or an unknown direction.
+            The source has other parts.
+
+        Examples
+        --------
+        >>> import dalembert as da
+        >>> from dalembert import planar, structures
+        >>> rod = da.Structure("rod")
+        >>> a, b = rod.node("a", 0, 0), rod.node("b", 1, 0)
+        >>> steel = dict(area=1e-4, modulus=2e11, density=7850.0)
+        >>> element = rod.add(structures.Truss("bar", a, b, **steel))
+        >>> system = da.System("thrown rod and stone", gravity=(0, -9.81))
+        >>> thrown = system.include("rod", rod, velocity=(2.0, 0.0))
+        >>> stone = system.add(planar.Particle("stone", mass=1.0))
+        >>> motion = da.solve_dynamics(system.build(), 1e-4, step=1e-5)
+        >>> round(motion["kinetic_energy"][0].item(), 6)  # m v²/2
+        1.57
         """
-        return [self.add(constraint) for constraint in supports(self.ground, nodes, displacements)]
-
-    def load(self, nodes: Nodes, **forces: Any) -> list[ForceElement]:
-        """Apply forces to each of the nodes, e.g. ``fx=10, fy=-3`` [N], ``mz=2`` [N m].
-
-        Raises
-        ------
-        ModelError
-            No node, no load, or an unknown direction.
-        """
-        return [self.add(force) for force in loads(nodes, forces, len(self.elements))]
-
-    @check_arguments
-    def initial(self, measure: Expression, value) -> None:
-        """Prescribe a position-level measure, or a speed, at the start, exactly.
-
-        Unlike the initial poses of bodies, assembly never changes it.
-        """
-        self.initial_conditions.append(
-            (
-                as_expression(measure, "initial condition", getattr(measure, "unit", "")),
-                as_expression(value, "initial value"),
-            )
-        )
-
-    def _claim(self, name: str) -> None:
-        check_free(name, ELEMENT_MEANINGS, self.name, "mechanisms")
-        super()._claim(name)
+        return include(self, name, source, velocity, angular_velocity)
 
     @property
-    def _values(self) -> tuple[Mapping[str, Any], ...]:
-        return self.parameters, self.derived_parameters, self.tables
+    def is_mechanism(self) -> bool:
+        """Whether it has bodies, joints or other forces, or nodes that move at the start."""
+        moving = any(map(_moves, self.elements.values()))
+        moving |= any(nodes.motion is not None for nodes in self.nodes.values())
+        return moving or bool(self.initial_conditions) or not self.nodes
 
-    @property
-    def _parts(self) -> tuple[Mapping[str, Any], ...]:
-        return (self.elements,)
-
-    # freezing ------------------------------------------------------------------
     @check_arguments
     def build(self, strict: bool = False) -> Model:
-        """Check, assemble and freeze.
+        """Check and freeze.
+
+        Nodes, finite elements, supports and loads alone become a ``StructuralModel``, which sums
+        over many alike elements. With bodies, joints or other forces the system becomes a
+        ``Model``, the equations of a mechanism, in which nodes are bodies.
 
         Parameters
         ----------
-        strict : refuse inconsistent initial speeds instead of projecting them
+        strict : refuse inconsistent initial speeds of a mechanism instead of projecting them
 
         Raises
         ------
         ModelError
-            An invalid number, a joint of a missing body, an over-driven mechanism, …
+            An invalid number, a joint of a missing body, an over-driven mechanism, an unconnected
+            node, a load case of a mechanism, …
         AssemblyError
             The joints cannot be closed; names the worst one and its residual.
         """
-        check_membership(self)
-        check_symbols(self)
-        ValueChecks(self)([p.value for p in self.parameters.values()])
-        return Model.assembled(self.copy(), strict)
+        if not self.is_mechanism:
+            return StructuralModel(self)  # type: ignore[return-value]  # Model is the usual type
+        parts = Description(self)
+        check_membership(parts)
+        check_symbols(parts)
+        ValueChecks(parts)([p.value for p in self.parameters.values()])
+        return Model.assembled(parts, strict)
+
+
+def _moves(element: Any) -> bool:
+    """Whether an element is no finite element between nodes."""
+    if isinstance(element, StructuralElement):
+        return any(isinstance(node, NodeBody) for node in element.nodes())
+    return not isinstance(element, Elements)

@@ -48,6 +48,18 @@ class Analysis(ABC, Generic[M, R]):
     def run(self, model: M, parameters: ParameterValues = None) -> R:
         """Run the analysis of a model, with some or all parameters replaced."""
 
+    def for_model(self, model: M) -> Self:
+        """The analysis as run for a model, with defaults for its kind.
+
+        Raises
+        ------
+        UnsupportedError
+            An option is set that does not apply to this kind of model.
+        """
+        for check in Analysis.checks(self, model).values():
+            check()
+        return self
+
     def for_designs(self) -> Self:
         """The analysis as run for many designs."""
         return self
@@ -62,17 +74,6 @@ class Analysis(ABC, Generic[M, R]):
             for option in fields(self)  # type: ignore[arg-type]
             if option.metadata.get("model", model.kind) != model.kind  # type: ignore[attr-defined]
         }
-
-    def check_options(self, model: M) -> None:
-        """Check that no option is set which does not apply to this kind of model.
-
-        Raises
-        ------
-        UnsupportedError
-            Names the option and its value.
-        """
-        for check in Analysis.checks(self, model).values():
-            check()
 
     @classmethod
     def expression(cls, model: Any, measure: str | Expression) -> Expression:

@@ -93,7 +93,7 @@ def _joints(model: Model) -> list[Variable]:
 
 def _drivers(model: Model) -> list[Variable]:
     drivers = [c for c in model.constraints if isinstance(c, Driver)]
-    measures = {c.name: element_measures(c, model.coordinates) for c in drivers}
+    measures = {c.name: element_measures(c, model) for c in drivers}
     units = {"effort": "N or N m", "power": "W"} if drivers else {}
     return [
         _variable("driver", measures, q, q, f"{q} of the driver", unit, model)
@@ -123,7 +123,7 @@ def _forces(model: Model) -> list[Variable]:
     by_quantity: dict[tuple[str, str], list[tuple[str, ca.SX]]] = {}
     for force in model.forces:
         if isinstance(force, ForceElement) and force.name != "gravity":
-            for quantity, (sx, unit) in element_measures(force, model.coordinates).items():
+            for quantity, (sx, unit) in element_measures(force, model).items():
                 if sx.numel() == 1:
                     by_quantity.setdefault((quantity, unit), []).append((force.name, sx))
     for (quantity, unit), entries in by_quantity.items():

@@ -19,7 +19,6 @@ import numpy as np
 from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
-from dalembert.analysis.structural.transient import Transient
 from dalembert.analysis.timeline import checked_span
 from dalembert.analysis.times import follow_parameters, slopes
 from dalembert.errors import UnsupportedError
@@ -90,12 +89,11 @@ class MovingTimes:
                 "a gradient by parameters that the start of the run follows is not available: the "
                 "whole motion shifts with it; use a fixed start time"
             )
-        fixed = isinstance(analysis, (Transient, Nonsmooth))
+        fixed = motion.model.kind == "structure" or isinstance(analysis, Nonsmooth)
         if fixed and (np.any(self.step) or (analysis.step is None and np.any(self.end))):
-            kind = type(analysis).__name__
             raise UnsupportedError(
-                f"a gradient by parameters that the step of a {kind} follows is not available; "
-                "give step= as a number"
+                f"a gradient by parameters that the step of the {analysis.display_name} follows is "
+                "not available; give step= as a number"
             )
         self.ended = end_by_event(motion) is not None
 

@@ -12,7 +12,6 @@ from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.modes.buckling import Buckling
 from dalembert.analysis.modes.modal import Modal
 from dalembert.analysis.nonsmooth.nonsmooth import Nonsmooth
-from dalembert.analysis.structural.transient import Transient
 from dalembert.errors import UnsupportedError
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import expanded
@@ -44,7 +43,7 @@ ENGINES: dict[str, dict[type, type[Engine]]] = {
         Modal: EigenpairEngine,
         Buckling: EigenpairEngine,
         ArcLength: LoadPathEngine,
-        Transient: TransientEngine,
+        Dynamics: TransientEngine,
     },
 }
 """Kind of model → analysis → engine; subclasses of an analysis use the same engine."""

@@ -13,7 +13,7 @@ Newton's step follows, and by the implicit function theorem
     ż = −K⁻¹ (∂r/∂x) ẋ,        x̄ = −(∂r/∂x)ᵀ K⁻ᵀ z̄.
 
 A ``Stage`` of an ``ImplicitFunction`` evaluates expressions of a graph, an ``Unknown`` of a
-structure (``analysis/structural/instant.py``) columns of numbers with sparse factors.
+structure (``analysis/transient/instant.py``) columns of numbers with sparse factors.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ def check_constructor(cls: type, *args: Any, **kwargs: Any) -> Any:
     A call without arguments is not checked: objects are copied that way.
     """
     parameters = arguments_of(cls)
-    if kwargs:
+    if kwargs and not any(p.kind is p.VAR_KEYWORD for p in parameters):
         check_keywords(cls.__name__, kwargs, [p.name for p in parameters])
     if args or kwargs:
         check_complete(cls.__name__, parameters, len(args), kwargs)

@@ -33,6 +33,10 @@ RENAMED: dict[str, str] = {
     "Study": "SweepResult",
     "Synthesis": "SynthesisResult",
     "Toleranced": "ToleranceResult",
+    # analyses
+    "Linearization": "Modal",
+    "NonlinearStatics": "Equilibrium",
+    "Transient": "Dynamics",
     # functions and variables
     "history": "input_history",
     "table": "Interpolation",

@@ -11,10 +11,10 @@ import numpy as np
 
 from dalembert.analysis.batch.batch_residuals import at_some
 from dalembert.analysis.batch.individual_runs import completed_batch
-from dalembert.analysis.batch.many_equilibria import ManyEquilibria
+from dalembert.analysis.batch.many_equilibria import ManyEquilibria, ManyStatics
 from dalembert.analysis.batch.starts import Starts, backend_of
 from dalembert.analysis.batch.states import States
-from dalembert.analysis.equilibrium.mechanism_equilibrium import MAX_ITERATIONS
+from dalembert.analysis.equilibrium.mechanism_equilibrium import equilibrium_settings
 from dalembert.analysis.equilibrium.stability import equilibrium_text
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.analysis.residual_check import EXACT, MOTION
@@ -47,8 +47,6 @@ class EquilibriumBatch:
     @classmethod
     def serves(cls, analysis: Any, model: Model) -> bool:
         """Whether all equations are independent, as the common assembly requires."""
-        if not isinstance(model, Model):
-            return False
         return not (model.closure.lost or model.equations.contacts)
 
     def execute(self, report: Callable[[float], None]) -> Batch:
@@ -57,13 +55,8 @@ class EquilibriumBatch:
         span = self.time, self.time
         starts = Starts(model, self.designs, self.backend, self.workers, span, False, _first(model))
         e, analysis = model.equations, self.analysis
-        equilibria = ManyEquilibria(
-            self.kernel,
-            self.time,
-            analysis.tolerance,
-            analysis.max_iterations or MAX_ITERATIONS,
-            starts.evaluate,
-        )
+        static = ManyStatics(self.kernel, self.time, starts.evaluate)
+        settings = equilibrium_settings(analysis)
         started, statuses = starts.started, dict(starts.statuses)
         x = np.full((count, 1, e.coordinate_count + e.constraint_count), np.nan)
         texts: dict[int, str] = {}
@@ -72,10 +65,9 @@ class EquilibriumBatch:
         try:
             for first in range(0, started.size, block):
                 part = started[first : first + block]
-                forces, steps, converged = equilibria.solve(
-                    starts.x0[first : first + block], starts.p[part]
-                )
-                x[part, 0] = np.hstack([forces.y, forces.multiplier])
+                equilibria = ManyEquilibria(static, starts.p[part], settings)
+                forces, steps, converged = equilibria.solve(starts.x0[first : first + block])
+                x[part, 0] = np.hstack([forces.x, forces.multiplier])
                 residuals[part] = np.where(converged, forces.size * analysis.tolerance, np.nan)
                 worst = np.abs(forces.value).max(axis=1, initial=0.0) / model.scales.length
                 stable = np.all(forces.resistance > 0, axis=1)

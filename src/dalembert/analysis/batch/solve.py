@@ -57,13 +57,13 @@ def solve_batch(
     DalembertError
         No design could begin, all for the same reason.
     """
-    analysis.check_options(model)
-    analysis = analysis.for_designs()
+    analysis = analysis.for_model(model).for_designs()
     if times := analysis.checks(model).get("duration"):
         times()
     begin = clock.perf_counter()
     with progress_reporter(progress, f"{len(designs)} designs of {model.name}") as report:
-        if analysis.batched is not None and analysis.batched.serves(analysis, model):
+        together = model.kind == "mechanism" and analysis.batched is not None
+        if together and analysis.batched.serves(analysis, model):
             batch: Batch = analysis.batched(analysis, model, designs, workers).execute(report)
             states = batch.samples if isinstance(batch.samples, States) else None
             elastic = elastic_warnings(states) if states is not None else []

@@ -75,11 +75,9 @@ def _distances(model: Model) -> ca.Function:
 @once
 def _closed(model: Model, gaps: tuple[int, ...]) -> Model:
     """The model with some gaps closed at the start."""
-    parts = model.parts.copy()
-    for k in gaps:
-        distance = Expression(model.all_equations.contacts[k].distance)
-        parts.initial_conditions.append((distance, Expression(0.0)))
-    return Model.assembled(parts)
+    contacts = model.all_equations.contacts
+    distances = (Expression(contacts[k].distance) for k in gaps)
+    return Model.assembled(model.parts.with_conditions([(d, Expression(0.0)) for d in distances]))
 
 
 def refuse_negative(gaps: Sequence[RigidGap], distances: np.ndarray, near: float) -> None:

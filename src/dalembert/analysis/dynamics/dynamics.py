@@ -1,9 +1,9 @@
-"""Forward dynamics: integrate the constrained equations of motion."""
+"""Forward dynamics: time integration of the equations of motion."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,66 +13,70 @@ from dalembert.analysis.batch.fixed_steps import FixedSteps
 from dalembert.analysis.contact.gap_checks import refuse_overlap
 from dalembert.analysis.dynamics.continuation import ContinuedRun, extended, refuse_ended
 from dalembert.analysis.dynamics.dense_outputs import peak_quadrature
-from dalembert.analysis.dynamics.event_search import end_by_event, ended_again, instant_of
-from dalembert.analysis.dynamics.formulation_cost import cost_and_error
+from dalembert.analysis.dynamics.event_search import instant_of
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.kernel_choice import dynamics_kernel
 from dalembert.analysis.dynamics.peaks import peaks
-from dalembert.analysis.dynamics.record import DynamicsRecord
 from dalembert.analysis.dynamics.residual_check import check_balance
 from dalembert.analysis.dynamics.run import DynamicsRun
-from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.events import Events, Occurrence
-from dalembert.analysis.kinematics.branches import Branches, outputs_of, place_outputs
+from dalembert.analysis.kinematics.branches import place_outputs
 from dalembert.analysis.timeline import OverTime, checked_span
+from dalembert.analysis.transient.equation import Rayleigh
+from dalembert.analysis.transient.run import TransientRun, check_rule
+from dalembert.analysis.transient.start import STARTS
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.formulations.base import Formulation, Performance
+from dalembert.formulations.base import Formulation
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
 from dalembert.integrators.automatic import AutomaticIntegrator
 from dalembert.integrators.base import Integrator
+from dalembert.integrators.newmark.family import Newmark
 from dalembert.integrators.runge_kutta.explicit import RK4
+from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.model import Model
-from dalembert.options import options
+from dalembert.options import only_for, options
 from dalembert.results.motion import Motion
-from dalembert.results.status import Outcome
 from dalembert.symbolic.evaluation.backends import BACKENDS
 from dalembert.symbolic.formulas.expression import Expression
-from dalembert.symbolic.once import once
 
 DEFAULT_INTEGRATOR = AutomaticIntegrator()
-"""Default integrator without a step; with a step the default is RK4."""
-STRATEGIES = {
+"""Default integrator of mechanisms without a step."""
+DEFAULT_WITH_STEP = RK4()
+"""Default integrator of mechanisms with a step."""
+UNDAMPED = Rayleigh()
+STRATEGIES: dict[str, tuple[type, type]] = {
     "coordinates": (Coordinates, AbsoluteCoordinates),
     "formulation": (Formulation, RangeSpace),
     "stabilization": (Stabilization, Projection),
     "integrator": (Integrator, RK4),
 }
 """Strategy of a run → its base class and default class."""
-OUTPUT_QUADRATURE_ORDER = 4
-"""Order of the quadrature through the ends of equal steps."""
 BATCH_OUTPUTS = 201
 """Default number of outputs of each design of a batch under error control."""
-INTERVALS = 1000
-"""Minimum number of intervals of integrals where the integrator hides its own steps."""
 
 
 @options
-class Dynamics(OverTime[Motion]):
+class Dynamics(OverTime[Any]):
     """Forward dynamics as a strategy object that can be run, repeated and differentiated.
+
+    The options from ``coordinates`` to ``memory`` apply to mechanisms, those from ``nonlinear`` on
+    to structures.
 
     Parameters
     ----------
     step : step length of fixed-step integrators, by default a thousandth of the run; first step
         of adaptive ones [s]
+    integrator : time integration method. By default, of a mechanism ``AutomaticIntegrator()``,
+        which controls the error and takes implicit steps where the problem is stiff, or ``RK4()``
+        with a ``step``; of a structure ``Newmark()``, or ``HHT()``, ``GeneralizedAlpha()``
     coordinates : coordinates in which the equations are integrated; ``AutomaticCoordinates()``
         selects those that need fewer operations
     formulation : method for accelerations and multipliers; ``AutomaticFormulation()`` selects the
         accurate one with the fewest operations
     stabilization : control of constraint violations
-    integrator : time integration method; by default ``AutomaticIntegrator()``, which controls the
-        error and takes implicit steps where the problem is stiff, and ``RK4()`` with a ``step``
     events : name → Event, or a formula that is recorded when it crosses zero
     strict : refuse inconsistent initial speeds instead of projecting them
     backend : ``"auto"``, CasADi's virtual machine, and machine code when the run is long enough to
@@ -82,6 +86,12 @@ class Dynamics(OverTime[Motion]):
     memory : upper limit of the memory for states that gradients and later evaluations need [bytes];
         a longer run stores checkpoints and computes other states again when needed, which costs
         another run. Without ``outputs`` all states are stored
+    nonlinear : displacements of any size
+    lumped : diagonal mass matrix instead of the consistent one
+    damping : Rayleigh
+    case : name of the load case; optional if there is only one
+    start : ``"rest"``, from the initial motion of ``structure.initial``; ``"statics"``, from
+        equilibrium under the loads at the start
 
     Examples
     --------
@@ -98,35 +108,67 @@ class Dynamics(OverTime[Motion]):
 
     display_name = "dynamics"
     integrates = True
-    execution = DynamicsRun
+    executions = {"mechanism": DynamicsRun, "structure": TransientRun}
 
-    coordinates: Coordinates = field(default_factory=AbsoluteCoordinates)
-    formulation: Formulation = field(default_factory=RangeSpace)
-    stabilization: Stabilization = field(default_factory=Projection)
     integrator: Integrator = DEFAULT_INTEGRATOR
-    events: Events | None = None
-    strict: bool = False
-    backend: str = "auto"
-    balance: float = 0.25
-    memory: float = 2.0**27
+    coordinates: Coordinates = only_for("mechanism", default=AbsoluteCoordinates())
+    formulation: Formulation = only_for("mechanism", default=RangeSpace())
+    stabilization: Stabilization = only_for("mechanism", default=Projection())
+    events: Events | None = only_for("mechanism", default=None)
+    strict: bool = only_for("mechanism", default=False)
+    backend: str = only_for("mechanism", default="auto")
+    balance: float = only_for("mechanism", default=0.25)
+    memory: float = only_for("mechanism", default=2.0**27)
+    nonlinear: bool = only_for("structure", default=False)
+    lumped: bool = only_for("structure", default=False)
+    damping: Rayleigh = only_for("structure", default=UNDAMPED)
+    case: str = only_for("structure", default="")
+    start: str = only_for("structure", default="rest")
 
     def __post_init__(self) -> None:
         if self.integrator is DEFAULT_INTEGRATOR and self.step is not None:
-            object.__setattr__(self, "integrator", RK4())
+            object.__setattr__(self, "integrator", DEFAULT_WITH_STEP)
         for name, (kind, default) in STRATEGIES.items():
             strategy = getattr(self, name)
             if not isinstance(strategy, kind):
                 text = f"{name} is {strategy!r}; give a strategy such as {default.__name__}()"
                 raise AnalysisError(text)
+        if not isinstance(self.damping, Rayleigh):
+            raise AnalysisError(f"damping is {self.damping!r}; give Rayleigh(mass=, stiffness=)")
         check_balance(self.balance)
         if self.backend not in BACKENDS:
             names = ", ".join(map(repr, BACKENDS))
             raise UnsupportedError(f"unknown backend {self.backend!r}; known: {names}")
+        if self.start not in STARTS:
+            known = " or ".join(map(repr, STARTS))
+            raise AnalysisError(f"start is {self.start!r}; it must be {known}")
+
+    def for_model(self, model: Model | StructuralModel) -> Dynamics:
+        super().for_model(model)
+        default = self.integrator is DEFAULT_WITH_STEP or self.integrator == DEFAULT_INTEGRATOR
+        if default and model.kind == "structure":
+            return replace(self, integrator=Newmark())
+        return self
+
+    def case_of(self, model: StructuralModel) -> str:
+        """Name of the load case that acts.
+
+        Raises
+        ------
+        AnalysisError
+            No load case of this name.
+        """
+        if self.case in model.loads:
+            return self.case
+        if not self.case and len(model.loads) == 1:
+            return next(iter(model.loads))
+        known = ", ".join(map(repr, model.loads))
+        raise AnalysisError(f"no load case {self.case!r}; give case= one of {known}")
 
     def kernel(self, model: Model) -> DynamicsKernel:
         """Compiled functions, built once per model and choice of strategies."""
         choices = (self.coordinates, self.formulation, self.stabilization, self.integrator)
-        return _kernel(model, *choices, self.backend)
+        return dynamics_kernel(model, *choices, self.backend)
 
     @property
     def batched(self) -> type:  # type: ignore[override]
@@ -143,8 +185,11 @@ class Dynamics(OverTime[Motion]):
     def gradient_error(self) -> float:
         return self.integrator.gradient_error
 
-    def checks(self, model: Model) -> dict[str, Callable[[], object]]:
+    def checks(self, model: Model | StructuralModel) -> dict[str, Callable[[], object]]:
         """Checks of the strategies with each other and with the mechanism at its start."""
+        if isinstance(model, StructuralModel):
+            rule = self.for_model(model).integrator
+            return {**super().checks(model), "integrator": lambda: check_rule(rule)}
 
         def variant_at_start() -> Variant:
             return self.kernel(model).beginning[0]
@@ -177,49 +222,36 @@ class Dynamics(OverTime[Motion]):
         analysis, step = extended(self, motion, duration, options)
         return ContinuedRun(motion, analysis, step).execute(progress)
 
-    def resample(self, motion: Motion, times: np.ndarray) -> Motion:
+    def resample(self, motion: Any, times: np.ndarray) -> Any:
         """The motion at other times within the run.
+
+        Between the ends of two steps it is computed by a shorter step from the first one.
 
         Raises
         ------
         AnalysisError
             A time outside the run.
         """
-        return self._sampled(motion, times, place_outputs(motion.record.steps, times))
+        return motion.record.sampled(motion, times, place_outputs(motion.record.steps, times))
 
     def over_steps(self, motion: Motion) -> Motion:
         """The motion at the quadrature points of integrals over the run."""
-        record: DynamicsRecord = motion.record
-        kernel, steps, order = record.kernel, record.steps, self.integrator.order
-        uneven = kernel.adaptive is not None or kernel.contacts is not None
-        if steps.count and (uneven or order > OUTPUT_QUADRATURE_ORDER):
-            long_steps = kernel.adaptive is not None  # steps are as long as the tolerance permits
-            points = (
-                StepQuadrature.fine(steps, order) if long_steps else StepQuadrature(steps, order)
-            )
-            sampled = self._sampled(motion, points.times, points.branches)
-            return replace(sampled, record=replace(sampled.record, quadrature=points))
-        if steps.count and kernel.fixed.at_once(int(steps.mode[0])):
-            finer = steps.divided(-(-INTERVALS // steps.count))
-            steps = kernel.fixed.repeat(finer, steps.x[:, 0], motion.parameters)
-            motion = replace(motion, record=replace(record, steps=steps))
-            return self._sampled(motion, *outputs_of(steps, None))
-        if self.outputs is None:
-            return motion
-        return self._sampled(motion, *outputs_of(steps, None, end_by_event(motion) is not None))
+        return motion.record.over_steps(motion)  # type: ignore[no-any-return]
 
     def peaks(self, motion: Motion, measure: str | Expression, sign: float) -> Motion:
         """The motion at the instant of the largest value, under error control."""
-        return peaks(motion, measure, sign) if motion.record.kernel.adaptive else motion
+        return peaks(motion, measure, sign) if self._adaptive(motion) else motion
 
     def over_peaks(
         self, motion: Motion, measure: str | Expression, sharpness: float, sign: float
     ) -> Motion:
         """The motion at points that resolve ``exp(± sharpness m)``, under error control."""
+        if not self._adaptive(motion):
+            return motion
         points = peak_quadrature(motion, measure, sharpness, sign, self.integrator.order)
         if points is None:
             return motion
-        sampled = self._sampled(motion, points.times, points.branches)
+        sampled = motion.record.sampled(motion, points.times, points.branches)
         return replace(sampled, record=replace(sampled.record, quadrature=points))
 
     def at_event(self, motion: Motion, occurrence: Occurrence) -> Motion:
@@ -230,77 +262,23 @@ class Dynamics(OverTime[Motion]):
         AnalysisError
             Unknown event, or fewer occurrences.
         """
+        if motion.model.kind == "structure":
+            raise UnsupportedError("the motion of a structure has no events; use at(time, …)")
         instant = instant_of(motion, occurrence)
         time = motion.record.steps.t[instant.index] + instant.length
-        return self._sampled(motion, np.array([time]), instant.branches)
+        return motion.record.sampled(motion, np.array([time]), instant.branches)  # type: ignore[no-any-return]
 
-    def _sampled(self, motion: Motion, times: np.ndarray, branches: Branches) -> Motion:
-        kernel, steps = motion.record.kernel, motion.record.steps
-        trajectory = kernel.trajectory(times, steps, branches, motion.parameters)
-        return replace(
-            motion,
-            trajectory=trajectory,
-            record=replace(motion.record, branches=branches, dense=False),
-        )
+    @staticmethod
+    def _adaptive(motion: Any) -> bool:
+        """Whether the steps of the run were controlled by an error estimate."""
+        return motion.record is not None and motion.record.adaptive
 
-    def replay(self, motion: Motion, p: np.ndarray) -> Motion:
+    def replay(self, motion: Any, p: np.ndarray) -> Any:
         """The same steps and outputs at other parameter values: the discrete map itself.
-
-        A run that an event ended ends at the same event, with a last step of another length.
 
         Raises
         ------
         AnalysisError
             A step fails with these values.
         """
-        record: DynamicsRecord = motion.record
-        kernel, original = record.kernel, record.steps
-        state = motion.model.assemble(p, float(original.t[0]))
-        start = float(original.t[0])
-        x0, mode = kernel.initial(state, start, p, original.x[:, 0])
-        x0 = kernel.remembered(start, x0, p, int(original.mode[0]) if original.count else mode)
-        steps = kernel.fixed.repeat(original, x0, p)
-        if steps.interrupted:
-            raise KeyboardInterrupt
-        if steps.message:
-            raise AnalysisError(
-                f"the steps of the run cannot be repeated with these parameters: {steps.message} "
-                f"after t = {steps.end:.9g} s"
-            )
-        times, branches = motion.time, record.branches
-        if motion.status.outcome is Outcome.TERMINATED:
-            steps = ended_again(motion, steps, p)
-            if end_by_event(motion):
-                times, branches = np.append(times[:-1], steps.end), branches.ended(steps)
-        return replace(
-            motion,
-            parameters=p,
-            trajectory=kernel.trajectory(times, steps, branches, p),
-            record=DynamicsRecord(kernel, steps, branches, origin=motion, dense=record.dense),
-        )
-
-
-@once
-def _kernel(
-    model: Model,
-    coordinates: Coordinates,
-    formulation: Formulation,
-    stabilization: Stabilization,
-    integrator: Integrator,
-    backend: str,
-) -> DynamicsKernel:
-    strategies = formulation, stabilization, integrator
-    chosen = coordinates.chosen(
-        lambda candidate: _kernel(model, candidate, *strategies, backend).operations
-    )
-    if chosen is not coordinates:
-        return _kernel(model, chosen, *strategies, backend)
-
-    def merits_with(candidate: Formulation) -> Performance:
-        kernel = _kernel(model, coordinates, candidate, stabilization, integrator, backend)
-        return cost_and_error(kernel)
-
-    selected = formulation.select(merits_with, integrator.implicit)
-    if selected is not formulation:
-        return _kernel(model, coordinates, selected, stabilization, integrator, backend)
-    return DynamicsKernel(model, chosen, *strategies, BACKENDS[backend]())
+        return motion.record.repeated(motion, p)

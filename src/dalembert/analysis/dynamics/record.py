@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
+from dalembert.analysis.dynamics.event_search import end_by_event, ended_again
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.step_accuracy import StepAccuracy
 from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
-from dalembert.analysis.kinematics.branches import Branches
+from dalembert.analysis.kinematics.branches import Branches, outputs_of
+from dalembert.errors import AnalysisError
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.recording import Recording
+from dalembert.results.status import Outcome
 
+OUTPUT_QUADRATURE_ORDER = 4
+"""Order of the quadrature through the ends of equal steps."""
+INTERVALS = 1000
+"""Minimum number of intervals of integrals where the integrator hides its own steps."""
 MOST = 200
 """Upper limit of the number of states at which the time is measured."""
 MACHINE = "VM"
@@ -43,6 +50,72 @@ class DynamicsRecord:
     quadrature: StepQuadrature | None = None
     accuracy: StepAccuracy | None = None
     dense: bool = False
+
+    @property
+    def adaptive(self) -> bool:
+        """Whether the steps were controlled by an error estimate."""
+        return self.kernel.adaptive is not None
+
+    def sampled(self, motion: Any, times: np.ndarray, branches: Branches) -> Any:
+        """The motion of the run at other outputs."""
+        return replace(
+            motion,
+            trajectory=self.kernel.trajectory(times, self.steps, branches, motion.parameters),
+            record=replace(self, branches=branches, dense=False),
+        )
+
+    def over_steps(self, motion: Any) -> Any:
+        """The motion at the quadrature points of integrals over the run."""
+        kernel, steps, order = self.kernel, self.steps, motion.analysis.integrator.order
+        uneven = self.adaptive or kernel.contacts is not None
+        if steps.count and (uneven or order > OUTPUT_QUADRATURE_ORDER):
+            # under error control steps are as long as the tolerance permits
+            rule = StepQuadrature.fine if self.adaptive else StepQuadrature
+            points = rule(steps, order)
+            sampled = self.sampled(motion, points.times, points.branches)
+            return replace(sampled, record=replace(sampled.record, quadrature=points))
+        if steps.count and kernel.fixed.at_once(int(steps.mode[0])):
+            finer = steps.divided(-(-INTERVALS // steps.count))
+            steps = kernel.fixed.repeat(finer, steps.x[:, 0], motion.parameters)
+            return replace(self, steps=steps).sampled(motion, *outputs_of(steps, None))
+        if motion.analysis.outputs is None:
+            return motion
+        return self.sampled(motion, *outputs_of(steps, None, end_by_event(motion) is not None))
+
+    def repeated(self, motion: Any, p: np.ndarray) -> Any:
+        """The motion with the same steps and outputs at other parameter values.
+
+        A run that an event ended ends at the same event, with a last step of another length.
+
+        Raises
+        ------
+        AnalysisError
+            A step fails with these values.
+        """
+        kernel, original = self.kernel, self.steps
+        state = motion.model.assemble(p, float(original.t[0]))
+        start = float(original.t[0])
+        x0, mode = kernel.initial(state, start, p, original.x[:, 0])
+        x0 = kernel.remembered(start, x0, p, int(original.mode[0]) if original.count else mode)
+        steps = kernel.fixed.repeat(original, x0, p)
+        if steps.interrupted:
+            raise KeyboardInterrupt
+        if steps.message:
+            raise AnalysisError(
+                f"the steps of the run cannot be repeated with these parameters: {steps.message} "
+                f"after t = {steps.end:.9g} s"
+            )
+        times, branches = motion.time, self.branches
+        if motion.status.outcome is Outcome.TERMINATED:
+            steps = ended_again(motion, steps, p)
+            if end_by_event(motion):
+                times, branches = np.append(times[:-1], steps.end), branches.ended(steps)
+        return replace(
+            motion,
+            parameters=p,
+            trajectory=kernel.trajectory(times, steps, branches, p),
+            record=DynamicsRecord(kernel, steps, branches, origin=motion, dense=self.dense),
+        )
 
 
 def projection_time(motion: Any) -> float | None:

@@ -1,15 +1,15 @@
-"""``solve_dynamics`` of mechanisms and structures."""
+"""``solve_dynamics`` and ``solve_transient``."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Unpack, overload
 
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.dynamics.dynamics import Dynamics
-from dalembert.analysis.keywords import DynamicsKeywords, TransientKeywords
+from dalembert.analysis.keywords import DynamicsKeywords
+from dalembert.analysis.progress import Reported
 from dalembert.analysis.requirements import need_model
-from dalembert.analysis.structural.transient import Transient
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.model import Model
@@ -28,7 +28,7 @@ def solve_dynamics(
     duration: Time | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
-    progress: bool | Callable[[float], None] = False,
+    progress: Reported = False,
     **options: Unpack[DynamicsKeywords],
 ) -> Motion: ...
 
@@ -39,32 +39,20 @@ def solve_dynamics(
     duration: Time | None = None,
     *,
     parameters: Mapping[str, float] | None = None,
-    progress: bool | Callable[[float], None] = False,
-    **options: Unpack[TransientKeywords],
+    progress: Reported = False,
+    **options: Unpack[DynamicsKeywords],
 ) -> StructuralMotion: ...
 
 
 @overload
 def solve_dynamics(
-    model: Model,
+    model: Model | StructuralModel,
     duration: Time | None = None,
     *,
     parameters: ManyDesigns,
-    progress: bool | Callable[[float], None] = False,
+    progress: Reported = False,
     workers: int | None = None,
     **options: Unpack[DynamicsKeywords],
-) -> Batch: ...
-
-
-@overload
-def solve_dynamics(
-    model: StructuralModel,
-    duration: Time | None = None,
-    *,
-    parameters: ManyDesigns,
-    progress: bool | Callable[[float], None] = False,
-    workers: int | None = None,
-    **options: Unpack[TransientKeywords],
 ) -> Batch: ...
 
 
@@ -74,13 +62,13 @@ def solve_dynamics(
     duration: Time | None = None,
     *,
     parameters: Any = None,
-    progress: bool | Callable[[float], None] = False,
+    progress: Reported = False,
     workers: int | None = None,
-    **options: Any,
+    **options: Unpack[DynamicsKeywords],
 ) -> Motion | StructuralMotion | Batch:
     """Integrate the equations of motion, ``M v̇ + d = f − Cᵀλ``, ``C v̇ = ξ`` (5.2).
 
-    A structure is solved as by ``solve_transient``, with the same options.
+    Those of a structure are ``M a + C v + ∂W/∂u(u) = P(t)``.
 
     Parameters
     ----------
@@ -90,7 +78,8 @@ def solve_dynamics(
         of dicts for a batch
     progress : True for a progress bar, or a function of the completed fraction
     workers : number of workers of a batch, by default one for each core
-    **options : fields of ``Dynamics``: step, outputs, formulation, stabilization, integrator, …
+    **options : fields of ``Dynamics``: step, outputs, integrator; formulation, … of a mechanism;
+        nonlinear, damping, … of a structure
 
     Raises
     ------
@@ -107,13 +96,61 @@ def solve_dynamics(
     >>> round(float(motion["stone.y"][-1]), 9)
     -20.0
     """
-    if isinstance(model, StructuralModel):
-        analysis: Any = analysis_of(
-            Transient, "solve_dynamics", model, parameters, duration=duration, **options
-        )
-    else:
-        analysis = analysis_of(
-            Dynamics, "solve_dynamics", model, parameters, duration=duration, **options
-        )
-    need_model(model, "solve_dynamics")
-    return run_analysis(analysis, model, parameters, progress, workers)  # type: ignore[no-any-return]
+    return _solve("solve_dynamics", model, parameters, progress, workers, duration, options)  # type: ignore[no-any-return]
+
+
+@check_arguments
+def solve_transient(
+    model: StructuralModel,
+    duration: Time | None = None,
+    *,
+    parameters: Mapping[str, float] | None = None,
+    progress: Reported = False,
+    **options: Unpack[DynamicsKeywords],
+) -> StructuralMotion:
+    """Motion of a structure, ``M a + C v + ∂W/∂u(u) = P(t)``; the same as ``solve_dynamics``.
+
+    Parameters
+    ----------
+    model : StructuralModel
+    duration : [s]
+    parameters : new values of parameters, without rebuilding
+    progress : True for a progress bar, or a function of the completed fraction
+    **options : fields of ``Dynamics``: step, outputs, integrator, nonlinear, lumped, damping, …
+
+    Raises
+    ------
+    AnalysisError
+        Wrong options; ``SingularityError`` where the run cannot begin.
+
+    Examples
+    --------
+    >>> import math
+    >>> import dalembert as da
+    >>> from dalembert import structures
+    >>> bar = da.Structure("oscillator")
+    >>> a, b = bar.node("a", 0), bar.node("b", 1)
+    >>> spring = bar.add(structures.AxialSpring("spring", a, b, stiffness=100.0))
+    >>> mass = bar.add(structures.PointMass("mass", b, mass=1.0))
+    >>> bar.support(a)
+    >>> bar.load(b, fx=5.0)  # all at once
+    >>> motion = da.solve_transient(bar.build(), math.pi / 10, step=math.pi / 1000)
+    >>> round(float(motion["b.ux"][-1]), 4)  # twice F/k after half a period
+    0.1
+    """
+    return _solve("solve_transient", model, parameters, progress, None, duration, options)  # type: ignore[no-any-return]
+
+
+def _solve(
+    verb: str,
+    model: Any,
+    parameters: Any,
+    progress: Reported,
+    workers: int | None,
+    duration: Any,
+    options: Any,
+) -> Any:
+    """Dynamics of a model, from the arguments of a function."""
+    analysis = analysis_of(Dynamics, verb, model, parameters, duration=duration, **options)
+    need_model(model, verb)
+    return run_analysis(analysis, model, parameters, progress, workers)

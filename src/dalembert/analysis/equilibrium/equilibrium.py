@@ -103,7 +103,7 @@ class Equilibrium(Analysis[Any, Any]):
         AssemblyError, SingularityError
             The mechanism cannot be assembled; the structure moves without strain.
         """
-        self.check_options(model)
+        self.for_model(model)
         p = model.values(parameters)
         if isinstance(model, StructuralModel):
             return StructureEquilibrium(self, model, p).execute(progress)

@@ -33,6 +33,12 @@ MAX_ITERATIONS = 200
 LEAVES = "the mechanism leaves it; other guesses of the positions lead to a stable one"
 
 
+def equilibrium_settings(analysis: Any) -> NewtonSettings:
+    """Settings of Newton's method for the fields of ``Equilibrium``."""
+    limit = analysis.max_iterations or MAX_ITERATIONS
+    return NewtonSettings(tolerance=analysis.tolerance, max_iterations=limit, slack=1.0)
+
+
 @dataclass(frozen=True)
 class EquilibriumRecord:
     """Record of an equilibrium for gradients."""
@@ -61,12 +67,7 @@ class MechanismEquilibrium:
         if start is not None:
             moved = balance.onto_constraints(start)
             y = y if moved is None else moved
-        settings = NewtonSettings(
-            tolerance=self.analysis.tolerance,
-            max_iterations=self.analysis.max_iterations or MAX_ITERATIONS,
-            slack=1.0,
-        )
-        return self.result(balance, solve(balance, y, settings))
+        return self.result(balance, solve(balance, y, equilibrium_settings(self.analysis)))
 
     def result(self, balance: StaticBalance, solution: Solution[np.ndarray]) -> Motion:
         """Motion with one instant."""

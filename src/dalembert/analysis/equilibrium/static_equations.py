@@ -110,6 +110,7 @@ class StaticEquations:
     model : StructuralModel
     p : (np,) parameters
     case : load case
+    time : at which loads and prescribed displacements are evaluated [s]
 
     Attributes
     ----------
@@ -117,11 +118,12 @@ class StaticEquations:
     prescribed : prescribed displacements, which grow with the load
     """
 
-    def __init__(self, model: StructuralModel, p: np.ndarray, case: str):
+    def __init__(self, model: StructuralModel, p: np.ndarray, case: str, time: float = 0.0):
         self.model, self.p, self.case, self.assembly = model, p, case, model.assembly
         self.free, self.held = self.assembly.free, self.assembly.prescribed
-        self.applied, self.moving = model.loads[case].values(p), model.loads[case].configuration
-        self.prescribed, self.balance = model.prescribed.values(p), Balance(model, p)
+        loads = model.loads[case]
+        self.applied, self.moving = loads.values(p, time), loads.configuration
+        self.prescribed, self.balance = model.prescribed.values(p, time), Balance(model, p)
 
     def internal_terms(
         self, u: np.ndarray, share: float, strain: np.ndarray | None = None

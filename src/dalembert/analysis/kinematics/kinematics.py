@@ -59,7 +59,7 @@ class Kinematics(OverTime[Motion]):
     """
 
     display_name = "kinematics"
-    execution = KinematicsRun
+    executions = {"mechanism": KinematicsRun}
     batched = KinematicsBatch
 
     @property

@@ -15,11 +15,11 @@ import numpy as np
 from dalembert.analysis.contact.gap_checks import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
+from dalembert.elements.fem.elastic_element import ElasticElement
 from dalembert.elements.flexible.nodes import Noded
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import KKT
 from dalembert.model.coordinates import Coordinates
-from dalembert.model.elastic_structure import ElasticStructure
 from dalembert.model.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.sparse.eigenvalues import coinciding, error_sizes, leading, residual
@@ -182,7 +182,7 @@ class Linearized:
         names = [
             element.name
             for element in self.model.forces
-            if isinstance(element, (Noded, ElasticStructure))
+            if isinstance(element, (Noded, ElasticElement))
         ]
         return USE_SHAPES.format(", ".join(names[:3])) if names else USE_JOINTS
 

@@ -44,7 +44,7 @@ class SpectralAnalysis(Analysis[M, E]):
 
     def run(self, model: M, parameters: ParameterValues = None, progress: Any = False) -> E:
         """The wanted modes at parameter values."""
-        self.check_options(model)
+        self.for_model(model)
         timing, p = Timing(), model.values(parameters)  # type: ignore[attr-defined]
         modes = self.modes(self.spectrum(model, p))
         timing.lap("computation")

@@ -55,7 +55,7 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
 
     display_name = "dynamics with contacts"
     integrates = True
-    execution = NonsmoothRun
+    executions = {"mechanism": NonsmoothRun}
 
     integrator: ContactScheme = field(default_factory=AnticipatedImpacts)
     solver: ContactSolver = field(default_factory=ContactSolver)

@@ -14,7 +14,7 @@ from dalembert.design.quantity import Objective
 from dalembert.design.variables import Vary
 from dalembert.errors import AnalysisError
 from dalembert.packages import optional_package
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.sensitivity.methods import Method
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import CheckedArguments

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.packages import optional_package
@@ -61,7 +62,7 @@ def read_table(source: Any) -> dict[str, np.ndarray]:
     return numeric
 
 
-def _in_si(heading: str, values: Any) -> tuple[str, Any]:
+def _in_si(heading: str, values: ArrayLike) -> tuple[str, ArrayLike]:
     """Name and values of a column in SI units; headings may have units, ``crank.angle [deg]``."""
     match = re.fullmatch(r"(.*\S)\s+\[(.+)\]", heading)
     if match is None:
@@ -92,7 +93,7 @@ def _read_file(path: Path) -> Any:
         raise AnalysisError(f"{path}: cannot be read as a table ({error})") from None
 
 
-def _numbers(values: Any) -> np.ndarray | None:
+def _numbers(values: ArrayLike) -> np.ndarray | None:
     """(K,) numbers of a column, None if it holds other data."""
     try:
         return np.asarray(values, dtype=float).ravel()
@@ -129,7 +130,7 @@ def read_markers(path: Path) -> dict[str, np.ndarray]:
     return columns
 
 
-def _unit_factor(path: Path, point_group: Any) -> float:
+def _unit_factor(path: Path, point_group: Mapping[str, Any]) -> float:
     unit = (
         str(next(iter(point_group["UNITS"]["value"]), "mm")).strip()
         if "UNITS" in point_group

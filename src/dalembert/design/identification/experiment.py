@@ -169,7 +169,11 @@ def _measures(
 
 
 def _noise(
-    table: Mapping[str, np.ndarray], noise: Any, order: np.ndarray, column: str, name: str
+    table: Mapping[str, np.ndarray],
+    noise: float | str | None,
+    order: np.ndarray,
+    column: str,
+    name: str,
 ) -> np.ndarray:
     """(K,) standard deviations of a column."""
     if isinstance(noise, str):

@@ -131,7 +131,7 @@ class IdentificationResult(Decision):
         quantile = float(ndtri(probability) if is_normal else stdtrit(self.freedom, probability))
         return {n: (v - quantile * s, v + quantile * s) for (n, v), s in self._pairs()}
 
-    def _pairs(self) -> Any:
+    def _pairs(self) -> Iterator[tuple[tuple[str, float], float]]:
         return zip(self.x.items(), self.deviation.values(), strict=True)
 
     @property

@@ -15,6 +15,7 @@ from dalembert.design.inverse.smoothing import Curve
 from dalembert.results.analysis import Analysis
 from dalembert.results.result import Result
 from dalembert.sensitivity.gradient import history_gradients
+from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -118,7 +119,7 @@ class InversionResult(Decision):
             for name, value in self.values.items()
         }
 
-    def band(self, measure: Any, analysis: Analysis | None = None) -> Band:
+    def band(self, measure: str | Expression, analysis: Analysis | None = None) -> Band:
         """A measure for the identified histories, with its first-order standard deviation.
 
         Parameters

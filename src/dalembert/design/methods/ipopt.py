@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
 
 import casadi as ca
 import numpy as np
@@ -65,7 +64,7 @@ class _Values(ca.Callback):
         ca.Callback.__init__(self)
         self.program, self.rows = program, 1 + program.m
         self.exception: BaseException | None = None
-        self.jacobian_callback: Any = None
+        self.jacobian_callback: _Jacobian | None = None
         self.construct("values", {})
 
     def get_n_in(self) -> int:
@@ -80,7 +79,9 @@ class _Values(ca.Callback):
     def get_sparsity_out(self, i: int) -> ca.Sparsity:
         return ca.Sparsity.dense(self.rows, 1)
 
-    def guarded(self, shape: tuple[int, ...], compute: Any) -> list[np.ndarray]:
+    def guarded(
+        self, shape: tuple[int, ...], compute: Callable[[], np.ndarray | None]
+    ) -> list[np.ndarray]:
         """Computed value, or NaN; exceptions are stored, as CasADi would discard them."""
         if self.exception is None:
             try:
@@ -91,7 +92,7 @@ class _Values(ca.Callback):
                 self.exception = error
         return [np.full(shape, np.nan)]
 
-    def eval(self, arguments: Sequence[Any]) -> list[np.ndarray]:
+    def eval(self, arguments: Sequence[ca.DM]) -> list[np.ndarray]:
         def compute() -> np.ndarray | None:
             values = self.program.value(np.array(arguments[0]).ravel())
             return None if values is None else np.concatenate([[values[0]], values[1]])
@@ -101,7 +102,13 @@ class _Values(ca.Callback):
     def has_jacobian(self) -> bool:
         return True
 
-    def get_jacobian(self, name: str, inputs: Any, outputs: Any, options: Any) -> ca.Function:
+    def get_jacobian(
+        self,
+        name: str,
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+        options: Mapping[str, object],
+    ) -> ca.Function:
         self.jacobian_callback = _Jacobian(self, name)
         return self.jacobian_callback
 
@@ -126,7 +133,7 @@ class _Jacobian(ca.Callback):
     def get_sparsity_out(self, i: int) -> ca.Sparsity:
         return ca.Sparsity.dense(self.values.rows, self.values.program.n)
 
-    def eval(self, arguments: Sequence[Any]) -> list[np.ndarray]:
+    def eval(self, arguments: Sequence[ca.DM]) -> list[np.ndarray]:
         program = self.values.program
 
         def compute() -> np.ndarray | None:

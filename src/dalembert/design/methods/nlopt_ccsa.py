@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 
@@ -62,7 +62,7 @@ class CCSAQ(Optimizer):
         return OptimizerResult(np.asarray(z_end), 0 < code < 5, f"NLopt: ended with code {code}")
 
 
-def _objective(program: Program) -> Any:
+def _objective(program: Program) -> Callable[[np.ndarray, np.ndarray], float]:
     def value(z: np.ndarray, gradient: np.ndarray) -> float:
         if gradient.size:
             gradient[:] = program.slope(z)
@@ -71,7 +71,9 @@ def _objective(program: Program) -> Any:
     return value
 
 
-def _limits(program: Program, sign: float, rows: np.ndarray, bound: np.ndarray) -> Any:
+def _limits(
+    program: Program, sign: float, rows: np.ndarray, bound: np.ndarray
+) -> Callable[[np.ndarray, np.ndarray, np.ndarray], None]:
     def value(result: np.ndarray, z: np.ndarray, gradient: np.ndarray) -> None:
         if gradient.size:
             gradient[:] = sign * program.jacobian(z)[rows]

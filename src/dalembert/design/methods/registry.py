@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from dalembert.design.methods.base import Optimizer
 from dalembert.design.methods.branch_and_bound import BranchAndBound
 from dalembert.design.methods.cma_es import CMAES
@@ -34,7 +32,7 @@ OPTIMIZERS: dict[str, type[Optimizer]] = {
 }
 
 
-def make_optimizer(method: Any, discrete: bool) -> Optimizer:
+def make_optimizer(method: str | Optimizer, discrete: bool) -> Optimizer:
     """Optimiser of a name or object, wrapped in branch and bound if variables are discrete.
 
     Raises

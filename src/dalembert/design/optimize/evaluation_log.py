@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.errors import FileError
 from dalembert.files import atomic_path
@@ -32,7 +33,7 @@ class EvaluationLog:
         The file belongs to another problem, or is no log.
     """
 
-    def __init__(self, path: str | Path, fingerprint: Mapping[str, Any]):
+    def __init__(self, path: str | Path, fingerprint: Mapping[str, object]):
         self.path = Path(path)
         self.entries: dict[bytes, dict[str, Any]] = {}
         expected = json.loads(json.dumps(fingerprint))
@@ -66,7 +67,7 @@ class EvaluationLog:
             self._append("\n")
 
     @staticmethod
-    def _key(x: Any, part: str) -> bytes:
+    def _key(x: ArrayLike, part: str) -> bytes:
         return part.encode() + np.asarray(x, dtype=float).tobytes()
 
     def _append(self, text: str) -> None:

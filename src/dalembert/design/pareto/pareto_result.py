@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.design.decision import Decision, axis_label, plot_axes
+from dalembert.results.result import Result
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -75,7 +76,7 @@ class ParetoResult(Decision):
     name: str = ""
     parameter_units: list[str] = field(default_factory=list)
     interrupted: bool = False
-    rerun: Callable[[int], Any] | None = field(default=None, repr=False)
+    rerun: Callable[[int], Result | None] | None = field(default=None, repr=False)
 
     @property
     def success(self) -> bool:  # type: ignore[override]
@@ -106,7 +107,7 @@ class ParetoResult(Decision):
         edges = np.append(points[1:, 0], limit[0])
         return float(np.sum((edges - points[:, 0]) * (limit[1] - points[:, 1])))
 
-    def result(self, k: int) -> Any:
+    def result(self, k: int) -> Result | None:
         """Result at a point; None if it cannot be run again."""
         return None if self.rerun is None else self.rerun(k)
 

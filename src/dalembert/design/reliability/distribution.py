@@ -5,27 +5,29 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import fields, replace
-from typing import Any
 
 import numpy as np
 
 from dalembert.errors import ModelError
 from dalembert.units.measured import check_measured
 
+Values = float | np.ndarray
+"""A number, or an array of numbers."""
+
 
 class Distribution(ABC):
     """A random variable ``x = F⁻¹(Φ(u))``, ``u`` standard normal."""
 
     @abstractmethod
-    def from_normal(self, u: Any) -> Any:
+    def from_normal(self, u: Values) -> Values:
         """``x(u)``."""
 
     @abstractmethod
-    def to_normal(self, x: Any) -> Any:
+    def to_normal(self, x: Values) -> Values:
         """``u(x)``."""
 
     @abstractmethod
-    def slope(self, u: Any) -> Any:
+    def slope(self, u: Values) -> Values:
         """``dx/du``."""
 
     @property
@@ -79,6 +81,6 @@ def normal_points(count: int = 64) -> tuple[np.ndarray, np.ndarray]:
     return points, weights / weights.sum()
 
 
-def density(u: Any) -> Any:
+def density(u: Values) -> Values:
     """``φ(u)``."""
     return np.exp(-0.5 * np.square(u)) / math.sqrt(2 * math.pi)

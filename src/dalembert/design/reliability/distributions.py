@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
-from dalembert.design.reliability.distribution import Distribution, density
+from dalembert.design.reliability.distribution import Distribution, Values, density
 from dalembert.options import options
 
 
@@ -34,13 +33,13 @@ class Normal(Distribution):
     def __post_init__(self) -> None:
         self._require(self.std > 0, "std must be above zero")
 
-    def from_normal(self, u: Any) -> Any:
+    def from_normal(self, u: Values) -> Values:
         return self.mean + self.std * u
 
-    def to_normal(self, x: Any) -> Any:
+    def to_normal(self, x: Values) -> Values:
         return (x - self.mean) / self.std
 
-    def slope(self, u: Any) -> Any:
+    def slope(self, u: Values) -> Values:
         return self.std + 0.0 * u
 
     @property
@@ -77,15 +76,15 @@ class Lognormal(Distribution):
         spread = math.sqrt(math.log1p((self.std / self.mean) ** 2))
         return math.log(self.mean) - spread**2 / 2, spread
 
-    def from_normal(self, u: Any) -> Any:
+    def from_normal(self, u: Values) -> Values:
         middle, spread = self.logarithm
         return np.exp(middle + spread * u)
 
-    def to_normal(self, x: Any) -> Any:
+    def to_normal(self, x: Values) -> Values:
         middle, spread = self.logarithm
         return (np.log(x) - middle) / spread
 
-    def slope(self, u: Any) -> Any:
+    def slope(self, u: Values) -> Values:
         return self.logarithm[1] * self.from_normal(u)
 
     @property
@@ -115,19 +114,19 @@ class Uniform(Distribution):
     def __post_init__(self) -> None:
         self._require(self.lower < self.upper, "lower must be below upper")
 
-    def from_normal(self, u: Any) -> Any:
+    def from_normal(self, u: Values) -> Values:
         from scipy.special import ndtr
 
         return self.lower + (self.upper - self.lower) * ndtr(u)
 
-    def to_normal(self, x: Any) -> Any:
+    def to_normal(self, x: Values) -> Values:
         from scipy.special import ndtri
 
         low, high = x - self.lower, self.upper - x
         width = self.upper - self.lower
         return np.where(low < high, ndtri(low / width), -ndtri(high / width))
 
-    def slope(self, u: Any) -> Any:
+    def slope(self, u: Values) -> Values:
         return (self.upper - self.lower) * density(u)
 
     @property
@@ -159,18 +158,18 @@ class Weibull(Distribution):
     def __post_init__(self) -> None:
         self._require(self.scale > 0 and self.shape > 0, "scale and shape must be above zero")
 
-    def from_normal(self, u: Any) -> Any:
+    def from_normal(self, u: Values) -> Values:
         from scipy.special import log_ndtr
 
         return self.location + self.scale * (-log_ndtr(-np.asarray(u))) ** (1 / self.shape)
 
-    def to_normal(self, x: Any) -> Any:
+    def to_normal(self, x: Values) -> Values:
         from scipy.special import ndtri, ndtri_exp
 
         power = ((x - self.location) / self.scale) ** self.shape
         return np.where(power < 0.5, ndtri(-np.expm1(-power)), -ndtri_exp(-power))
 
-    def slope(self, u: Any) -> Any:
+    def slope(self, u: Values) -> Values:
         from scipy.special import log_ndtr
 
         log = log_ndtr(-np.asarray(u))
@@ -214,7 +213,7 @@ class Gumbel(Distribution):
         scale = self.std * math.sqrt(6) / math.pi
         return self.mean - np.euler_gamma * scale, scale
 
-    def from_normal(self, u: Any) -> Any:
+    def from_normal(self, u: Values) -> Values:
         from scipy.special import log_ndtr
 
         mode, scale = self._mode_scale
@@ -223,14 +222,14 @@ class Gumbel(Distribution):
         power = log_ndtr(np.minimum(u, 9.0))
         return mode - scale * np.where(u > 9.0, log_ndtr(-u), np.log(-power))
 
-    def to_normal(self, x: Any) -> Any:
+    def to_normal(self, x: Values) -> Values:
         from scipy.special import ndtri, ndtri_exp
 
         mode, scale = self._mode_scale
         power = np.exp(-(x - mode) / scale)
         return np.where(power < 0.5, -ndtri(-np.expm1(-power)), ndtri_exp(-power))
 
-    def slope(self, u: Any) -> Any:
+    def slope(self, u: Values) -> Values:
         from scipy.special import log_ndtr
 
         u = np.asarray(u, dtype=float)
@@ -286,23 +285,23 @@ class Truncated(Distribution):
         low, high = self._normal_bounds
         return float(ndtr(-low) - ndtr(-high) if low > 0 else ndtr(high) - ndtr(low))
 
-    def _inner(self, u: Any) -> Any:
+    def _inner(self, u: Values) -> Values:
         from scipy.special import ndtr, ndtri
 
         (low, high), share = self._normal_bounds, self._share
         below, above = ndtr(low) + ndtr(u) * share, ndtr(-high) + ndtr(-np.asarray(u)) * share
         return np.where(below < above, ndtri(below), -ndtri(above))
 
-    def from_normal(self, u: Any) -> Any:
+    def from_normal(self, u: Values) -> Values:
         return self.of.from_normal(self._inner(u))
 
-    def to_normal(self, x: Any) -> Any:
+    def to_normal(self, x: Values) -> Values:
         from scipy.special import ndtr, ndtri
 
         (low, high), share, z = self._normal_bounds, self._share, self.of.to_normal(x)
         below, above = (ndtr(z) - ndtr(low)) / share, (ndtr(-z) - ndtr(-high)) / share
         return np.where(below < above, ndtri(below), -ndtri(above))
 
-    def slope(self, u: Any) -> Any:
+    def slope(self, u: Values) -> Values:
         z = self._inner(u)
         return self.of.slope(z) * density(u) * self._share / density(z)

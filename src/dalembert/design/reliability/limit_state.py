@@ -15,10 +15,14 @@ from dalembert.errors import AnalysisError, ModelError
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import as_responses
 from dalembert.results.analysis import Analysis
+from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import unknown
+
+LimitState = Response | Limit | str
+"""A response or a limit of a model, or a formula of the random parameters; safe above zero."""
 
 
 class LimitStates(ABC):
@@ -52,7 +56,7 @@ class LimitStates(ABC):
         """(N, m) ``g`` at (N, n) points."""
         return np.array([self.values(x) for x in points]).reshape(len(points), len(self.labels))
 
-    def result(self, x: np.ndarray) -> Any:
+    def result(self, x: np.ndarray) -> Result | None:
         """The run at ``x``; None without a model, or if the run fails."""
         return None
 
@@ -109,7 +113,7 @@ class RunLimits(LimitStates):
         rows = np.array([sign * self.problem.slope(evaluation, row) for row, sign, _ in self.sides])
         return rows[:, : len(self.names)], rows[:, len(self.names) :]
 
-    def result(self, x: np.ndarray) -> Any:
+    def result(self, x: np.ndarray) -> Result | None:
         return next(iter(self.problem.results(np.append(x, self.other_values)).values()), None)
 
     @property
@@ -145,7 +149,10 @@ class FormulaLimits(LimitStates):
 
 
 def limit_states(
-    model: ParametricModel | None, limits: Any, names: Sequence[str], analysis: Analysis | None
+    model: ParametricModel | None,
+    limits: Any,
+    names: Sequence[str],
+    analysis: Analysis | None,
 ) -> LimitStates:
     """Limit states from responses, limits or formulas, one or several.
 

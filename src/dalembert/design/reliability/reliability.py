@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.methods.search_options import check_starts, check_stop
 from dalembert.design.reliability.design_points import design_points
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.first_order import DesignPoint, Search
-from dalembert.design.reliability.limit_state import limit_states
+from dalembert.design.reliability.limit_state import LimitState, limit_states
 from dalembert.design.reliability.nataf import Correlation, Nataf
 from dalembert.design.reliability.reliability_result import SAMPLINGS, ReliabilityResult
 from dalembert.design.reliability.second_order import second_order
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.interrupts import interruptible, searching
 from dalembert.options import RandomSource, is_whole, random_generator
-from dalembert.results.result import Analysis
+from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.arguments import check_arguments
 from dalembert.text.wording import unknown
@@ -36,7 +35,7 @@ LAYER_DEPTHS = (0.03, 0.1, 0.3, 1.0, 1.6)
 @interruptible
 def reliability(
     model: ParametricModel | None,
-    limit_state: Any,
+    limit_state: LimitState | Sequence[LimitState],
     random: Mapping[str, Distribution],
     *,
     analysis: Analysis | None = None,

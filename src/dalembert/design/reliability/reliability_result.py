@@ -23,6 +23,7 @@ from dalembert.design.reliability.sampling import (
 )
 from dalembert.design.reliability.second_order import SecondOrder, second_order
 from dalembert.options import RandomSource, random_generator
+from dalembert.results.result import Result
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -212,7 +213,7 @@ class ReliabilityResult(Decision):
         return getattr(self, SAMPLINGS[method])(samples, rng)  # type: ignore[no-any-return]
 
     # presentation ---------------------------------------------------------------------------
-    def result(self) -> Any:
+    def result(self) -> Result | None:
         """The run at the design point; None without a model."""
         x = np.array(list(self.point.x.values()))
         return self.searches[0].limits.result(x)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from dalembert.design.case import Case
 from dalembert.design.quantity import Combined, Constant, Quantity
-from dalembert.design.reliability.distribution import Distribution
+from dalembert.design.reliability.distribution import Distribution, Values
 from dalembert.errors import ModelError
 from dalembert.responses.values import Final
 from dalembert.text.wording import unknown
@@ -23,17 +22,19 @@ class Shifted(Distribution):
     of: Distribution
     by: float
 
-    def from_normal(self, u: Any) -> Any:
+    def from_normal(self, u: Values) -> Values:
         return self.of.from_normal(u) + self.by
 
-    def to_normal(self, x: Any) -> Any:
+    def to_normal(self, x: Values) -> Values:
         return self.of.to_normal(np.asarray(x) - self.by)
 
-    def slope(self, u: Any) -> Any:
+    def slope(self, u: Values) -> Values:
         return self.of.slope(u)
 
 
-def centred_at(random: Mapping[str, Distribution], design: Mapping[str, float]) -> dict[str, Any]:
+def centred_at(
+    random: Mapping[str, Distribution], design: Mapping[str, float]
+) -> dict[str, Distribution]:
     """The distributions, with the means of design variables at the design."""
     return {
         name: Shifted(distribution, design[name] - distribution.moments[0])

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.options import RandomSource, random_generator
@@ -45,7 +46,7 @@ class DesignTable(CheckedArguments):
 
     names: tuple[str, ...]
     values: np.ndarray
-    specified: Mapping[str, Sequence[Any]] = field(default_factory=dict, repr=False)
+    specified: Mapping[str, Sequence[float] | np.ndarray] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         if not self.names:
@@ -114,7 +115,7 @@ class DesignTable(CheckedArguments):
         return cls(table.names, table.values, _parse_units(ranges))
 
     @classmethod
-    def table(cls, columns: Mapping[str, Any] | pd.DataFrame) -> DesignTable:
+    def table(cls, columns: Mapping[str, ArrayLike] | pd.DataFrame) -> DesignTable:
         """Custom designs: parameter → its values, or a DataFrame."""
         numbers = _parse_units({str(name): columns[name] for name in columns})
         arrays = {name: np.asarray(values, dtype=float) for name, values in numbers.items()}
@@ -131,9 +132,9 @@ class DesignTable(CheckedArguments):
         return cls(tuple(ranges), ends[:, 0] + unit * (ends[:, 1] - ends[:, 0]), numbers)
 
 
-def _parse_units(columns: Mapping[str, Any]) -> dict[str, Any]:
+def _parse_units(columns: Mapping[str, ArrayLike]) -> dict[str, Sequence[float] | np.ndarray]:
     """Columns as numbers; texts such as ``"10 mm"`` are converted."""
-    numbers: dict[str, Any] = {}
+    numbers: dict[str, Sequence[float] | np.ndarray] = {}
     for name, values in columns.items():
         if getattr(getattr(values, "dtype", None), "kind", "O") in "fiu":
             numbers[name] = np.asarray(values).ravel()
@@ -145,7 +146,7 @@ def _parse_units(columns: Mapping[str, Any]) -> dict[str, Any]:
     return numbers
 
 
-def _checked_range(name: str, bounds: Any) -> tuple[float, float]:
+def _checked_range(name: str, bounds: ArrayLike) -> tuple[float, float]:
     ends = np.asarray(bounds, dtype=float).ravel()
     if ends.size != 2 or not ends[0] < ends[1]:
         raise AnalysisError(f"{name}: a range is (lower, upper), got {bounds!r:.60}")

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import IO, Any, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.design.studies.task import Answer
 from dalembert.errors import FileError
@@ -30,7 +31,7 @@ class TableFormat(Protocol):
 
     suffix: str
 
-    def write(self, columns: Mapping[str, Any], target: Path) -> None:
+    def write(self, columns: Mapping[str, ArrayLike], target: Path) -> None:
         """Write columns of integers, numbers (NaN if missing) and texts."""
         ...
 
@@ -44,7 +45,7 @@ class Parquet:
 
     suffix = ".parquet"
 
-    def write(self, columns: Mapping[str, Any], target: Path) -> None:
+    def write(self, columns: Mapping[str, ArrayLike], target: Path) -> None:
         import pyarrow as arrow
         import pyarrow.parquet as parquet
 
@@ -74,7 +75,7 @@ class Csv:
 
     suffix = ".csv"
 
-    def write(self, columns: Mapping[str, Any], target: Path) -> None:
+    def write(self, columns: Mapping[str, ArrayLike], target: Path) -> None:
         cells = [[_cell(value) for value in np.asarray(c).tolist()] for c in columns.values()]
         with atomic_path(target) as path, path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dalembert.design.studies.sweep_result import SweepResult
 from dalembert.errors import AnalysisError, UnsupportedError
@@ -49,15 +50,17 @@ class Surface:
     determination: float
     fitted: Any
 
-    def __call__(self, **parameters: Any) -> Any:
+    def __call__(self, **parameters: ArrayLike) -> float | np.ndarray:
         """Response at values of the parameters, numbers or arrays."""
         return self._predict(parameters)[0]
 
-    def deviation(self, **parameters: Any) -> Any:
+    def deviation(self, **parameters: ArrayLike) -> float | np.ndarray:
         """Standard deviation of a Gaussian process at values of the parameters."""
         return self._predict(parameters, return_std=True)[1]
 
-    def _predict(self, parameters: Mapping[str, Any], **options: Any) -> tuple[Any, ...]:
+    def _predict(
+        self, parameters: Mapping[str, ArrayLike], **options: bool
+    ) -> tuple[np.ndarray, ...]:
         if set(parameters) != set(self.names):
             raise AnalysisError(f"give values of {', '.join(self.names)}; got {set(parameters)}")
         columns = np.broadcast_arrays(*(np.asarray(parameters[n], dtype=float) for n in self.names))

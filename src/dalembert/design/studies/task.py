@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -193,7 +192,7 @@ def model_text(model: ParametricModel) -> str:
     return canonical_text(vars(getattr(model, "structure", model)))
 
 
-def canonical_text(content: Any, depth: int = 14) -> str:
+def canonical_text(content: object, depth: int = 14) -> str:
     """Text of options, tables and formulas that is reproducible across processes."""
     if isinstance(content, np.ndarray):
         return f"{content.shape}{content.dtype}{hashlib.sha256(content.tobytes()).hexdigest()}"
@@ -205,7 +204,7 @@ def canonical_text(content: Any, depth: int = 14) -> str:
     if depth == 0:
         return type_name
     if isinstance(content, Mapping):
-        parts: Iterable[Any] = ((str(key), value) for key, value in content.items())
+        parts: Iterable[object] = ((str(key), value) for key, value in content.items())
     elif isinstance(content, (list, tuple)):
         parts = content
     elif is_dataclass(content):

@@ -14,7 +14,7 @@ import numpy as np
 
 from dalembert.analysis.progress import Reported, progress_reporter
 from dalembert.design.optimize.optimization import design_problem
-from dalembert.design.optimize.problem import DesignProblem
+from dalembert.design.optimize.problem import DesignProblem, Evaluation
 from dalembert.design.tolerance.tolerance_result import ToleranceResult
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.interrupts import interruptible, searching
@@ -57,7 +57,7 @@ class Box:
         """(n,) derivatives by ``z``: first-order change for each full tolerance."""
         return self.problem.slope(self._evaluate(z, True), 0) * self.half
 
-    def _evaluate(self, z: np.ndarray, gradient: bool) -> Any:
+    def _evaluate(self, z: np.ndarray, gradient: bool) -> Evaluation:
         p = self.nominal + self.half * z
         evaluation = self.problem.evaluate(p, gradient)
         if evaluation is None:

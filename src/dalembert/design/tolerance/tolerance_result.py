@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.design.decision import Decision, plot_axes
 from dalembert.errors import AnalysisError
+from dalembert.results.result import Result
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -63,7 +64,7 @@ class ToleranceResult(Decision):
     units: dict[str, str] = field(default_factory=dict)
     allotted: dict[str, float] | None = None
     interrupted: bool = False
-    run: Any = field(default=None, repr=False)
+    run: Result | None = field(default=None, repr=False)
 
     @property
     def success(self) -> bool:  # type: ignore[override]
@@ -243,7 +244,9 @@ class ToleranceResult(Decision):
         return f"<ToleranceResult {self.label} {self.nominal:.6g} ± {spread:.3g}{worst}>"
 
 
-def _multiplier(allotted: Any, deviation: Any, limit: float) -> float:
+def _multiplier(
+    allotted: Callable[[float], np.ndarray], deviation: Callable[[np.ndarray], float], limit: float
+) -> float:
     """Logarithm of the multiplier for which the limit is reached, by bisection."""
     low, high = -700.0, 700.0
     if deviation(allotted(high)) <= limit:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -131,7 +130,7 @@ class _IterationCallback(ca.Callback):
     def get_n_out(self) -> int:
         return 1
 
-    def eval(self, arguments: Sequence[Any]) -> list[int]:
+    def eval(self, arguments: Sequence[ca.DM]) -> list[int]:
         outputs = dict(zip(ca.nlpsol_out(), arguments, strict=True))
         self.x = np.array(outputs["x"]).ravel()
         self.count += 1

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -16,6 +15,7 @@ import numpy as np
 from dalembert.analysis.requirements import need_mechanism
 from dalembert.design.limit import Limit
 from dalembert.design.methods.search_options import OnIteration, iteration_callback
+from dalembert.design.quantity import Objective
 from dalembert.design.trajectory.collocation import DirectCollocation
 from dalembert.design.trajectory.control import Control
 from dalembert.design.trajectory.guess import Guess, from_plan, initial_guess
@@ -56,7 +56,7 @@ from dalembert.text.wording import unknown
 @interruptible
 def optimize_trajectory(
     model: Model,
-    minimize: Any,
+    minimize: Objective,
     controls: Sequence[str],
     duration: float | tuple[float, float],
     *,
@@ -66,7 +66,7 @@ def optimize_trajectory(
     subject_to: Sequence[Limit] = (),
     vary: Sequence[str] = (),
     parameters: Mapping[str, float] | None = None,
-    guess: Any = None,
+    guess: Motion | str | None = None,
     method: TrajectoryMethod | None = None,
     verify: bool = True,
     accuracy: float = 1e-3,
@@ -147,7 +147,7 @@ class _Task:
     """A trajectory optimisation task, independent of the intervals."""
 
     physics: Physics
-    minimize: Any
+    minimize: Objective
     span: tuple[float, float]
     begin: Conditions | None
     end: Conditions
@@ -203,7 +203,7 @@ def _refine(
     return with_final_status(plan, accuracy, smoothed)
 
 
-def duration_of(duration: Any) -> tuple[float, float]:
+def duration_of(duration: float | tuple[float, float]) -> tuple[float, float]:
     """Minimum and maximum of the duration [s].
 
     Raises

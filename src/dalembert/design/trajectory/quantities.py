@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import casadi as ca
 
 from dalembert.design.limit import Limit
-from dalembert.design.quantity import Combined
+from dalembert.design.quantity import Combined, Objective
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.model import Model
@@ -26,7 +25,7 @@ SUPPORTED = (
 """Part of error messages for other responses."""
 
 
-def check_response(quantity: Any) -> None:
+def check_response(quantity: Objective | Limit) -> None:
     """Check that a response is available as objective or limit of a trajectory.
 
     Raises
@@ -34,8 +33,8 @@ def check_response(quantity: Any) -> None:
     UnsupportedError
         The kind of response is not supported, or it belongs to another run.
     """
-    limited = isinstance(quantity, Limit)
-    response = quantity.response if limited else quantity
+    limit = quantity if isinstance(quantity, Limit) else None
+    response = quantity.response if isinstance(quantity, Limit) else quantity
     if isinstance(response, Combined):
         for part in response.parts.values():
             check_response(part)
@@ -45,14 +44,14 @@ def check_response(quantity: Any) -> None:
     kinds: tuple[type, ...] = (Final, Integral, Mean, RMS, Maximum)
     first = isinstance(response, At) and response.time == 0
     if not (first or isinstance(response, kinds)) or (
-        isinstance(response, Minimum) and not limited
+        isinstance(response, Minimum) and limit is None
     ):
         raise UnsupportedError(f"{response.label}: {SUPPORTED}")
-    if limited and isinstance(response, (Maximum, Minimum)):
-        _check_limit_side(quantity)
+    if limit is not None and isinstance(response, (Maximum, Minimum)):
+        _check_limit_side(limit)
 
 
-def response_value(transcription: Transcription, response: Any) -> ca.MX:
+def response_value(transcription: Transcription, response: Objective) -> ca.MX:
     """A response, or a formula of responses, as a function of the unknowns.
 
     Raises
@@ -85,11 +84,11 @@ def response_value(transcription: Transcription, response: Any) -> ca.MX:
     raise UnsupportedError(f"{response.label}: {SUPPORTED}")
 
 
-def unit_of(model: Model, response: Any) -> str:
+def unit_of(model: Model, response: Objective) -> str:
     """Unit of a response, or of a formula of responses."""
-    if isinstance(response, Combined):
-        return response.declared_unit
-    return str(response.unit(model.expression(response.measure).unit))
+    if isinstance(response, Response):
+        return str(response.unit(model.expression(response.measure).unit))
+    return response.declared_unit if isinstance(response, Combined) else ""
 
 
 def limit_rows(transcription: Transcription, limits: Sequence[Limit]) -> list[Rows]:
@@ -119,7 +118,7 @@ def _check_limit_side(limit: Limit) -> None:
         )
 
 
-def check_conditions(conditions: Any, when: str) -> None:
+def check_conditions(conditions: Conditions | None, when: str) -> None:
     """Check that the conditions at an end are values or bounds of measures.
 
     Raises
@@ -136,7 +135,8 @@ def check_conditions(conditions: Any, when: str) -> None:
                 f"{when}[{name!r}] is {value!r:.60}; give a number, or (lower, upper) with None "
                 "for an open side"
             )
-        if None not in pair and pair[0] > pair[1]:
+        low, high = pair
+        if low is not None and high is not None and low > high:
             raise AnalysisError(
                 f"{when}[{name!r}] is {value!r:.60}: the lower bound is above the upper one"
             )

@@ -18,21 +18,18 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Condition, ForceElement, Look, Powers, Rate
-from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.fem.between_bodies import BetweenBodies, NodeBody
+from dalembert.elements.fem.between_bodies import BetweenBodies
 from dalembert.elements.fem.cell_functions import functions_of
+from dalembert.elements.fem.elastic_element import ElasticElement
 from dalembert.elements.fem.energies import Energies
-from dalembert.elements.fem.node import Nodal
+from dalembert.elements.fem.nodal import Nodal
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression
 
 
 @dataclass(eq=False)
-class StructuralElement(Energies, ForceElement):
-    """A finite element between nodes of a structure, or between nodes that are bodies."""
-
-    conservative = True
+class StructuralElement(Energies, ElasticElement):
+    """A finite element between nodes."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -55,55 +52,14 @@ class StructuralElement(Energies, ForceElement):
         """The nodes that it connects."""
         raise NotImplementedError
 
-    # in a mechanism -----------------------------------------------------------------------
     @cached_property
-    def between(self) -> BetweenBodies:
-        """The element between bodies.
-
-        Raises
-        ------
-        ModelError
-            Its nodes are those of a structure.
-        """
-        nodes = self.nodes()
-        bodies = [node for node in nodes if isinstance(node, NodeBody)]
-        for node in nodes:
-            if node not in bodies:
-                raise ModelError(
-                    f"{node.name!r} is a node of a structure; in a mechanism take "
-                    "planar.PointNode, planar.Node, spatial.PointNode or spatial.Node, or add the "
-                    "structure as a structures.ElasticStructure",
-                    self.name,
-                )
+    def between(self) -> list[BetweenBodies]:
+        bodies = tuple(node.body for node in self.nodes())
         options = tuple(self.options().items())
         kind: Any = type(self)
-        functions = functions_of(kind, nodes[0].dimension, len(nodes), options)
+        functions = functions_of(kind, bodies[0].dimension, len(bodies), options)
         numbers = [getattr(self, name).sx for name, _ in self.quantities()]
-        return BetweenBodies(self.name, functions, tuple(bodies), ca.vertcat(*numbers))
-
-    def parts(self) -> list[Coordinates]:
-        return [*self.between.nodes]  # type: ignore[list-item]
-
-    def powers(self, rate: Rate) -> Powers:
-        return self.between.powers(rate)
-
-    def potential(self) -> ca.SX:
-        return self.between.stored
-
-    def inertial_powers(self, rate: Rate) -> Powers:
-        return self.between.inertial_powers(rate)
-
-    def masses(self) -> list[tuple[ca.SX, ca.SX]]:
-        return self.between.masses()
-
-    def conditions(self) -> list[Condition]:
-        return [*super().conditions(), *self.between.conditions()]
-
-    def measures(self, rate: Rate) -> dict[str, tuple[ca.SX, str]]:
-        return {**self.between.recovered(), "strain_energy": (self.between.stored, "J")}
-
-    def look(self) -> list[Look]:
-        return self.between.look()
+        return [BetweenBodies(self.name, functions, bodies, ca.vertcat(*numbers))]
 
 
 def check_options(entity: str, options: dict[str, Any]) -> None:

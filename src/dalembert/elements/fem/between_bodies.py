@@ -17,8 +17,8 @@ import casadi as ca
 from dalembert.elements.base import Condition, Look, Powers, Rate
 from dalembert.elements.body import BodyElement
 from dalembert.elements.fem.cell_functions import CellFunctions
-from dalembert.elements.fem.node import Nodal
-from dalembert.elements.look import Ball, Strand
+from dalembert.elements.fem.nodal import TRANSLATIONS, Nodal
+from dalembert.elements.look import Ball
 from dalembert.errors import ModelError
 
 
@@ -31,6 +31,11 @@ class NodeBody(Nodal):
     turning: ca.SX
     spin: ca.SX
     turned: Callable[[ca.SX], ca.SX]
+
+    @property
+    def body(self) -> Any:  # type: ignore[override]
+        """Itself."""
+        return self
 
     @property
     def natural(self) -> ca.SX:  # type: ignore[override]
@@ -74,6 +79,18 @@ class NodeBody(Nodal):
     def turned_by(self) -> ca.SX:
         """Its rotation: the angle in the plane, the entries of the matrix in space."""
         raise NotImplementedError
+
+    def measures(self) -> dict[str, tuple[ca.SX, str]]:
+        """Measures of a body, and displacements ``ux``, …, from the stress-free position."""
+        body: Any = self
+        own: dict[str, tuple[ca.SX, str]] = super().measures()  # type: ignore[misc]
+        if body.initial[0] is None:
+            return own
+        displacement = self.place - self.natural
+        own |= {d: (displacement[k], "m") for k, d in enumerate(TRANSLATIONS[: self.dimension])}
+        if body.rotates and self.dimension == 2:
+            own |= {"rz": (self.turned_by, "rad"), "vrz": own["angular_velocity"]}
+        return own
 
     def look(self) -> list[Look]:
         body: BodyElement = self  # type: ignore[assignment]
@@ -176,8 +193,3 @@ class BetweenBodies:
         rings = [[*face, face[0]] for face in self.functions.graphs.cls.outlines()]
         pairs = [pair for ring in rings for pair in pairwise(ring) if pair[0] != pair[1]]
         return [(self.nodes[i], self.nodes[j]) for i, j in pairs]
-
-    def look(self) -> list[Look]:
-        """Its edges."""
-        edges = {frozenset((i.name, j.name)): (i, j) for i, j in self.edges()}
-        return [Strand(i.center, j.center) for i, j in edges.values()]

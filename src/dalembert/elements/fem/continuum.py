@@ -16,7 +16,7 @@ from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.cells import CELLS
 from dalembert.elements.fem.energies import Named
-from dalembert.elements.fem.node import Nodal
+from dalembert.elements.fem.nodal import Nodal
 from dalembert.elements.fem.reference_cells import REFERENCE_CELLS, ReferenceCell
 from dalembert.errors import ModelError
 

@@ -12,6 +12,13 @@ from dalembert.elements.look import Bars, Beams, Cells, Dots, Faces, SolidFaces
 
 Rows = tuple[tuple[float, ...], ...]
 Named = dict[str, tuple[ca.SX, str]]
+CHANGES = (
+    "temperature",
+    "temperature_gradient",
+    "temperature_gradient_y",
+    "temperature_gradient_z",
+)
+"""Element quantities that are temperature changes; forces are linear in them."""
 
 
 class Energies(Element):

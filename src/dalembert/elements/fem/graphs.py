@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.elements.fem.energies import Energies, Named
 from dalembert.elements.fem.inertia_graphs import InertiaGraphs
-from dalembert.elements.fem.node import ROTATIONS
+from dalembert.elements.fem.nodal import ROTATIONS
 
 STRESSLESS = 1e-9
 """Threshold of the first-order over the second-order energy below which it is round-off [-]."""

@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.energies import Named
-from dalembert.elements.fem.node import Nodal
+from dalembert.elements.fem.nodal import Nodal
 from dalembert.elements.look import Cells, Coils
 from dalembert.errors import ModelError
 

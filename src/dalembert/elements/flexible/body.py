@@ -35,7 +35,7 @@ class Flexible(FloatingFrame):
 
     Parameters
     ----------
-    structure : StructuralModel, without supports
+    structure : Structure or StructuralModel, without supports
     interface : name → nodes that move as one rigid section, or a list of single nodes
     modes : maximum number of modes between the interfaces
     up_to : upper limit of their frequencies [rad/s]
@@ -90,9 +90,13 @@ class Flexible(FloatingFrame):
 
     def _reduce(self) -> None:
         """Compute the shapes of the structure."""
+        if hasattr(self.structure, "build"):
+            self.structure = self.structure.build()
         if not hasattr(self.structure, "floating"):
             raise ModelError(
-                f"structure must be a built structural model; got {self.structure!r}", self.name
+                "structure must be a model of nodes and finite elements alone; got "
+                f"{self.structure!r}",
+                self.name,
             )
         if not self.interface:
             raise ModelError("needs an interface: nodes for joints and forces", self.name)

@@ -11,6 +11,7 @@ import casadi as ca
 from dalembert.elements.base import Condition, Element
 from dalembert.elements.body import BodyElement
 from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.fem.nodal import NodeLike
 from dalembert.elements.frame import Frame
 from dalembert.elements.pair import (
     initial_value,
@@ -58,7 +59,8 @@ class Turn:
 
 
 def need_frame(value: Any, owner: str, field: str) -> Frame:
-    """Check that an argument is a frame of a body; a body stands for its body frame."""
+    """Check that an argument is a frame of a body; a body or a node stands for its body frame."""
+    value = value.body if isinstance(value, NodeLike) else value
     if isinstance(value, BodyElement):
         refuse_floating_frame(value, owner, field)
         value = Frame(value)

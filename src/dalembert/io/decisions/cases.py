@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from dalembert.design.case import Case
-from dalembert.design.quantity import Combined, with_case
+from dalembert.design.quantity import Combined, Objective, with_case
 from dalembert.design.robust import Robust
 from dalembert.errors import ModelError
 from dalembert.io.analyses import make_analysis, make_table
 from dalembert.io.decisions.reliability import correlations, random_parameters
 from dalembert.io.decisions.responses import make_response, measure_reader
 from dalembert.io.model_file import ModelFile, load_model_file
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import unknown
 
 OWN_RUN = ""
@@ -28,12 +29,12 @@ class Quantities:
     file, model : of the run of responses without a case
     """
 
-    def __init__(self, file: ModelFile, model: Any):
+    def __init__(self, file: ModelFile, model: ParametricModel):
         self.file, self.model = file, model
         self.document: Any = file.document
         self._cases: dict[str, Case] = {}
-        self._files: dict[Path, tuple[ModelFile, Any]] = {}
-        self._quantities: dict[str, Any] = {}
+        self._files: dict[Path, tuple[ModelFile, ParametricModel]] = {}
+        self._quantities: dict[str, Objective] = {}
         self._in_progress: list[str] = []
 
     @property
@@ -42,11 +43,11 @@ class Quantities:
         return [*self.document.responses, *self.document.combined, *self.document.robust]
 
     @property
-    def models(self) -> list[Any]:
+    def models(self) -> list[ParametricModel]:
         """Models of all cases in use; the model of the file comes first."""
         return [self.model, *(case.model for case in self._cases.values())]
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> Objective:
         """A response, a response of a case, or a combination.
 
         Raises
@@ -67,7 +68,7 @@ class Quantities:
         sections = ("combined", "robust")
         return next((s for s in sections if name in getattr(self.document, s)), "responses"), name
 
-    def _make(self, name: str) -> Any:
+    def _make(self, name: str) -> Objective:
         if name in self.document.combined:
             return self._combined(name)
         if name in self.document.robust:
@@ -99,7 +100,7 @@ class Quantities:
             raise self.file.located.error(
                 "a response has this name; choose another", "robust", name
             )
-        response = self.require(table.response, "robust", name, "response")
+        response: Any = self.require(table.response, "robust", name, "response")
         with self.file.located("robust", name):
             correlation = correlations(self.file, random)
             return Robust(response, random, table.deviations, correlation, name)
@@ -148,11 +149,11 @@ class Quantities:
                 self._files[path] = file, file.model()
         return self._files[path][0]
 
-    def bind(self, quantity: Any) -> Any:
+    def bind(self, quantity: Objective) -> Objective:
         """The quantity, bound to the run of the file if other cases depend on that."""
         return with_case(quantity, self._cases[OWN_RUN]) if OWN_RUN in self._cases else quantity
 
-    def require(self, name: str, *where: str | int) -> Any:
+    def require(self, name: str, *where: str | int) -> Objective:
         """The quantity of this name.
 
         Raises

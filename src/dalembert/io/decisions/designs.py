@@ -8,18 +8,20 @@ from typing import Any
 import numpy as np
 
 from dalembert.design.limit import Limit
-from dalembert.design.variables import Catalogue, Integer
+from dalembert.design.variables import Catalogue, Integer, Variable
 from dalembert.io.decisions.cases import Quantities
+from dalembert.io.decisions.design_tables import OptimizeTable
 from dalembert.io.decisions.reliability import correlations, random_parameters
 from dalembert.io.decisions.responses import make_limits, select_parameters
 from dalembert.io.model_file import ModelFile
 from dalembert.responses.base import Response
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.units.measured import check_measured
 
 SEARCH = ("method", "gradient", "max_iterations", "tolerance")
 
 
-def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
+def make_design(file: ModelFile, model: ParametricModel) -> dict[str, Any]:
     """Arguments of ``optimize`` from ``[optimize]``; with ``beta``, of ``optimize_reliable``.
 
     Raises
@@ -36,7 +38,7 @@ def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
         raise file.located.error("give one objective: minimize or maximize", "optimize")
     sense = "minimize" if table.minimize else "maximize"
     quantities = Quantities(file, model)
-    design = {sense: quantities.require(getattr(table, sense), "optimize", sense)}
+    design: dict[str, Any] = {sense: quantities.require(getattr(table, sense), "optimize", sense)}
     design |= _limits_and_variables(file, model, quantities, "optimize")
     design[sense] = quantities.bind(design[sense])
     if table.beta is not None:
@@ -45,7 +47,7 @@ def make_design(file: ModelFile, model: Any) -> dict[str, Any]:
 
 
 def _reliability_arguments(
-    file: ModelFile, model: Any, table: Any, limits: list[Limit]
+    file: ModelFile, model: ParametricModel, table: OptimizeTable, limits: list[Limit]
 ) -> dict[str, Any]:
     """Additional arguments of ``optimize_reliable``."""
     if not table.beta > 0:
@@ -63,7 +65,7 @@ def _reliability_arguments(
     return arguments | {"random": random, "correlation": correlation}
 
 
-def make_front(file: ModelFile, model: Any) -> dict[str, Any]:
+def make_front(file: ModelFile, model: ParametricModel) -> dict[str, Any]:
     """Arguments of ``pareto`` from ``[pareto]``.
 
     Raises
@@ -97,7 +99,7 @@ def make_front(file: ModelFile, model: Any) -> dict[str, Any]:
 
 
 def _limits_and_variables(
-    file: ModelFile, model: Any, quantities: Quantities, section: str
+    file: ModelFile, model: ParametricModel, quantities: Quantities, section: str
 ) -> dict[str, Any]:
     table: Any = getattr(file.document, section)
     limits = make_limits(file, quantities, table.subject_to, section, "subject_to")
@@ -116,12 +118,16 @@ def _limits_and_variables(
     return {"subject_to": limits, "vary": _variables(file, model, vary, section)}
 
 
-def _variables(file: ModelFile, model: Any, vary: list[str], section: str) -> list[Any]:
+def _variables(
+    file: ModelFile, model: ParametricModel, vary: list[str], section: str
+) -> list[Variable]:
     """Design variables: names, integers and catalogues."""
     table: Any = getattr(file.document, section)
     integers = select_parameters(file, table.integers, section, "integers")
     whole = integers if table.integers else []
-    variables: dict[str, Any] = {name: Integer(name) if name in whole else name for name in vary}
+    variables: dict[str, Variable] = {
+        name: Integer(name) if name in whole else name for name in vary
+    }
     variables |= {name: Integer(name) for name in whole}
     for k, columns in enumerate(table.catalogues):
         names = select_parameters(file, list(columns), section, "catalogues", k)

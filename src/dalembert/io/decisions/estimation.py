@@ -14,10 +14,13 @@ from dalembert.errors import AnalysisError
 from dalembert.io.decisions.responses import read_measures, require_parameter, select_parameters
 from dalembert.io.model_file import ModelFile
 from dalembert.io.values import constant
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import unknown
 
 
-def make_identification(file: ModelFile, model: Any, data: list[Path] | None = None) -> dict:
+def make_identification(
+    file: ModelFile, model: ParametricModel, data: list[Path] | None = None
+) -> dict:
     """Arguments of ``identify`` from ``[identify]``.
 
     Parameters
@@ -57,7 +60,7 @@ def make_identification(file: ModelFile, model: Any, data: list[Path] | None = N
     }
 
 
-def _experiments(file: ModelFile, model: Any) -> list[Experiment]:
+def _experiments(file: ModelFile, model: ParametricModel) -> list[Experiment]:
     """Experiments of the file, with data files in its folder."""
     table, folder = file.document.identify, file.path.parent
     if (table.data is None) == (not table.experiments):
@@ -75,7 +78,9 @@ def _experiments(file: ModelFile, model: Any) -> list[Experiment]:
     return experiments
 
 
-def make_inversion(file: ModelFile, model: Any, data: list[Path] | None = None) -> dict[str, Any]:
+def make_inversion(
+    file: ModelFile, model: ParametricModel, data: list[Path] | None = None
+) -> dict[str, Any]:
     """Arguments of ``invert`` from ``[invert]``.
 
     Parameters
@@ -126,7 +131,7 @@ def _smoothing(file: ModelFile, entry: Any) -> str | float:
     return value
 
 
-def _history(file: ModelFile, model: Any, name: str) -> InputHistory:
+def _history(file: ModelFile, model: ParametricModel, name: str) -> InputHistory:
     """History of a built model, from its parameters."""
     document: Any = file.document
     times = document.histories[name].times()

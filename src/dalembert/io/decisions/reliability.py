@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
+from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Nataf
 from dalembert.io.analyses import table_options
-from dalembert.io.decisions.design_tables import distribution
+from dalembert.io.decisions.design_tables import AllotTable, ToleranceTable, distribution
 from dalembert.io.decisions.responses import (
     find_response,
     make_limits,
@@ -15,6 +17,7 @@ from dalembert.io.decisions.responses import (
 )
 from dalembert.io.model_file import ModelFile
 from dalembert.responses.base import Response
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import unknown
 from dalembert.units.measured import check_measured
 
@@ -22,7 +25,7 @@ from dalembert.units.measured import check_measured
 class Responses:
     """Responses of the run of the file; errors state the location."""
 
-    def __init__(self, file: ModelFile, model: Any):
+    def __init__(self, file: ModelFile, model: ParametricModel):
         self.file, self.responses = file, make_responses(file, model)
 
     def require(self, name: str, *where: str | int) -> Response:
@@ -30,7 +33,7 @@ class Responses:
         return find_response(self.file, self.responses, name, *where)
 
 
-def make_reliability(file: ModelFile, model: Any) -> dict[str, Any]:
+def make_reliability(file: ModelFile, model: ParametricModel) -> dict[str, Any]:
     """Arguments of ``reliability`` from ``[reliability]``.
 
     Raises
@@ -55,7 +58,9 @@ def make_reliability(file: ModelFile, model: Any) -> dict[str, Any]:
     }
 
 
-def make_tolerance(file: ModelFile, model: Any) -> tuple[dict[str, Any], dict[str, Any] | None]:
+def make_tolerance(
+    file: ModelFile, model: ParametricModel
+) -> tuple[dict[str, Any], dict[str, Any] | None]:
     """Arguments of ``tolerance``, and of ``allot`` if the file requests it.
 
     Raises
@@ -84,27 +89,29 @@ def make_tolerance(file: ModelFile, model: Any) -> tuple[dict[str, Any], dict[st
     keys = ("tolerances", "sigmas", "second_order", "worst_case", "samples", "rng")
     arguments = {"response": response, **{key: getattr(table, key) for key in keys}}
     return arguments, None if table.allot is None else _allotment_options(
-        file, table, response.declared_unit
+        file, table, table.allot, response.declared_unit
     )
 
 
-def _allotment_options(file: ModelFile, table: Any, unit: str) -> dict[str, Any]:
+def _allotment_options(
+    file: ModelFile, table: ToleranceTable, allot: AllotTable, unit: str
+) -> dict[str, Any]:
     for name in table.tolerances:
-        if name not in table.allot.costs:
+        if name not in allot.costs:
             text = f"has no cost of {name}; give every tolerance one"
             raise file.located.error(text, "tolerance", "allot", "costs")
     with file.located("tolerance", "allot", "limit"):
-        check_measured([table.allot.limit], unit, "")
+        check_measured([allot.limit], unit, "")
     for key in ("limit", "exponent"):
-        if not getattr(table.allot, key) > 0:
-            text = f"is {getattr(table.allot, key):g}; it must be above zero"
+        if not getattr(allot, key) > 0:
+            text = f"is {getattr(allot, key):g}; it must be above zero"
             raise file.located.error(text, "tolerance", "allot", key)
-    options = table_options(table.allot)
-    options["costs"] = dict(table.allot.costs)
+    options = table_options(allot)
+    options["costs"] = dict(allot.costs)
     return options
 
 
-def random_parameters(file: ModelFile, model: Any) -> dict[str, Any]:
+def random_parameters(file: ModelFile, model: ParametricModel) -> dict[str, Distribution]:
     """Random parameter → distribution.
 
     Raises
@@ -116,7 +123,7 @@ def random_parameters(file: ModelFile, model: Any) -> dict[str, Any]:
     if not tables:
         cure = "is missing; add [[random]] with parameter, type and its numbers"
         raise file.located.error(cure, "random")
-    distributions: dict[str, Any] = {}
+    distributions: dict[str, Distribution] = {}
     for k, table in enumerate(tables):
         name = table.parameter
         require_parameter(file, model, name, "random", k, "parameter")
@@ -129,7 +136,7 @@ def random_parameters(file: ModelFile, model: Any) -> dict[str, Any]:
     return distributions
 
 
-def _distribution(table: Any) -> Any:
+def _distribution(table: Any) -> Distribution:
     options = table_options(table)
     options.pop("parameter", None)
     if "of" in options:
@@ -137,7 +144,9 @@ def _distribution(table: Any) -> Any:
     return distribution(table.type)(**options)
 
 
-def correlations(file: ModelFile, random: dict[str, Any]) -> dict[tuple[str, str], float]:
+def correlations(
+    file: ModelFile, random: Mapping[str, Distribution]
+) -> dict[tuple[str, str], float]:
     """Pair of random parameters → correlation coefficient, from ``[reliability]``.
 
     Raises

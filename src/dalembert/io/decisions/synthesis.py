@@ -17,6 +17,7 @@ from dalembert.design.synthesis.synthesize import synthesize
 from dalembert.design.synthesis.synthesize_mechanism import synthesize_mechanism
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
+from dalembert.io.decisions.design_tables import SynthesisTable
 from dalembert.io.model_file import ModelFile
 from dalembert.model.system import System
 from dalembert.text.wording import unknown
@@ -64,7 +65,7 @@ def make_synthesis(file: ModelFile, model: Any = None) -> partial[Any]:
     return partial(synthesize, target, linkage, **shared, **own_options)
 
 
-def _target(file: ModelFile, table: Any) -> Target:
+def _target(file: ModelFile, table: SynthesisTable) -> Target:
     columns = _columns(file, table)
     for key in NEEDS[table.type]:
         if key not in columns:
@@ -78,7 +79,7 @@ def _target(file: ModelFile, table: Any) -> Target:
 
 
 def _mechanism_synthesis(
-    file: ModelFile, model: Any, table: Any, target: Target, shared: dict[str, Any]
+    file: ModelFile, model: Any, table: SynthesisTable, target: Target, shared: dict[str, Any]
 ) -> partial[Any]:
     """Synthesis of a named linkage or of the mechanism of the file."""
     for key in ("crank_turns", "transmission"):
@@ -102,10 +103,12 @@ def _mechanism_synthesis(
     return partial(synthesize_mechanism, target, model, **quantities, **options, **shared)
 
 
-def _linkage(table: Any) -> System:
+def _linkage(table: SynthesisTable) -> System:
     """System of a six-bar or a geared five-bar."""
-    joints = {name: tuple(coordinates) for name, coordinates in table.joints.items()}
-    marks = {
+    joints: dict[str, Any] = {
+        name: tuple(coordinates) for name, coordinates in table.joints.items()
+    }
+    marks: dict[str, dict[str, Any]] = {
         link: {p: tuple(xy) for p, xy in points.items()} for link, points in table.marks.items()
     }
     options = {"reach": table.reach, "speed": table.speed}
@@ -116,7 +119,7 @@ def _linkage(table: Any) -> System:
     return geared_five_bar(joints, table.ratio, marks, **options)
 
 
-def _columns(file: ModelFile, table: Any) -> dict[str, Any]:
+def _columns(file: ModelFile, table: SynthesisTable) -> dict[str, Any]:
     """Columns of the target, from the table itself or from a CSV file."""
     columns = {key: getattr(table, key) for key in ("points", *COLUMNS) if getattr(table, key)}
     if table.file is None:

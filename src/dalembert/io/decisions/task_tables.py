@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from pydantic import Field
 
-from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
 from dalembert.io.choices import Record, table_or
 from dalembert.io.decisions.design_tables import LIMITS, LimitTable, Method, Names
+from dalembert.io.strategies import TRAJECTORY_METHODS
 from dalembert.io.tables import name_or_table, strategy_type
 from dalembert.io.values import (
     Bound,

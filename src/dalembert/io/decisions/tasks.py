@@ -1,4 +1,4 @@
-"""Tasks of a file: gradients, sweeps, comparisons and the initial view of the report."""
+"""Tasks of a file: gradients, sweeps and comparisons."""
 
 from __future__ import annotations
 
@@ -17,15 +17,12 @@ from dalembert.io.decisions.estimation import make_identification, make_inversio
 from dalembert.io.decisions.reliability import make_reliability, make_tolerance
 from dalembert.io.decisions.responses import find_response, make_responses, select_parameters
 from dalembert.io.decisions.synthesis import make_synthesis
-from dalembert.io.decisions.task_tables import ReportTable
 from dalembert.io.decisions.trajectories import make_trajectory
+from dalembert.io.documents import Document
 from dalembert.io.model_file import ModelFile
-from dalembert.io.schema import Document
+from dalembert.io.report import report_choices
 from dalembert.io.strategies import STRATEGIES
 from dalembert.responses.base import Response
-from dalembert.results.files.tables import checked_units
-from dalembert.results.labelled import DATA_ONLY
-from dalembert.text.wording import unknown
 from dalembert.units.measured import check_measured
 
 STRATEGY_KINDS = {
@@ -136,26 +133,6 @@ def _times(file: ModelFile, model: Any) -> dict[str, Any]:
         values = {key: getattr(table, key) for key in sorted(keys)}
         times = in_seconds(values, model, None, "compare")
     return times | ({"t_span": tuple(times["t_span"])} if "t_span" in times else {})
-
-
-def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
-    """Initial view of the report: ``plots``, ``trace`` and ``units``, with checked names."""
-    report = file.document.report
-    with file.located("report", "units"):
-        units = checked_units(report.units)
-    if not isinstance(report, ReportTable):
-        return {"units": units}
-    for i, group in enumerate(report.plots):
-        for k, measure in enumerate(group):
-            with file.located("report", "plots", i, k):
-                if measure not in DATA_ONLY:
-                    model.expression(measure)
-    points = [p.name for body in model.bodies for p in body.points.values()]
-    points += [body.name for body in model.bodies]
-    for k, point in enumerate(report.trace):
-        if point not in points:
-            raise file.located.error(unknown("point", point, points), "report", "trace", k)
-    return {"plots": report.plots or None, "trace": report.trace or None, "units": units}
 
 
 READERS: dict[str, Callable[[ModelFile, Any], Any]] = {

@@ -9,12 +9,12 @@ import numpy as np
 from dalembert.design.trajectory.optimize_trajectory import duration_of
 from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.quantities import check_response
-from dalembert.design.trajectory.registry import TRAJECTORY_METHODS
 from dalembert.io.analyses import make_method
 from dalembert.io.decisions.cases import Quantities
 from dalembert.io.decisions.responses import make_limits, select_parameters
 from dalembert.io.decisions.task_tables import GUESSES
 from dalembert.io.model_file import ModelFile
+from dalembert.io.strategies import TRAJECTORY_METHODS
 from dalembert.responses.values import Final
 from dalembert.text.wording import unknown
 

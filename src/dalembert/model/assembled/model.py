@@ -25,7 +25,8 @@ from dalembert.model.assembled.reduction.basis import MEAN
 from dalembert.model.assembled.reduction.craig_bampton import CraigBampton, craig_bampton
 from dalembert.model.assembled.reduction.following import FollowingShapes
 from dalembert.model.assembled.reduction.rigid import GivenInterfaces, interfaces_of, node_positions
-from dalembert.model.supports_and_loads import StructureDescription
+from dalembert.model.supports_and_loads import SupportsAndLoads
+from dalembert.symbolic.formulas.declared import declared
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.parametric_array import ArrayEntries
@@ -38,7 +39,7 @@ class StructuralModel(ParametricModel):
 
     Parameters
     ----------
-    structure : StructureDescription
+    structure : SupportsAndLoads
     linear : for small displacements
 
     Attributes
@@ -71,16 +72,19 @@ class StructuralModel(ParametricModel):
 
     kind = "structure"
 
-    def __init__(self, structure: StructureDescription, linear: bool = False):
+    def __init__(self, structure: SupportsAndLoads, linear: bool = False):
         begin = perf_counter()
+        _refuse_motions(structure)
         self.structure, self.name, self.linear = structure, structure.name, linear
         self.parameters = dict(structure.parameters)
+        self.derived_parameters = dict(structure.derived_parameters)
+        self.tables = dict(structure.tables)
         self.p = stack(q.sx for q in self.parameters.values())
         self.nominal = np.array([q.value for q in self.parameters.values()], dtype=float)
         maker = BlockMaker(structure, self.p, linear)
         self._refuse_loose_nodes(maker.tied)
         self.degrees = Numbering(structure.numbers, maker.turning, structure.dimension)
-        self.supports = self._supports()
+        self.supports = structure.prescribed(self.degrees.directions_of)
         self._check_formulas()
         self.blocks = maker.blocks(self.degrees)
         self.check_values(self.nominal)
@@ -118,23 +122,6 @@ class StructuralModel(ParametricModel):
                 "is not connected to any element; connect or remove it",
                 self.structure.numbers.name(int(np.argmin(tied))),
             )
-
-    def _supports(self) -> dict[tuple[str, str], Expression]:
-        supports = dict(self.structure.supports)
-        for key in supports:
-            if key not in self.degrees:
-                raise ModelError(f"{key[1]}: no element turns this node", f"support {key[0]}")
-        for name in self.structure.fixed:
-            for direction in self.degrees.directions:
-                if (name, direction) not in self.degrees:
-                    continue
-                value = supports.setdefault((name, direction), Expression(0.0))
-                if not value.sx.is_zero():
-                    raise ModelError(
-                        f"is fixed, and {direction} is prescribed as {value.sx}; give one of them",
-                        f"support {name}",
-                    )
-        return supports
 
     def _check_formulas(self) -> None:
         """Formulas of supports and loads contain parameters and time only."""
@@ -237,15 +224,33 @@ class StructuralModel(ParametricModel):
 
     @cached_property
     def names(self) -> Names:
-        return Names(self._find, lambda: [*self.measures.names(), *self.parameters])
+        return Names(self._find, self._all_names)
+
+    def _all_names(self) -> list[str]:
+        return [*self.measures.names(), *self.parameters, *self.derived_parameters]
 
     def _find(self, name: str) -> Expression | None:
-        own = self.parameters.get(name, t if name == "t" else None)
+        own = declared(self, name)
         return self.measures.find(name) if own is None else own
 
     def measure(self, symbol: str) -> Measure:
         """The measure of a symbol in a formula."""
         return self.measures.of(symbol)
+
+
+def _refuse_motions(structure: SupportsAndLoads) -> None:
+    """Refuse initial conditions that belong to mechanisms."""
+    if structure.initial_conditions:
+        raise ModelError(
+            "initial(measure, value) is for mechanisms; give initial(node, ux=…, vx=…)",
+            structure.name,
+        )
+    for nodes in structure.nodes.values():
+        if nodes.motion is not None:
+            raise ModelError(
+                "the initial velocity of a mesh is for mechanisms; give initial(nodes, vx=…)",
+                nodes.name,
+            )
 
 
 def _check_block(block: ElementBlock, p: np.ndarray) -> None:

@@ -23,6 +23,8 @@ from dalembert.model.assembly.assembly import (
     Assembler,
 )
 from dalembert.model.assembly.recipe import Pinned
+from dalembert.symbolic.equations.many_newton import ManyEquations, Points, solve_many
+from dalembert.symbolic.equations.newton import NewtonSettings
 from dalembert.symbolic.evaluation.backends import VirtualMachine
 from dalembert.symbolic.evaluation.parallel import in_blocks
 
@@ -30,6 +32,7 @@ TOLERANCE, SLACK = 1e-14, 1e3
 """Threshold for residuals, relative to their terms, and accepted multiple of it."""
 STEPS = 60
 """Upper limit of Newton steps of a start."""
+FULL_STEPS = NewtonSettings(tolerance=TOLERANCE, max_iterations=STEPS, slack=SLACK, halvings=0)
 FAR = 1e4
 """Threshold for divergence: a step in natural lengths."""
 ENTRIES = 4_000_000
@@ -149,6 +152,10 @@ class ManyRoots:
         return near if _largest(value / zero)[0] <= SLACK else root
 
     # searches --------------------------------------------------------------------------------
+    def limited(self, steps: np.ndarray) -> np.ndarray:
+        """Natural displacements, shortened to limited rotations."""
+        return steps / np.max(np.abs(steps) / self.longest, axis=1, initial=1.0)[:, None]
+
     def newton(self, y: np.ndarray) -> Ends:
         """Roots of the square system by full steps with limited rotations."""
         return self._grouped(y, self._newton)
@@ -163,28 +170,8 @@ class ManyRoots:
         return Ends(*(np.concatenate([getattr(e, x) for e in ends]) for x in ("y", "size", "open")))
 
     def _newton(self, y: np.ndarray) -> Ends:
-        y, count = y.copy(), len(y)
-        size, gap = np.full(count, np.inf), np.full(count, np.inf)
-        best, going = y.copy(), np.arange(count)
-        for _ in range(STEPS + 1):
-            value, zero, jacobian = self.evaluate(y[going])
-            new = _largest(value / zero)
-            better = new < size[going]
-            slow = (size[going] <= SLACK) & (new > size[going] / 2)
-            at = going[better]
-            best[at], size[at], gap[at] = y[at], new[better], _largest(value[better])
-            step = -_solve(jacobian, value)
-            keep = (new > 1) & ~slow & np.all(np.isfinite(step), axis=1)
-            if not keep.any():
-                break
-            going, step = going[keep], step[keep]
-            step /= np.max(np.abs(step) / self.longest, axis=1, initial=1.0)[:, None]
-            y[going] = self.displaced(y[going], step)
-            there = np.max(np.abs(step) * self.metres, axis=1, initial=0.0) < FAR
-            going = going[there]
-            if not going.size:
-                break
-        return Ends(best, size, gap)
+        ends = solve_many(_FullSteps(self), y, FULL_STEPS).points
+        return Ends(ends.x, ends.size, _largest(ends.value))
 
     def _damped(self, y: np.ndarray) -> Ends:
         y, count = y.copy(), len(y)
@@ -207,8 +194,7 @@ class ManyRoots:
                 level * np.maximum(damping[going] * norm[going], MIN_DAMPING)
             )[:, None]
             force = _solve(normal, value[going])
-            step = -np.einsum("kij,ki->kj", weighed, force) * self._reach
-            step /= np.max(np.abs(step) / self.longest, axis=1, initial=1.0)[:, None]
+            step = self.limited(-np.einsum("kij,ki->kj", weighed, force) * self._reach)
             there = self.displaced(y[going], step)
             v, z, j = self.evaluate(there)
             nearer = np.linalg.norm(v, axis=1) < norm[going]
@@ -223,6 +209,31 @@ class ManyRoots:
             near = ~nearer & (size[going] <= SLACK)
             damping[going[near]] = np.inf  # limited by round-off
         return Ends(y, _largest(value / zero), _largest(value))
+
+
+@dataclass(eq=False)
+class _Linearised(Points):
+    """Positions with Newton's steps as natural displacements."""
+
+    step: np.ndarray
+
+
+class _FullSteps(ManyEquations[_Linearised]):
+    """Square systems with Newton's steps, whose rotations are limited."""
+
+    def __init__(self, roots: ManyRoots):
+        self.roots = roots
+
+    def points(self, x: np.ndarray, designs: np.ndarray) -> _Linearised:
+        value, zero, jacobian = self.roots.evaluate(x)
+        return _Linearised(x, value, zero, self.roots.limited(-_solve(jacobian, value)))
+
+    def steps(self, here: _Linearised, designs: np.ndarray) -> np.ndarray:
+        far = np.max(np.abs(here.step) * self.roots.metres, axis=1, initial=0.0) >= FAR
+        return np.where(far[:, None], np.nan, here.step)
+
+    def after(self, here: _Linearised, steps: np.ndarray, designs: np.ndarray) -> _Linearised:
+        return self.points(self.roots.displaced(here.x, steps), designs)
 
 
 def _solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:

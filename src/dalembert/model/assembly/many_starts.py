@@ -8,6 +8,7 @@ do for a single set.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -16,7 +17,8 @@ from dalembert.model.assembly.assembly import ROUNDING
 from dalembert.model.assembly.closure import Closure
 from dalembert.model.assembly.continuation import FOLLOWED, SHORTEST
 from dalembert.symbolic.equations.factor import QrFactor
-from dalembert.symbolic.equations.newton import TINY, relative
+from dalembert.symbolic.equations.many_newton import ManyEquations, Points, solve_many
+from dalembert.symbolic.equations.newton import TINY
 from dalembert.symbolic.once import once
 
 Evaluate = Callable[..., list[np.ndarray]]
@@ -58,7 +60,9 @@ class ManyStarts:
         while (going := np.flatnonzero((reached < 1.0) & ~lost)).size:
             target = np.minimum(1.0, reached[going] + step[going])
             here = first + target[:, None] * (p[going] - first)
-            roots, accepted = self._solve(target * time, y[going], here)
+            equations = PinnedPositions(self.closure, self.evaluate, target * time, here)
+            solutions = solve_many(equations, y[going], FOLLOWED)
+            roots, accepted = solutions.points.x, solutions.accepted
             good, bad = going[accepted], going[~accepted]
             y[good], reached[good] = roots[accepted], target[accepted]
             step[good] *= 2
@@ -73,7 +77,8 @@ class ManyStarts:
 
         The index is −1 if there are only initial conditions.
         """
-        _, value, _ = self._evaluate(np.full(len(y), t), y, p)
+        equations = PinnedPositions(self.closure, self.evaluate, np.full(len(y), t), p)
+        value = equations.points(y, np.arange(len(y))).value
         rows = self.closure.pinned.rows
         joints = rows < len(self.closure.owners)
         if not joints.any():
@@ -83,38 +88,36 @@ class ManyStarts:
         worst = np.argmax(np.nan_to_num(open_by / scales, nan=np.inf), axis=1)
         return rows[joints][worst], open_by[np.arange(len(y)), worst]
 
-    def _evaluate(self, t: np.ndarray, y: np.ndarray, p: np.ndarray) -> list[np.ndarray]:
-        """Position after Newton's step, residuals, and their thresholds."""
-        return self.evaluate(start_step(self.closure), t[:, None], y, p)
 
-    def _solve(self, t: np.ndarray, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Roots near positions by full steps, and whether they are accepted."""
-        s = FOLLOWED
-        here, best = y.copy(), y.copy()
-        following, value, zero = self._evaluate(t, here, p)
-        size = _size(value, zero)
-        least = size.copy()
-        ended = ~np.isfinite(size) | (size <= 1)
-        for _ in range(s.max_iterations):
-            if not (going := np.flatnonzero(~ended)).size:
-                break
-            there = following[going]
-            new_following, new_value, new_zero = self._evaluate(t[going], there, p[going])
-            new, old = _size(new_value, new_zero), size[going]
-            nearer = _norm(new_value, zero[going]) < _norm(value[going], zero[going])
-            near = old <= s.slack
-            accepted = nearer | (~near & np.isfinite(new))
-            at = going[accepted]
-            here[at], size[at] = there[accepted], new[accepted]
-            following[at], value[at] = new_following[accepted], new_value[accepted]
-            zero[at] = new_zero[accepted]
-            better = at[size[at] <= least[at]]
-            best[better], least[better] = here[better], size[better]
-            slow = nearer & near & (new > 1) & (new > old / 2)
-            grown = ~nearer & (new > s.growth * least[going])
-            ended[going] = slow | ~accepted | grown | (new <= 1)
-        converged = size <= 1
-        return np.where(converged[:, None], here, best), converged | (least <= s.slack)
+@dataclass(eq=False)
+class Positions(Points):
+    """Positions with the residuals of the square system; ``following`` are those after a step."""
+
+    following: np.ndarray
+
+
+class PinnedPositions(ManyEquations[Positions]):
+    """Square systems of the start at instants ``t`` (k,), for parameters ``p`` (k, np).
+
+    Parameters
+    ----------
+    closure, evaluate : as in ``ManyStarts``
+    """
+
+    def __init__(self, closure: Closure, evaluate: Evaluate, t: np.ndarray, p: np.ndarray):
+        self.closure, self.evaluate, self.t, self.p = closure, evaluate, t, p
+
+    def points(self, x: np.ndarray, designs: np.ndarray) -> Positions:
+        arguments = self.t[designs, None], x, self.p[designs]
+        following, value, zero = self.evaluate(start_step(self.closure), *arguments)
+        return Positions(x, value, zero, following)
+
+    def steps(self, here: Positions, designs: np.ndarray) -> np.ndarray:
+        """Positions after full steps."""
+        return here.following
+
+    def after(self, here: Positions, steps: np.ndarray, designs: np.ndarray) -> Positions:
+        return self.points(steps, designs)
 
 
 @once
@@ -151,14 +154,3 @@ def start_step(closure: Closure) -> ca.Function:
     there = e.manifold.retract(e.y, delta * shortened)
     outputs = [ca.densify(x) for x in (there, rows, zero)]
     return ca.Function("start_step", [e.t, e.y, e.p], outputs, {"cse": True})
-
-
-def _size(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
-    """(sets,) largest residual, relative to its threshold."""
-    with np.errstate(all="ignore"):
-        return np.max(relative(value, zero), axis=1, initial=0.0)
-
-
-def _norm(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
-    with np.errstate(all="ignore"):
-        return np.linalg.norm(relative(value, zero), axis=1)

@@ -1,27 +1,25 @@
-"""Meshes as nodes and elements of a structure, with their named selections."""
+"""Meshes as nodes and elements of a model, with their named selections."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.cells import CELLS, oriented
+from dalembert.elements.fem.element_set import Elements
+from dalembert.elements.fem.node_set import Nodes
 from dalembert.elements.fem.registry import element_for
-from dalembert.elements.fem.sets import Elements, Nodes
 from dalembert.errors import ModelError
 from dalembert.model.meshes.mesh_data import MeshData, mesh_data
-
-if TYPE_CHECKING:
-    from dalembert.model.supports_and_loads import StructureDescription
 
 Classes = type[StructuralElement] | Mapping[str, type[StructuralElement]] | None
 
 
 class Mesh:
-    """Nodes and elements of a mesh, returned by ``structure.add_mesh``.
+    """Nodes and elements of a mesh, returned by ``system.add_mesh``.
 
     Attributes
     ----------
@@ -82,16 +80,14 @@ class Mesh:
         return f"<Mesh {self.name!r}: {len(self._nodes)} nodes, {sets}>"
 
 
-def add_mesh(
-    structure: StructureDescription, name: str, mesh: Any, element: Classes, quantities: dict
-) -> Mesh:
-    """Add the nodes and elements of a mesh; see ``Structure.add_mesh``."""
+def add_mesh(system: Any, name: str, mesh: Any, element: Classes, quantities: dict) -> Mesh:
+    """Add the nodes and elements of a mesh; see ``System.add_mesh``."""
     data = mesh_data(mesh, name)
     classes = _classes(name, data, element)
     data = data.reduced(list(classes))
     labels = _labels(name, list(classes))
     for set_name in (f"{name}_nodes", *labels):
-        structure._claim(set_name)  # checked before anything is added
+        system._claim(set_name)  # checked before anything is added
     cells = {shape: oriented(shape, data.points, data.cells[shape]) for shape in classes}
     quantities_of = {
         label: {
@@ -103,9 +99,9 @@ def add_mesh(
     trial = Nodes(f"{name}_nodes", data.points)
     for label, shape in labels.items():
         Elements(label, classes[shape], trial, cells[shape], **quantities_of[label])
-    nodes = structure.add_nodes(f"{name}_nodes", data.points)
+    nodes = system.add_nodes(f"{name}_nodes", data.points)
     elements = {
-        label: structure.add_elements(label, classes[s], nodes, cells[s], **quantities_of[label])
+        label: system.add_elements(label, classes[s], nodes, cells[s], **quantities_of[label])
         for label, s in labels.items()
     }
     return Mesh(name, data, nodes, elements)

@@ -7,7 +7,7 @@ from functools import singledispatchmethod
 import numpy as np
 
 from dalembert.elements.base import Look
-from dalembert.elements.fem.node import ROTATIONS
+from dalembert.elements.fem.nodal import ROTATIONS
 from dalembert.elements.look import (
     Bars,
     Beams,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.elements.fem.node import ROTATIONS
+from dalembert.elements.fem.nodal import ROTATIONS
 from dalembert.errors import DalembertError
 from dalembert.model.assembled.measuring.measures import State
 from dalembert.model.assembled.model import StructuralModel

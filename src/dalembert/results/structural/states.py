@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from dalembert.elements.fem.node import Node
-from dalembert.elements.fem.sets import Nodes
+from dalembert.elements.fem.node_set import Nodes
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.measuring.measures import State
 from dalembert.model.assembled.model import StructuralModel

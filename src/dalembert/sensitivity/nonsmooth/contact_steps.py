@@ -14,6 +14,7 @@ from dalembert.analysis.nonsmooth.correction import (
     PositionResidual,
     normals_of,
 )
+from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.contact.schemes import MoreauJean
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
@@ -49,7 +50,7 @@ class ContactSteps:
                 "solve_dynamics, which locates impacts"
             )
         self.record, self.p = motion.record, motion.parameters
-        run = analysis.execution(analysis, motion.model, motion.parameters)
+        run = NonsmoothRun(analysis, motion.model, motion.parameters)
         self.step: ContactStep = run.step
         self.maps = ContactMaps(self.step)
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dalembert.analysis.structural.instant import Instant
-from dalembert.analysis.structural.transient_equation import Motions, motion_of
-from dalembert.analysis.structural.transient_step import TransientStep
+from dalembert.analysis.transient.equation import Motions, motion_of
+from dalembert.analysis.transient.instant import Instant
+from dalembert.analysis.transient.step import TransientStep
 from dalembert.integrators.newmark.rule import Moving
 from dalembert.results.structural.measured_states import Formula
 from dalembert.sensitivity.engine import Engine

@@ -10,8 +10,8 @@ from typing import Protocol
 
 import numpy as np
 
-from dalembert.analysis.structural.instant import Instant
-from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions
+from dalembert.analysis.transient.equation import EquationOfMotion, Motions
+from dalembert.analysis.transient.instant import Instant
 from dalembert.model.assembled.evaluation.block import ElementKind
 from dalembert.model.assembled.evaluation.columns import Products, Pulls, Pushes
 from dalembert.model.assembled.evaluation.inertia import from_rest

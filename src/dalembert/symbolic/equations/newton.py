@@ -22,7 +22,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import islice
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -54,6 +54,18 @@ class NewtonSettings:
     halvings: int = 30
     growth: float = float("inf")
 
+    def near(self, size: Any) -> Any:
+        """Whether residuals of this size, in thresholds, are accepted if no step reduces them."""
+        return size <= self.slack
+
+    def slow(self, before: Any, after: Any) -> Any:
+        """Whether rounding limits the residuals: they are near and a step hardly reduces them."""
+        return self.near(before) & (after > 1) & (after > before / 2)
+
+    def diverged(self, size: Any, smallest: Any) -> Any:
+        """Whether residuals have grown too far above the smallest ones."""
+        return size > self.growth * smallest
+
 
 @dataclass(frozen=True)
 class Residual:
@@ -78,7 +90,7 @@ class Residual:
     def relative(self, tolerance: float) -> float:
         """Largest residual relative to its scale with rounding."""
         with np.errstate(all="ignore"):
-            return _largest(self.value, self.zero(tolerance)) * tolerance
+            return float(largest(self.value, self.zero(tolerance)) * tolerance)
 
 
 class Equations(ABC, Generic[X]):
@@ -192,14 +204,14 @@ class _Iteration(Generic[X]):
     def _advance(self) -> Ending | None:
         """Take a step; the reason to terminate, if there is one."""
         here, equations, settings = self.current, self.equations, self.settings
-        near = here.size <= settings.slack
+        near = settings.near(here.size)
         trials = 1 if near else settings.halvings + 1
         finite = False
         for step in islice(equations.steps(here.x, here.residual), trials):
             there = self._evaluate(equations.retract(here.x, step))
             finite = finite or bool(np.isfinite(there.size))
             if equations.nearer(here.residual, there.residual, here.zero):
-                slow = near and there.size > 1 and there.size > here.size / 2
+                slow = settings.slow(here.size, there.size)
                 return self._arrive(there, Ending.STANDSTILL if slow else None)
         if near:
             return Ending.STANDSTILL
@@ -207,7 +219,7 @@ class _Iteration(Generic[X]):
             return Ending.NOT_FINITE
         if settings.halvings:
             return Ending.STANDSTILL
-        diverged = there.size > settings.growth * self.best.size
+        diverged = settings.diverged(there.size, self.best.size)
         return self._arrive(there, Ending.DIVERGED if diverged else None)
 
     def _arrive(self, there: _Point[X], ending: Ending | None) -> Ending | None:
@@ -219,11 +231,11 @@ class _Iteration(Generic[X]):
     def _evaluate(self, x: X) -> _Point[X]:
         residual = self.equations.residual(x)
         zero = residual.zero(self.settings.tolerance)
-        return _Point(x, residual, zero, _largest(residual.value, zero))
+        return _Point(x, residual, zero, float(largest(residual.value, zero)))
 
     def _solution(self, ending: Ending, count: int) -> Solution[X]:
         point = self.current if ending is Ending.CONVERGED else self.best
-        accepted = point.size <= (1 if ending is Ending.CONVERGED else self.settings.slack)
+        accepted = ending is Ending.CONVERGED or self.settings.near(point.size)
         size = point.size * self.settings.tolerance
         return Solution(point.x, size, count, ending, bool(accepted))
 
@@ -243,8 +255,9 @@ def relative(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
     return np.where(value == 0, 0.0, np.abs(value) / zero)
 
 
-def _largest(value: np.ndarray, zero: np.ndarray) -> float:
-    return float(np.max(relative(value, zero), initial=0.0))
+def largest(value: np.ndarray, zero: np.ndarray) -> np.ndarray:
+    """Largest ``|value| / zero`` along the last axis."""
+    return np.max(relative(value, zero), axis=-1, initial=0.0)  # type: ignore[no-any-return]
 
 
 def _norm(value: np.ndarray, zero: np.ndarray) -> float:

@@ -1,15 +1,17 @@
-"""Named declarations for formulas: parameters and tables of values."""
+"""Named declarations for formulas: parameters, derived parameters and tables of values."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 from dalembert.errors import ModelError
+from dalembert.symbolic.formulas.conversion import as_expression
+from dalembert.symbolic.formulas.expression import Expression, t
 from dalembert.symbolic.formulas.interpolation import Interpolation
-from dalembert.symbolic.formulas.parameter import Bounds, Parameter
+from dalembert.symbolic.formulas.parameter import Bounds, Parameter, coherent
 from dalembert.text.arguments import check_arguments
-from dalembert.text.wording import check_length
+from dalembert.text.wording import check_length, plain_text, table
 
 CONSTANTS = {"pi": "the number π"}
 """Reserved names of all formulas, with their meaning."""
@@ -40,16 +42,25 @@ def check_free(name: str, meanings: Mapping[str, str], owner: str, kind: str = "
 class Declared:
     """A builder of a parametric model.
 
-    Names of parameters and tables, which formulas use without a dot, are unique; so are names of
-    elements, whose quantities follow a dot.
+    Names of parameters, derived parameters and tables, which formulas use without a dot, are
+    unique; so are names of elements and nodes, whose quantities follow a dot.
+
+    Parameters
+    ----------
+    name : str
+    description : str
     """
 
     meanings: ClassVar[Mapping[str, str]] = CONSTANTS
     """Reserved names of parameters and tables, with their meaning."""
 
-    name: str
-    parameters: dict[str, Parameter]
-    tables: dict[str, Interpolation]
+    def __init__(self, name: str, description: str = ""):
+        kind = type(self).__name__.lower()
+        self.name = plain_text(name, f"name of the {kind}")
+        self.description = plain_text(description, f"description of the {kind}")
+        self.parameters: dict[str, Parameter] = {}
+        self.derived_parameters: dict[str, Expression] = {}
+        self.tables: dict[str, Interpolation] = {}
 
     @check_arguments
     def parameter(
@@ -68,6 +79,20 @@ class Declared:
         parameter = Parameter(name, value, unit, bounds, description)
         self.parameters[name] = parameter
         return parameter
+
+    @check_arguments
+    def derived(self, name: str, formula, unit: str = "", description: str = "") -> Expression:
+        """Name a formula of parameters; it is listed with the parameters.
+
+        Without a ``unit`` it has the unit of the formula, if that is known.
+        """
+        self._declare(name)
+        expression = as_expression(formula, name, coherent(unit, name) if unit else None)
+        if not unit:
+            expression.unit = getattr(formula, "unit", "")
+        expression.name = name
+        self.derived_parameters[name] = expression
+        return expression
 
     @check_arguments
     def table(
@@ -90,11 +115,6 @@ class Declared:
         return table
 
     @property
-    def _values(self) -> tuple[Mapping[str, Any], ...]:
-        """Sections whose entries are used in formulas by name alone."""
-        return self.parameters, self.tables
-
-    @property
     def _parts(self) -> tuple[Mapping[str, Any], ...]:
         """Sections whose quantities are used in formulas after a dot."""
         raise NotImplementedError
@@ -104,11 +124,41 @@ class Declared:
         if isinstance(name, str):
             check_length(name, self.name)
         check_free(name, self.meanings, self.name)
-        _check_unused(name, self._values)
+        _check_unused(name, (self.parameters, self.derived_parameters, self.tables))
 
     def _claim(self, name: str) -> None:
         """Claim the name of an element or node."""
         _check_unused(name, self._parts)
+
+
+class Declarations(Protocol):
+    """Holder of declared values, such as a builder or a frozen description."""
+
+    parameters: dict[str, Parameter]
+    derived_parameters: dict[str, Expression]
+    tables: dict[str, Interpolation]
+
+
+def declared(owner: Declarations, name: str) -> Any:
+    """The parameter, derived parameter, table or time of this name; None for others."""
+    for section in (owner.parameters, owner.derived_parameters, owner.tables):
+        if name in section:
+            return section[name]
+    return t if name == "t" else None
+
+
+def parameter_table(parameters: Mapping[str, Parameter]) -> str:
+    """Parameters as an HTML table, for notebooks."""
+    rows = [
+        (p.name, float(p.value), p.unit or "–", _bounds_text(p.bounds), p.description)
+        for p in parameters.values()
+    ]
+    return table(rows, ("parameter", "value", "unit", "bounds", ""))
+
+
+def _bounds_text(bounds: tuple[float | None, float | None]) -> str:
+    low, high = ("" if value is None else f"{value:g}" for value in bounds)
+    return f"{low} … {high}" if low or high else "–"
 
 
 def _check_unused(name: str, sections: Sequence[Mapping[str, Any]]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.elements.fem.energies import Rows
 from dalembert.model.assembled.evaluation.inertia import KindInertia, Moved
-from dalembert.model.assembled.evaluation.numbering import Spans
+from dalembert.model.spans import Spans
 from dalembert.symbolic.parametric_array import ParametricArray
 
 

@@ -10,14 +10,15 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.fem.base import StructuralElement
+from dalembert.elements.fem.element_set import Elements
+from dalembert.elements.fem.energies import CHANGES
 from dalembert.elements.fem.graphs import ElementGraphs, ThermalGraphs
 from dalembert.elements.fem.node import Node
-from dalembert.elements.fem.sets import Elements
 from dalembert.errors import ModelError
 from dalembert.model.assembled.evaluation.block import ElementBlock, ElementKind
-from dalembert.model.assembled.evaluation.numbering import Numbering, Spans
-from dalembert.model.assembled.loads.load_case import CHANGES
-from dalembert.model.supports_and_loads import StructureDescription
+from dalembert.model.assembled.evaluation.numbering import Numbering
+from dalembert.model.spans import Spans
+from dalembert.model.supports_and_loads import SupportsAndLoads
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.parametric_array import ArrayEntries
 
@@ -47,7 +48,7 @@ class Part:
         """The part of an element or set of elements."""
         if isinstance(element, Elements):
             nodes = numbers.first(element.nodes.name) + element.nodes.index[element.cells]
-            quantities = element.quantities
+            quantities = element.numbers
             return cls(element.name, element.cls, element.options, nodes, len(element), quantities)
         nodes = np.array([[numbers.first(node.name) for node in element.nodes()]])
         quantities = {f.name: getattr(element, f.name) for f in element.quantity_fields()}
@@ -62,12 +63,13 @@ class BlockMaker:
     tied, turning : (nodes,) whether any element connects the node, has rotations of it
     """
 
-    def __init__(self, structure: StructureDescription, p: ca.SX, linear: bool):
+    def __init__(self, structure: SupportsAndLoads, p: ca.SX, linear: bool):
         self.structure, self.p, self.linear = structure, p, linear
         self._names = {symbol.name() for symbol in ca.vertsplit(p)}
         count = len(structure.numbers)
         self.tied, self.turning = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
         self._groups: dict[tuple, list[Part]] = {}
+        element: Any
         for element in structure.elements.values():
             part = Part.of(element, structure.numbers)
             key = (part.cls, part.nodes.shape[1], *part.options.items())

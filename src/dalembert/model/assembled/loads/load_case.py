@@ -8,19 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 import scipy
 
+from dalembert.elements.fem.energies import CHANGES
 from dalembert.errors import UnsupportedError
 from dalembert.model.assembled.evaluation.assembly import Assembly
 from dalembert.model.assembled.evaluation.block import ElementBlock
 from dalembert.model.assembled.evaluation.inertia import from_rest
 from dalembert.symbolic.parametric_array import ParametricArray
-
-CHANGES = (
-    "temperature",
-    "temperature_gradient",
-    "temperature_gradient_y",
-    "temperature_gradient_z",
-)
-"""Element quantities that are temperature changes; forces are linear in them."""
 
 
 @dataclass(frozen=True)

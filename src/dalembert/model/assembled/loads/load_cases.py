@@ -11,8 +11,8 @@ import numpy as np
 
 from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.attached import AXES, Attached
+from dalembert.elements.fem.element_set import Elements
 from dalembert.elements.fem.rotations import spin_map
-from dalembert.elements.fem.sets import Elements
 from dalembert.errors import ModelError
 from dalembert.model.assembled.evaluation.assembly import Assembly
 from dalembert.model.assembled.evaluation.blocks import BlockMaker, Part
@@ -23,8 +23,8 @@ from dalembert.model.assembled.loads.load_case import (
     MassForce,
     Temperatures,
 )
-from dalembert.model.assembled.loads.load_records import LineLoad, Load, Spread, Weight
-from dalembert.model.supports_and_loads import StructureDescription
+from dalembert.model.load_records import LineLoad, Load, Spread, Weight
+from dalembert.model.supports_and_loads import SupportsAndLoads
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.parametric_array import ArrayEntries, ParametricArray
 from dalembert.text.wording import plain_text
@@ -138,6 +138,9 @@ class LoadCaseMaker:
 
     def _mass_force(self, load: Weight | LineLoad) -> MassForce:
         if isinstance(load, Weight):
+            given, d = len(load.acceleration), self.structure.dimension
+            if given != d:
+                raise ModelError(f"needs {d} numbers, got {given}", "gravity")
             return MassForce(self.assembly, self._field(load.acceleration))
         unit = Expression(1.0)  # area and density, so that the mass per length is one
         blocks = []
@@ -178,7 +181,7 @@ class InitialConditions:
     """
 
     def __init__(
-        self, structure: StructureDescription, prescribed: np.ndarray, degrees: Numbering, p: ca.SX
+        self, structure: SupportsAndLoads, prescribed: np.ndarray, degrees: Numbering, p: ca.SX
     ):
         initials = structure.initials
         self._held = {int(k) for k in prescribed}

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.elements.fem.node import Node
-from dalembert.elements.fem.sets import Nodes
+from dalembert.elements.fem.node_set import Nodes
 from dalembert.errors import ModelError
 from dalembert.model.assembled.evaluation.block import ElementBlock
 from dalembert.model.assembled.evaluation.numbering import Numbering

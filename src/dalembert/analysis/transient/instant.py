@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from dalembert.analysis.structural.transient_equation import (
+from dalembert.analysis.transient.equation import (
     EquationOfMotion,
     Motions,
     Slopes,

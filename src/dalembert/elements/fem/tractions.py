@@ -13,7 +13,7 @@ import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.base import StructuralElement
-from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.nodal import Nodal
 from dalembert.elements.fem.reference_cells import REFERENCE_CELLS, ReferenceCell
 
 
@@ -30,7 +30,7 @@ class Traction(StructuralElement):
     thickness : of an edge [m]
     """
 
-    connectivity: tuple[Node, ...]
+    connectivity: tuple[Nodal, ...]
     tx: Scalar = quantity("Pa", "traction along x", default=0.0, keyword=True)
     ty: Scalar = quantity("Pa", "traction along y", default=0.0, keyword=True)
     tz: Scalar = quantity("Pa", "traction along z", default=0.0, keyword=True)
@@ -45,7 +45,7 @@ class Traction(StructuralElement):
         cls.node_count, cls.dimensions = len(cls.cell.nodes), (cls.cell.dimension + 1,)
         cls.samples = cls.cell.kinetic_samples
 
-    def nodes(self) -> tuple[Node, ...]:
+    def nodes(self) -> tuple[Nodal, ...]:
         return tuple(self.connectivity)
 
     @classmethod

@@ -1,40 +1,23 @@
-"""Time integration of a structure: start, steps, outputs, status."""
+"""Accepted steps of the dynamics of a structure, and the states at their ends."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.equilibrium.linear_range import linear_range_warnings
-from dalembert.analysis.kinematics.branches import Branches, outputs_of
-from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.structural.rotation_charts import RotationCharts
-from dalembert.analysis.structural.transient_equation import EquationOfMotion, motion_of
-from dalembert.analysis.structural.transient_start import TransientStart
-from dalembert.analysis.structural.transient_step import TransientStep
-from dalembert.analysis.timeline import (
-    afford_states,
-    checked_span,
-    checked_step,
-    output_times,
-    step_count,
-    uniform_grid,
-)
-from dalembert.budget import check_budget
+from dalembert.analysis.kinematics.branches import Branches
+from dalembert.analysis.transient.equation import EquationOfMotion, motion_of
+from dalembert.analysis.transient.rotation_charts import RotationCharts
+from dalembert.analysis.transient.start import TransientStart
+from dalembert.analysis.transient.step import TransientStep
 from dalembert.integrators.marching.checkpoints import Recorder
-from dalembert.integrators.marching.steps import Schedule, Steps, halving_warnings
+from dalembert.integrators.marching.steps import Schedule, Steps
 from dalembert.integrators.newmark.rule import Moving
-from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of, free_displacements
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
-from dalembert.results.structural.motion import StructuralMotion
-from dalembert.timing import Timing
-
-ROUNDS = 3
-"""Cost of a step in rounds of the budget."""
 
 
 class March:
@@ -42,16 +25,17 @@ class March:
 
     Parameters
     ----------
-    analysis : strategy object with the fields of ``Transient``
+    analysis : strategy object with the fields of ``Dynamics``
     model : StructuralModel, linear or not as in the analysis
     p : (np,) values of the parameters
+    start : of the run [s]
     """
 
-    def __init__(self, analysis: Any, model: StructuralModel, p: np.ndarray):
+    def __init__(self, analysis: Any, model: StructuralModel, p: np.ndarray, start: float):
         case = analysis.case_of(model)
         self.analysis = analysis
         self.equation = EquationOfMotion(model, p, case, analysis.damping, analysis.lumped)
-        self.start = TransientStart(self.equation, analysis.start, case)
+        self.start = TransientStart(self.equation, analysis.start, case, start)
         self.charts = RotationCharts(self.equation)
         self.shortened: dict[int, np.ndarray] = {}
         """Number of steps → rotations whose vectors were replaced after them."""
@@ -158,120 +142,3 @@ def _lengths(times: np.ndarray) -> np.ndarray:
     h = np.diff(times)
     same = np.isclose(h, h[0], rtol=1e-9, atol=0)
     return np.where(same, h[0], h)
-
-
-@dataclass
-class TransientRun:
-    """One execution of a transient analysis.
-
-    Parameters
-    ----------
-    analysis : strategy object with the fields of ``Transient``
-    model : StructuralModel
-    p : (np,) values of the parameters
-    """
-
-    analysis: Any
-    model: StructuralModel
-    p: np.ndarray
-
-    def execute(self, progress: Any = False) -> StructuralMotion:
-        """Integrate and evaluate the outputs."""
-        a, timing = self.analysis, Timing()
-        start, end = checked_span(a.duration, None)
-        step, n = checked_step(a.step, start, end), len(self.model.degrees)
-        count = step_count(start, end, step)
-        cure = "use a longer step or a shorter run"
-        check_budget(f"{count} steps of a structure", rounds=ROUNDS * count, cure=cure)
-        afford_states(count, 4 * n)
-        times = uniform_grid(start, end, step)
-        requested = output_times(a.outputs, start, end)
-        afford_states(times.size if requested is None else requested.size, 8 * n)
-        model = self.model if a.nonlinear else self.model.linearized
-        march = March(a, model, self.p)
-        with progress_reporter(progress, f"integrating {model.name}") as report:
-            status = march.run(times, report)
-        timing.lap("integration")
-        if requested is None and march.steps.rejected:
-            requested = times
-        times_of_outputs, branches = outputs_of(march.steps, requested)
-        statistics = {
-            "displacements": march.equation.assembly.size,
-            "steps": march.steps.count,
-            "rejected steps": march.steps.rejected,
-            "iterations": march.iterations,
-            "factorisations": march.factorisations,
-            "build time [s]": round(model.build_time, 6),
-        }
-        motion = motion_at(march, a, times_of_outputs, branches, status, statistics)
-        timing.lap("outputs")
-        motion.statistics |= timing.statistics
-        motion.warnings = halving_warnings(march.steps.rejected)
-        if not a.nonlinear:
-            motion.warnings += self._range_warnings(motion, march)
-        return motion
-
-    def _range_warnings(self, motion: StructuralMotion, march: March) -> list[str]:
-        """Warning where the largest displacements exceed the range of linear equations."""
-        u = motion.displacements
-        if not u.size or self.model.linear:
-            return []
-        k = int(np.argmax(np.abs(u).max(axis=0)))
-        assembly = march.equation.assembly
-        free, rest = assembly.free, np.zeros(assembly.size)
-
-        def solve(forces: np.ndarray) -> np.ndarray:
-            stiffness = assembly.inner(assembly.stiffness(rest, self.p))
-            factor = factors_of(stiffness, self.model.degrees, free)
-            return free_displacements(factor, free, forces)
-
-        name = f"at t = {motion.time[k]:.6g} s"
-        return linear_range_warnings(
-            self.model, self.p, [name], u[:, k : k + 1], solve, "use nonlinear=True"
-        )
-
-
-def motion_at(
-    march: March,
-    analysis: Any,
-    times: np.ndarray,
-    branches: Branches,
-    status: Status,
-    statistics: dict[str, Any],
-) -> StructuralMotion:
-    """The motion at output times."""
-    e, states = march.equation, march.states(branches)
-    forces = [e.external_forces(motion_of(x), float(t)) for x, t in zip(states, times, strict=True)]
-    u, v, a = (
-        np.stack(column, axis=1) for column in zip(*(motion_of(x) for x in states), strict=True)
-    )
-    return StructuralMotion(
-        model=e.model,
-        analysis=analysis,
-        parameters=e.p,
-        time=times,
-        displacements=u,
-        velocities=v,
-        accelerations=a,
-        forces=np.stack(forces, axis=1),
-        mass=e.mass,
-        status=status,
-        statistics=statistics,
-        record=TransientRecord(march, march.steps, branches),
-    )
-
-
-@dataclass(frozen=True)
-class TransientRecord:
-    """Data of a run for gradients.
-
-    Attributes
-    ----------
-    march : equations, steps and states
-    steps : accepted steps
-    branches : positions of the outputs within the steps
-    """
-
-    march: March
-    steps: Steps
-    branches: Branches

@@ -10,7 +10,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.structural.transient_equation import EquationOfMotion
+from dalembert.analysis.transient.equation import EquationOfMotion
 from dalembert.integrators.newmark.rule import Moving
 
 

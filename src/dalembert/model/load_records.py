@@ -11,12 +11,13 @@ import numpy as np
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.cells import CELLS, facets
 from dalembert.elements.fem.continuum import Continuum
+from dalembert.elements.fem.element_set import Elements
+from dalembert.elements.fem.energies import CHANGES
 from dalembert.elements.fem.lines import Line
+from dalembert.elements.fem.node_set import Nodes
 from dalembert.elements.fem.reference_cells import REFERENCE_CELLS
-from dalembert.elements.fem.sets import Elements, Nodes
+from dalembert.elements.fem.tractions import TRACTIONS
 from dalembert.errors import ModelError
-from dalembert.model.assembled.loads.load_case import CHANGES
-from dalembert.model.assembled.loads.tractions import TRACTIONS
 from dalembert.symbolic.formulas.conversion import as_expression
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -168,7 +169,7 @@ def check_temperature(part: Part) -> None:
 
 def _is_zero(part: Part, quantity: str) -> bool:
     """Whether a quantity of an element or set is zero for all parameter values."""
-    numbers = part.quantities[quantity] if isinstance(part, Elements) else getattr(part, quantity)
+    numbers = part.numbers[quantity] if isinstance(part, Elements) else getattr(part, quantity)
     if isinstance(numbers, np.ndarray) and numbers.dtype.kind in "iuf":
         return not numbers.any()
     values = numbers.ravel() if isinstance(numbers, np.ndarray) else [numbers]
@@ -208,7 +209,7 @@ def tractions(name: str, elements: Elements, nodes: Nodes, numbers: dict[str, An
             f"no {_WORD[CELLS[cell].dimension]} has all its nodes there, on the surface",
             elements.name,
         )
-    thickness = elements.quantities.get("thickness")
+    thickness = elements.numbers.get("thickness")
     if thickness is not None:
         uniform = isinstance(thickness, Expression)
         numbers = {"thickness": thickness if uniform else thickness[owner]} | numbers

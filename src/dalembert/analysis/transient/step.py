@@ -15,14 +15,14 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.equilibrium.static_equations import Balance, full_steps
-from dalembert.analysis.structural.instant import Instant, Unknown
-from dalembert.analysis.structural.transient_equation import (
+from dalembert.analysis.transient.equation import (
     EquationOfMotion,
     Motions,
     Slopes,
     factors,
     motion_of,
 )
+from dalembert.analysis.transient.instant import Instant, Unknown
 from dalembert.integrators.newmark.family import NewmarkFamily
 from dalembert.integrators.newmark.rule import Course, Moving, StepRule
 from dalembert.model.assembled.evaluation.pattern import combine

@@ -1,4 +1,4 @@
-"""Tables of structures in model files, generated from the classes of elements."""
+"""Tables of nodes, finite elements, meshes, supports and loads in model files."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, Field, PlainValidator, WithJsonSchema, create_model
 
 from dalembert.elements.fem.base import StructuralElement
-from dalembert.elements.fem.node import ROTATIONS, TRANSLATIONS
+from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
 from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.io.choices import Record, one_of
 from dalembert.io.fields import Quantity, keyed_fields
@@ -133,9 +133,6 @@ CASE: Any = (Text, Field(default="", description="name of the load case"))
 SupportTable = _with_directions(
     "Support", "Prescribed displacements; without any, all are zero.", DISPLACEMENTS
 )
-NodalLoadTable = _with_directions(
-    "NodalLoad", "Forces and moments on each of some nodes of a mechanism.", FORCES
-)
 LoadTable = _with_directions(
     "Load",
     "Forces and moments on each of some nodes.",
@@ -143,7 +140,10 @@ LoadTable = _with_directions(
     case=CASE,
     fixed_axes=(
         Flag,
-        Field(default=False, description="moments in space act about fixed axes (nonlinear)"),
+        Field(
+            default=False,
+            description="moments in space act about fixed axes, as they do in mechanisms",
+        ),
     ),
 )
 LineLoadTable = _with_directions(

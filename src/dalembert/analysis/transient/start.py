@@ -6,8 +6,8 @@ import numpy as np
 
 from dalembert.analysis.equilibrium.load_steps import LoadSteps, StepControl
 from dalembert.analysis.equilibrium.static_equations import StaticEquations, free_factors
-from dalembert.analysis.structural.instant import Instant, Unknown
-from dalembert.analysis.structural.transient_equation import EquationOfMotion, Motions, factors
+from dalembert.analysis.transient.equation import EquationOfMotion, Motions, factors
+from dalembert.analysis.transient.instant import Instant, Unknown
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.integrators.newmark.rule import Moving
 
@@ -111,7 +111,7 @@ class TransientStart:
         e = self.equation
         u = np.zeros(e.assembly.size)
         if not e.linear:
-            path = LoadSteps(StepControl(), StaticEquations(e.model, e.p, self.case))
+            path = LoadSteps(StepControl(), StaticEquations(e.model, e.p, self.case, self.time))
             for _ in path.follow():
                 u = path.u
             if path.failure:

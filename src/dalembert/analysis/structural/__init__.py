@@ -1,1 +1,0 @@
-"""Transients of structures."""

@@ -1,0 +1,1 @@
+"""Time integration of structures: equations, start, steps, march."""

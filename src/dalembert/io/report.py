@@ -1,0 +1,31 @@
+"""Initial view of the report of a file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dalembert.io.decisions.task_tables import ReportTable
+from dalembert.io.model_file import ModelFile
+from dalembert.results.files.tables import checked_units
+from dalembert.results.labelled import DATA_ONLY
+from dalembert.text.wording import unknown
+
+
+def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
+    """Initial view of the report: ``plots``, ``trace`` and ``units``, with checked names."""
+    report = file.document.report
+    with file.located("report", "units"):
+        units = checked_units(report.units)
+    if not isinstance(report, ReportTable):
+        return {"units": units}
+    for i, group in enumerate(report.plots):
+        for k, measure in enumerate(group):
+            with file.located("report", "plots", i, k):
+                if measure not in DATA_ONLY:
+                    model.expression(measure)
+    points = [p.name for body in model.bodies for p in body.points.values()]
+    points += [body.name for body in model.bodies]
+    for k, point in enumerate(report.trace):
+        if point not in points:
+            raise file.located.error(unknown("point", point, points), "report", "trace", k)
+    return {"plots": report.plots or None, "trace": report.trace or None, "units": units}

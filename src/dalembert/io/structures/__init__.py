@@ -1,1 +1,0 @@
-"""Structures and their elements in files."""
