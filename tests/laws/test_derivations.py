@@ -9,8 +9,8 @@ from partition import evaluated, general_state, partition
 from registry import CONSTRAINED
 
 import dalembert as da
-from dalembert.model.derivation import appell_function, gibbs_appell, kane
-from dalembert.model.transformation import speeds_by_basis
+from dalembert.model.graph.derivation import appell_function, gibbs_appell, kane
+from dalembert.model.graph.transformation import speeds_by_basis
 
 ROADS = {"Gibbs–Appell": gibbs_appell, "Kane": kane}
 

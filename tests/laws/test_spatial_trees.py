@@ -11,7 +11,7 @@ from spatial_trees import KINDS, SpatialTree
 import dalembert as da
 from dalembert import spatial
 from dalembert.elements.spatial.joint import TreeJoint
-from dalembert.model.tree.joint_coordinates import JointCoordinates
+from dalembert.model.graph.tree.joint_coordinates import JointCoordinates
 
 REACTIONS = ("augmented", "projected")
 

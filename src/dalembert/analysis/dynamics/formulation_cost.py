@@ -10,7 +10,7 @@ import scipy
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.formulations.base import Performance, state_symbols
-from dalembert.model.equations import Equations
+from dalembert.model.graph.equations import Equations
 
 
 def cost_and_error(kernel: DynamicsKernel) -> Performance:

@@ -11,7 +11,7 @@ from dalembert.analysis.requirements import need_model
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.mechanism_modes import MechanismModes
 from dalembert.results.modes import Modes
 from dalembert.results.motion import Motion
