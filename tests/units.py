@@ -22,7 +22,7 @@ from dalembert.elements.curves import Curve, FormulaCurve, u
 from dalembert.elements.frame import Frame
 from dalembert.elements.laws.base import Law
 from dalembert.elements.springs import SpringDamper
-from dalembert.model.description import Description
+from dalembert.model.graph.description import Description
 from dalembert.symbolic.formulas.expression import Expression
 
 DIMENSIONS = {

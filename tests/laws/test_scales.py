@@ -7,9 +7,9 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.model.absolute import absolute_equations
-from dalembert.model.assembly.guesses import Guesses
-from dalembert.model.natural_units import scales_of
+from dalembert.model.graph.absolute import absolute_equations
+from dalembert.model.graph.assembly.guesses import Guesses
+from dalembert.model.graph.natural_units import scales_of
 
 SIZES = [1.0, 1e-9, 2.0**-40, 1e9, 3.7]
 
