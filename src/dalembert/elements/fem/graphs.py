@@ -11,13 +11,13 @@ import numpy as np
 from dalembert.elements.fem.energies import Energies, Named
 from dalembert.elements.fem.inertia_graphs import InertiaGraphs
 from dalembert.elements.fem.nodal import ROTATIONS
-from dalembert.symbolic.once import CacheOwner, once
+from dalembert.symbolic.once import once
 
 STRESSLESS = 1e-9
 """Threshold of the first-order over the second-order energy below which it is round-off [-]."""
 
 
-class ElementGraphs(CacheOwner, InertiaGraphs):
+class ElementGraphs(InertiaGraphs):
     """Energies of one element, and the functions derived from them by name.
 
     Parameters
