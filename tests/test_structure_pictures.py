@@ -11,8 +11,7 @@ from dalembert import structures
 from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.fields import element_field, smoothed
-from dalembert.results.structural.plot import automatic_scale
-from dalembert.results.structural.symbols import arrows, moments, support_symbols
+from dalembert.results.structural.scene import automatic_scale, load_symbols, support_symbols
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -115,7 +114,7 @@ def test_a_beam_bent_to_half_a_circle_keeps_its_ends_and_tangents() -> None:
 def test_faces_inside_a_solid_are_left_out() -> None:
     result = solved("box")
     drawing = StructuralDrawing(result.model, result.parameters)
-    assert sum(len(s.owners) for s in drawing.faces) == 2 * (3 * 2 + 3 * 2 + 2 * 2)
+    assert sum(len(s.elements) for s in drawing.faces) == 2 * (3 * 2 + 3 * 2 + 2 * 2)
     assert len(drawing.outline()) == 4 * (3 + 2 + 2)  # the edges of the box
 
 
@@ -257,26 +256,38 @@ def test_supports_lie_outside() -> None:
     structure.load(nodes["top"], fy=-1e3)
     model = structure.build()
     drawing = StructuralDrawing(model, model.nominal)
-    assert support_symbols(drawing) == {((0, -1), False, False): [0], ((0, -1), True, False): [1]}
-    nodes_, force, presses = arrows(drawing, model.loads[""].values(model.nominal))
-    assert nodes_.tolist() == [2]
-    assert force.tolist() == [[0, -1e3, 0]]
-    assert presses.all()
+    left, right = support_symbols(drawing)
+    assert (left["nodes"], left["axis"], left["roller"]) == ([0], [0, -1], False)
+    assert (right["nodes"], right["axis"], right["roller"]) == ([1], [0, -1], True)
+    assert not (left["clamp"] or right["clamp"])
+    (arrow,) = load_symbols(drawing, model.loads[""].values(model.nominal)[:, None])
+    assert arrow["node"] == 2
+    assert (*arrow["force_x"], *arrow["force_y"]) == (0, -1e3)
+    assert all(arrow["inward"])
 
 
 def test_an_edge_is_held_on_one_side() -> None:
     result = solved("plate")
     drawing = StructuralDrawing(result.model, result.parameters)
-    ((way, nodes),) = ((key[0], n) for key, n in support_symbols(drawing).items())
-    assert way == (-1, 0)
-    assert len(nodes) == 3
-    assert len(arrows(drawing, result.applied(0))[0]) == 3
+    (support,) = support_symbols(drawing)
+    assert support["axis"] == [-1, 0]
+    assert len(support["nodes"]) == 3
+    assert len(load_symbols(drawing, result.applied(0)[:, None])) == 3
+
+
+def test_a_face_is_held_from_outside() -> None:
+    result = solved("box")
+    (support,) = support_symbols(StructuralDrawing(result.model, result.parameters))
+    assert support["axis"] == [-1, 0, 0]
+    assert len(support["nodes"]) == 9
 
 
 def test_moments_have_a_symbol() -> None:
     result = solved("beam")
     drawing = StructuralDrawing(result.model, result.parameters)
-    assert moments(drawing, result.applied(1)) == {1: pytest.approx(3e4)}
+    (twist,) = load_symbols(drawing, result.applied(1)[:, None])
+    assert (twist["symbol"], twist["node"]) == ("twist", 1)
+    assert twist["moment"] == pytest.approx(3e4)
     assert [text.get_text() for text in result.plot(case="twist").texts] == [r"$\circlearrowleft$"]
 
 

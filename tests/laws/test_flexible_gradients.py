@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from flexible_bodies import ENDS, KINDS, tapered
+from thorough import crossed
 
 import dalembert as da
 from dalembert import planar, spatial
@@ -57,8 +58,7 @@ def agree(result, responses, rtol: float = 1e-6) -> np.ndarray:
 TIP = [da.final("rod.tip.y"), da.integral("rod.tip.deflection.y"), da.final("rod.q1")]
 
 
-@SPACES
-@pytest.mark.parametrize("frame", ["root", "mean"])
+@pytest.mark.parametrize(("dimension", "frame"), crossed([2, 3], ["mean", "root"]))
 def test_explicit_steps(dimension, frame):
     place = {"position": None} if frame == "mean" else {}
     model = swing(dimension, reference=frame, modes=0, **place)

@@ -17,10 +17,10 @@ import numpy as np
 
 from dalembert.analysis.events import locate
 from dalembert.formulations.base import state_symbols
-from dalembert.model.contacts import Phase, slow
-from dalembert.model.equations import Equations
-from dalembert.model.rigid_gaps import RigidGap
-from dalembert.model.scales import Scales
+from dalembert.model.graph.contacts import Phase, slow
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.rigid_gaps import RigidGap
+from dalembert.model.graph.scales import Scales
 
 NEAR = 1e-12
 """Tolerance of a negative guard, in natural sizes."""

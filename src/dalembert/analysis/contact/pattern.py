@@ -17,7 +17,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.planar.body import cross
-from dalembert.model.contacts import Phase, Phases
+from dalembert.model.graph.contacts import Phase, Phases
 
 SECTORS = 16
 """Number of sectors of slip directions; Newton's method starts in the middle of one."""

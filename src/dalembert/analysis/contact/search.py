@@ -27,7 +27,7 @@ from dalembert.analysis.events import locate
 from dalembert.errors import SingularityError, UnsolvedPart, UnsupportedError
 from dalembert.formulations.base import state_symbols
 from dalembert.integrators.marching.steps import Crossing
-from dalembert.model.contacts import Phase, Phases
+from dalembert.model.graph.contacts import Phase, Phases
 from dalembert.results.recording import ImpactRecord
 from dalembert.symbolic.evaluation.kernel import Kernel
 

@@ -12,7 +12,7 @@ from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.kinematics.branches import Branches
 from dalembert.integrators.marching.checkpoints import States
 from dalembert.integrators.marching.steps import Steps
-from dalembert.model.equations import Equations
+from dalembert.model.graph.equations import Equations
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.once import CacheOwner
 
