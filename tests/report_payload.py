@@ -360,8 +360,8 @@ def gallery(frames: int = 241, duration: float = 6.0) -> dict[str, Any]:
                 {
                     "name": "limit",
                     "symbol": "limit",
-                    "x": (0.36 + zero).tolist(),
-                    "y": zero.tolist(),
+                    "at_x": (0.36 + zero).tolist(),
+                    "at_y": zero.tolist(),
                     "normal_x": (-1 + zero).tolist(),
                     "normal_y": zero.tolist(),
                 },

@@ -69,7 +69,7 @@ def test_menus_open_and_close_by_key(show: Any) -> None:
 def test_what_travels_is_followed(show: Any) -> None:
     found = show(convoy())
     assert found.js("dalembert.scene.followed.name") == "front"
-    read = "dalembert.scene.screen([dalembert.scene.poses.get(dalembert.scene.followed).x, 0])"
+    read = "dalembert.scene.screen(dalembert.motion.at(dalembert.scene.followed, [0, 0]))"
     start = found.js(read)
     found.js("dalembert.player.seek(3)")
     found.frames()
@@ -202,13 +202,12 @@ def flight() -> da.Motion:
 def test_what_travels_in_space_is_followed(show: Any, flight: da.Motion) -> None:
     found = show(flight, viewport=(1000, 560))
     assert found.js("dalembert.scene.followed.name") == "ball0"
-    seen = """(() => { const p = dalembert.motion.at(dalembert.scene.followed, [0, 0, 0]);
-        const { x, y } = dalembert.scene.overlay.seen(p); return [x, y]; })()"""
+    seen = "dalembert.scene.screen(dalembert.motion.at(dalembert.scene.followed, [0, 0, 0]))"
     start = found.js(seen)
     found.js("dalembert.player.seek(0.9)")
     found.frames()
     assert found.js(seen) == pytest.approx(start, abs=0.5)
-    assert found.js("dalembert.scene.arrows[0].shown.read.value") == pytest.approx(24)
+    assert found.js("dalembert.scene.arrows[0].value") == pytest.approx(24)
 
 
 def test_pictures_in_space_are_not_blank(show: Any, flight: da.Motion) -> None:

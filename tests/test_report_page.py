@@ -198,7 +198,7 @@ def test_toggles_change_the_picture_and_back(show: Any, control: str) -> None:
 
 def test_zoom_pan_and_fit(show: Any) -> None:
     found = show(four_bar())
-    view = "({...dalembert.scene.view})"
+    view = "(({ x, y, s }) => ({ x, y, s }))(dalembert.scene.view)"
     home = found.js(view)
     found.page.mouse.move(300, 400)
     found.page.mouse.wheel(0, -300)

@@ -100,7 +100,7 @@ def matrices(found: Visit, time: float) -> dict[str, np.ndarray]:
     """What the page draws at a time: placement of each body by its name."""
     found.js(f"dalembert.player.seek({time!r})")
     found.frames()
-    read = """[...dalembert.scene.groups].filter(([body]) => !body.fixed)
+    read = """[...dalembert.scene.painter.groups].filter(([body]) => !body.fixed)
         .map(([body, group]) => [body.name, (group.updateMatrix(), group.matrix.elements)])"""
     return {name: np.reshape(m, (4, 4)).T for name, m in found.js(read)}
 
@@ -186,37 +186,39 @@ def test_toggles_change_the_picture_and_back(show: Any) -> None:
     found = show(hinges())
     found.js("dalembert.player.seek(0.5)")
     found.frames(3)
-    start = found.picture("#scene")
+    start = [found.picture(layer) for layer in ("#scene", "#overlay")]
     for control in ("#reactions", "#grid", "#clear", "#section", ".trace >> nth=2"):
         for changed in (True, False):
             found.page.click(control)
             found.frames(3)
-            assert (found.picture("#scene") != start) is changed, control
+            now = [found.picture(layer) for layer in ("#scene", "#overlay")]
+            assert (now != start) is changed, control
 
 
 def test_arrows_are_as_long_as_asked_and_point_along_the_reaction(show: Any) -> None:
     motion = heavy_top()
     found = show(motion)
     found.page.click("#reactions")
-    read = """dalembert.scene.arrows.map(({ shown: { group, heads } }) => {
-        group.updateMatrixWorld(); const e = group.matrixWorld.elements;
-        return [e[8], e[9], e[10], heads[0].position.z]; })"""
+    read = "dalembert.scene.arrows.map(({ way }) => way)"
     found.js("dalembert.player.seek(0.5)")
     found.frames()
-    *way, length = found.js(read)[0]
-    force = motion["O.force"].values[50]
-    assert np.allclose(way, force / np.linalg.norm(force), atol=1e-5)
+    way = found.js(read)[0]
+    seen = found.js(f"dalembert.scene.view.direction({motion['O.force'].values[50].tolist()})")[:2]
+    length = np.linalg.norm(way)
+    assert np.allclose(way / length, seen / np.linalg.norm(seen), atol=1e-5)
     found.js("""(() => { const size = document.getElementById("arrows-force");
         size.value = 0.5; size.dispatchEvent(new Event("input")); })()""")
     found.frames()
-    assert found.js(read)[0][3] == pytest.approx(length * 10**0.5, rel=1e-3)
+    assert np.linalg.norm(found.js(read)[0]) == pytest.approx(length * 10**0.5, rel=1e-3)
 
 
 def test_section_leaves_out_one_side(show: Any) -> None:
     found = show(hinges())
     found.page.click("#section")
     found.page.select_option("#section-axis", "z")
-    plane = "[...dalembert.scene.cut.normal.toArray(), dalembert.scene.cut.constant]"
+    plane = (
+        "(({ normal, constant }) => [...normal.toArray(), constant])(dalembert.scene.painter.cut)"
+    )
     *normal, constant = found.js(plane)
     assert normal == [0, 0, -1]
     found.page.click("#section-flip")
@@ -228,9 +230,8 @@ def test_tooltip_names_what_is_under_the_pointer(show: Any) -> None:
     box = found.page.locator("#scene").bounding_box()
     for joint, text in ((0, "force"), (2, "revolute")):
         found.js("dalembert.player.seek(0)")
-        at = found.js(f"""(() => {{ const {{ motion, scene: {{ view }} }} = dalembert;
-            const joint = motion.joints[{joint}], place = motion.at(joint.body, joint.point);
-            const p = view.screen(view.centre.clone().set(...place)); return [p.x, p.y]; }})()""")
+        at = found.js(f"""(({{ motion, scene }}) =>
+            scene.screen(motion.placeOf(motion.joints[{joint}])))(dalembert)""")
         found.page.mouse.move(box["x"] + at[0], box["y"] + at[1])
         found.frames(3)
         tip = found.page.inner_text("#tip")
@@ -280,7 +281,7 @@ def test_a_rod_leads_to_a_joint_beside_a_solid(show: Any) -> None:
     hook = head.frame((0, 0, 0.5), axis=(0, 1, 0))
     system.add(spatial.Revolute("O", system.ground.frame((0, 0, 0), axis=(0, 1, 0)), hook))
     found = show(da.solve_dynamics(system.build(), duration=0.1, step=0.05))
-    tops = found.js("""[...dalembert.scene.groups].find(([body]) => !body.fixed)[1].children
+    tops = found.js("""[...dalembert.scene.painter.groups].find(([body]) => !body.fixed)[1].children
         .filter((part) => part.isMesh).map((part) => (part.geometry.computeBoundingBox(),
             part.geometry.boundingBox.max.z + part.position.z))""")
     assert max(tops) >= 0.5 - 1e-6
@@ -300,7 +301,7 @@ def test_bodies_of_the_plane_stand_in_space(show: Any) -> None:
     angle = float(motion["arm.angle"][-1])
     drawn = matrices(found, 0.1)["arm"]
     assert np.allclose(drawn[:3, 0], [np.cos(angle), np.sin(angle), 0], atol=1e-6)
-    assert found.js("dalembert.scene.up.toArray()") == [0, 1, 0]
+    assert found.js("dalembert.scene.view.up.toArray()") == [0, 1, 0]
 
 
 def test_what_cannot_be_assembled_is_drawn_with_its_gap(browser: Any, tmp_path: Path) -> None:
@@ -315,7 +316,7 @@ def test_what_cannot_be_assembled_is_drawn_with_its_gap(browser: Any, tmp_path: 
         system.build()
     page = da.assembly_report(refused.value, tmp_path / "gap.html")
     with visit(browser, page, viewport=SMALL) as found:
-        assert found.js("dalembert.scene.ghosts.length") == 2
+        assert found.js("dalembert.motion.ghosts.length") == 2
         (gap,) = found.js("dalembert.motion.gaps")
         assert np.linalg.norm(np.subtract(gap["from"], gap["to"])) > 0.2
         assert "m" in gap["text"] and found.ink("#scene") > 100

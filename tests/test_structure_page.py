@@ -96,12 +96,12 @@ def test_hovering_tells_names_and_values(show) -> None:
         "(() => { const b = document.querySelector('#scene').getBoundingClientRect();"
         " return [b.x, b.y]; })()"
     )
-    end = page.js("[...dalembert.scene.drawn.slice(3, 5)]")
+    end = page.js("[...dalembert.scene.seen().slice(3, 5)]")
     page.page.mouse.move(box[0] + end[0], box[1] + end[1])
     assert "bnode" in page.js("document.querySelector('#tip').textContent")
     middle = page.js(
-        "(() => { const s = dalembert.structure.lines[0].vertices, k = s[6];"
-        " return [...dalembert.scene.drawn.slice(3 * k, 3 * k + 2)]; })()"
+        "(() => { const k = dalembert.motion.mesh.lines[0].vertices[6];"
+        " return [...dalembert.scene.seen().slice(3 * k, 3 * k + 2)]; })()"
     )
     page.page.mouse.move(box[0] + middle[0], box[1] + middle[1])
     tip = page.js("document.querySelector('#tip').textContent")
@@ -112,22 +112,29 @@ def test_hovering_tells_names_and_values(show) -> None:
 def test_solids_turn_and_plates_pan(show) -> None:
     for name, turns in (("box", True), ("plate", False)):
         page = show(solved(name))
-        before = page.js("dalembert.scene.turn && dalembert.scene.turn.a")
+        way = "[...dalembert.scene.view.direction([1, 0, 0])]"
+        before = page.js(way)
         page.page.mouse.move(400, 500)
         page.page.mouse.down()
         page.page.mouse.move(460, 520)
         page.page.mouse.up()
-        assert (page.js("dalembert.scene.turn && dalembert.scene.turn.a") != before) == turns
-        assert page.js("dalembert.scene.fitted") == turns
+        assert (page.js(way) != before) == turns
+        assert page.js("dalembert.scene.view.fitted") is False
 
 
 def test_motion_plays(show) -> None:
     page = show(motion())
-    assert page.js("document.querySelector('#step').max") == "20"
+    assert page.js("dalembert.motion.n") == 21
     page.js("document.querySelector('#play').click()")
-    page.until("dalembert.structure.state.case > 2")
+    page.until("dalembert.motion.state > 2")
     page.js("document.querySelector('#play').click()")
-    assert page.js("document.querySelector('#state').textContent").endswith(" s")
+    assert page.js("document.querySelector('#clock').textContent").endswith(" s")
+    page.js("dalembert.player.seek(0.00325)")
+    lower, upper, between = page.js(
+        "(({ mesh, cursor: { i } }) => [mesh.moved[i][3], mesh.moved[i + 1][3],"
+        " mesh.placesAt({ i, f: 0.5 }, 1)[3] - mesh.rest[3]])(dalembert.motion)"
+    )
+    assert between == pytest.approx((lower + upper) / 2, rel=1e-9)
 
 
 def test_modes_have_scales_of_their_own(show) -> None:
@@ -135,10 +142,14 @@ def test_modes_have_scales_of_their_own(show) -> None:
     structure.elements["beam"].density = da.Expression(7850.0)
     modes = da.Modal(count=2).run(structure.build())
     page = show(modes)
-    assert page.js("dalembert.structure.field.name") == "shape"
+    assert page.js("dalembert.motion.mesh.field.name") == "shape"
     assert page.js("document.querySelector('#reactions')") is None
     page.page.select_option("#case", label=modes.cases[1])
-    assert page.js("dalembert.structure.state.case") == 1
+    assert page.js("dalembert.motion.state") == 1
+    page.page.locator("#scene").focus()
+    page.page.keyboard.press("ArrowLeft")
+    assert page.js("dalembert.motion.state") == 0
+    assert page.page.input_value("#case") == "0"
 
 
 def test_hostile_names_stay_text(show) -> None:
@@ -176,8 +187,9 @@ def test_results_come_back(name: str, tmp_path: Path) -> None:
 def test_of_many_cases_some_are_left_out(monkeypatch, tmp_path: Path) -> None:
     monkeypatch.setattr(payload_module, "MOST_NUMBERS", 200)
     made = payload_module.structural_payload(motion())
-    assert 1 < len(made["cases"]) < 21
-    assert made["cases"][-1] == "0.01 s"
+    names = made["states"]["names"]
+    assert 1 < len(names) < 21
+    assert names[-1] == "0.01 s"
     assert "are left out of this page" in json.dumps(made["diagnosis"])
 
 
@@ -196,7 +208,7 @@ def test_shapes_have_no_size(show) -> None:
     structure = cantilever()
     structure.elements["beam"].density = da.Expression(7850.0)
     page = show(da.solve_modes(structure.build(), 2))
-    most = page.js("Math.max(...dalembert.structure.fields[0].values[1])")
+    most = page.js("Math.max(...dalembert.motion.mesh.fields[0].values[1])")
     assert most == pytest.approx(1)
     assert page.page.locator("#true-scale").count() == 0
     assert "m]" not in page.page.inner_text("#displacements thead").replace("rad/m]", "")
@@ -210,8 +222,9 @@ def test_what_is_clamped_in_space_is_no_pin() -> None:
     structure.add(structures.SpaceFrame("mast", foot, top, **given))
     structure.support(foot)
     structure.load(top, fx=100.0)
-    (support,) = da.solve_statics(structure.build()).page()["supports"]
-    assert support["turns"] and not support["roller"]
+    support, *loads = da.solve_statics(structure.build()).page()["scene"]["symbols"]
+    assert support["clamp"] and not support["roller"]
+    assert [load["force_x"][0] for load in loads] == [100.0]
 
 
 def gif_frames(path: Path) -> int:
@@ -228,7 +241,7 @@ def gif_frames(path: Path) -> int:
 )
 def test_structures_are_filmed(tmp_path: Path, make, frames: int, state: str | None) -> None:
     page = make().page()
-    named = str(page["cases"][1]) if state else None
+    named = str(page["states"]["names"][1]) if state else None
     short = {"fps": 8, "seconds": 1.0, "width": 160}
     made = write_film(page, tmp_path / "film.gif", state=named, **short)
     assert gif_frames(made) == frames
@@ -240,16 +253,18 @@ def test_two_structures_are_on_one_page(show) -> None:
     """The second one is twice as strong and moves half as far, pale behind the first."""
     runs = [da.solve_statics(truss(area).build()).page() for area in (1e-4, 2e-4)]
     page = show(overlay(*runs, "other.nc"))
-    moved = page.js("[dalembert.structure, dalembert.structure.ghost].map((s) => s.moved[0][4])")
+    moved = page.js(
+        "[dalembert.motion.mesh, dalembert.motion.otherMesh].map((mesh) => mesh.moved[0][4])"
+    )
     assert moved[1] == pytest.approx(moved[0] / 2, rel=1e-6)
-    chip = page.page.locator("#show-ghost")
+    chip = page.page.locator("#ghosts")
     assert chip.text_content() == "Other run: other.nc"
     before = page.picture("#scene")
     chip.click()
     page.frames()
     assert page.picture("#scene") != before
     with pytest.raises(da.FileError, match="no common"):
-        overlay(runs[0], runs[1] | {"cases": ["snow"]}, "x")
+        overlay(runs[0], runs[1] | {"states": {"names": ["snow"]}}, "x")
 
 
 def test_chosen_units_are_shown(show) -> None:

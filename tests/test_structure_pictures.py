@@ -11,8 +11,7 @@ from dalembert import structures
 from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.fields import element_field, smoothed
-from dalembert.results.structural.plot import automatic_scale
-from dalembert.results.structural.symbols import arrows, moments, support_symbols
+from dalembert.results.structural.scene import automatic_scale, load_symbols, support_symbols
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -115,7 +114,7 @@ def test_a_beam_bent_to_half_a_circle_keeps_its_ends_and_tangents() -> None:
 def test_faces_inside_a_solid_are_left_out() -> None:
     result = solved("box")
     drawing = StructuralDrawing(result.model, result.parameters)
-    assert sum(len(s.owners) for s in drawing.faces) == 2 * (3 * 2 + 3 * 2 + 2 * 2)
+    assert sum(len(s.elements) for s in drawing.faces) == 2 * (3 * 2 + 3 * 2 + 2 * 2)
     assert len(drawing.outline()) == 4 * (3 + 2 + 2)  # the edges of the box
 
 
@@ -182,7 +181,7 @@ def test_large_displacements_are_drawn_as_they_are() -> None:
 def test_pictures_tell_scale_and_unit(name: str, smooth: bool) -> None:
     result = solved(name)
     field = {"beam": "moment_i", "plate": "von_mises", "box": "box.von_mises"}.get(name, "force")
-    ax = result.plot(field, smooth=smooth)
+    ax = result.draw(field, smooth=smooth)
     assert result.model.name in ax.get_title("left")
     bar = ax.figure.axes[1]
     ax.figure.canvas.draw()
@@ -194,7 +193,7 @@ def test_pictures_tell_scale_and_unit(name: str, smooth: bool) -> None:
 
 def test_a_plate_has_a_face_for_every_element() -> None:
     result = solved("plate")
-    ax = result.plot("plate.sxx", scale=0)
+    ax = result.draw("plate.sxx", scale=0)
     (faces,) = collections(ax, PolyCollection)
     assert len(faces.get_paths()) == 8
     colours = faces.get_facecolor()
@@ -207,7 +206,7 @@ def test_a_plate_has_a_face_for_every_element() -> None:
 
 def test_undeformed_may_be_left_out() -> None:
     result = solved("beam")
-    both, alone = result.plot(), result.plot(undeformed=False)
+    both, alone = result.draw(), result.draw(undeformed=False)
     assert len(collections(both, LineCollection)) == len(collections(alone, LineCollection)) + 1
     (line,) = collections(alone, LineCollection)
     end = line.get_paths()[0].vertices[-1]
@@ -216,18 +215,18 @@ def test_undeformed_may_be_left_out() -> None:
 
 def test_pictures_go_into_given_axes() -> None:
     figure, axes = plt.subplots(1, 2)
-    assert solved("beam").plot(ax=axes[1]) is axes[1]
+    assert solved("beam").draw(ax=axes[1]) is axes[1]
     assert not axes[0].collections
     assert len(figure.axes) == 2
 
 
 def test_one_case_of_several() -> None:
     result = solved("beam")
-    assert "twist" in result.plot(case="twist").get_title("left")
-    assert result.plot(case=-1).get_title("left") == result.plot(case="twist").get_title("left")
+    assert "twist" in result.draw(case="twist").get_title("left")
+    assert result.draw(case=-1).get_title("left") == result.draw(case="twist").get_title("left")
     for case in ("wind", 2):
         with pytest.raises(da.AnalysisError, match="no load case"):
-            result.plot(case=case)
+            result.draw(case=case)
 
 
 def test_modes_buckling_and_motion_are_drawn_too() -> None:
@@ -239,10 +238,10 @@ def test_modes_buckling_and_motion_are_drawn_too() -> None:
     structure.load(nodes[3], fy=-1e3)
     model = structure.build()
     modes, buckling = da.Modal(count=2).run(model), da.Buckling(count=1).run(model)
-    assert "mode 2" in modes.plot("displacement", 2).get_title("left")
-    assert "mode 1" in buckling.plot().get_title("left")
+    assert "mode 2" in modes.draw("displacement", 2).get_title("left")
+    assert "mode 1" in buckling.draw().get_title("left")
     motion = da.Dynamics(duration=0.1, step=0.01).run(model)
-    assert "0.1 s" in motion.plot("moment_i", case=-1).get_title("left")
+    assert "0.1 s" in motion.draw("moment_i", case=-1).get_title("left")
 
 
 # symbols --------------------------------------------------------------------------------------
@@ -257,27 +256,39 @@ def test_supports_lie_outside() -> None:
     structure.load(nodes["top"], fy=-1e3)
     model = structure.build()
     drawing = StructuralDrawing(model, model.nominal)
-    assert support_symbols(drawing) == {((0, -1), False, False): [0], ((0, -1), True, False): [1]}
-    nodes_, force, presses = arrows(drawing, model.loads[""].values(model.nominal))
-    assert nodes_.tolist() == [2]
-    assert force.tolist() == [[0, -1e3, 0]]
-    assert presses.all()
+    left, right = support_symbols(drawing)
+    assert (left["nodes"], left["axis"], left["roller"]) == ([0], [0, -1], False)
+    assert (right["nodes"], right["axis"], right["roller"]) == ([1], [0, -1], True)
+    assert not (left["clamp"] or right["clamp"])
+    (arrow,) = load_symbols(drawing, model.loads[""].values(model.nominal)[:, None])
+    assert arrow["node"] == 2
+    assert (*arrow["force_x"], *arrow["force_y"]) == (0, -1e3)
+    assert all(arrow["inward"])
 
 
 def test_an_edge_is_held_on_one_side() -> None:
     result = solved("plate")
     drawing = StructuralDrawing(result.model, result.parameters)
-    ((way, nodes),) = ((key[0], n) for key, n in support_symbols(drawing).items())
-    assert way == (-1, 0)
-    assert len(nodes) == 3
-    assert len(arrows(drawing, result.applied(0))[0]) == 3
+    (support,) = support_symbols(drawing)
+    assert support["axis"] == [-1, 0]
+    assert len(support["nodes"]) == 3
+    assert len(load_symbols(drawing, result.applied(0)[:, None])) == 3
+
+
+def test_a_face_is_held_from_outside() -> None:
+    result = solved("box")
+    (support,) = support_symbols(StructuralDrawing(result.model, result.parameters))
+    assert support["axis"] == [-1, 0, 0]
+    assert len(support["nodes"]) == 9
 
 
 def test_moments_have_a_symbol() -> None:
     result = solved("beam")
     drawing = StructuralDrawing(result.model, result.parameters)
-    assert moments(drawing, result.applied(1)) == {1: pytest.approx(3e4)}
-    assert [text.get_text() for text in result.plot(case="twist").texts] == [r"$\circlearrowleft$"]
+    (twist,) = load_symbols(drawing, result.applied(1)[:, None])
+    assert (twist["symbol"], twist["node"]) == ("twist", 1)
+    assert twist["moment"] == pytest.approx(3e4)
+    assert [text.get_text() for text in result.draw(case="twist").texts] == [r"$\circlearrowleft$"]
 
 
 # fields -----------------------------------------------------------------------------------------
@@ -313,6 +324,6 @@ def test_smoothing_keeps_what_is_constant() -> None:
 )
 def test_unknown_fields_are_told(field: str, words: str) -> None:
     result = solved("plate")
-    for ask in (result.field, result.plot):
+    for ask in (result.field, result.draw):
         with pytest.raises(da.AnalysisError, match=f"{field}.*({words})"):
             ask(field)

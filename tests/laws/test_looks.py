@@ -15,20 +15,24 @@ import dalembert as da
 from dalembert import planar, spatial
 from dalembert.elements import look, registry
 from dalembert.elements.base import Look
+from dalembert.elements.fem.registry import ELEMENTS as ELEMENT_KINDS
 from dalembert.elements.point import Point
 from dalembert.results.pictures.planar_scene import PlanarSketch
 from dalembert.results.pictures.scene import motion_scene
 from dalembert.results.pictures.sketch import Sketch
 from dalembert.results.pictures.spatial_scene import SpatialSketch
+from dalembert.results.structural.drawing import StructuralDrawing
 
 ELEMENTS = {n: c for table in registry.PLANAR.sections.values() for n, c in table.items()}
 PRIMITIVES = {c for _, c in inspect.getmembers(look, inspect.isclass) if issubclass(c, Look)}
 SPATIAL = {look.Socket, look.Collar, look.Nut, look.Cross, look.Table, look.Contact}
 """Primitives that no planar element has."""
 FLAT = {look.Arrow, look.Twist}
-"""Arrows that move by themselves."""
+"""Arrows of loads, which all pages draw over the scene."""
 PARTS = {look.Segment, look.Ball, look.Disc, look.Block, look.Rail, look.Path}
-ABSTRACT = {Look, look.Link, look.Rotary}
+ABSTRACT = {Look, look.Link, look.Rotary, look.Cells}
+STRUCTURAL = {c for c in PRIMITIVES if issubclass(c, look.Cells | look.Support)}
+"""Primitives of many finite elements."""
 
 
 def still(model: da.Model):
@@ -67,28 +71,40 @@ def test_every_case_can_be_drawn(name):
     known = set(motion.model.parts.elements)
     assert {item["name"] for item in drawn} <= known
     for item in drawn:
-        for key in ("force_x", "x", "moment"):
+        for key in ("force_x", "at_x", "moment"):
             assert len(item.get(key, motion.time)) == motion.time.size
 
 
 def test_pages_draw_every_primitive():
     assets = resources.files("dalembert.report") / "assets"
-    text = "".join((assets / name).read_text() for name in ("symbols.js", "looks.js"))
+    text = "".join((assets / name).read_text() for name in ("planar_symbols.js", "planar_looks.js"))
     drawn = set(re.findall(r'case "(\w+)"|^  (\w+)\(', text, re.M))
     names = {one or other for one, other in drawn} | {"mark"}  # a mark of no special kind
-    wanted = PRIMITIVES - ABSTRACT - PARTS - SPATIAL
+    wanted = PRIMITIVES - ABSTRACT - PARTS - SPATIAL - FLAT - STRUCTURAL | {look.Support}
     assert {kind.__name__.lower() for kind in wanted} <= names
-    assert undrawn(PlanarSketch) == set()
+    assert undrawn(PlanarSketch) == STRUCTURAL
 
 
 def test_pages_of_space_draw_every_primitive():
     """By the tables of solids, where there is one of its name; the rest are shapes and loads."""
     assets = resources.files("dalembert.report") / "assets"
-    text = "".join((assets / name).read_text() for name in ("space_symbols.js", "solids.js"))
-    drawn = set(re.findall(r"^  (\w+): \(", text, re.M))
-    wanted = PRIMITIVES - ABSTRACT - PARTS - FLAT
+    text = "".join((assets / name).read_text() for name in ("spatial_symbols.js", "solids.js"))
+    drawn = set(re.findall(r"^  (\w+): \(|^export function (\w+)", text, re.M))
+    drawn = {one or other for one, other in drawn}
+    wanted = PRIMITIVES - ABSTRACT - PARTS - FLAT - STRUCTURAL | {look.Support}
     assert {kind.__name__.lower() for kind in wanted} <= drawn
-    assert undrawn(SpatialSketch) == set()
+    assert undrawn(SpatialSketch) == STRUCTURAL
+
+
+def test_drawings_of_structures_draw_their_primitives():
+    drawn = vars(StructuralDrawing)["draw"].dispatcher.dispatch
+    assert {kind for kind in PRIMITIVES if drawn(kind) is not drawn(Look)} >= STRUCTURAL - ABSTRACT
+    for kind in ELEMENT_KINDS.values():
+        nodes = np.arange(2 * kind.node_count).reshape(2, -1)
+        cells = kind.look_of(nodes, np.array([7, 8]))
+        assert {type(one) for one in cells} <= STRUCTURAL
+        seen = np.unique(np.concatenate([one.vertices.ravel() for one in cells]))
+        assert set(seen) == set(nodes.ravel())
 
 
 @pytest.mark.parametrize(("section", "name"), SPATIAL_CASES)
@@ -145,7 +161,7 @@ def test_a_wall_stands_where_the_stop_begins(limits, side):
     (wall,) = scene["symbols"]
     (block,) = [s for s in scene["bodies"][0]["shapes"] if s["kind"] == "block"]
     at = next(iter(limits.values())) - side * block["width"] / 2
-    assert np.allclose(wall["x"], at) and np.allclose(wall["y"], 0)
+    assert np.allclose(wall["at_x"], at) and np.allclose(wall["at_y"], 0)
     assert np.allclose(wall["normal_x"], side)
 
 
@@ -156,7 +172,7 @@ def test_a_wall_of_an_angle_stands_across_the_limited_way():
     system.add(planar.Stop("stop", gate.angle, upper=np.pi / 2, stiffness=1.0))
     scene = motion_scene(still(system.build()), np.array([0]))
     (wall,) = scene["symbols"]
-    assert abs(wall["x"][0]) < 1e-9 and 0 < wall["y"][0] < 2.0
+    assert abs(wall["at_x"][0]) < 1e-9 and 0 < wall["at_y"][0] < 2.0
     assert np.allclose([wall["normal_x"][0], wall["normal_y"][0]], [1, 0])
 
 
@@ -197,7 +213,8 @@ def test_wheels_of_a_belt_have_its_ratio(ratio):
         system.add(planar.Revolute(f"O{k}", ground.point(k, 0), wheel.center))
         wheels.append(wheel)
     system.add(planar.Coupling("belt", *wheels, ratio=ratio))
-    (belt,) = motion_scene(still(system.build()), np.array([0]))["symbols"]
+    scene = motion_scene(still(system.build()), np.array([0]))
+    (belt,) = [joint for joint in scene["joints"] if joint["symbol"] == "belt"]
     one, two = (w["radius"] for w in belt["wheels"])
     assert one / two == pytest.approx(abs(ratio)) and one + two < 1.0
     assert belt["crossed"] == (ratio < 0)

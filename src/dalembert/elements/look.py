@@ -3,6 +3,7 @@
 ``look()`` of an element returns primitives attached to its points and bodies. They state kind and
 position, in the dimension of the points; the page decides how a primitive is drawn. Sizes are
 formulas of parameters, loads and travels also of the motion; directions are in the axes of a body.
+``look()`` of a structure returns one primitive for many alike elements, attached to its nodes.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from dalembert.elements.base import Look
 from dalembert.elements.body import BodyElement
@@ -234,3 +236,50 @@ class Twist(Look):
 
     body: BodyElement
     moment: ca.SX
+
+
+# structures --------------------------------------------------------------------------------
+@dataclass(frozen=True, eq=False)
+class Cells(Look):
+    """Alike finite elements, which move with their nodes and have the colours of a field.
+
+    Parameters
+    ----------
+    vertices : (m, k) numbers of the nodes
+    elements : (m,) numbers of the elements
+    """
+
+    vertices: np.ndarray
+    elements: np.ndarray
+
+
+class Bars(Cells):
+    """Straight lines between two nodes."""
+
+
+class Beams(Cells):
+    """Lines between two nodes, bent by the rotations of their ends."""
+
+
+class Coils(Cells):
+    """Springs between two nodes."""
+
+
+class Faces(Cells):
+    """Outlines of flat cells."""
+
+
+class SolidFaces(Cells):
+    """Outlines of the faces of solid cells; those between two cells are hidden."""
+
+
+class Dots(Cells):
+    """Elements at one node."""
+
+
+@dataclass(frozen=True, eq=False)
+class Support(Look):
+    """A node with a prescribed displacement or rotation in a direction, such as ``"ux"``."""
+
+    node: int
+    direction: str

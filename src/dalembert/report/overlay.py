@@ -56,14 +56,13 @@ def overlay(first: dict[str, Any], second: dict[str, Any], name: str) -> dict[st
 
 def _structures(first: dict[str, Any], second: dict[str, Any], name: str) -> dict[str, Any]:
     """Overlay the second structure behind the first one, in states of the same names."""
-    if first["dimension"] != second["dimension"]:
+    if first["scene"]["dimension"] != second["scene"]["dimension"]:
         raise FileError("the structures have different dimensions")
-    displacements = dict(zip(second["cases"], second["vertex_displacements"], strict=True))
-    if not any(case in displacements for case in first["cases"]):
-        raise FileError(f"the runs have no common {first.get('kind_of_state', 'case')}")
-    rest = [0.0] * len(second["drawing"]["rest"])
-    other_displacements = [displacements.get(case, rest) for case in first["cases"]]
-    return first | {
-        "ghost": {"drawing": second["drawing"], "vertex_displacements": other_displacements},
-        "other": name,
-    }
+    states, mesh = first["states"], second["scene"]["mesh"]
+    displacements = dict(zip(second["states"]["names"], mesh["vertex_displacements"], strict=True))
+    if not any(state in displacements for state in states["names"]):
+        raise FileError(f"the runs have no common {states['kind']}")
+    rest = [0.0] * len(mesh["rest"])
+    moved = [displacements.get(state, rest) for state in states["names"]]
+    scene = first["scene"] | {"ghosts": [{"mesh": mesh | {"vertex_displacements": moved}}]}
+    return first | {"scene": scene, "other": name}

@@ -19,7 +19,7 @@ from typing import Any
 from dalembert.errors import FileError
 from dalembert.files import atomic_path
 from dalembert.report.packing import pack
-from dalembert.report.scripts import PAGES, asset, page_script
+from dalembert.report.scripts import KINDS, asset, page_kind, page_script
 from dalembert.text.wording import visible
 
 __all__ = ["as_json", "render_page", "write_page"]
@@ -27,6 +27,8 @@ __all__ = ["as_json", "render_page", "write_page"]
 #: Significant digits of the numbers of a page.
 DIGITS = 10
 
+INDENT = re.compile(r"^[ \n]+", re.MULTILINE)
+"""Indentation of scripts and blank lines."""
 # Characters that could end the data element early; the text is ASCII.
 _ESCAPES = {ord(c): f"\\u{ord(c):04x}" for c in "<>&"}
 
@@ -35,13 +37,15 @@ def render_page(payload: dict[str, Any]) -> str:
     """Return the whole report page of ``payload`` as one string of HTML."""
     title = visible(str(payload.get("title") or "Report"))
     kind = payload.get("kind", "mechanism")
-    if not isinstance(kind, str) or kind not in PAGES:
-        raise FileError(f"there is no page for {kind!r}; known: {', '.join(PAGES)}")
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise FileError(f"there is no page for {kind!r}; known: {', '.join(KINDS)}")
+    if kind == "structure" and "scene" not in payload:
+        raise FileError("this report was written by an earlier version; run the model again")
     parts = {
         "title": html.escape(title),
         "style": asset("page.css") + asset("views.css"),
         "data": _embed(payload),
-        "script": page_script(kind),
+        "script": INDENT.sub("", page_script(page_kind(payload))),
     }
     # One pass over the template, so that inserted parts are not searched again.
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset("template.html"))

@@ -9,23 +9,38 @@ from __future__ import annotations
 import re
 from functools import cache
 from importlib import resources
+from typing import Any
 
 PAGES = {
-    "mechanism": "plane.js",
-    "spatial": "space.js",
-    "structure": "structure_page.js",
+    "mechanism": "planar_mechanism.js",
+    "spatial mechanism": "spatial_mechanism.js",
+    "structure": "planar_structure.js",
+    "spatial structure": "spatial_structure.js",
     "decision": "decision.js",
 }
-"""Kind of page → its main module."""
+"""Kind of page, and its dimension → main module."""
+KINDS = ("mechanism", "spatial", "structure", "decision")
+"""Kinds of payloads."""
 
 IMPORT = re.compile(r'^import (?:\{[^}]*\} from )?"\./([\w/.]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?=const|let|class|function|async)", re.MULTILINE)
-COMMENT = re.compile(r"^ *// .*\n|^ */\*\*[\s\S]*?\*/\n|/\*\* .*? \*/ ?", re.MULTILINE)
+COMMENT = re.compile(
+    r"^ */\*\*(?:(?!\*/).)*\*/\n|^ *// [^\n]*\n|/\*\* .*? \*/ ?", re.MULTILINE | re.DOTALL
+)
 
 
 def asset(name: str) -> str:
     """Text of a file of the pages."""
     return (resources.files(__package__) / "assets" / name).read_text(encoding="utf-8")
+
+
+def page_kind(payload: dict[str, Any]) -> str:
+    """Kind of the page of a payload; that of a spatial scene has three dimensions."""
+    kind = payload.get("kind", "mechanism")
+    if kind == "spatial":
+        return "spatial mechanism"
+    spatial = kind == "structure" and payload["scene"].get("dimension") == 3
+    return f"spatial {kind}" if spatial else str(kind)
 
 
 @cache

@@ -22,7 +22,8 @@ from math import prod
 
 import numpy as np
 
-from dalembert.analysis.contact.pattern import GapRows, Pattern, cross, pattern_rows, sector_of
+from dalembert.analysis.contact.pattern import GapRows, Pattern, pattern_rows, sector_of
+from dalembert.elements.planar.body import cross
 from dalembert.model.graph.contacts import Phase, Phases
 
 SAMPLES = 48

@@ -16,6 +16,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.planar.body import cross
 from dalembert.model.graph.contacts import Phase, Phases
 
 SECTORS = 16
@@ -182,11 +183,6 @@ class PatternImpulse:
         matrix = ca.mtimes(self.delassus, distribution)[zero, :]
         constant = (self.c + ca.mtimes(self.delassus, impulse))[zero]
         return impulse + ca.mtimes(distribution, ca.solve(ca.densify(matrix), -constant))
-
-
-def cross(a: Any, b: Any) -> Any:
-    """Cross product of two vectors in a plane."""
-    return a[0] * b[1] - a[1] * b[0]
 
 
 def sector_of(angle: float) -> int:

@@ -16,12 +16,11 @@ from dalembert.analysis.contact.guards import (
     HALVINGS,
     Guard,
     Guards,
-    cubic,
     first_zero,
-    minimum_of_cubic,
 )
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.pattern import ActiveSet
+from dalembert.analysis.cubics import cubic, minimum_of_cubic
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.transition import SIMULTANEOUS, StepReplacement
 from dalembert.analysis.events import locate

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-
 import casadi as ca
 import numpy as np
 import scipy
@@ -11,6 +9,7 @@ import scipy
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.formulations.base import Performance, state_symbols
 from dalembert.model.graph.equations import Equations
+from dalembert.sparse.factorise import general_factors
 
 
 def cost_and_error(kernel: DynamicsKernel) -> Performance:
@@ -47,16 +46,12 @@ def _accelerations(e: Equations, t: float, x: np.ndarray, p: np.ndarray) -> np.n
     scaled = scipy.sparse.csc_array(saddle.sparse())
     scaled = scipy.sparse.csc_array(scaled.multiply(1 / rows[:, None]).multiply(columns[None, :]))
     b = b.full().ravel() / rows
-    if not np.isfinite(scaled.data).all() or not np.isfinite(b).all():
+    try:
+        factors = general_factors(scaled)
+    except np.linalg.LinAlgError:
         return None
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", scipy.sparse.linalg.MatrixRankWarning)
-        try:
-            factor = scipy.sparse.linalg.splu(scaled)
-        except RuntimeError:  # exactly singular
-            return None
-        z = factor.solve(b)
-        z += factor.solve(b - scaled @ z)
+    z = factors.solve(b)
+    z += factors.solve(b - scaled @ z)
     accurate = np.isfinite(z).all() and np.linalg.norm(b - scaled @ z) <= 1e-10 * (
         np.linalg.norm(b) + np.linalg.norm(abs(scaled) @ np.abs(z))
     )

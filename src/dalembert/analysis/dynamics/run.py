@@ -26,9 +26,7 @@ from dalembert.analysis.timeline import (
     Pace,
     afford_states,
     check_driver_laws,
-    checked_span,
-    checked_step,
-    output_times,
+    run_times,
     step_count,
     uniform_grid,
 )
@@ -71,10 +69,8 @@ class DynamicsRun:
 
     def __init__(self, analysis: Any, model: Model, parameters):
         self.analysis, self.model = analysis, model
-        self.start, self.end = checked_span(analysis.duration, analysis.t_span)
+        self.start, self.end, self.step, self.requested = run_times(analysis)
         self.begin = self.start
-        self.step = checked_step(analysis.step, self.start, self.end)
-        self.requested = output_times(analysis.outputs, self.start, self.end)
         self._check_budget()
         self.p = model.values(parameters)
         model, self.closed_gaps = touching_model(model, self.p, self.start)

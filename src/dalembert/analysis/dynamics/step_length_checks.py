@@ -95,9 +95,8 @@ def _swings(model: Model, state: AssembledState, p: np.ndarray) -> tuple[list[st
 
 
 def _solved(matrix: ca.DM, rhs: np.ndarray) -> np.ndarray:
-    if rhs.shape[0] <= SMALL:
-        return np.linalg.solve(matrix.full(), rhs)
-    return general_factors(matrix.sparse()).solve(rhs)
+    dense = rhs.shape[0] <= SMALL
+    return general_factors(matrix.full() if dense else matrix.sparse()).solve(rhs)
 
 
 def _components(powers: Powers) -> Powers:

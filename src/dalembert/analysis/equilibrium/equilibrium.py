@@ -12,7 +12,7 @@ from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.equilibrium.mechanism_equilibrium import MechanismEquilibrium
 from dalembert.analysis.equilibrium.structure_equilibrium import StructureEquilibrium
 from dalembert.analysis.keywords import EquilibriumKeywords
-from dalembert.analysis.requirements import need_model, need_positive
+from dalembert.analysis.requirements import need_positive
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.model import StructuralModel
@@ -197,5 +197,4 @@ def solve_equilibrium(
     array([ 0.6, -0.8])
     """
     analysis = analysis_of(Equilibrium, "solve_equilibrium", model, parameters, **options)
-    need_model(model, "solve_equilibrium")
     return run_analysis(analysis, model, parameters, workers=workers)  # type: ignore[no-any-return]

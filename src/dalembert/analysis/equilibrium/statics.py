@@ -16,7 +16,6 @@ from dalembert.analysis.equilibrium.static_equations import (
     free_factors,
 )
 from dalembert.analysis.keywords import StaticsKeywords
-from dalembert.analysis.requirements import need_model
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import UnsupportedError
 from dalembert.model.assembled.evaluation.stiffness_solvers import (
@@ -74,6 +73,8 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
     """
 
     display_name = "linear statics"
+    kinds = ("structure",)
+    instead = "use solve_equilibrium"
     at_rest = True
 
     solver: str = "auto"
@@ -94,6 +95,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         SingularityError
             The structure can move without strain; names the nodes.
         """
+        self.for_model(model)
         timing, exact = Timing(), model
         model = model.linearized
         p = model.values(parameters)
@@ -238,5 +240,4 @@ def solve_statics(
     """
     kind: type[Analysis] = Equilibrium if nonlinear or isinstance(model, Model) else Statics
     analysis = analysis_of(kind, "solve_statics", model, parameters, **options)
-    need_model(model, "solve_statics")
     return run_analysis(analysis, model, parameters, workers=workers)  # type: ignore[no-any-return]

@@ -7,7 +7,6 @@ from typing import Any, Unpack, overload
 
 from dalembert.analysis.keywords import ModalKeywords
 from dalembert.analysis.modes.modal import Modal
-from dalembert.analysis.requirements import need_model
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.model import StructuralModel
@@ -23,7 +22,6 @@ from dalembert.text.arguments import check_arguments
 def _modes(verb: str, model: Any, about: Any, parameters: Any, options: Any) -> Any:
     """Modes of a model, from the arguments of a function."""
     analysis = analysis_of(Modal, verb, model, parameters, about=about, **options)
-    need_model(model, verb)
     if about is not None and parameters:
         names = ", ".join(parameters)
         raise AnalysisError(f"{verb}: {names} cannot be given with about=, which has its own")

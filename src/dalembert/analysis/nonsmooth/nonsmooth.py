@@ -54,6 +54,8 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     """
 
     display_name = "dynamics with contacts"
+    kinds = ("mechanism",)
+    instead = "use solve_dynamics"
     integrates = True
     executions = {"mechanism": NonsmoothRun}
 

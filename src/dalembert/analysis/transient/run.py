@@ -12,9 +12,7 @@ from dalembert.analysis.kinematics.branches import Branches, outputs_of
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
     afford_states,
-    checked_span,
-    checked_step,
-    output_times,
+    run_times,
     step_count,
     uniform_grid,
 )
@@ -77,14 +75,12 @@ class TransientRun:
     def execute(self, progress: Any = False) -> StructuralMotion:
         """Integrate and evaluate the outputs."""
         a, timing = self.analysis, Timing()
-        start, end = checked_span(a.duration, a.t_span)
-        step, n = checked_step(a.step, start, end), len(self.model.degrees)
+        (start, end, step, requested), n = run_times(a), len(self.model.degrees)
         count = step_count(start, end, step)
         cure = "use a longer step or a shorter run"
         check_budget(f"{count} steps of a structure", rounds=ROUNDS * count, cure=cure)
         afford_states(count, 4 * n)
         times = uniform_grid(start, end, step)
-        requested = output_times(a.outputs, start, end)
         afford_states(times.size if requested is None else requested.size, 8 * n)
         model = self.model if a.nonlinear else self.model.linearized
         march = March(a, model, self.p, start)

@@ -14,15 +14,7 @@ MIN_FRAMES = 61
 CHANGING = {
     "mechanism": ("time", "scene", "series", "events"),
     "spatial": ("time", "scene", "series", "events"),
-    "structure": (
-        "drawing",
-        "vertex_displacements",
-        "scales",
-        "displacements",
-        "fields",
-        "loads",
-        "reactions",
-    ),
+    "structure": ("states", "scene", "displacements", "reactions"),
 }
 """Kind of page → keys that depend on the design."""
 

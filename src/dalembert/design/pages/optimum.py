@@ -37,13 +37,10 @@ def optimum_page(optimum: OptimizationResult, **first_view: Any) -> dict[str, An
     if units:
         page["verdict"]["text"] = _sentence(page["optimum"])
     first = optimum.initial.page() if optimum.initial.has_page else {}
-    if "scene" in page and page.get("time"):
+    if page.get("kind") == "structure" and first:
+        page["scene"]["ghosts"] = [{"mesh": first["scene"]["mesh"]}]
+    elif "scene" in page and page.get("time"):
         page["scene"]["ghosts"] = _ghosts(first, np.array(page["time"]))
-    elif page.get("kind") == "structure" and first:
-        page["ghost"] = {
-            "drawing": first["drawing"],
-            "vertex_displacements": first["vertex_displacements"],
-        }
     return page
 
 

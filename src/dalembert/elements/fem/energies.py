@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import ClassVar
 
 import casadi as ca
+import numpy as np
 
 from dalembert.elements.base import Element
+from dalembert.elements.look import Bars, Beams, Cells, Dots, Faces, SolidFaces
 
 Rows = tuple[tuple[float, ...], ...]
 Named = dict[str, tuple[ca.SX, str]]
@@ -44,6 +46,20 @@ class Energies(Element):
     """Values of ``q["at"]`` over which ``kinetic`` is summed."""
     stations: ClassVar[dict[str, tuple[float, ...]]] = {"": ()}
     """Suffix of the names of measures → value of ``q["at"]`` at which they are evaluated."""
+
+    @classmethod
+    def look_of(cls, nodes: np.ndarray, elements: np.ndarray) -> list[Cells]:
+        """Primitives of the elements of a structure.
+
+        Parameters
+        ----------
+        nodes : (m, node_count) numbers of their nodes
+        elements : (m,) their numbers
+        """
+        rings = cls.outlines()
+        kinds: dict[int, type[Cells]] = {1: Dots, 2: Beams if cls.turns else Bars}
+        kind = kinds.get(cls.node_count, Faces if len(rings) == 1 else SolidFaces)
+        return [kind(nodes[:, list(ring)], elements) for ring in rings]
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:

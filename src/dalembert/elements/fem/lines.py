@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.energies import Named
 from dalembert.elements.fem.nodal import Nodal
+from dalembert.elements.look import Cells, Coils
 from dalembert.errors import ModelError
 
 
@@ -84,6 +86,10 @@ class AxialSpring(Line):
     """
 
     stiffness: Scalar = quantity("N/m", "stiffness", above=0.0, keyword=True)
+
+    @classmethod
+    def look_of(cls, nodes: np.ndarray, elements: np.ndarray) -> list[Cells]:
+        return [Coils(nodes, elements)]
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:

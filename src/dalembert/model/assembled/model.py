@@ -10,7 +10,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.base import Look
 from dalembert.elements.flexible.shapes import FloatingShapes
+from dalembert.elements.look import Support
 from dalembert.errors import ModelError
 from dalembert.model.assembled.evaluation.assembly import Assembly
 from dalembert.model.assembled.evaluation.block import ElementBlock
@@ -209,6 +211,17 @@ class StructuralModel(ParametricModel):
         return FollowingShapes(self, interface, modes, up_to, frame, second_order, parameters)
 
     # access ---------------------------------------------------------------------------------
+    def look(self) -> list[Look]:
+        """Primitives of its elements, numbered block by block, and of its supports."""
+        looks: list[Look] = []
+        first = 0
+        for block in self.blocks:
+            elements = first + np.arange(block.count)
+            looks += block.kind.cls.look_of(block.nodes.T, elements)
+            first += block.count
+        numbers = ((self.degrees.nodes.number(node), key) for node, key in self.supports)
+        return looks + [Support(node, key) for node, key in numbers if node is not None]
+
     @cached_property
     def names(self) -> Names:
         return Names(self._find, self._all_names)

@@ -1,6 +1,7 @@
 // Frame of every page: subtitle, tools, footer, theme, printing.
 
-/** @import { Child, Scene } from "./types.d.ts" */
+/** @import { Child } from "./types.d.ts" */
+/** @import { Scene } from "./scene.js" */
 /** @import { Board } from "./plot_board.js" */
 /** @import { Player } from "./player.js" */
 

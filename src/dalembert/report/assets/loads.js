@@ -1,6 +1,7 @@
 // Arrows of loads in drawings: kinds, lengths and texts.
 
-/** @import { LoadedScene, LoadKind } from "./types.d.ts" */
+/** @import { LoadKind } from "./types.d.ts" */
+/** @import { Scene } from "./scene.js" */
 
 import { el, menu } from "./dom.js";
 import { number } from "./numbers.js";
@@ -27,7 +28,7 @@ export const newSizes = () => /** @type {Record<LoadKind, number>} */ (Object.fr
 /** @param {LoadKind} kind @param {number} value */
 export const loadText = (kind, value) => inUnits([value], LOADS[kind].unit.replace("·", " "), { digits: 3 });
 
-/** Menu with a slider for each kind of arrow of a drawing. @param {LoadedScene} scene */
+/** Menu with a slider for each kind of arrow of a drawing. @param {Scene} scene */
 export function arrowMenu(scene) {
   const kinds = KINDS.filter((kind) => scene.greatest[kind] > 0);
   if (!kinds.length) return null;

@@ -1,153 +1,191 @@
-// A motion in the plane: poses of bodies, and what they carry.
+// Scene of a page over time: bodies, primitives between them, the mesh of a structure.
 
-class Motion extends Timeline {
-  constructor(payload) {
-    super(payload);
-    const scene = payload.scene || {};
-    this.setBodies(scene.bodies, (body) => ({
-      x: floats(body.x, this.n), y: floats(body.y, this.n), a: floats(body.angle, this.n), shapes: readShapes(body.shapes),
-    }));
-    this.ground.shapes = readShapes((scene.ground || {}).shapes);
-    this.gravity = scene.gravity && Math.hypot(...xy(scene.gravity)) > 0 ? xy(scene.gravity) : null;
+/** @import { Column, Cursor, Payload, Point, TracedPoint } from "./types.d.ts" */
+/** @import { BodyData, End, EndData, Gap, Ghost, Item, ItemData, Link, Part, Shape, Structure, Wheel } from "./scene_types.d.ts" */
 
-    this.joints = list(scene.joints).filter((j) => this.has(j.body)).map((j) => ({
-      ...this.told(j), body: this.find(j.body), point: xy(j.point), grounded: Boolean(j.grounded), on: this.byName.get(String(j.on)) || null,
-      mesh: this.wheels(j.mesh), internal: Boolean(j.internal),
-      fx: j.force_x ? floats(j.force_x, this.n) : null,
-      fy: j.force_y ? floats(j.force_y, this.n) : null,
-      m: j.moment ? floats(j.moment, this.n) : null,
-    }));
-    this.links = list(scene.links).filter((l) => l.i && l.j && this.has(l.i.body) && this.has(l.j.body)).map((l) => ({
-      ...this.told(l),
-      i: { body: this.find(l.i.body), point: xy(l.i.point) },
-      j: { body: this.find(l.j.body), point: xy(l.j.point) },
-    }));
-    this.symbols = list(scene.symbols).filter((s) => s.body === undefined || this.has(s.body)).map((s) => ({
-      ...this.told(s), body: s.body === undefined ? null : this.find(s.body), point: xy(s.point),
-      i: this.find(s.i), j: this.find(s.j), on: this.find(s.on), axis: xy(s.axis),
-      wheels: this.wheels(s.wheels), crossed: Boolean(s.crossed),
-      x: floats(s.x, this.n), y: floats(s.y, this.n), nx: floats(s.normal_x, this.n), ny: floats(s.normal_y, this.n),
-      fx: s.force_x ? floats(s.force_x, this.n) : null, fy: s.force_y ? floats(s.force_y, this.n) : null,
-      m: s.moment ? floats(s.moment, this.n) : null,
-    }));
-    this.points = list(scene.points).filter((p) => this.has(p.body)).map((p, index) => ({
-      name: String(p.name ?? ""), body: this.find(p.body), point: xy(p.point), index, traced: false,
-    }));
-    // Another motion behind this one; of a mechanism that does not close, where its parts were given.
-    this.ghosts = list(scene.ghosts).map((ghost) => ({
-      x: steady(ghost.x, this.n), y: steady(ghost.y, this.n), a: steady(ghost.angle, this.n), shapes: readShapes(ghost.shapes),
-    }));
-    this.gaps = list(scene.gaps).map((gap) => ({ from: xy(gap.from), to: xy(gap.to), text: String(gap.text ?? "") }));
-    this.still = { x: 0, y: 0, c: 1, s: 0, a: 0 };
+import { TAU, clock, floats, list, steady } from "./numbers.js";
+import { Signal } from "./theme.js";
+import { Timeline } from "./timeline.js";
+
+/** Period in which a structure swings in one of its states [s]. */
+const SWING = 2.4;
+
+/** Base class of planar and spatial scenes, whose methods read and place points. */
+export class Motion extends Timeline {
+  /** @param {Payload} payload @param {Structure | null} structure parts of pages of structures */
+  constructor(payload, structure = null) {
+    const { scene = {}, states } = payload;
+    super(states ? { ...payload, time: states.times } : payload);
+    /** Signal of another state, field or scale of a structure. @type {Signal} */
+    this.onState = new Signal();
+    this.states = { kind: String(states?.kind ?? ""), names: list(states?.names).map(String), relative: Boolean(states?.relative) };
+    /** Whether a structure swings in the chosen one of its states. */
+    this.swings = Boolean(states) && this.n < 2;
+    this.chosen = 0;
+    if (this.swings) Object.assign(this, { n: this.states.names.length, start: 0, end: SWING, span: SWING, moves: true, cursor: { i: 0, f: 0 } });
+    /** Share of the displacements in a swing. */
+    this.share = 1;
+
+    const column = (/** @type {unknown} */ values) => floats(/** @type {Column} */ (values), this.n);
+    this.setBodies(list(scene.bodies), (/** @type {BodyData} */ body) => this.readBody(body, column));
+    this.ground.shapes = this.readShapes(scene.ground?.shapes);
+    const gravity = scene.gravity ? this.point(scene.gravity) : null;
+    this.gravity = gravity && Math.hypot(...gravity) > 0 ? gravity : null;
+    const known = (/** @type {EndData} */ { body }) => this.has(body ?? "ground");
+    /** @type {Item[]} */
+    this.joints = list(scene.joints).filter(known).map((item) => this.readItem(item));
+    /** @type {Item[]} */
+    this.symbols = list(scene.symbols).filter(known).map((item) => this.readItem(item));
+    /** @type {Link[]} */
+    this.links = list(scene.links).filter(({ i, j }) => i && j && known(i) && known(j)).map((link) => ({ ...this.header(link), i: this.readEnd(link.i), j: this.readEnd(link.j), rest: 0, offset: 0 }));
+    /** @type {TracedPoint[]} */
+    this.points = list(scene.points).filter(known).map((item, index) => ({ name: String(item.name ?? ""), ...this.readEnd(item), index, traced: false, names: [], way: [], length: 0 }));
+    /** Bodies of another design or run, or of the initial guess. @type {Ghost[]} */
+    this.ghosts = list(scene.ghosts).filter(({ mesh }) => !mesh).map((ghost) => this.readBody(ghost, (values) => steady(/** @type {Column} */ (values), this.n)));
+    /** @type {Gap[]} */
+    this.gaps = list(scene.gaps).map(({ from, to, text }) => ({ from: this.point(from), to: this.point(to), text: String(text ?? "") }));
+    this.mesh = scene.mesh && structure ? new structure.Mesh(scene.mesh, payload, list(scene.fields)) : null;
+    const other = list(scene.ghosts).find(({ mesh }) => mesh)?.mesh;
+    /** Mesh of another design or run. */
+    this.otherMesh = other && structure ? new structure.Mesh(other, { states: payload.states }, []) : null;
+    /** Reactions of the supports of a structure. @type {Item[]} */
+    this.reactions = (this.mesh?.reactionItems() ?? []).map((item) => this.readItem(item));
   }
 
-  wheels(given) {
-    return list(given).filter((w) => this.has(w.body)).map((w) => ({ body: this.find(w.body), point: xy(w.point), radius: Math.abs(w.radius) || 0 }));
-  }
-  pose(body, cursor = this.cursor) {
-    if (body.fixed) return this.still;
-    const x = this.sample(body.x, cursor), y = this.sample(body.y, cursor), a = this.sample(body.a, cursor);
-    if (x !== x || y !== y || a !== a) return null;
-    return { x, y, a, c: Math.cos(a), s: Math.sin(a) };
+  // Reading ------------------------------------------------------------------------------------
+
+  /** @returns {2 | 3} */
+  get dimension() { return 2; }
+
+  /** Names of the axes of vectors in the payload. */
+  get axes() { return ["x", "y", "z"].slice(0, this.dimension); }
+
+  /** @param {unknown} value @returns {Point} */
+  point(value) { throw new Error(`a point ${value} is read in the plane or in space`); }
+
+  /** @param {Partial<Shape>[] | undefined} shapes @returns {Shape[]} */
+  readShapes(shapes) { return /** @type {Shape[]} */ (list(shapes)); }
+
+  /** Columns of the pose of a body, and its shapes. @param {BodyData} body @param {(values: unknown) => Float64Array} column @returns {Ghost} */
+  readBody(body, column) { return { shapes: this.readShapes(body.shapes), column }; }
+
+  /** @param {{ name?: string, description?: string, symbol?: string }} item */
+  header({ name = "", description, symbol = "" }) { return { name: String(name), description: String(description ?? symbol), symbol: String(symbol) }; }
+
+  /** @param {EndData} end @returns {End} */
+  readEnd({ body = "ground", point, axis }) { return { body: this.find(body), point: this.point(point), axis: axis ? this.point(axis) : null }; }
+
+  /** @param {EndData[] | undefined} ends @returns {Wheel[]} */
+  readWheels(ends) { return list(ends).filter(({ body = "ground" }) => this.has(body)).map((end) => ({ ...this.readEnd(end), radius: Math.abs(end.radius ?? 0) })); }
+
+  /** Columns of a vector, `name_x` …, or of a planar moment, `name`. @param {ItemData} item @param {string} name */
+  readVector(item, name) {
+    const names = item[`${name}_x`] ? this.axes.map((axis) => `${name}_${axis}`) : item[name] ? [name] : null;
+    return names && names.map((key) => floats(/** @type {Column} */ (item[key]), this.n));
   }
 
-  // World position of a point of a body, or null where the body has no pose.
+  /** @param {ItemData} item @returns {Item} */
+  readItem(item) {
+    const { base, on, i, j, internal, crossed, node, grounded, roller, clamp } = item;
+    return {
+      ...this.header(item), ...this.readEnd(item), base: base ? this.readEnd(base) : null, on: this.byName.get(String(on)) ?? null,
+      i: this.find(String(i)), j: this.find(String(j)), mesh: this.readWheels(item.mesh), wheels: this.readWheels(item.wheels),
+      grounded: Boolean(grounded), internal: Boolean(internal), crossed: Boolean(crossed), roller: Boolean(roller), clamp: Boolean(clamp),
+      force: this.readVector(item, "force"), moment: this.readVector(item, "moment"), at: this.readVector(item, "at"), normal: this.readVector(item, "normal"),
+      node: node ?? null, nodes: list(item.nodes), inward: item.inward ? floats(item.inward, this.n) : null,
+    };
+  }
+
+  /** Show another design. @param {Motion} next */
+  replace(next) {
+    const { onState, mesh, chosen } = this;
+    Object.assign(this, next, { onState, chosen: Math.min(chosen, next.states.names.length - 1) });
+    if (mesh) this.mesh?.adopt(mesh);
+    this.choose(this.chosen);
+  }
+
+  // Time ---------------------------------------------------------------------------------------
+
+  /** Time at rest: the first instant; of a swing, the largest displacement. */
+  get home() { return this.swings ? this.span / 4 : this.start; }
+
+  /** @override @param {number} t */
+  setTime(t) {
+    const { state } = this;
+    this.now = t;
+    this.cursor = this.swings ? { i: this.chosen, f: 0 } : this.locate(t);
+    this.share = this.swings ? Math.sin((TAU * t) / this.span) : 1;
+    if (this.mesh && this.state !== state) this.onState.emit();
+  }
+
+  /** The present time, or the name of the present state. @param {number} t */
+  timeText(t) { return this.states.kind && this.states.kind !== "instant" ? this.states.names[this.state] : `${clock(t, this.span)} s`; }
+
+  /** Number of the present state. */
+  get state() { return this.cursor.i + (this.cursor.f >= 0.5 ? 1 : 0); }
+
+  /** @param {number} state */
+  choose(state) {
+    this.chosen = state;
+    if (this.swings) this.cursor = { i: state, f: 0 };
+    this.onState.emit();
+  }
+
+  /** Values of columns. @param {Float64Array[] | null} columns */
+  vectorOf(columns, cursor = this.cursor) { return columns ? columns.map((column) => this.sample(column, cursor)) : null; }
+
+  // Positions ------------------------------------------------------------------------------------
+
+  /** Pose of a body; null where it has none. @param {Part | Ghost} body @param {Cursor} cursor @returns {any} */
+  pose(body, cursor = this.cursor) { return null; }
+
+  /** Position of a point in a pose. @param {any} pose @param {Point} point @returns {Point} */
+  placed(pose, point) { return point; }
+
+  /** A direction in the axes of a body. @param {Part} body @param {number[]} direction @param {Cursor} cursor */
+  turnedBack(body, direction, cursor) { return direction; }
+
+  /** Position of a point of a body. @override @param {Part} body @param {Point} point @param {Cursor} cursor @returns {Point | null} */
   at(body, point, cursor = this.cursor) {
     const pose = this.pose(body, cursor);
-    return pose && toWorld(pose, point);
+    return pose && this.placed(pose, point);
   }
 
-  // The box which the motion fills at some instants.
-  envelope(frames = this.frames(240)) {
-    const box = { x0: Infinity, x1: -Infinity, y0: Infinity, y1: -Infinity };
-    const grow = ([x, y]) => {
-      box.x0 = Math.min(box.x0, x); box.x1 = Math.max(box.x1, x);
-      box.y0 = Math.min(box.y0, y); box.y1 = Math.max(box.y1, y);
+  /** Position of a joint, symbol or load. @param {Item} item @returns {Point | null} */
+  placeOf({ node, at, body, point }) {
+    if (node !== null) return this.mesh?.placeOf(node, this.dimension) ?? null;
+    const place = at ? /** @type {Point} */ (this.vectorOf(at)) : this.at(body, point);
+    return place && place.every(Number.isFinite) ? place : null;
+  }
+
+  /** Name and text of the rotation of a body. @param {Part} body @returns {[string, string]} */
+  rotationRow(body) { return ["", body.name]; }
+
+  /** Points that bound a shape, in the axes of its body. @param {Shape} shape @returns {Point[]} */
+  outline(shape) { return shape.points; }
+
+  /** Points that the scene occupies at some instants; the ground is left out for a single one. */
+  cloud(frames = this.frames(120)) {
+    const all = frames.length !== 1, { ground, bodies, joints, symbols, points, links } = this;
+    /** @type {Map<Part, Point[]>} */
+    const marks = new Map([ground, ...bodies].map((body) => [body, body.shapes.flatMap((shape) => this.outline(shape))]));
+    const items = [...joints, ...symbols].filter(({ at, node, nodes }) => !at && node === null && !nodes.length);
+    for (const { body, point } of [...items, ...points, ...links.flatMap(({ i, j }) => [i, j])]) marks.get(body)?.push(point);
+    for (const { body, point, radius } of [...joints, ...symbols].flatMap(({ wheels }) => wheels)) {
+      for (const axis of point.keys()) for (const side of [-radius, radius]) marks.get(body)?.push(/** @type {Point} */ (point.map((v, k) => (k === axis ? v + side : v))));
+    }
+    for (const body of bodies) if (!marks.get(body)?.length) marks.set(body, [this.point(null)]);
+    const places = all ? [...marks.get(ground) ?? [], ...this.gaps.flatMap(({ from, to }) => [from, to])] : [];
+    const occupy = (/** @type {Part | Ghost} */ body, /** @type {Cursor} */ cursor, /** @type {Point[]} */ outline) => {
+      const pose = this.pose(body, cursor);
+      if (pose) for (const point of outline) places.push(this.placed(pose, point));
     };
-    const all = frames.length !== 1;  // the ground is no part of what travels
-    for (const shape of all ? this.ground.shapes : []) outline(shape).forEach(grow);
-    for (const joint of all ? this.joints : []) if (joint.body.fixed) grow(joint.point);
-    for (const link of all ? this.links : []) for (const end of [link.i, link.j]) if (end.body.fixed) grow(end.point);
-    const marks = new Map(this.bodies.map((b) => [b, [[0, 0], ...b.shapes.flatMap(outline)]]));
-    for (const b of this.bodies) if (b.shapes.length) marks.get(b).shift();
-    for (const p of [...this.points, ...this.joints]) marks.get(p.body)?.push(p.point);
-    for (const { wheels } of this.symbols) for (const { body, point, radius } of wheels) {
-      for (const [u, v] of [[1, 0], [0, 1], [-1, 0], [0, -1]]) (body.fixed ? { push: (p) => all && grow(p) } : marks.get(body)).push([point[0] + u * radius, point[1] + v * radius]);
+    for (const cursor of frames) for (const body of bodies) occupy(body, cursor, marks.get(body) ?? []);
+    for (const ghost of all ? this.ghosts : []) {
+      const outline = ghost.shapes.flatMap((shape) => this.outline(shape));
+      for (const cursor of this.frames(30)) occupy(ghost, cursor, outline);
     }
-    for (const cursor of frames) {
-      for (const [body, points] of marks) {
-        const pose = this.pose(body, cursor);
-        if (pose) for (const p of points) grow(toWorld(pose, p));
-      }
-    }
-    for (const cursor of all && this.ghosts.length ? this.frames(60) : []) for (const ghost of this.ghosts) {
-      const pose = this.pose(ghost, cursor);
-      if (pose) for (const p of ghost.shapes.flatMap(outline)) grow(toWorld(pose, p));
-    }
-    for (const gap of this.gaps) { grow(gap.from); grow(gap.to); }
-    if (!(box.x0 <= box.x1)) return { x0: -0.5, x1: 0.5, y0: -0.5, y1: 0.5 };
-    const size = Math.max(box.x1 - box.x0, box.y1 - box.y0) || 1;
-    const least = 0.1 * size;
-    for (const [lo, hi] of [["x0", "x1"], ["y0", "y1"]]) {
-      const lack = least - (box[hi] - box[lo]);
-      if (lack > 0) { box[lo] -= lack / 2; box[hi] += lack / 2; }
-    }
-    return box;
+    if (this.mesh) places.push(...this.mesh.cloud(this.swings ? [this.cursor] : frames, this.dimension));
+    return places.length ? places : [this.point(null)];
   }
-}
-
-const toWorld = (pose, [x, y]) => [pose.x + pose.c * x - pose.s * y, pose.y + pose.s * x + pose.c * y];
-const toBody = (pose, [x, y]) => {
-  const dx = x - pose.x, dy = y - pose.y;
-  return [pose.c * dx + pose.s * dy, -pose.s * dx + pose.c * dy];
-};
-
-function readShapes(shapes) {
-  return list(shapes).map((shape) => {
-    const kind = String(shape.kind);
-    const points = list(shape.points).map(xy);
-    if (kind === "polygon" && points.length) return { kind, points: untangle(points) };
-    if (kind === "curve" && points.length) return { kind, points, closed: Boolean(shape.closed) };
-    if (kind === "bar" || kind === "line") return { kind, from: xy(shape.from), to: xy(shape.to) };
-    if (kind === "disc") return { kind, center: xy(shape.center), radius: Math.abs(shape.radius) || 0 };
-    if (kind === "particle") return { kind, center: xy(shape.center) };
-    if (kind === "block") {
-      return { kind, center: xy(shape.center), width: Math.abs(shape.width) || 0, height: Math.abs(shape.height) || 0, angle: +shape.angle || 0 };
-    }
-    return null;
-  }).filter(Boolean);
-}
-
-function corners({ center, width, height, angle }) {
-  const pose = { x: center[0], y: center[1], c: Math.cos(angle), s: Math.sin(angle) };
-  return [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([u, v]) => toWorld(pose, [(u * width) / 2, (v * height) / 2]));
-}
-
-// A few points which bound a shape.
-function outline(shape) {
-  switch (shape.kind) {
-    case "bar": case "line": return [shape.from, shape.to];
-    case "disc": return Array.from({ length: 12 }, (_, k) => [
-      shape.center[0] + shape.radius * Math.cos((k * TAU) / 12), shape.center[1] + shape.radius * Math.sin((k * TAU) / 12)]);
-    case "block": return corners(shape);
-    case "particle": return [shape.center];
-    default: {
-      const stride = Math.max(1, Math.floor(shape.points.length / 40));
-      return shape.points.filter((_, i) => i % stride === 0);
-    }
-  }
-}
-
-// A plate whose edges cross each other is drawn as the hull of its points.
-function untangle(points) {
-  const n = points.length;
-  if (n < 4 || n > 60) return points;
-  for (let i = 0; i < n; i++) {
-    for (let j = i + 2; j < n; j++) {
-      if (i === 0 && j === n - 1) continue;
-      const [a, b, c, d] = [points[i], points[i + 1], points[j], points[(j + 1) % n]];
-      if (cross(a, b, c) * cross(a, b, d) < 0 && cross(c, d, a) * cross(c, d, b) < 0) return hull(points);
-    }
-  }
-  return points;
 }

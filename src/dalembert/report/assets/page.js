@@ -1,7 +1,8 @@
-// Page of a mechanism: drawing, player, plots, cards.
+// Page of a mechanism or a structure: drawing, player, plots or tables, cards.
 
-/** @import { MechanismScene, Payload } from "./types.d.ts" */
-/** @import { Timeline } from "./timeline.js" */
+/** @import { Child } from "./types.d.ts" */
+/** @import { Dimension } from "./scene_types.d.ts" */
+/** @import { Motion } from "./motion.js" */
 
 import { buildColumns, choice, viewPanels } from "./cards.js";
 import { byId, el, toggleButton } from "./dom.js";
@@ -13,33 +14,35 @@ import { payload } from "./payload.js";
 import { Picker } from "./picker.js";
 import { Player, bindKeys, buildPlayer } from "./player.js";
 import { Board } from "./plot_board.js";
+import { Scene } from "./scene.js";
 import { shareMenu } from "./share.js";
 import { Theme } from "./theme.js";
 import { preferUnits } from "./units.js";
 
-/** Build the page, with the reader of motions, the drawing and its tools of the plane or of space.
- * @template {Timeline} M
- * @param {(data: Payload) => M} readMotion
- * @param {(motion: M) => MechanismScene} drawScene
- * @param {(scene: MechanismScene, toolbar: HTMLElement) => void} [buildTools] */
-export function buildPage(readMotion, drawScene, buildTools = () => {}) {
+/** Build the page with the view of a dimension, and the tools that only that view has.
+ * @param {Dimension} dimension @param {(scene: Scene, toolbar: HTMLElement) => void} [buildTools] */
+export function buildPage(dimension, buildTools = () => {}) {
   Theme.read();
   preferUnits(payload.units);
-  const motion = readMotion(payload), scene = drawScene(motion), player = new Player(motion);
+  const motion = new dimension.Motion(payload, dimension.structure), { mesh } = motion, scene = new Scene(motion, /** @type {HTMLCanvasElement} */ (byId("scene")), byId("tip"), dimension), player = new Player(motion);
   const picker = new Picker(/** @type {HTMLDialogElement} */ (byId("picker")), motion);
   const board = motion.moves && motion.series.length ? new Board(byId("board"), motion, player, picker) : null;
   player.onTime.on((t) => { motion.setTime(t); scene.invalidate(); });
+  player.onState.on(() => { if (motion.swings && !player.playing) player.seek(motion.home); });
 
   const toggles = el("div", { class: "chips" }, shownParts(motion, scene));
   byId("toolbar").append(toggles);
   buildTools(scene, toggles);
   toggles.append(arrowMenu(scene) ?? "", followChooser(motion, scene) ?? "");
   if (motion.points.length && motion.moves) byId("toolbar").append(traceChips(motion, scene));
-  byId("scene").setAttribute("aria-label", `Drawing of ${motion.title}: ${motion.bodies.length} bodies, ${motion.joints.length} joints. ${scene.hint}`);
-  buildZoom(scene, "Fit the whole motion (F)");
+  const parts = mesh ? `${mesh.nodes.length} nodes, ${mesh.elements.length} elements` : `${motion.bodies.length} bodies, ${motion.joints.length} joints`;
+  byId("scene").setAttribute("aria-label", `Drawing of ${motion.title}: ${parts}. ${scene.hint}`);
+  buildZoom(scene, "Fit (F)");
+  /** @type {[string, string][]} */
+  const keys = motion.swings ? [["Space", "animate"], ...(motion.n > 1 ? /** @type {[string, string][]} */ ([["← →", "state"]]) : [])] : motion.moves ? [["Space", "play"], ["← →", "step"]] : [];
   buildFrame({
     units: "Values without a unit are in SI units.", tools: [shareMenu(scene, motion.title, player)], scene, board, player,
-    keys: [...(motion.moves ? /** @type {[string, string][]} */ ([["Space", "play"], ["← →", "step"]]) : []), ["F", "fit"], ["+ −", "zoom"]],
+    keys: [...keys, ["F", "fit"], ["+ −", "zoom"]],
   });
   Theme.listeners.on(() => { for (const point of motion.points) point.swatch?.style.setProperty("--c", scene.pointColour(point)); });
 
@@ -47,34 +50,38 @@ export function buildPage(readMotion, drawScene, buildTools = () => {}) {
   const beside = viewPanels(true);
   if (beside.length) byId("board").prepend(el("div", { class: "beside" }, beside));
   board?.addDefault(payload.default_plots);
-  if (!board && !list(payload.views).some((view) => view.place === "board")) {
+  if (motion.moves) buildPlayer(byId("player"), player);
+  if (mesh) dimension.structure?.build(motion, mesh);
+  else if (!board && !list(payload.views).some((view) => view.place === "board")) {
     byId("board").hidden = true;
     document.body.classList.add("single");
   }
-  if (motion.moves) buildPlayer(byId("player"), player);
   bindKeys(player, scene);
-  choice?.onChoose.on((k) => showDesign(k, motion, scene, board, readMotion, player));
+  choice?.onChoose.on((k) => showDesign(k, motion, scene, board, dimension, player));
   Theme.set(Theme.name);
-  player.seek(motion.start);
+  player.seek(motion.home);
+  scene.fit();
   Object.assign(window, { dalembert: { player, motion, scene, board, choice } });
-  if (motion.moves && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
+  if (motion.moves && !motion.swings && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
 }
 
-/** Buttons that show and hide parts of the drawing. @param {Timeline} motion @param {MechanismScene} scene */
+/** Buttons that show and hide parts of the drawing. @param {Motion} motion @param {Scene} scene @returns {Child} */
 function shownParts(motion, scene) {
   const show = (/** @type {string} */ key) => (/** @type {boolean} */ on) => { scene.show[key] = on; scene.invalidate(); };
-  const ghost = payload.ghost_name || (payload.optimum && "First design") || (motion.other && "Other run");
+  const ghost = payload.ghost_name || (payload.optimum && "First design") || (motion.other && (motion.mesh ? `Other run: ${motion.other}` : "Other run")), { mesh } = motion;
   const swatch = el("i", { class: "swatch" });
-  swatch.style.setProperty("--c", "var(--force)");
+  swatch.style.setProperty("--c", mesh ? "var(--accent)" : "var(--force)");
   return [
-    ghost && motion.ghosts.length > 0 && toggleButton(ghost, true, show("ghosts"), { id: "ghosts" }),
-    scene.loaded.length > 0 && toggleButton([swatch, "Reactions"], false, show("forces"), { id: "reactions", title: "Reaction forces and moments at the joints" }),
-    toggleButton("Labels", scene.show.labels, show("labels"), { id: "labels" }),
-    toggleButton("Grid", true, show("grid"), { id: "grid" }),
+    ghost && (motion.ghosts.length > 0 || motion.otherMesh !== null) && toggleButton(ghost, true, show("ghosts"), { id: "ghosts" }),
+    scene.structure?.toggles(motion, scene, show),
+    scene.applied.length > 0 && toggleButton("Loads", true, show("loads"), { id: "loads", title: "Applied forces and moments" }),
+    scene.loaded.length > 0 && toggleButton([swatch, "Reactions"], false, show("forces"), { id: "reactions", title: `Reaction forces and moments at the ${mesh ? "supports" : "joints"}` }),
+    toggleButton(mesh ? "Names" : "Labels", scene.show.labels, show("labels"), { id: "labels" }),
+    toggleButton("Grid", scene.show.grid, show("grid"), { id: "grid" }),
   ];
 }
 
-/** Buttons of the traced points. @param {Timeline} motion @param {MechanismScene} scene */
+/** Buttons of the traced points. @param {Motion} motion @param {Scene} scene */
 function traceChips(motion, scene) {
   const chips = motion.spots.map((point) => {
     const swatch = el("i", { class: "swatch" }), text = point.names.slice(0, 2).join(" = ") + (point.names.length > 2 ? " …" : "");
@@ -84,7 +91,7 @@ function traceChips(motion, scene) {
   return el("div", { class: "chips traces", role: "group", "aria-label": "Traced points" }, el("span", { class: "caption" }, "Trace"), chips);
 }
 
-/** Choice of the body that the view follows. @param {Timeline} motion @param {MechanismScene} scene */
+/** Choice of the body that the view follows. @param {Motion} motion @param {Scene} scene */
 function followChooser(motion, scene) {
   const bodies = motion.bodies.filter((body) => !body.of && !body.node);
   if (!motion.moves || !bodies.length) return null;
@@ -94,17 +101,14 @@ function followChooser(motion, scene) {
   return el("label", { class: "chooser" }, el("span", { class: "caption" }, "Follow"), select);
 }
 
-/** Show another design: at once in the plane, by loading the page again in space.
- * @template {Timeline} M
- * @param {number} k @param {M} motion @param {MechanismScene} scene @param {Board | null} board @param {(data: Payload) => M} readMotion @param {Player} player */
-function showDesign(k, motion, scene, board, readMotion, player) {
+/** Show another design. @param {number} k @param {Motion} motion @param {Scene} scene @param {Board | null} board @param {Dimension} dimension @param {Player} player */
+function showDesign(k, motion, scene, board, dimension, player) {
   const design = choice?.alternatives[k];
   if (!design?.scene) return;
   history.replaceState(null, "", `#design=${k}`);
-  if (!scene.renew) { location.reload(); return; }
-  const next = readMotion({ ...payload, ...design }), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name)), { now } = motion;
+  const next = new dimension.Motion({ ...payload, ...design }, dimension.structure), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name)), { now } = motion;
   for (const point of next.points) point.swatch = motion.points.find(({ name }) => name === point.name)?.swatch;
-  Object.assign(motion, next);
+  motion.replace(next);
   scene.renew(traced);
   for (const plot of board?.plots ?? []) plot.setSeries(motion.named(plot.series.map(({ name }) => name)));
   Theme.set(Theme.name);

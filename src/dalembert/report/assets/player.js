@@ -1,7 +1,7 @@
 // Time of the page and the speed at which it runs.
 
-/** @import { MechanismScene } from "./types.d.ts" */
-/** @import { Timeline } from "./timeline.js" */
+/** @import { Scene } from "./scene.js" */
+/** @import { Motion } from "./motion.js" */
 
 import { el, icon, iconButton, targetOf, toggleButton } from "./dom.js";
 import { clamp, clock, isNum } from "./numbers.js";
@@ -23,13 +23,13 @@ function speedChoices(automatic) {
 }
 
 export class Player {
-  /** @param {Timeline} motion */
+  /** @param {Motion} motion */
   constructor(motion) {
     this.motion = motion;
     this.time = motion.start;
     this.playing = false;
     this.loop = true;
-    this.automatic = automaticSpeed(motion.span);
+    this.automatic = motion.swings ? 1 : automaticSpeed(motion.span);
     this.speed = this.automatic;
     /** @type {Signal<number>} */
     this.onTime = new Signal();
@@ -77,9 +77,10 @@ export class Player {
     this.onState.emit();
   }
 
-  /** Seek the k-th instant from the present one. @param {number} k */
+  /** Seek the k-th instant, or choose the k-th state, from the present one. @param {number} k */
   step(k) {
     this.pause();
+    if (this.motion.swings) { this.motion.choose(clamp(this.motion.chosen + k, 0, this.motion.n - 1)); return; }
     const { n, time } = this.motion, { i, f } = this.motion.locate(this.time);
     const between = f > 1e-9 && f < 1 - 1e-9, instant = f > 1 - 1e-9 || (between && k < 0) ? i + 1 : i;
     this.seek(time[clamp(instant + k, 0, n - 1)]);
@@ -98,12 +99,22 @@ export class Player {
   }
 }
 
-/** Fill the bar below the drawing: play button, slider with event marks, clock, speed and loop.
- * @param {HTMLElement} root @param {Player} player */
+/** Fill the bar below the drawing: play button, and the controls of time. @param {HTMLElement} root @param {Player} player */
 export function buildPlayer(root, player) {
-  const { motion } = player;
   root.hidden = false;
-  const play = iconButton("play", "Play (space)", () => player.toggle(), { class: "icon primary", id: "play" });
+  const { swings } = player.motion, play = iconButton("play", "", () => player.toggle(), { class: "icon primary", id: "play" });
+  player.onState.on(() => {
+    play.replaceChildren(icon(player.playing ? "pause" : "play"));
+    play.title = player.playing ? "Pause (space)" : swings ? "Animate (space)" : "Play (space)";
+    play.setAttribute("aria-label", play.title);
+  });
+  root.append(...swings ? [play] : timeControls(player, play));
+  player.onState.emit();
+}
+
+/** Steps, slider with event marks, clock, speed and loop. @param {Player} player @param {HTMLElement} play */
+function timeControls(player, play) {
+  const { motion } = player;
   const slider = el("input", {
     type: "range", id: "scrub", min: "0", max: "1", step: "any", value: "0", "aria-label": "Time",
     oninput: () => player.seek(motion.start + slider.valueAsNumber * motion.span),
@@ -114,37 +125,28 @@ export function buildPlayer(root, player) {
   const options = speedChoices(player.automatic).map((factor) => el("option", { value: String(factor) }, factor === 1 ? "Real time" : `${factor}×`));
   const speed = el("select", { id: "speed", "aria-label": "Speed", title: "Speed, as a multiple of real time", onchange: () => player.setSpeed(+speed.value) }, options);
   const loop = toggleButton(icon("loop"), player.loop, (on) => player.setLoop(on), { class: "icon", "aria-label": "Loop", title: "Loop", id: "loop" });
-  root.append(
-    el("div", { class: "buttons" }, play,
-      iconButton("back", "Previous frame (←)", () => player.step(-1)),
-      iconButton("next", "Next frame (→)", () => player.step(1))),
-    el("div", { class: "track" }, slider, eventMarks(player)),
-    now, speed, loop, spoken);
-
   // Screen readers report the time at rest, not while it runs.
   let resting = 0;
   const speak = () => {
     clearTimeout(resting);
     if (!player.playing) resting = window.setTimeout(() => { spoken.textContent = now.textContent; }, 300);
   };
-  player.onState.on(speak);
   player.onTime.on((t) => {
     const share = String((t - motion.start) / motion.span);
     slider.value = share;
     slider.style.setProperty("--p", share);
-    now.textContent = `${clock(t, motion.span)} s`;
+    now.textContent = motion.timeText(t);
     slider.setAttribute("aria-valuetext", now.textContent);
     speak();
   });
   player.onState.on(() => {
-    play.replaceChildren(icon(player.playing ? "pause" : "play"));
-    play.title = player.playing ? "Pause (space)" : "Play (space)";
-    play.setAttribute("aria-label", play.title);
+    speak();
     if (![...speed.options].some(({ value }) => +value === player.speed)) speed.append(el("option", { value: String(player.speed) }, `${player.speed}×`));
     speed.value = String(player.speed);
     loop.setAttribute("aria-pressed", String(player.loop));
   });
-  player.onState.emit();
+  const steps = [iconButton("back", "Previous frame (←)", () => player.step(-1)), iconButton("next", "Next frame (→)", () => player.step(1))];
+  return [el("div", { class: "buttons" }, play, steps), el("div", { class: "track" }, slider, eventMarks(player)), now, speed, loop, spoken];
 }
 
 /** Marks of the events on the slider. @param {Player} player */
@@ -159,7 +161,7 @@ function eventMarks(player) {
 }
 
 /** Keys of the page: space plays, arrows step, except in fields and on buttons.
- * @param {Player} player @param {MechanismScene} scene */
+ * @param {Player} player @param {Scene} scene */
 export function bindKeys(player, scene) {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || document.querySelector("dialog[open]")) return;

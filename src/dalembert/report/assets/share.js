@@ -1,6 +1,6 @@
 // Pictures and films of the drawing, saved as files.
 
-/** @import { Scene } from "./types.d.ts" */
+/** @import { Scene } from "./scene.js" */
 /** @import { Player } from "./player.js" */
 
 import { contextOf } from "./canvas.js";
@@ -102,7 +102,7 @@ export function shareMenu(scene, title, player) {
   const name = fileName(title), status = el("span", { class: "status", role: "status", "aria-live": "polite" });
   const item = (/** @type {string} */ text, /** @type {string} */ id, /** @type {() => void} */ onclick) => el("button", { type: "button", class: "menu-item", id, onclick }, text);
   const rows = [item("Picture (PNG)", "save-png", async () => download(`${name}.png`, await pngOf(snapshot(scene)), "image/png"))];
-  if (scene.vector) rows.push(item("Drawing (SVG)", "save-svg", () => download(`${name}.svg`, drawingOf(scene), "image/svg+xml")));
+  rows.push(item("Drawing (SVG)", "save-svg", () => download(`${name}.svg`, drawingOf(scene), "image/svg+xml")));
   if (player?.motion.moves) {
     const button = item("Film (animated PNG)", "save-film", async () => {
       button.disabled = true;

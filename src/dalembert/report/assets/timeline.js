@@ -1,6 +1,7 @@
 // Motion over the instants of a page: series, events, bodies, paths of points.
 
 /** @import { Body, Cursor, Payload, Point, Series, TracedPoint } from "./types.d.ts" */
+/** @import { BodyData } from "./scene_types.d.ts" */
 
 import { TAU, clamp, floats, isNum, list } from "./numbers.js";
 import { unitOf } from "./units.js";
@@ -58,7 +59,7 @@ export class Timeline {
   named(names) { return names.map((name) => this.seriesByName.get(name)).filter((s) => s !== undefined); }
 
   /** Read the bodies of a drawing; a part of a body shares its colour.
-   * @param {{ name?: string, of?: string, node?: boolean }[]} items @param {(item: object) => object} read */
+   * @param {BodyData[]} items @param {(item: BodyData) => object} read */
   setBodies(items, read) {
     this.bodies = list(items).map((item, index) => /** @type {Body} */ ({ name: String(item.name ?? `body ${index + 1}`), index, node: Boolean(item.node), ...read(item) }));
     for (const [k, { of }] of list(items).entries()) {
@@ -74,9 +75,6 @@ export class Timeline {
 
   /** @param {string} name */
   find(name) { return this.byName.get(String(name)) ?? this.ground; }
-
-  /** Name, kind and symbol of a part. @param {{ name?: string, description?: string, symbol?: string }} item */
-  told(item) { return { name: String(item.name ?? ""), description: String(item.description ?? item.symbol ?? ""), symbol: String(item.symbol ?? "") }; }
 
   /** Position of a point of a body; null where the body has no pose.
    * @param {Body} body @param {Point} point @param {Cursor} cursor @returns {Point | null} */
@@ -169,4 +167,4 @@ export class Timeline {
 }
 
 /** @param {Point} p @param {Point} q */
-const distance = (p, q) => Math.hypot(...p.map((v, k) => v - q[k]));
+export const distance = (p, q) => Math.hypot(...p.map((v, k) => v - q[k]));

@@ -1,5 +1,7 @@
 // Types of the scripts: the payload of a page, and what its parts require of each other.
 
+import type { SceneData, Shape, States, Tables } from "./scene_types.d.ts";
+
 /** Numbers over the instants of a page; null for numbers that are not finite. */
 export type Column = ArrayLike<number | null> & Iterable<number | null>;
 
@@ -14,13 +16,13 @@ export interface Cursor { i: number; f: number }
 
 // Payload ----------------------------------------------------------------------------------------
 
-export interface Payload {
+export interface Payload extends Tables {
   title?: string;
   subtitle?: string;
   time?: Column;
   series?: SeriesData[];
-  scene?: object;
-  drawing?: object;
+  scene?: SceneData;
+  states?: States;
   /** Names of the series of each plot. */
   default_plots?: string[][];
   events?: Event[];
@@ -142,7 +144,8 @@ export interface Series {
   original?: { unit: string; values: Float64Array; other: Float64Array | null };
 }
 
-export interface Body { name: string; index: number; label: string; node: boolean; of?: Body; fixed?: boolean; shapes: { kind: string }[] }
+/** Body; the columns of its pose depend on the dimension. */
+export interface Body { name: string; index: number; label: string; node: boolean; of?: Body; fixed?: boolean; shapes: Shape[]; [column: string]: any }
 
 /** Point whose path can be traced. */
 export interface TracedPoint {
@@ -156,42 +159,13 @@ export interface TracedPoint {
   same?: TracedPoint;
   way: { t: number; p: Point | null }[];
   length: number;
+  index: number;
   swatch?: HTMLElement;
+  /** Path thinned for a scale. */
+  thin?: { s: number; way: TracedPoint["way"]; kept: TracedPoint["way"] };
 }
 
 export type LoadKind = "force" | "moment" | "load" | "twist";
-
-/** Drawing of a mechanism or a structure on a canvas. */
-export interface Scene {
-  canvas: HTMLCanvasElement;
-  /** Resolution while printing; the resolution of the screen if undefined. */
-  ratio: number | undefined;
-  /** Whether it can be drawn as SVG. */
-  vector?: boolean;
-  draw(context?: Context): void;
-  invalidate(): void;
-  resize(): void;
-  restyle(): void;
-  zoom(factor: number): void;
-  fit(): void;
-}
-
-/** Drawing with arrows: the largest load of each kind, and factors of their lengths. */
-export interface LoadedScene extends Scene { greatest: Record<LoadKind, number>; sizes: Record<LoadKind, number> }
-
-export interface MechanismScene extends LoadedScene {
-  show: Record<string, boolean>;
-  /** Joints with reactions. */
-  loaded: object[];
-  followed: Body | null;
-  hint: string;
-  /** Further keys of the keyboard. */
-  keys?: Record<string, () => void>;
-  follow(body: Body | null): void;
-  pointColour(point: TracedPoint): string;
-  /** Draw the motion of another design; a scene without it needs a new page. */
-  renew?(traced: Set<string>): void;
-}
 
 /** Drawing instructions that a canvas and `SvgContext` share. */
 export type Context = Pick<CanvasRenderingContext2D,

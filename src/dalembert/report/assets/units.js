@@ -1,6 +1,6 @@
 // Units of numbers in texts.
 
-import { TAU, number, superscript, tidy } from "./numbers.js";
+import { TAU, clamp, isNum, number, superscript, tidy } from "./numbers.js";
 
 /** SI unit → factor and name of the preferred unit. @type {Map<string, [number, string]>} */
 const preferred = new Map();
@@ -38,3 +38,24 @@ export function inUnits(values, si, { scale = 0, digits = 4 } = {}) {
 
 /** @param {number} angle */
 export const degrees = (angle) => `${number((angle * 360) / TAU, 4)}°`;
+
+/** Prefixes of powers of ten. @type {Record<number, string>} */
+const PREFIXES = { "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G" };
+
+/** Factor and name of the unit for numbers of a size: the preferred one, else with a prefix such as kN or mm.
+ * @param {number} size @param {string} unit */
+export function prefixed(size, unit) {
+  const chosen = preferred.get(unit);
+  if (chosen) return { factor: chosen[0], unit: chosen[1], size };
+  if (unit === "strain") return { factor: 1e-6, unit: "µm/m", size };
+  const power = ["N", "Pa", "J", "m", "N m"].includes(unit) && size > 0 ? clamp(3 * Math.floor(Math.log10(size * (1 + 1e-9)) / 3), -9, 9) : 0;
+  return { factor: 10 ** power, unit: PREFIXES[power] + unit, size };
+}
+
+/** A number with its unit: 12.3 kN. @param {number | null | undefined} value @param {string} unit */
+export function quantity(value, unit, digits = 4) {
+  if (!isNum(value)) return "–";
+  if (value === 0) return withUnit("0", preferred.get(unit)?.[1] ?? unit);
+  const { factor, unit: shown } = prefixed(Math.abs(value), unit);
+  return withUnit(number(value / factor, digits), shown);
+}

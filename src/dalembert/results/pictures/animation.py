@@ -13,7 +13,9 @@ from dalembert.errors import AnalysisError, FileError
 from dalembert.files import atomic_path
 from dalembert.report.packing import unpack
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.pictures.picture import Picture
+from dalembert.results.pictures.mesh_picture import MeshPicture
+from dalembert.results.pictures.picture import Picture, ScenePicture
+from dalembert.text.wording import unknown
 
 DEFAULT_LENGTH = 5.0
 """Length of an animation without a given speed [s]."""
@@ -131,12 +133,8 @@ def write_film(
 
 def _picture(page: dict[str, Any], frames: int, state: str | None) -> tuple[Any, int]:
     """Picture of a mechanism at equidistant instants or of a structure, and number of frames."""
-    from dalembert.results.pictures.picture import ScenePicture
-    from dalembert.results.structural.moving import MovingStructure
-
     if page.get("kind", "mechanism") == "structure":
-        structure = MovingStructure(page, frames, state)
-        return structure, structure.count
+        return _structure(page, frames, state)
     if state is not None:
         raise FileError("a motion has no states to choose from; leave state out")
     time = np.asarray(page["time"], dtype=float)
@@ -151,6 +149,26 @@ def _picture(page: dict[str, Any], frames: int, state: str | None) -> tuple[Any,
     ]
     scene = page["scene"] | {"bodies": bodies}
     return ScenePicture(scene, page.get("kind") == "spatial", count, page["title"], None), count
+
+
+def _structure(page: dict[str, Any], frames: int, state: str | None) -> tuple[Any, int]:
+    """Picture of a structure in consecutive states, or oscillating in one state."""
+    states = page["states"]
+    names = [str(name) for name in states["names"]]
+    if state is not None and state not in names:
+        raise FileError(unknown("state", state, names))
+    if not names:
+        raise AnalysisError("there is no state to film")
+    if len(states["times"]) > 1 and state is None:
+        index = np.linspace(0, len(names) - 1, min(frames, len(names))).round().astype(int)
+        shares = np.ones(len(index))
+    else:
+        index = np.full(frames, names.index(state) if state is not None else 0)
+        shares = np.sin(2 * np.pi * np.arange(frames) / frames)
+    scales = page["scene"]["mesh"]["scales"]
+    moves = [(int(k), share * scales[k]) for k, share in zip(index, shares, strict=True)]
+    titles = [" · ".join(part for part in (page["title"], names[k]) if part) for k in index]
+    return MeshPicture(page["scene"], moves, symbols=False, titles=titles), len(index)
 
 
 def _selected(value: Any, keep: np.ndarray, count: int) -> Any:

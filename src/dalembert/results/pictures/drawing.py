@@ -8,8 +8,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.fem.registry import cell_of
 from dalembert.elements.flexible.floating import FloatingFrame
+from dalembert.elements.look import Bars, Beams, Coils
 from dalembert.elements.point import Point
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pictures.sketch import Sketch
@@ -170,7 +170,9 @@ def _axis_rotation(direction: np.ndarray) -> np.ndarray:
 
 def _edges(drawing: StructuralDrawing) -> list[tuple[int, int]]:
     """Node numbers of the ends of the segments."""
-    lines = [b.nodes.T for b in drawing.model.blocks if cell_of(b.kind.cls) == "line"]
+    lines = [
+        look.vertices for look in drawing.model.look() if isinstance(look, Bars | Beams | Coils)
+    ]
     pairs = np.concatenate([np.zeros((0, 2), dtype=int), *lines, drawing.outline()])
     neighbours: dict[int, list[int]] = {}
     for i, j in pairs.tolist():

@@ -74,7 +74,6 @@ class PlanarSketch(Sketch):
     def _(self, look: Belt, element: Any) -> None:
         wheels, crossed = self.wheels(look)
         symbol = symbol_header(look, element) | {"wheels": wheels, "crossed": crossed}
-        self.symbols.append(symbol)
         self.joints.append(symbol | wheels[1] | {"grounded": False} | self.reaction(element))
 
     @draw.register
@@ -90,7 +89,9 @@ class PlanarSketch(Sketch):
         wall = self.pivots.wall(look, self.model.bodies, reach)
         if wall is not None and self.loads:
             self.symbols.append(symbol_header(look, element))
-            self.time_dependent.append((self.symbols[-1], ("x", "y", "normal_x", "normal_y"), wall))
+            self.time_dependent.append(
+                (self.symbols[-1], ("at_x", "at_y", "normal_x", "normal_y"), wall)
+            )
 
 
 class PlanarDrawing(Drawing):

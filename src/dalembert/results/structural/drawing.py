@@ -1,20 +1,27 @@
-"""Drawing of a structure: lines, faces and points, and their displacements."""
+"""Drawing of a structure: vertices, lines, faces and points, and their displacements."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from functools import singledispatchmethod
 
 import numpy as np
 
-from dalembert.elements.fem.cells import CELLS
-from dalembert.elements.fem.lines import AxialSpring
+from dalembert.elements.base import Look
 from dalembert.elements.fem.nodal import ROTATIONS
-from dalembert.elements.fem.registry import cell_of
-from dalembert.model.assembled.evaluation.block import ElementBlock
+from dalembert.elements.look import (
+    Bars,
+    Beams,
+    Cells,
+    Coils,
+    Dots,
+    Faces,
+    SolidFaces,
+    Support,
+)
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.structural.shapes import (
     COIL,
-    Shapes,
+    SHARP_ANGLE,
     between,
     exposed_faces,
     lanes,
@@ -22,11 +29,7 @@ from dalembert.results.structural.shapes import (
     turned_tangent,
 )
 
-SHARP_ANGLE = 0.6
-"""Threshold of the angle between two faces for drawing their edge [rad]."""
 
-
-@dataclass(eq=False)
 class StructuralDrawing:
     """Vertices, lines, faces and points of a structure; the first vertices are the nodes.
 
@@ -38,36 +41,24 @@ class StructuralDrawing:
     Attributes
     ----------
     rest : (v, 3) undeformed positions [m]
-    lines, faces, points : drawn shapes
-    starts : number of the first element of every block
+    lines, faces, points : drawn cells
+    prescribed : number of a node → its prescribed directions
     """
 
-    model: StructuralModel
-    p: np.ndarray
-    lines: list[Shapes] = field(default_factory=list)
-    faces: list[Shapes] = field(default_factory=list)
-    points: list[Shapes] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        blocks = self.model.blocks
-        self.dimension = self.model.degrees.dimension
-        self.starts = np.cumsum([0, *(b.count for b in blocks)])
-        self.rest = self._nodes()
+    def __init__(self, model: StructuralModel, p: np.ndarray):
+        self.model, self.dimension = model, model.degrees.dimension
+        self.starts = np.cumsum([0, *(block.count for block in model.blocks)])
+        self.lines: list[Cells] = []
+        self.faces: list[Cells] = []
+        self.points: list[Cells] = []
+        self.prescribed: dict[int, set[str]] = {}
+        self.rest = self._nodes(p)
         self.node_count = len(self.rest)
-        self._curves: list[tuple[ElementBlock, np.ndarray, slice]] = []
-        solids: list[Shapes] = []
-        for block, start in zip(blocks, self.starts, strict=False):
-            cell, owners = cell_of(block.kind.cls), start + np.arange(block.count)
-            if cell == "line":
-                self._add_lines(block, owners)
-            elif cell == "vertex":
-                self.points.append(Shapes(block.nodes.T, owners))
-            else:
-                cell_shape = CELLS.get(cell)
-                outlines = cell_shape.faces if cell_shape else (tuple(range(block.nodes.shape[0])),)
-                shapes = [Shapes(block.nodes[list(f)].T, owners) for f in outlines]
-                (solids if cell_shape and cell_shape.dimension == 3 else self.faces).extend(shapes)
-        self.faces += exposed_faces(solids)
+        self._curves: list[tuple[Cells, np.ndarray, slice]] = []
+        self._solids: list[Cells] = []
+        for look in model.look():
+            self.draw(look)
+        self.faces += exposed_faces(self._solids)
 
     @property
     def extent(self) -> float:
@@ -94,8 +85,8 @@ class StructuralDrawing:
         """
         moved = np.zeros_like(self.rest)
         moved[: self.node_count] = self._translations(u)
-        for block, along, rows in self._curves:
-            moved[rows] = self._curve(block, along, u, finite).reshape(-1, 3)
+        for cells, along, rows in self._curves:
+            moved[rows] = self._curve(cells, along, u, finite).reshape(-1, 3)
         return moved
 
     def outline(self) -> np.ndarray:
@@ -119,12 +110,12 @@ class StructuralDrawing:
         return unique_edges[~smooth]
 
     # nodes ---------------------------------------------------------------------------------
-    def _nodes(self) -> np.ndarray:
+    def _nodes(self, p: np.ndarray) -> np.ndarray:
         """Positions of the nodes, from the data of their elements."""
         d = self.dimension
         positions = np.zeros((len(self.model.degrees.nodes), 3))
         for block in self.model.blocks:
-            data = block.data(self.p)
+            data = block.data(p)
             for k, nodes in enumerate(block.nodes):
                 positions[nodes, :d] = data[k * d : (k + 1) * d].T
         return positions
@@ -143,20 +134,53 @@ class StructuralDrawing:
         turned[:, axes] = np.where(numbers >= 0, u[numbers], 0.0)
         return turned
 
+    # primitives ----------------------------------------------------------------------------
+    @singledispatchmethod
+    def draw(self, look: Look) -> None:
+        """Add a primitive."""
+        raise NotImplementedError(f"{type(look).__name__} has no drawing")
+
+    @draw.register
+    def _(self, look: Bars) -> None:
+        if self.dimension == 1:
+            self._add_curves(look, np.linspace(0, 1, samples(len(look.elements))))
+        else:
+            self.lines.append(look)
+
+    @draw.register
+    def _(self, look: Beams) -> None:
+        self._add_curves(look, np.linspace(0, 1, samples(len(look.elements))))
+
+    @draw.register
+    def _(self, look: Coils) -> None:
+        self._add_curves(look, COIL)
+
+    @draw.register
+    def _(self, look: Faces) -> None:
+        self.faces.append(look)
+
+    @draw.register
+    def _(self, look: SolidFaces) -> None:
+        self._solids.append(look)
+
+    @draw.register
+    def _(self, look: Dots) -> None:
+        self.points.append(look)
+
+    @draw.register
+    def _(self, look: Support) -> None:
+        self.prescribed.setdefault(look.node, set()).add(look.direction)
+
     # lines ---------------------------------------------------------------------------------
-    def _add_lines(self, block: ElementBlock, owners: np.ndarray) -> None:
-        spring = issubclass(block.kind.cls, AxialSpring)
+    def _add_curves(self, look: Cells, along: np.ndarray) -> None:
+        """Add lines with vertices between their ends; in one dimension side by side."""
+        ends = self.nodes[look.vertices.T]  # (2, ne, 3)
         flat = self.dimension == 1
-        if not (spring or flat or block.kind.cls.turns):
-            self.lines.append(Shapes(block.nodes.T, owners))
-            return
-        along = COIL if spring else np.linspace(0, 1, samples(block.count))
         if flat:
             along = np.array([0, *along, 1])
-        ends = self.rest[block.nodes]  # (2, ne, 3)
         positions = between(ends, along)
-        if spring:
-            positions += self._turns(block, along)
+        if isinstance(look, Coils):
+            positions += self._turns(ends, along)
         if flat:
             height = 0.1 * np.ptp(self.rest[:, 0]) * lanes(np.sort(ends[:, :, 0], axis=0).T)
             positions[:, 1:-1, 1] += height[:, None]
@@ -164,12 +188,11 @@ class StructuralDrawing:
         rows = slice(first, first + positions.shape[0] * positions.shape[1])
         self.rest = np.vstack([self.rest, positions.reshape(-1, 3)])
         numbers = np.arange(rows.start, rows.stop).reshape(positions.shape[:2])
-        self.lines.append(Shapes(numbers, owners))
-        self._curves.append((block, along, rows))
+        self.lines.append(type(look)(numbers, look.elements))
+        self._curves.append((look, along, rows))
 
-    def _turns(self, block: ElementBlock, along: np.ndarray) -> np.ndarray:
+    def _turns(self, ends: np.ndarray, along: np.ndarray) -> np.ndarray:
         """(ne, s, 3) lateral offsets of the turns of springs."""
-        ends = self.rest[block.nodes]
         chord = ends[1] - ends[0]
         across = np.cross([0.0, 0.0, 1.0], chord)
         vertical = np.linalg.norm(across, axis=1) < 1e-9 * np.linalg.norm(chord, axis=1)
@@ -179,18 +202,17 @@ class StructuralDrawing:
         inner = np.flatnonzero((along > 0.2) & (along < 0.8))
         side = np.zeros(along.size)
         side[inner] = np.where(np.arange(inner.size) % 2, -1.0, 1.0)
-        width = 0.015 * float(np.ptp(self.rest[: len(self.model.degrees.nodes)], axis=0).max())
+        width = 0.015 * float(np.ptp(self.nodes, axis=0).max())
         return width * side[None, :, None] * across[:, None, :]
 
-    def _curve(
-        self, block: ElementBlock, along: np.ndarray, u: np.ndarray, finite: bool
-    ) -> np.ndarray:
+    def _curve(self, look: Cells, along: np.ndarray, u: np.ndarray, finite: bool) -> np.ndarray:
         """(ne, s, 3) displacements along lines; cubic if the ends have rotations."""
-        moved = self._translations(u)[block.nodes]
-        if not block.kind.cls.turns:
+        nodes = look.vertices.T
+        moved = self._translations(u)[nodes]
+        if not isinstance(look, Beams):
             return between(moved, along)
-        chord = self.nodes[block.nodes[1]] - self.nodes[block.nodes[0]]
-        turned = self._rotations(u)[block.nodes]
+        chord = self.nodes[nodes[1]] - self.nodes[nodes[0]]
+        turned = self._rotations(u)[nodes]
         after = chord + moved[1] - moved[0]
         stretch = (after - chord) * chord / np.sum(chord**2, axis=1, keepdims=True)
         along_chord = stretch.sum(axis=1, keepdims=True) * chord

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from dalembert.elements.look import Cells
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.measuring.measures import State
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.structural.drawing import StructuralDrawing
-from dalembert.results.structural.shapes import Shapes
 from dalembert.text.wording import similar
 
 DISPLACEMENT = "displacement"
@@ -109,9 +109,9 @@ def smoothed(drawing: StructuralDrawing, field: Field) -> Field:
     if field.at_vertices:
         return field
     total, count = np.zeros(len(drawing.rest)), np.zeros(len(drawing.rest))
-    shapes: list[Shapes] = [*drawing.lines, *drawing.faces, *drawing.points]
-    for shape in shapes:
-        values = np.repeat(field.values[shape.owners], shape.vertices.shape[1])
+    cells: list[Cells] = [*drawing.lines, *drawing.faces, *drawing.points]
+    for shape in cells:
+        values = np.repeat(field.values[shape.elements], shape.vertices.shape[1])
         vertices, finite = shape.vertices.ravel(), np.isfinite(values)
         np.add.at(total, vertices[finite], values[finite])
         np.add.at(count, vertices[finite], 1.0)

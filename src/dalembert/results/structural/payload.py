@@ -1,4 +1,4 @@
-"""Payload of the report of a structure: drawing, states, fields and tables."""
+"""Payload of the report of a structure: scene, states, fields and tables."""
 
 from __future__ import annotations
 
@@ -10,10 +10,8 @@ import numpy as np
 from dalembert.results.files.tables import diagnosis, parameter_rows, preferred_units, statistics
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.fields import element_field, field_names
-from dalembert.results.structural.plot import automatic_scale
-from dalembert.results.structural.shapes import Shapes
+from dalembert.results.structural.scene import automatic_scale, structural_scene
 from dalembert.results.structural.states import StructuralStates
-from dalembert.results.structural.symbols import arrows, moments, support_symbols
 
 MOST_NUMBERS = 3_000_000
 """Upper limit of the numbers in a page; surplus states are omitted evenly."""
@@ -41,52 +39,31 @@ def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> d
     if displacements and not result.of_any_size:
         largest = max(displacements, key=lambda m: float(np.abs(m).max(initial=0.0)))
         scales = [automatic_scale(drawing, largest)] * len(displacements)
-    fields = _fields(result, drawing, quantities, keep)
+    loads = np.reshape([result.applied(int(k)) for k in keep], (len(keep), len(degrees))).T
+    scene = structural_scene(drawing, displacements, scales, loads)
+    scene["fields"] = _fields(result, drawing, quantities, keep)
     return {
-        "format": 1,
+        "format": 2,
         "kind": "structure",
         "title": model.name,
         "subtitle": result.analysis.display_name,
-        "dimension": drawing.dimension,
-        "cases": [result.state_names[k] for k in keep],
-        "drawing": _drawing(drawing),
-        "vertex_displacements": [m.ravel() for m in displacements],
-        "scales": scales,
-        "shapes_only": result.of_any_size,
-        "sequence": result.in_sequence,
-        "kind_of_state": result.kind_of_state,
-        "nodes": degrees.nodes.names,
+        "states": {
+            "kind": result.kind_of_state,
+            "names": [result.state_names[k] for k in keep],
+            "times": result.time[keep] if result.in_sequence else [],
+            "relative": result.of_any_size,
+        },
+        "scene": scene,
         "directions": list(degrees.directions),
-        "table": degrees.table.ravel(),
+        "numbers": degrees.table.ravel(),
         "displacements": [result.displacements[:, k] for k in keep],
-        "elements": drawing.element_names,
-        "fields": fields,
-        "units": preferred_units(
-            {"m", "rad", "N", "N m", *(field["unit"] for field in fields)}, units
-        ),
-        "supports": _supports(drawing),
-        "loads": [_loads(drawing, result.applied(int(k))) for k in keep],
         "reactions": _reactions(result, keep),
+        "units": preferred_units(
+            {"m", "rad", "N", "N m", *(field["unit"] for field in scene["fields"])}, units
+        ),
         "diagnosis": _diagnosis(result, count - len(keep)),
         "statistics": _statistics(result),
         "parameters": parameter_rows(model.parameters, result.parameters, units),
-    }
-
-
-def _drawing(drawing: StructuralDrawing) -> dict[str, Any]:
-    def plain(shapes: Sequence[Shapes]) -> list[dict[str, Any]]:
-        return [
-            {"size": s.vertices.shape[1], "vertices": s.vertices.ravel(), "owners": s.owners}
-            for s in shapes
-            if len(s.owners)
-        ]
-
-    return {
-        "rest": drawing.rest.ravel(),
-        "lines": plain(drawing.lines),
-        "faces": plain(drawing.faces),
-        "points": plain(drawing.points),
-        "outline": drawing.outline().ravel(),
     }
 
 
@@ -101,22 +78,6 @@ def _fields(
             values = [field.values for field in fields]
             entries.append({"name": name, "unit": fields[0].unit, "values": values})
     return entries
-
-
-def _supports(drawing: StructuralDrawing) -> list[dict[str, Any]]:
-    return [
-        {"nodes": nodes, "direction": list(direction), "roller": roller, "turns": turns}
-        for (direction, roller, turns), nodes in support_symbols(drawing).items()
-    ]
-
-
-def _loads(drawing: StructuralDrawing, loads: np.ndarray) -> list[dict[str, Any]]:
-    forces = [
-        {"node": int(n), "force": f, "presses": bool(p)}
-        for n, f, p in zip(*arrows(drawing, loads), strict=True)
-    ]
-    node_moments = moments(drawing, loads).items()
-    return forces + [{"node": n, "force": [0.0] * 3, "moment": m} for n, m in node_moments]
 
 
 def _reactions(result: StructuralStates, keep: Any) -> list[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""Plot of a structure: displacement scale, supports, loads and title."""
+"""Plot of one state of a structure, with its displacement scale in the title."""
 
 from __future__ import annotations
 
@@ -6,27 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.results.pictures.mesh_picture import MeshPicture
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.fields import Field
-from dalembert.results.structural.picture import StructuralPicture
-from dalembert.results.structural.symbols import draw_loads, draw_supports
+from dalembert.results.structural.scene import automatic_scale, structural_scene
 
-SHARE = 0.08
-"""Drawn size of the maximum displacement, relative to the extent."""
-LARGE = 0.02
-"""Threshold, relative to the extent, for drawing displacements to scale."""
-
-
-def automatic_scale(drawing: StructuralDrawing, moved: np.ndarray) -> float:
-    """Round scale factor (1, 2 or 5 times a power of ten) that makes displacements visible."""
-    largest = float(np.linalg.norm(moved, axis=1).max(initial=0.0))
-    if not largest > 0 or not np.isfinite(largest):
-        return 1.0
-    if LARGE * drawing.extent <= largest <= drawing.extent:
-        return 1.0
-    target = SHARE * drawing.extent / largest
-    power = 10.0 ** np.floor(np.log10(target))
-    return float(power * max(m for m in (1, 2, 5) if m * power <= target * (1 + 1e-9)))
+MOST_EDGES = 2500
+"""Upper limit of faces whose edges are drawn by default."""
 
 
 def plot_structure(
@@ -56,14 +42,13 @@ def plot_structure(
     ax : axes to draw into, new ones if None
     """
     factor = automatic_scale(drawing, moved) if scale == "auto" else float(scale)
-    faces = sum(len(shape.owners) for shape in drawing.faces)
-    picture = StructuralPicture(
-        drawing, moved, factor, field, undeformed, faces <= 2500 if mesh is None else mesh
-    )
-    ax = picture.draw(ax)
-    draw_supports(ax, drawing, picture.places if not undeformed else drawing.rest)
-    if loads is not None:
-        draw_loads(ax, drawing, picture.places, loads)
+    applied = np.zeros(len(drawing.model.degrees)) if loads is None else loads
+    scene = structural_scene(drawing, [moved], [factor], applied[:, None])
+    faces = sum(len(cells.elements) for cells in drawing.faces)
+    edges = faces <= MOST_EDGES if mesh is None else mesh
+    frames = [(0, factor)]
+    picture = MeshPicture(scene, frames, field=field, undeformed=undeformed, mesh=edges, ax=ax)
     scale_text = "" if factor == 1 else f"displacements × {factor:g}"
-    ax.set_title(", ".join(part for part in (title, scale_text) if part), loc="left", fontsize=10)
-    return ax
+    text = ", ".join(part for part in (title, scale_text) if part)
+    picture.ax.set_title(text, loc="left", fontsize=10)
+    return picture.ax

@@ -1,27 +1,15 @@
-"""Lines and faces of drawings of structures, as arrays."""
+"""Geometry of the lines and faces of drawings of structures."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+
+from dalembert.elements.look import Cells
 
 COIL = np.array([0, 0.2, *np.linspace(0.2, 0.8, 13)[:-1] + 0.025, 0.8, 1])
 """Positions of the turns of a drawn spring along its line."""
-
-
-@dataclass(frozen=True)
-class Shapes:
-    """Lines or faces with equal numbers of vertices.
-
-    Attributes
-    ----------
-    vertices : (m, k) numbers of vertices
-    owners : (m,) numbers of the elements, over all blocks
-    """
-
-    vertices: np.ndarray
-    owners: np.ndarray
+SHARP_ANGLE = 0.6
+"""Threshold of the angle between two faces for drawing their edge [rad]."""
 
 
 def turned_tangent(rotation: np.ndarray, chord: np.ndarray, after: np.ndarray) -> np.ndarray:
@@ -62,7 +50,7 @@ def lanes(spans: np.ndarray) -> np.ndarray:
     return lane_of
 
 
-def exposed_faces(faces: list[Shapes]) -> list[Shapes]:
+def exposed_faces(faces: list[Cells]) -> list[Cells]:
     """Faces of solids that belong to a single element."""
     if not faces:
         return []
@@ -77,8 +65,8 @@ def exposed_faces(faces: list[Shapes]) -> list[Shapes]:
     single = counts[inverse.ravel()] == 1
     exposed, first = [], 0
     for shape in faces:
-        mask = single[first : first + len(shape.owners)]
-        first += len(shape.owners)
+        mask = single[first : first + len(shape.elements)]
+        first += len(shape.elements)
         if mask.any():
-            exposed.append(Shapes(shape.vertices[mask], shape.owners[mask]))
+            exposed.append(Cells(shape.vertices[mask], shape.elements[mask]))
     return exposed

@@ -6,7 +6,7 @@ less than missing ones. All numbers are in natural units of the mechanism, facto
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import casadi as ca
@@ -211,8 +211,8 @@ class _Nearest(newton.Equations[np.ndarray]):
         self.damping /= 5
         while True:
             damping = level * max(self.damping * violation, MIN_DAMPING)
-            solve = factorised(normal + damping * unit)
-            step = -(jacobian.T @ solve(value)) / self.weight
+            factors = general_factors(normal + damping * unit)
+            step = -(jacobian.T @ factors.solve(value)) / self.weight
             size = np.max(np.abs(step) / self.assembler.longest, initial=1.0)
             yield step / size
             self.damping *= 4
@@ -224,18 +224,3 @@ def scaled(
     """A matrix with its rows and columns multiplied by numbers."""
     entries = matrix.data * np.repeat(rows, np.diff(matrix.indptr)) * columns[matrix.indices]
     return scipy.sparse.csr_array((entries, matrix.indices, matrix.indptr), matrix.shape)
-
-
-def factorised(matrix: scipy.sparse.sparray) -> Callable[[np.ndarray], np.ndarray]:
-    """Right-hand side → solution, by sparse factors of a square matrix.
-
-    Raises
-    ------
-    numpy.linalg.LinAlgError
-        The matrix is singular or not finite.
-    """
-    if not matrix.shape[0]:
-        return lambda right: right
-    if not np.all(np.isfinite(matrix.data)):
-        raise np.linalg.LinAlgError("not finite")
-    return general_factors(matrix).solve

@@ -16,14 +16,16 @@ import casadi as ca
 import numpy as np
 import scipy
 
-from dalembert.model.graph.assembly.assembly import ROUNDING, Assembler, factorised
+from dalembert.model.graph.assembly.assembly import ROUNDING, Assembler
 from dalembert.model.graph.assembly.guesses import Guesses
 from dalembert.model.graph.assembly.position import position_stages
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.scales import Scales
+from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.equations import newton
 from dalembert.symbolic.equations.factor import QrFactor
 from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
+from dalembert.symbolic.evaluation.kernel import SELDOM
 from dalembert.symbolic.formulas.expression import stack
 
 INCONSISTENT = 1e-6
@@ -142,9 +144,8 @@ class Recipe:
             speed_factor.solve,
             speed_factor.solve_transposed,
         )
-        return ImplicitFunction(
-            "initial_state", [e.t, start, e.p], [*position, velocity], [e.y, e.v]
-        )
+        stages = [*position, velocity]
+        return ImplicitFunction("initial_state", [e.t, start, e.p], stages, [e.y, e.v], SELDOM)
 
     def _speed_equations(self) -> tuple[ca.SX, ca.SX]:
         """Unknowns, and equations linear in them, of the initial speeds."""
@@ -178,8 +179,8 @@ class Recipe:
         entries = entries * columns[pattern.columns]
         size = np.bincount(pattern.rows, np.abs(entries), right.size)
         rows = 1 / np.where(size > 0, size, 1.0)
-        solve = factorised(pattern.matrix(entries * rows[pattern.rows]))
-        return (columns * solve(rows * right))[:n]
+        factors = general_factors(pattern.matrix(entries * rows[pattern.rows]))
+        return (columns * factors.solve(rows * right))[:n]
 
     @cached_property
     def _linear_speeds(self) -> tuple[Pattern, ca.Function]:
@@ -295,4 +296,5 @@ class Pinned(newton.Equations[np.ndarray]):
         assert isinstance(residual, Square)
         columns, at = self.assembler.scales.displacements, self._pattern
         scaled = residual.entries / residual.scale[at.rows] * columns[at.columns]
-        return -columns * factorised(at.matrix(scaled))(residual.value / residual.scale)
+        factors = general_factors(at.matrix(scaled))
+        return -columns * factors.solve(residual.value / residual.scale)

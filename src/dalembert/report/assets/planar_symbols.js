@@ -1,7 +1,18 @@
 // Symbols of engineering drawings. All lengths are in pixels, y points down.
 
-// A bar, or a plate with rounded corners: one thick stroke inside another.
-function plate(ctx, points, half, look) {
+/** @import { Context } from "./types.d.ts" */
+/** @import { Item, Pixel, Teeth } from "./scene_types.d.ts" */
+
+import { circle, stroke, trace } from "./canvas.js";
+import { TAU, clamp } from "./numbers.js";
+
+/** Colours of a body, and the width of its edges.
+ * @typedef {{ fill: string, edge: string, text: string, width: number }} Look */
+/** Colours of symbols.
+ * @typedef {Record<"ink" | "surface" | "ground" | "spring" | "actuator" | "muted" | "drive", string>} Colours */
+
+/** Bar, or plate with rounded corners: one thick stroke inside another. @param {Context} ctx @param {Pixel[]} points @param {number} half @param {Look} look */
+export function plate(ctx, points, half, look) {
   ctx.lineJoin = ctx.lineCap = "round";
   trace(ctx, points, points.length > 2);
   stroke(ctx, look.edge, 2 * half + look.width);
@@ -13,25 +24,34 @@ function plate(ctx, points, half, look) {
   ctx.lineCap = "butt";
 }
 
-function solid(ctx, look) {
+/** Fill the path and draw its edge. @param {Context} ctx @param {Look} look */
+export function solid(ctx, look) {
   ctx.fillStyle = look.fill;
   ctx.fill();
   ctx.lineJoin = "round";
   stroke(ctx, look.edge, look.width);
 }
 
-// A wheel: rim, hub, and one heavy spoke which shows the turning.
-function wheel(ctx, c, r, angle, look, teeth) {
-  ctx.beginPath();
-  if (teeth) gearRim(ctx, c, r, angle, teeth);
-  else ctx.arc(c[0], c[1], Math.max(1, r), 0, TAU);
+/** Wheel, with a heavy spoke that shows its rotation; a gear with its pitch circle. @param {Context} ctx @param {Pixel} c @param {number} r @param {number} angle @param {Look} look @param {Teeth} [teeth] */
+export function wheel(ctx, c, r, angle, look, teeth) {
+  const at = (/** @type {number} */ k, /** @type {number} */ a) => /** @type {Pixel} */ ([c[0] + k * r * Math.cos(a), c[1] - k * r * Math.sin(a)]);
+  ctx.lineJoin = "round";
+  if (teeth?.ring) {
+    circle(ctx, c, 1.09 * r);
+    stroke(ctx, look.fill, 0.18 * r);
+    circle(ctx, c, 1.18 * r);
+    stroke(ctx, look.edge, look.width);
+    gearRim(ctx, c, r, angle, teeth);
+    stroke(ctx, look.edge, look.width);
+    trace(ctx, [at(1.1, angle), at(1.18, angle)]);
+    return stroke(ctx, look.edge, clamp(0.08 * r, 1.5, 4));
+  }
+  if (teeth) gearRim(ctx, c, r, angle, teeth); else circle(ctx, c, Math.max(1, r));
   ctx.globalAlpha = 0.82;
   ctx.fillStyle = look.fill;
   ctx.fill();
   ctx.globalAlpha = 1;
-  ctx.lineJoin = "round";
   stroke(ctx, look.edge, look.width);
-  const at = (k, a) => [c[0] + k * r * Math.cos(a), c[1] - k * r * Math.sin(a)];
   if (teeth) {
     circle(ctx, c, r);
     stroke(ctx, look.edge, 0.8, [8, 3, 2, 3]);
@@ -43,31 +63,26 @@ function wheel(ctx, c, r, angle, look, teeth) {
   trace(ctx, [c, at(teeth ? 0.8 : 0.86, angle)]);
   stroke(ctx, look.edge, clamp(0.08 * r, 1.5, 4));
   ctx.lineCap = "butt";
-  if (r > 24) {
-    for (const k of [1, 2]) {
-      trace(ctx, [at(0.2, angle + (k * TAU) / 3), at(teeth ? 0.78 : 0.84, angle + (k * TAU) / 3)]);
-      stroke(ctx, look.edge, 0.8);
-    }
+  for (const k of r > 24 ? [1, 2] : []) {
+    trace(ctx, [at(0.2, angle + (k * TAU) / 3), at(teeth ? 0.78 : 0.84, angle + (k * TAU) / 3)]);
+    stroke(ctx, look.edge, 0.8);
   }
   circle(ctx, c, clamp(0.18 * r, 2, 16));
   solid(ctx, look);
 }
 
-// Teeth about the pitch circle; a schematic, not the true flanks.
-function gearRim(ctx, [x, y], r, angle, { count, phase }) {
-  const pitch = TAU / count;
-  const high = Math.min(0.3 * pitch * r, 0.12 * r);
-  for (let k = 0; k < count; k++) {
-    for (const [u, dr] of [[-0.34, -high], [-0.14, high], [0.14, high], [0.34, -high]]) {
-      const a = angle + phase + (k + u) * pitch;
-      ctx.lineTo(x + (r + dr) * Math.cos(a), y - (r + dr) * Math.sin(a));
-    }
-  }
-  ctx.closePath();
+/** Path of schematic teeth about the pitch circle. @param {Context} ctx @param {Pixel} centre @param {number} r @param {number} angle @param {Teeth} teeth */
+function gearRim(ctx, [x, y], r, angle, { count, toward, gap, ring }) {
+  const pitch = TAU / count, high = Math.min(0.3 * pitch * r, 0.12 * r) * (ring ? -1 : 1), phase = angle + Math.atan2(toward[1], toward[0]) + (gap ? pitch / 2 : 0);
+  const corners = Array.from({ length: count }, (_, k) => [[-0.34, -high], [-0.14, high], [0.14, high], [0.34, -high]].map(([share, dr]) => {
+    const a = phase + (k + share) * pitch;
+    return /** @type {Pixel} */ ([x + (r + dr) * Math.cos(a), y - (r + dr) * Math.sin(a)]);
+  })).flat();
+  trace(ctx, corners, true);
 }
 
-// Short strokes to the right of the way from a to b.
-function hatch(ctx, a, b, colour, gap = 7, size = 7) {
+/** Short strokes to the right of a line. @param {Context} ctx @param {Pixel} a @param {Pixel} b @param {string} colour */
+export function hatch(ctx, a, b, colour, gap = 7, size = 7) {
   const dx = b[0] - a[0], dy = b[1] - a[1], length = Math.hypot(dx, dy);
   if (length < 2) return;
   const count = Math.min(400, Math.max(2, Math.round(length / gap)));
@@ -82,8 +97,8 @@ function hatch(ctx, a, b, colour, gap = 7, size = 7) {
   stroke(ctx, colour, 1);
 }
 
-// A pin bracket on hatched ground; `tilt` turns its foot away from straight below.
-function groundPivot(ctx, [x, y], h, colours, tilt = 0) {
+/** Bracket of a pin on hatched ground; `tilt` rotates its foot away from straight below. @param {Context} ctx @param {Pixel} pin @param {number} h @param {Colours} colours */
+export function groundPivot(ctx, [x, y], h, colours, tilt = 0) {
   const base = y + 2.5 * h, half = 1.75 * h;
   ctx.save();
   ctx.translate(x, y);
@@ -99,13 +114,18 @@ function groundPivot(ctx, [x, y], h, colours, tilt = 0) {
   ctx.fillStyle = colours.ground;
   ctx.fill();
   stroke(ctx, colours.ink, 1.4);
-  const [a, b] = [[x + 2.5 * h, base], [x - 2.5 * h, base]];
-  trace(ctx, [a, b]);
-  stroke(ctx, colours.ink, 1.8);
-  hatch(ctx, b, a, colours.ink, Math.max(3.5, 0.7 * h), 0.7 * h);
+  hatchedLine(ctx, [x - 2.5 * h, base], [x + 2.5 * h, base], h, colours);
   ctx.restore();
 }
 
+/** Line of the ground, hatched to its right. @param {Context} ctx @param {Pixel} a @param {Pixel} b @param {number} h @param {Colours} colours */
+export function hatchedLine(ctx, a, b, h, colours, width = 1.8) {
+  trace(ctx, [a, b]);
+  stroke(ctx, colours.ink, width);
+  hatch(ctx, a, b, colours.ink, Math.max(3.5, 0.7 * h), 0.8 * h);
+}
+
+/** @param {Context} ctx @param {Pixel} centre @param {number} r @param {Colours} colours */
 function pin(ctx, [x, y], r, colours) {
   circle(ctx, [x, y], r);
   ctx.fillStyle = colours.surface;
@@ -113,7 +133,8 @@ function pin(ctx, [x, y], r, colours) {
   stroke(ctx, colours.ink, Math.max(1.2, 0.3 * r));
 }
 
-function jointMark(ctx, joint, p, h, colours) {
+/** @param {Context} ctx @param {Item} joint @param {Pixel} p @param {number} h @param {Colours} colours */
+export function jointMark(ctx, joint, p, h, colours) {
   const r = clamp(0.52 * h, 2, 7);
   switch (joint.symbol) {
     case "pin": return pin(ctx, p, r, colours);
@@ -144,8 +165,8 @@ function jointMark(ctx, joint, p, h, colours) {
   }
 }
 
-// A circle with two dark quarters: a centre of mass, or a body without a shape.
-function centreMark(ctx, [x, y], r, ink, surface) {
+/** Circle with two dark quarters: a centre of mass. @param {Context} ctx @param {Pixel} centre @param {number} r @param {string} ink @param {string} surface */
+export function centreMark(ctx, [x, y], r, ink, surface) {
   circle(ctx, [x, y], r);
   ctx.fillStyle = surface;
   ctx.fill();
@@ -160,11 +181,12 @@ function centreMark(ctx, [x, y], r, ink, surface) {
   stroke(ctx, ink, 1.3);
 }
 
-// Elements between two points. `rest` is their usual length; it keeps rigid parts rigid.
+/** Primitives between two points; rigid parts keep their share of the mean length `rest`.
+ * @type {Record<string, (ctx: Context, L: number, h: number, rest: number, c: Colours) => void>} */
 const LINKS = {
   coil(ctx, L, h, rest, c) {
     const lead = Math.min(0.14 * rest, 0.3 * L), wide = 1.15 * h, coils = 8;
-    const points = [[0, 0], [lead, 0]];
+    const points = /** @type {Pixel[]} */ ([[0, 0], [lead, 0]]);
     for (let k = 0; k < 2 * coils; k++) {
       points.push([lead + ((k + 0.5) * (L - 2 * lead)) / (2 * coils), k % 2 ? wide : -wide]);
     }
@@ -207,7 +229,7 @@ const LINKS = {
   sleeve(ctx, L, h, rest, c) {
     trace(ctx, [[0, 0], [L, 0]]);
     stroke(ctx, c.ink, 1.4);
-    for (const [r, fill] of [[1.5 * h, c.actuator], [0.75 * h, c.surface]]) {
+    for (const [r, fill] of /** @type {[number, string][]} */ ([[1.5 * h, c.actuator], [0.75 * h, c.surface]])) {
       circle(ctx, [L / 2, 0], r);
       ctx.fillStyle = fill;
       ctx.fill();
@@ -231,7 +253,8 @@ const LINKS = {
   },
 };
 
-function linkSymbol(ctx, kind, p, q, h, rest, offset, colours) {
+/** @param {Context} ctx @param {string} kind @param {Pixel} p @param {Pixel} q @param {number} h @param {number} rest @param {number} offset @param {Colours} colours */
+export function linkSymbol(ctx, kind, p, q, h, rest, offset, colours) {
   const L = Math.hypot(q[0] - p[0], q[1] - p[1]);
   ctx.save();
   ctx.translate(p[0], p[1]);
@@ -245,50 +268,4 @@ function linkSymbol(ctx, kind, p, q, h, rest, offset, colours) {
   }
   (LINKS[kind] || LINKS.rod)(ctx, L, h, rest, colours);
   ctx.restore();
-}
-
-function arrow(ctx, [x, y], [u, v], colour, surface, width = 2.4) {
-  const length = Math.hypot(u, v);
-  if (length < 1.5) return;
-  const head = Math.min(11, 0.6 * length), [tx, ty] = [u / length, v / length];
-  const tip = [x + u, y + v], neck = [tip[0] - tx * head, tip[1] - ty * head];
-  ctx.lineCap = "round";
-  trace(ctx, [[x, y], neck]);
-  stroke(ctx, surface, width + 2.5);
-  stroke(ctx, colour, width);
-  ctx.lineCap = "butt";
-  trace(ctx, [tip, [neck[0] - ty * head * 0.42, neck[1] + tx * head * 0.42], [neck[0] + ty * head * 0.42, neck[1] - tx * head * 0.42]], true);
-  ctx.lineJoin = "round";
-  stroke(ctx, surface, 2);
-  ctx.fillStyle = colour;
-  ctx.fill();
-}
-
-// An arc with an arrow head; `sweep` > 0 turns counter-clockwise.
-function momentArc(ctx, [x, y], r, sweep, colour, surface, width = 2.2) {
-  if (Math.abs(sweep) * r < 3) return;
-  const from = -Math.PI / 2, to = from - sweep, back = sweep > 0;
-  ctx.beginPath();
-  ctx.arc(x, y, r, from, to, back);
-  stroke(ctx, surface, width + 2.3);
-  stroke(ctx, colour, width);
-  const size = Math.min(8, r, Math.abs(sweep) * r), way = back ? -1 : 1;
-  const tip = [x + r * Math.cos(to), y + r * Math.sin(to)];
-  const [tx, ty] = [-Math.sin(to) * way, Math.cos(to) * way];
-  trace(ctx, [[tip[0] + tx * size * 0.6, tip[1] + ty * size * 0.6],
-    [tip[0] - tx * size * 0.5 - ty * size * 0.5, tip[1] - ty * size * 0.5 + tx * size * 0.5],
-    [tip[0] - tx * size * 0.5 + ty * size * 0.5, tip[1] - ty * size * 0.5 - tx * size * 0.5]], true);
-  ctx.fillStyle = colour;
-  ctx.fill();
-}
-
-function label(ctx, text, [x, y], colour, surface, align = "center") {
-  ctx.textAlign = align;
-  ctx.textBaseline = "middle";
-  ctx.lineJoin = "round";
-  ctx.strokeStyle = surface;
-  ctx.lineWidth = 4;
-  ctx.strokeText(text, x, y);
-  ctx.fillStyle = colour;
-  ctx.fillText(text, x, y);
 }

@@ -1,0 +1,13 @@
+// Page of a planar structure.
+
+import { Mesh } from "./mesh.js";
+import { meshToggles } from "./mesh_controls.js";
+import { MeshPainter } from "./mesh_painter.js";
+import { buildPage } from "./page.js";
+import { PlanarMotion } from "./planar_motion.js";
+import { PlanarPainter } from "./planar_painter.js";
+import { PlanarView } from "./planar_view.js";
+import { buildStructure } from "./structure.js";
+
+const structure = { Mesh, Picture: MeshPainter, toggles: meshToggles, build: buildStructure };
+buildPage({ Motion: PlanarMotion, View: PlanarView, Painter: PlanarPainter, structure });

@@ -1,0 +1,9 @@
+// Page of a spatial mechanism.
+
+import { buildPage } from "./page.js";
+import { SpatialMotion } from "./spatial_motion.js";
+import { SpatialPainter } from "./spatial_painter.js";
+import { buildSpatialTools } from "./spatial_tools.js";
+import { SpatialView } from "./spatial_view.js";
+
+buildPage({ Motion: SpatialMotion, View: SpatialView, Painter: SpatialPainter }, buildSpatialTools);

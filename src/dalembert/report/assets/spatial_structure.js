@@ -1,0 +1,14 @@
+// Page of a spatial structure.
+
+import { Mesh } from "./mesh.js";
+import { meshToggles } from "./mesh_controls.js";
+import { MeshSolids } from "./mesh_solids.js";
+import { buildPage } from "./page.js";
+import { SpatialMotion } from "./spatial_motion.js";
+import { SpatialPainter } from "./spatial_painter.js";
+import { buildSpatialTools } from "./spatial_tools.js";
+import { SpatialView } from "./spatial_view.js";
+import { buildStructure } from "./structure.js";
+
+const structure = { Mesh, Picture: MeshSolids, toggles: meshToggles, build: buildStructure };
+buildPage({ Motion: SpatialMotion, View: SpatialView, Painter: SpatialPainter, structure }, buildSpatialTools);

@@ -1,0 +1,266 @@
+// View of a spatial scene: camera, light, shadows, the grid on the ground.
+
+/** @import { Point } from "./types.d.ts" */
+/** @import { Axis, Pixel } from "./scene_types.d.ts" */
+
+import "./vendor/three.js";
+import { FlatPainter } from "./flat_painter.js";
+import { TAU, clamp, extent, niceAbove } from "./numbers.js";
+import { polyline } from "./solids.js";
+import { AXES, vector } from "./spatial_motion.js";
+import { Theme, mix } from "./theme.js";
+
+/** Vertical field of view in degrees; narrow, so that parallels stay nearly parallel. */
+const FIELD = 28;
+const TANGENT = Math.tan((FIELD * TAU) / 720);
+
+export class SpatialView {
+  hint = "Wheel zooms, drag rotates, right-button drag pans.";
+  /** @type {Record<string, () => void>} */
+  keys = { 1: () => this.lookAlong("x"), 2: () => this.lookAlong("y"), 3: () => this.lookAlong("z"), 4: () => this.lookAlong(null) };
+
+  /** @param {HTMLCanvasElement} canvas @param {() => void} onChange */
+  constructor(canvas, onChange) {
+    this.canvas = canvas;
+    this.onChange = onChange;
+    this.fitted = true;
+    this.world = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(FIELD, 1, 0.01, 100);
+    this.renderer = rendererOf(canvas);
+    this.up = vector(AXES.z);
+    this.controls = this.orbit();
+    this.surroundings = new THREE.Group();
+    this.world.add(this.surroundings);
+    this.world.fog = new THREE.Fog("#ffffff", 1, 2);
+    this.radius = 0;
+    this.centre = vector([0, 0, 0]);
+    /** @type {THREE.Vector3[]} */
+    this.cloud = [];
+    this.step = 1;
+    /** Share of the canvas of a fitted view, and its margins that stay free [px]. */
+    this.share = 0.84;
+    this.free = { left: 0, top: 0 };
+  }
+
+  /** Controls about the vertical axis. */
+  orbit() {
+    this.controls?.dispose();
+    const { canvas } = this, controls = new THREE.OrbitControls(this.camera, canvas);
+    Object.assign(controls, { rotateSpeed: 0.8, zoomToCursor: true });
+    controls.addEventListener("start", () => canvas.classList.add("grabbing"));
+    controls.addEventListener("end", () => canvas.classList.remove("grabbing"));
+    controls.addEventListener("change", () => { this.fitted = false; this.onChange(); });
+    return controls;
+  }
+
+  /** @param {Point[]} cloud @param {Point | null} gravity */
+  enclose(cloud, gravity) {
+    const before = this.radius;
+    this.cloud = cloud.map(vector);
+    Object.assign(this, sphereAbout(this.cloud));
+    this.up = upward(gravity);
+    if (!this.camera.up.equals(this.up)) {
+      this.camera.up.copy(this.up);
+      this.controls = this.orbit();
+    }
+    Object.assign(this.controls, { minDistance: 0.02 * this.radius, maxDistance: 60 * this.radius });
+    this.surroundings.clear();
+    this.light();
+    this.ground();
+    if (!before) this.look(this.oblique());
+  }
+
+  /** Direction from the front, from the right and from above. */
+  oblique() {
+    const [u, v] = this.sides();
+    return u.clone().multiplyScalar(0.55).addScaledVector(v, -1).addScaledVector(this.up, 0.5);
+  }
+
+  /** Two horizontal axes, right-handed with the vertical one. */
+  sides() {
+    const u = Math.abs(this.up.x) < 0.5 ? vector(AXES.x) : vector(AXES.y);
+    return [u, new THREE.Vector3().crossVectors(this.up, u)];
+  }
+
+  light() {
+    const [u, v] = this.sides(), { centre, radius: r, up } = this;
+    this.sky = new THREE.HemisphereLight("#ffffff", "#8892a0", 1.9);
+    this.sky.position.copy(up);
+    this.sun = new THREE.DirectionalLight("#fffaf0", 2.1);
+    this.sun.position.copy(centre).addScaledVector(up, 4 * r).addScaledVector(u, -1.6 * r).addScaledVector(v, -2 * r);
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(2048, 2048);
+    Object.assign(this.sun.shadow.camera, { left: -1.8 * r, right: 1.8 * r, top: 1.8 * r, bottom: -1.8 * r, near: 0.5 * r, far: 12 * r });
+    this.sun.shadow.normalBias = 0.004 * r;
+    this.sun.shadow.radius = 4;
+    const fill = new THREE.DirectionalLight("#dfe9ff", 0.55);
+    fill.position.copy(centre).addScaledVector(u, 3 * r).addScaledVector(v, 2 * r).addScaledVector(up, r);
+    for (const { target } of [this.sun, fill]) target.position.copy(centre);
+    this.surroundings.add(this.sky, this.sun, this.sun.target, fill, fill.target);
+  }
+
+  /** Grid below everything, through the origin if that is lowest; shadows fall on it. */
+  ground() {
+    const { centre, radius, up } = this, [u, v] = this.sides();
+    const low = Math.min(...extent([this.cloud.map((p) => p.dot(up))]) ?? [0]), height = Math.abs(low) < 0.12 * radius ? Math.min(0, low) : low - 0.05 * radius;
+    const step = niceAbove(radius / 2.5), many = Math.ceil((8 * radius) / step);
+    const middle = [u, v].map((axis) => Math.round(centre.dot(axis) / step) * step);
+    /** @type {number[][][]} */
+    const lines = [[], []];
+    for (let k = -5 * many; k <= 5 * many; k++) {
+      // In pieces, because not every driver clips a line behind the camera well.
+      for (let piece = -many; piece < many; piece++) {
+        const s = (k * step) / 5, [from, to] = [piece * step, (piece + 1) * step];
+        for (const [p, q] of [[s, from], [s, to], [from, s], [to, s]]) {
+          lines[k % 5 ? 0 : 1].push(u.clone().multiplyScalar(middle[0] + p).addScaledVector(v, middle[1] + q).toArray());
+        }
+      }
+    }
+    this.floor = new THREE.Mesh(new THREE.PlaneGeometry(40 * radius, 40 * radius), new THREE.ShadowMaterial({ depthWrite: false }));
+    this.floor.quaternion.setFromUnitVectors(vector(AXES.z), up);
+    this.floor.position.copy(u).multiplyScalar(middle[0]).addScaledVector(v, middle[1]).addScaledVector(up, -0.002 * radius);
+    this.floor.receiveShadow = true;
+    this.grid = new THREE.Group().add(...lines.map((layer) => new THREE.LineSegments(polyline(layer), new THREE.LineBasicMaterial())), this.floor);
+    this.grid.position.copy(up).multiplyScalar(height);
+    this.step = step;
+    this.surroundings.add(this.grid);
+  }
+
+  restyle() {
+    const { surface, ink, grid, name } = Theme, dark = name === "dark";
+    this.world.background = new THREE.Color(mix(surface, ink, dark ? 0.02 : 0.012));
+    this.world.fog.color.copy(this.world.background);
+    const [fine, coarse] = this.grid.children;
+    fine.material.color.set(mix(surface, grid, 0.55));
+    coarse.material.color.set(mix(grid, ink, dark ? 0.12 : 0.1));
+    this.floor.material.opacity = dark ? 0.5 : 0.2;
+    [this.sky.intensity, this.sun.intensity] = dark ? [1.5, 1.9] : [1.9, 2.1];
+  }
+
+  // Camera -------------------------------------------------------------------------------------
+
+  /** Look along an axis; obliquely from above without one. @param {Axis | null} axis */
+  lookAlong(axis) { this.look(axis ? vector(AXES[axis]).multiplyScalar(axis === "y" ? -1 : 1) : this.oblique()); }
+
+  /** Look from a direction at the whole scene. @param {THREE.Vector3} direction */
+  look(direction) {
+    const { camera, controls, centre, radius } = this;
+    camera.position.copy(centre).addScaledVector(direction.clone().normalize(), 6 * radius);
+    controls.target.copy(centre);
+    controls.update();
+    this.frame();
+  }
+
+  /** @param {Point[]} cloud @param {{ side: number, left: number, top: number, bottom: number }} margins [px] */
+  fit(cloud, { side, left, top, bottom }) {
+    this.free = { left, top: Math.max(0, top - bottom) };
+    this.share = clamp(1 - (1.5 * side) / Math.min(this.canvas.clientWidth, this.canvas.clientHeight), 0.5, 0.9);
+    this.cloud = cloud.map(vector);
+    this.centre = sphereAbout(this.cloud).centre;
+    this.frame();
+  }
+
+  /** Move so near that the points are just in view, without turning. */
+  frame() {
+    this.camera.updateMatrixWorld();
+    const { camera, canvas: { clientWidth: w, clientHeight: h }, centre, cloud, controls, free: { left, top } } = this;
+    const [wide, high] = [(w - left) / h, (h - top) / h].map((share) => Math.max(0.1, share || 1) * this.share * TANGENT);
+    const [x, y, z] = [0, 1, 2].map((k) => new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, k));
+    const spots = cloud.map((p) => p.clone().sub(centre)).map((p) => [p.dot(x), p.dot(y), p.dot(z)]);
+    const middle = [0, 1].map((k) => { const [lo, hi] = extent([spots.map((s) => s[k])]) ?? [0, 0]; return (lo + hi) / 2; });
+    let away = 0.2 * this.radius;
+    for (const [a, b, c] of spots) away = Math.max(away, c + Math.abs(a - middle[0]) / wide, c + Math.abs(b - middle[1]) / high);
+    const [dx, dy] = [left, top].map((margin) => (margin * away * TANGENT) / (h || 1));
+    controls.target.copy(centre).addScaledVector(x, middle[0] - dx).addScaledVector(y, middle[1] + dy);
+    camera.position.copy(controls.target).addScaledVector(z, away);
+    controls.update();
+    this.fitted = true;
+    this.onChange();
+  }
+
+  /** @param {number} factor */
+  zoom(factor) {
+    const { camera, controls } = this, way = camera.position.clone().sub(controls.target);
+    camera.position.copy(controls.target).addScaledVector(way, clamp(1 / factor, controls.minDistance / way.length(), controls.maxDistance / way.length()));
+    controls.update();
+  }
+
+  /** @param {number[]} shift [m] */
+  carry(shift) { for (const place of [this.camera.position, this.controls.target, this.centre]) place.add(vector(shift)); }
+
+  /** Render on the canvas. @param {number | undefined} ratio */
+  render(ratio) {
+    const { canvas: { clientWidth: w, clientHeight: h }, renderer } = this;
+    renderer.setPixelRatio(ratio || window.devicePixelRatio || 1);
+    renderer.setSize(w, h, false);
+    this.aim(w, h);
+    renderer.render(this.world, this.camera);
+  }
+
+  /** Depths of the camera and of the fog. @param {number} w @param {number} h */
+  aim(w, h) {
+    const { camera, radius, world: { fog } } = this, away = camera.position.distanceTo(this.centre);
+    camera.aspect = w / h;
+    [camera.near, camera.far] = [Math.max(away - 12 * radius, away / 100, radius / 300), away + 30 * radius];
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+    [fog.near, fog.far] = [away + 1.5 * radius, away + 8.5 * radius];
+  }
+
+  // Positions on the canvas ------------------------------------------------------------------------
+
+  /** Position in the axes of the camera. @param {Point} place */
+  seen(place) { return vector(place).applyMatrix4(this.camera.matrixWorldInverse); }
+
+  /** @param {Point} place @returns {Pixel | null} */
+  screen(place) {
+    const p = this.seen(place), { clientWidth: w, clientHeight: h } = this.canvas, scale = h / 2 / TANGENT / -p.z;
+    return p.z > -1e-9 ? null : [w / 2 + p.x * scale, h / 2 - p.y * scale];
+  }
+
+  /** @param {Float64Array} places */
+  project(places) {
+    const { clientWidth: w, clientHeight: h } = this.canvas, e = this.camera.matrixWorldInverse.elements, seen = new Float64Array(places.length);
+    for (let k = 0; k < places.length; k += 3) {
+      const [x, y, z] = [0, 1, 2].map((row) => e[row] * places[k] + e[row + 4] * places[k + 1] + e[row + 8] * places[k + 2] + e[row + 12]), scale = h / 2 / TANGENT / -z;
+      seen.set(z > -1e-9 ? [NaN, NaN, -Infinity] : [w / 2 + x * scale, h / 2 - y * scale, z], k);
+    }
+    return seen;
+  }
+
+  /** @param {Point} place */
+  scaleAt(place) { return this.canvas.clientHeight / 2 / TANGENT / Math.max(1e-9, -this.seen(place).z); }
+
+  /** @param {number[]} v @returns {[number, number, number]} */
+  direction(v) {
+    const { x, y, z } = vector(v).applyMatrix4(new THREE.Matrix4().extractRotation(this.camera.matrixWorldInverse));
+    return [x, -y, z];
+  }
+}
+
+/** Axis that points up: against gravity, else z. @param {Point | null} gravity @returns {THREE.Vector3} */
+function upward(gravity) {
+  if (!gravity) return vector(AXES.z);
+  const k = [0, 1, 2].sort((a, b) => Math.abs(gravity[b]) - Math.abs(gravity[a]))[0];
+  return vector([0, 1, 2].map((i) => (i === k ? -Math.sign(gravity[k]) : 0)));
+}
+
+/** Sphere about points. @param {THREE.Vector3[]} cloud */
+function sphereAbout(cloud) {
+  const { center, radius } = new THREE.Box3().setFromPoints(cloud).getBoundingSphere(new THREE.Sphere());
+  return { centre: center, radius: radius || 0.5 };
+}
+
+/** WebGL; without it, a painter on the same canvas. @param {HTMLCanvasElement} canvas */
+function rendererOf(canvas) {
+  try {
+    if (!document.createElement("canvas").getContext("webgl2")) return new FlatPainter(canvas);
+    const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    renderer.localClippingEnabled = true;
+    renderer.shadowMap.enabled = true;
+    renderer.shadowMap.type = THREE.PCFShadowMap;
+    return renderer;
+  } catch {
+    return new FlatPainter(canvas);
+  }
+}
