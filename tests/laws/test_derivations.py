@@ -12,8 +12,8 @@ from registry import CONSTRAINED
 from thorough import sampled
 
 import dalembert as da
-from dalembert.model.derivation import appell_function, gibbs_appell, kane
-from dalembert.model.transformation import speeds_by_basis
+from dalembert.model.graph.derivation import appell_function, gibbs_appell, kane
+from dalembert.model.graph.transformation import speeds_by_basis
 
 ROADS = {"Gibbs–Appell": gibbs_appell, "Kane": kane}
 CASES = sampled(product(CONSTRAINED, ROADS), 5)

@@ -30,10 +30,10 @@ from dalembert import planar
 from dalembert.elements.planar.joint import TreeJoint
 from dalembert.io.decisions.tasks import make_analysis
 from dalembert.io.model_file import load_model_file
-from dalembert.model.tree.joint_coordinates import JointCoordinates
-from dalembert.model.tree.joint_view import JointView
-from dalembert.model.tree.link import planar_link
-from dalembert.model.tree.spanning_tree import Edge, spanning_tree
+from dalembert.model.graph.tree.joint_coordinates import JointCoordinates
+from dalembert.model.graph.tree.joint_view import JointView
+from dalembert.model.graph.tree.link import planar_link
+from dalembert.model.graph.tree.spanning_tree import Edge, spanning_tree
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MECHANISMS = ("four_bar", "slider_crank", "quick_return_shaper", "n_four_bar", "sliding_pendulum")

@@ -14,7 +14,7 @@ from thorough import sampled
 import dalembert as da
 from dalembert import spatial
 from dalembert.elements.spatial.joint import TreeJoint
-from dalembert.model.tree.joint_coordinates import JointCoordinates
+from dalembert.model.graph.tree.joint_coordinates import JointCoordinates
 
 REACTIONS = ("augmented", "projected")
 SEEDS = sampled(itertools.product(range(6), REACTIONS), 3)

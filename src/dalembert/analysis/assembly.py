@@ -10,9 +10,9 @@ import numpy as np
 
 from dalembert.analysis.requirements import need_mechanism
 from dalembert.errors import AnalysisError, AssemblyError
-from dalembert.model.assembly.assemblies import Assemblies, Completeness
-from dalembert.model.assembly.guesses import AssembledState
-from dalembert.model.model import Model
+from dalembert.model.graph.assembly.assemblies import Assemblies, Completeness
+from dalembert.model.graph.assembly.guesses import AssembledState
+from dalembert.model.graph.model import Model
 from dalembert.options import is_number, is_whole, random_generator
 from dalembert.text.arguments import check_arguments
 

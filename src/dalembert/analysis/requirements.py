@@ -6,7 +6,7 @@ from typing import Any
 
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 
 
 def need_model(model: Any, verb: str) -> None:

@@ -13,7 +13,7 @@ from dalembert.analysis.times import evaluate_times
 from dalembert.budget import STEP, check_budget, numeral
 from dalembert.elements.driver import Driver
 from dalembert.errors import AnalysisError, BudgetError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import inherit_texts, options
 from dalembert.results.analysis import Analysis, R
 

@@ -19,7 +19,7 @@ from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import STRATEGIES_OF, STRUCTURAL_ANALYSES
 from dalembert.io.tables import EventTable
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.structural.result import StructuralResult
 from dalembert.text.wording import unknown
 

@@ -20,7 +20,7 @@ from dalembert.io.reading import read_document
 from dalembert.io.schema import ModelDocument, ParameterTable
 from dalembert.io.values import in_own_unit, short_repr
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.model.system import System
 from dalembert.symbolic.formulas.declared import check_free
 from dalembert.text.wording import nearest, visible

@@ -9,7 +9,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.analysis import Analysis
 from dalembert.results.result import Instants, Result
 from dalembert.results.sampling import checked_instants

@@ -12,7 +12,7 @@ from dalembert.analysis.batch.states import MarchedStates, check_memory
 from dalembert.analysis.kinematics.branches import outputs_of
 from dalembert.analysis.timeline import uniform_grid
 from dalembert.integrators.marching.steps import Steps
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.batch.designs import Designs
 from dalembert.symbolic.evaluation.parallel import LaneMarch
 

@@ -35,8 +35,8 @@ from dalembert.integrators.base import Integrator
 from dalembert.integrators.newmark.family import Newmark
 from dalembert.integrators.runge_kutta.explicit import RK4
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
-from dalembert.model.model import Model
+from dalembert.model.graph.coordinates import AbsoluteCoordinates, Coordinates
+from dalembert.model.graph.model import Model
 from dalembert.options import only_for, options
 from dalembert.results.motion import Motion
 from dalembert.symbolic.evaluation.backends import BACKENDS

@@ -8,7 +8,7 @@ import scipy
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.formulations.base import Performance, state_symbols
-from dalembert.model.equations import Equations
+from dalembert.model.graph.equations import Equations
 from dalembert.sparse.factorise import general_factors
 
 

@@ -7,8 +7,8 @@ from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.formulations.base import Formulation, Performance
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
-from dalembert.model.coordinates import Coordinates
-from dalembert.model.model import Model
+from dalembert.model.graph.coordinates import Coordinates
+from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.backends import BACKENDS
 from dalembert.symbolic.once import once
 

@@ -42,7 +42,7 @@ from dalembert.integrators.marching.steps import (
     halving_warnings,
     standstill,
 )
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord
 from dalembert.results.status import Outcome, Status, Warnings

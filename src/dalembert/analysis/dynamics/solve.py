@@ -11,7 +11,7 @@ from dalembert.analysis.keywords import DynamicsKeywords
 from dalembert.analysis.progress import Reported
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.structural.motion import StructuralMotion

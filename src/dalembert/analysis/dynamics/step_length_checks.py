@@ -22,8 +22,8 @@ from dalembert.elements.coordinates import rate_of
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.marching.checkpoints import Checkpoints
 from dalembert.integrators.marching.steps import Steps
-from dalembert.model.assembly.guesses import AssembledState
-from dalembert.model.model import Model
+from dalembert.model.graph.assembly.guesses import AssembledState
+from dalembert.model.graph.model import Model
 from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.formulas.expression import free_symbols, stack
 from dalembert.symbolic.once import once

@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.cubics import cubic
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.kinematics.branches import Branches
 from dalembert.integrators.marching.checkpoints import States
 from dalembert.integrators.marching.steps import Steps
-from dalembert.model.equations import Equations
+from dalembert.model.graph.equations import Equations
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.once import CacheOwner
 
@@ -65,8 +66,7 @@ class StepOutputs(CacheOwner):
         (slope,) = rate(t, x, np.tile(p[:, None], t.size))
         h, c = np.diff(t)[:, None], parts
         ends = [a[:, :, None] for a in (x[:, :-1], x[:, 1:], slope[:, :-1], slope[:, 1:])]
-        inside = (1 + 2 * c) * (1 - c) ** 2 * ends[0] + c**2 * (3 - 2 * c) * ends[1]
-        inside += h * (c * (1 - c) ** 2 * ends[2] - c**2 * (1 - c) * ends[3])
+        inside = cubic(c, ends[0], ends[1], h * ends[2], h * ends[3])
         return (t[:-1, None] + h * c).ravel(), inside.reshape(x.shape[0], -1)
 
     def modes(self, steps: Steps, branches: Branches) -> np.ndarray:

@@ -22,7 +22,7 @@ from dalembert.analysis.equilibrium.static_balance import (
 )
 from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.formulations.base import Level
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status

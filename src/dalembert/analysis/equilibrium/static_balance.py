@@ -9,8 +9,8 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from dalembert.model.assembly.position import position_stages
-from dalembert.model.model import Model
+from dalembert.model.graph.assembly.position import position_stages
+from dalembert.model.graph.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.equations.newton import ROUNDING, Equations, NewtonSettings, Residual, solve

@@ -23,7 +23,7 @@ from dalembert.model.assembled.evaluation.stiffness_solvers import (
     multigrid_of,
 )
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.batch.batch import Batch

@@ -12,7 +12,7 @@ from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.keywords import OverTimeKeywords
 from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.analysis.times import Time, analysis_of
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion

@@ -21,7 +21,7 @@ from dalembert.analysis.kinematics.run import TOLERANCE, KinematicsRun
 from dalembert.analysis.timeline import OverTime
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion

@@ -22,8 +22,8 @@ from dalembert.analysis.timeline import (
     uniform_grid,
 )
 from dalembert.errors import AnalysisError
-from dalembert.model.assembly.regularity import left_ahead
-from dalembert.model.model import Model
+from dalembert.model.graph.assembly.regularity import left_ahead
+from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status, reached, stopped

@@ -19,8 +19,8 @@ from dalembert.elements.fem.elastic_element import ElasticElement
 from dalembert.elements.flexible.nodes import Noded
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import KKT
-from dalembert.model.coordinates import Coordinates
-from dalembert.model.model import Model
+from dalembert.model.graph.coordinates import Coordinates
+from dalembert.model.graph.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.sparse.eigenvalues import coinciding, error_sizes, leading, residual
 from dalembert.symbolic.equations.implicit import ImplicitFunction

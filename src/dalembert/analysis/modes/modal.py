@@ -18,8 +18,8 @@ from dalembert.analysis.modes.vibration import vibration
 from dalembert.analysis.requirements import need_count
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
-from dalembert.model.model import Model
+from dalembert.model.graph.coordinates import AbsoluteCoordinates, Coordinates
+from dalembert.model.graph.model import Model
 from dalembert.options import only_for, options
 from dalembert.results.analysis import ParameterValues
 from dalembert.results.mechanism_modes import MechanismModes

@@ -10,7 +10,7 @@ from dalembert.analysis.modes.modal import Modal
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.modes import Modes
 from dalembert.results.motion import Motion
 from dalembert.results.structural.result import StructuralResult

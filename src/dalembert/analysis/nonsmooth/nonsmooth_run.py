@@ -29,7 +29,7 @@ from dalembert.analysis.timeline import (
 )
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.formulations.base import Level
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord, NonsmoothMotion
 from dalembert.results.status import Outcome, Status, reached, stopped
 from dalembert.symbolic.equations.newton import Solution

@@ -9,8 +9,8 @@ import numpy as np
 import scipy
 
 from dalembert.errors import SingularityError, UnsupportedError
-from dalembert.model.assembly.assembly import ROUNDING
-from dalembert.model.model import Model
+from dalembert.model.graph.assembly.assembly import ROUNDING
+from dalembert.model.graph.model import Model
 from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
 

@@ -118,7 +118,8 @@ class BlockMaker:
         changes: dict[str, dict[str, Any]] | None = None,
     ) -> ElementBlock:
         """Block of elements of one kind, or of their thermal terms."""
-        cls, options = parts[0].cls, tuple(parts[0].options.items())
+        cls: Any = parts[0].cls
+        options = tuple(parts[0].options.items())
         nodes, names = np.concatenate([part.nodes for part in parts]), Spans()
         thermal, space = changes is not None, self.structure.dimension
         setting = nodes.shape[1], options, self.linear, thermal
