@@ -178,9 +178,7 @@ def test_a_structure_is_written_alike(tmp_path, schema):
         '"k/2"]', '"height"]'
     )
     text = text.replace('kind = "structure"', 'kind = "structure"\ngravity = [0, -9.81]')
-    text += (
-        '[initial]\n"b.vx" = 0.2\n[analysis]\ntype = "Dynamics"\nduration = 0.01\nstep = 1e-3\n'
-    )
+    text += '[initial]\n"b.vx" = 0.2\n[analysis]\ntype = "Dynamics"\nduration = 0.01\nstep = 1e-3\n'
     _, model = loaded(tmp_path, text, schema)
     motion = da.solve_dynamics(model, 0.01, step=1e-3)
     assert motion["b.vx"].values[0] == pytest.approx(0.2)
