@@ -1,4 +1,4 @@
-"""Drawing of a planar mechanism."""
+"""Scene of a planar mechanism."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from dalembert.elements.base import Look
 from dalembert.elements.look import Belt, Block, Disc, Limit, Mark, Mesh, Rotary, Segment, Travel
 from dalembert.elements.planar.body import Body
 from dalembert.elements.point import Point
-from dalembert.results.pictures.drawing import Drawing
-from dalembert.results.pictures.sketch import Sketch, body_names, moving_body, symbol_header
+from dalembert.results.pictures.mechanism_scene import MechanismScene
+from dalembert.results.pictures.primitives import Primitives, body_names, moving_body, symbol_header
 
 
-class PlanarSketch(Sketch):
-    """Sketch by symbols of engineering drawings."""
+class PlanarPrimitives(Primitives):
+    """Primitives as symbols of engineering drawings."""
 
     dimension = 2
 
@@ -94,19 +94,19 @@ class PlanarSketch(Sketch):
             )
 
 
-class PlanarDrawing(Drawing):
-    """Drawing by bars and plates."""
+class PlanarScene(MechanismScene):
+    """Scene of bars and plates."""
 
-    kind = PlanarSketch
+    kind = PlanarPrimitives
 
     def outline(self, body: Body) -> None:
         """Draw the body by its own look, else as a plate over its points."""
-        looks, shapes = body.look(), self.sketch.shapes[body.name]
+        looks, shapes = body.look(), self.primitives.shapes[body.name]
         points = [list(p) for p in self.points[body.name]]
         for look in looks:
-            self.sketch.draw(look, body)
+            self.primitives.draw(look, body)
             if isinstance(look, Segment):
-                points += [self.sketch.local(look.point_i), self.sketch.local(look.point_j)]
+                points += [self.primitives.local(look.point_i), self.primitives.local(look.point_j)]
         corners = _hull(points) if points else []
         if len(corners) > 2:
             shapes.insert(0, {"kind": "polygon", "points": corners})

@@ -33,7 +33,7 @@ CURVE_SAMPLES = 181
 PointData = dict[str, Any]
 
 
-class Sketch:
+class Primitives:
     """Collector of primitives.
 
     Parameters
