@@ -37,7 +37,7 @@ NORMAL = [0.0, 0.0, 1.0]
 """Axis of a disc without an axis of its own."""
 
 
-class Sketch(SceneCollector):
+class Primitives(SceneCollector):
     """Collector of primitives; subclasses add those of the plane or of space."""
 
     @singledispatchmethod
