@@ -9,8 +9,8 @@ import numpy as np
 
 from dalembert.analysis.batch.equilibrium_batch import EquilibriumBatch
 from dalembert.analysis.batch.solve import run_analysis
-from dalembert.analysis.equilibrium.mechanism_equilibrium import MechanismEquilibrium
-from dalembert.analysis.equilibrium.structure_equilibrium import StructureEquilibrium
+from dalembert.analysis.equilibrium.mechanism_equilibrium import mechanism_equilibrium
+from dalembert.analysis.equilibrium.structure_equilibrium import structure_equilibrium
 from dalembert.analysis.keywords import EquilibriumKeywords
 from dalembert.analysis.requirements import need_positive
 from dalembert.analysis.times import analysis_of
@@ -106,8 +106,8 @@ class Equilibrium(Analysis[Any, Any]):
         self.for_model(model)
         p = model.values(parameters)
         if isinstance(model, StructuralModel):
-            return StructureEquilibrium(self, model, p).execute(progress)
-        return MechanismEquilibrium(self, model, p).execute(start)
+            return structure_equilibrium(self, model, p, progress)
+        return mechanism_equilibrium(self, model, p, start)
 
     def replay(self, result: Any, p: np.ndarray) -> Any:
         """The equilibrium at other parameter values; of a mechanism, starting from this one."""

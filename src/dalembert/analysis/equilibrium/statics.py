@@ -20,7 +20,6 @@ from dalembert.analysis.times import analysis_of
 from dalembert.errors import UnsupportedError
 from dalembert.model.assembled.evaluation.stiffness_solvers import (
     better_iterative,
-    free_displacements,
     multigrid_of,
 )
 from dalembert.model.assembled.model import StructuralModel
@@ -119,27 +118,12 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         record = StaticsRecord(factor, stiffness)
         timing.lap("solution")
         statistics = self._statistics(model, factor, timing)
-        records, warnings = [record] * len(cases), self._range_warnings(exact, p, cases, u, factor)
+        names = [f"load case {case!r}" if case else "the load" for case in cases]
+        warnings = linear_range_warnings(exact, p, names, u, factor)
+        records = [record] * len(cases)
         return StructuralResult(
             model, self, p, cases, u, forces, status, statistics, records, warnings
         )
-
-    @staticmethod
-    def _range_warnings(
-        model: StructuralModel,
-        p: np.ndarray,
-        cases: list[str],
-        u: np.ndarray,
-        factor: SparseSolver | None,
-    ) -> list[str]:
-        """Warnings about displacements that are too large for linear statics."""
-        free = model.assembly.free
-
-        def solve(forces: np.ndarray) -> np.ndarray:
-            return free_displacements(factor, free, forces)
-
-        names = [f"load case {case!r}" if case else "the load" for case in cases]
-        return linear_range_warnings(model, p, names, u, solve, "use nonlinear=True")
 
     def _solver(self, model: StructuralModel, matrix: Any, p: np.ndarray) -> SparseSolver | None:
         blocks, free = model.assembly.blocks, model.assembly.free

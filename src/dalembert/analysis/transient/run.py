@@ -22,7 +22,6 @@ from dalembert.budget import check_budget
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.marching.steps import Steps, halving_warnings
 from dalembert.integrators.newmark.family import NewmarkFamily
-from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of, free_displacements
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.analysis import ParameterValues
 from dalembert.results.status import Status
@@ -102,28 +101,12 @@ class TransientRun:
         timing.lap("outputs")
         motion.statistics |= timing.statistics
         motion.warnings = halving_warnings(march.steps.rejected)
-        if not a.nonlinear:
-            motion.warnings += self._range_warnings(motion, march)
-        return motion
-
-    def _range_warnings(self, motion: StructuralMotion, march: March) -> list[str]:
-        """Warning where the largest displacements exceed the range of linear equations."""
         u = motion.displacements
-        if not u.size or self.model.linear:
-            return []
-        k = int(np.argmax(np.abs(u).max(axis=0)))
-        assembly = march.equation.assembly
-        free, rest = assembly.free, np.zeros(assembly.size)
-
-        def solve(forces: np.ndarray) -> np.ndarray:
-            stiffness = assembly.inner(assembly.stiffness(rest, self.p))
-            factor = factors_of(stiffness, self.model.degrees, free)
-            return free_displacements(factor, free, forces)
-
-        name = f"at t = {motion.time[k]:.6g} s"
-        return linear_range_warnings(
-            self.model, self.p, [name], u[:, k : k + 1], solve, "use nonlinear=True"
-        )
+        if u.size and not (a.nonlinear or self.model.linear):
+            k = int(np.argmax(np.abs(u).max(axis=0)))
+            name = f"at t = {motion.time[k]:.6g} s"
+            motion.warnings += linear_range_warnings(self.model, self.p, [name], u[:, k : k + 1])
+        return motion
 
 
 def motion_at(

@@ -136,13 +136,13 @@ export class Marks {
   // Labels ---------------------------------------------------------------------------------------
 
   drawLabels() {
-    const { scene: { motion, painter }, paper, paper: { w, h } } = this;
+    const { scene: { motion, painter }, paper: { w, h } } = this;
     const place = (/** @type {{ body: any, point: any }} */ { body, point }) => { const p = motion.at(body, point); return p && this.scene.screen(p); };
     const middles = motion.links.map(({ i, j }) => { const p = place(i), q = place(j); return p && q && /** @type {Pixel} */ ([(p[0] + q[0]) / 2, (p[1] + q[1]) / 2]); });
     const pins = [...motion.joints.filter(({ at }) => !at).map(place), ...middles].filter((p) => p !== null), { half } = painter;
     /** @type {{ x: number, y: number, wide: number }[]} */
     const taken = [];
-    for (const { text, font, colour, places, required, owner } of [...painter.labels(paper), ...this.nodeLabels()]) {
+    for (const { text, font, colour, places, required, owner } of [...painter.labels(), ...this.nodeLabels()]) {
       const wide = this.widthOf(text, font) / 2;
       const cost = ([x, y] = /** @type {Pixel} */ ([0, 0]), more = 0) =>
         pins.filter((p) => Math.abs(p[0] - x) < wide + half + more && Math.abs(p[1] - y) < 8 + half + more).length

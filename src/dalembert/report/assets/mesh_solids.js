@@ -39,7 +39,7 @@ export class MeshSolids {
     this.ghost = this.lines(other ? [...segmentsOf(other).vertices, ...other.outline] : [], 5, { transparent: true, opacity: 0.4 });
     this.nodes = new THREE.Group();
     for (const vertex of mesh.drawnNodes) {
-      const dot = new THREE.Mesh(ball([0, 0, 0], 0.55 * painter.unit), painter.surface("pale"));
+      const dot = new THREE.Mesh(ball([0, 0, 0], 0.55 * painter.unit), painter.materials.surface("pale"));
       dot.userData = { vertex };
       this.nodes.add(dot);
     }
@@ -77,7 +77,7 @@ export class MeshSolids {
     }
     const geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(Float32Array.from(positions), 3));
     geometry.computeVertexNormals();
-    const solid = new THREE.Mesh(geometry, painter.surface("ground"));
+    const solid = new THREE.Mesh(geometry, painter.materials.surface("ground"));
     solid.castShadow = solid.receiveShadow = true;
     solid.visible = scene.show.supports && count > 0;
     return solid;

@@ -1,4 +1,4 @@
-"""Primitives of a mechanism as plain data with their motion, common to plane and space."""
+"""Primitives of a mechanism as plain data, common to plane and space."""
 
 from __future__ import annotations
 
@@ -11,101 +11,35 @@ import numpy as np
 
 from dalembert.elements.base import Look
 from dalembert.elements.body import BodyElement
-from dalembert.elements.contact.collisions import Collisions
-from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.look import (
     Arrow,
     Ball,
     Belt,
     Contact,
+    Disc,
+    Limit,
     Link,
+    Mark,
+    Mesh,
     Path,
     Rail,
+    Rotary,
     Segment,
+    Travel,
     Twist,
 )
-from dalembert.elements.point import AXES, Point
-from dalembert.results.labelled import LabelledRecording
-from dalembert.results.pictures.pivots import Pivots
+from dalembert.elements.point import Point
+from dalembert.results.pictures.collector import SceneCollector
 from dalembert.symbolic.formulas.expression import Expression
 
 CURVE_SAMPLES = 181
-PointData = dict[str, Any]
+NORMAL = [0.0, 0.0, 1.0]
+"""Axis of a disc without an axis of its own."""
 
 
-class Sketch:
-    """Collector of primitives.
+class Sketch(SceneCollector):
+    """Collector of primitives; subclasses add those of the plane or of space."""
 
-    Parameters
-    ----------
-    motion : motion whose elements are drawn
-    keep : instants
-    loads : whether forces, moments and stops are drawn
-
-    Attributes
-    ----------
-    size : of the mechanism, for symbols of relative size
-    shapes : name of a body → its shapes
-    joints, links, symbols : primitives between bodies or of their own
-    """
-
-    size = 1.0
-    dimension: int
-
-    def __init__(self, motion: LabelledRecording, keep: np.ndarray, loads: bool):
-        self.motion, self.model, self.keep, self.loads = motion, motion.model, keep, loads
-        self.data, self.parameters = motion.contents, self.model.equations.p
-        self.elements = [*self.model.constraints, *self.model.forces]
-        self.elements += [
-            e for e in self.model.parts.elements.values() if isinstance(e, Collisions)
-        ]
-        self.pivots = Pivots(self.elements)
-        flexible = (b for b in self.model.bodies if isinstance(b, FloatingFrame))
-        self.sections = [section for body in flexible for section in body.sections.values()]
-        names = ["ground", *(b.display_name for b in (*self.model.bodies, *self.sections))]
-        self.shapes: dict[str, list[dict]] = {name: [] for name in names}
-        self.joints: list[dict] = []
-        self.links: list[dict] = []
-        self.symbols: list[dict] = []
-        self.time_dependent: list[tuple[dict, tuple[str, ...], ca.SX]] = []
-
-    # numbers ---------------------------------------------------------------------------
-    def number(self, sx: ca.SX) -> np.ndarray:
-        """Value of a formula of parameters."""
-        value = ca.Function("n", [self.parameters], [ca.densify(sx)])
-        return np.asarray(value(self.motion.parameters).full()).ravel()
-
-    def size_of(self, sx: ca.SX) -> float:
-        """Value of a scalar formula of parameters."""
-        return float(self.number(sx)[0])
-
-    def padded(self, sx: ca.SX) -> ca.SX:
-        """A vector padded to the dimension of the drawing."""
-        return ca.vertcat(sx, ca.SX.zeros(max(0, self.dimension - sx.numel())))
-
-    def local(self, point: Point) -> list[float]:
-        """Coordinates of a point in the frame of its body."""
-        return self.number(self.padded(point.local.sx)).tolist()
-
-    def point_data(self, point: Point) -> PointData:
-        """Data of a point in pages."""
-        return {"body": point.body.display_name, "point": self.local(point)}
-
-    def components(self, name: str, vector: ca.SX) -> tuple[str, ...]:
-        """Names of the columns of a vector; a planar moment has one."""
-        axes = AXES[: vector.numel()]
-        return tuple(f"{name}_{axis}" for axis in axes) if len(axes) > 1 else (name,)
-
-    def fill_in(self) -> None:
-        """Fill in the columns of time-dependent symbols, in one pass over the states."""
-        if not self.time_dependent:
-            return
-        columns = self.motion.columns([Expression(sx) for _, _, sx in self.time_dependent])
-        for (symbol, names, _), values in zip(self.time_dependent, columns, strict=True):
-            rows = values[self.keep].reshape(len(self.keep), len(names)).T
-            symbol |= dict(zip(names, rows.tolist(), strict=True))
-
-    # primitives ------------------------------------------------------------------------
     @singledispatchmethod
     def draw(self, look: Look, element: Any) -> None:
         """Record the data of a primitive of an element."""
@@ -149,6 +83,75 @@ class Sketch:
         self.links.append(symbol_header(look, element) | ends)
 
     @draw.register
+    def _(self, look: Disc, element: Any) -> None:
+        shape: dict[str, Any] = {"kind": "disc", "center": self.local(look.point)}
+        shape |= {"radius": self.size_of(look.radius), "axis": self.axis(look.point) or NORMAL}
+        self.shapes[look.point.body.display_name].append(shape)
+
+    @draw.register
+    def _(self, look: Mark, element: Any) -> None:
+        bodies, ends = body_names(look.point, look.base), [self.anchor(look.point)]
+        if isinstance(look.base, Point):
+            ends.append(self.anchor(look.base))
+            if bodies[0] == "ground":
+                ends.reverse()
+        symbol = symbol_header(look, element) | ends[0] | {"grounded": "ground" in bodies}
+        symbol |= {"on": moving_body(bodies)} | ({"base": ends[1]} if len(ends) > 1 else {})
+        self.joints.append(symbol | self.reaction(element))
+
+    @draw.register
+    def _(self, look: Mesh, element: Any) -> None:
+        symbol = symbol_header(look, element) | self.anchor(look.point) | {"grounded": False}
+        symbol["mesh"] = [
+            self.anchor(p) | {"radius": self.size_of(r)}
+            for p, r in ((look.point, look.radius), (look.base, look.base_radius))
+            if isinstance(p, Point)
+        ]
+        self.joints.append(symbol | {"internal": look.internal} | self.reaction(element))
+
+    @draw.register
+    def _(self, look: Rotary, element: Any) -> None:
+        pivot = self.pivots.between(look.body_i, look.body_j)
+        ends = [b.name if b is not None else "ground" for b in (look.body_i, look.body_j)]
+        symbol = symbol_header(look, element) | self.anchor(pivot)
+        self.symbols.append(symbol | dict(zip("ij", ends, strict=True)))
+
+    @draw.register
+    def _(self, look: Belt, element: Any) -> None:
+        wheels, crossed = self.wheels(look)
+        symbol = symbol_header(look, element) | {"wheels": wheels, "crossed": crossed}
+        self.joints.append(symbol | wheels[1] | {"grounded": False} | self.reaction(element))
+
+    @draw.register
+    def _(self, look: Travel, element: Any) -> None:
+        on = look.body.name if look.body is not None else "ground"
+        axis = self.number(self.padded(look.direction)).tolist()
+        symbol = symbol_header(look, element) | self.point_data(look.point)
+        self.symbols.append(symbol | {"on": on, "axis": axis})
+
+    @draw.register
+    def _(self, look: Limit, element: Any) -> None:
+        """A wall at the limit; for a rotation in space, a mark on its axis."""
+        moving = [b for b in self.model.bodies if ca.jacobian(look.coordinate, b.pose).nnz()]
+        if not (moving and self.loads):
+            return
+        reach = {
+            name: shape["width"] / 2
+            for name, shapes in self.shapes.items()
+            for shape in shapes
+            if "width" in shape
+        }
+        wall = self.pivots.wall(look, self.model.bodies, reach)
+        pivot = self.pivots.between(moving[0] if len(moving) > 1 else None, moving[-1])
+        origin = {"body": "ground", "point": [0.0] * self.dimension}
+        symbol = symbol_header(look, element) | (self.anchor(pivot) if wall is None else origin)
+        self.symbols.append(symbol)
+        if wall is not None:
+            parts = [self.padded(part) for part in ca.vertsplit(wall, wall.numel() // 2)]
+            for name, part in zip(("at", "normal"), parts, strict=True):
+                self.time_dependent.append((symbol, self.components(name, part), part))
+
+    @draw.register
     def _(self, look: Contact, element: Any) -> None:
         symbol = symbol_header(look, element) | {"body": "ground", "point": [0.0] * self.dimension}
         self.joints.append(symbol | {"grounded": False} | self.reaction(element))
@@ -170,58 +173,6 @@ class Sketch:
             self.moment(look.moment),
             symbol_header(look, element) | self.point_data(pivot),
         )
-
-    def load(self, name: str, vector: ca.SX, symbol: PointData) -> None:
-        """Record an applied force or moment over time."""
-        if self.loads:
-            self.symbols.append(symbol)
-            self.time_dependent.append((symbol, self.components(name, vector), vector))
-
-    def wheels(self, look: Belt) -> tuple[list[PointData], bool]:
-        """Wheels of a belt, with radii in its ratio, and whether it is crossed."""
-        pivots = [self.pivots.between(look.carrier, b) for b in (look.body_i, look.body_j)]
-        ratio, (p, q) = self.size_of(look.ratio), [self.start(pivot) for pivot in pivots]
-        unit = 0.3 * float(np.linalg.norm(p - q)) / (abs(ratio) + 1)
-        wheels = [
-            self.anchor(pivot) | {"radius": unit * turns}
-            for pivot, turns in zip(pivots, (abs(ratio), 1.0), strict=True)
-        ]
-        return wheels, ratio < 0
-
-    def start(self, point: Point) -> np.ndarray:
-        """Position of a point at the first instant."""
-        if point.body.name == "ground":
-            return np.array(self.local(point))
-        return np.atleast_1d(self.motion.values(self.padded_position(point))[self.keep[0]])
-
-    def padded_position(self, point: Point) -> Expression:
-        """Position of a point, padded to the dimension of the drawing."""
-        return Expression(self.padded(point.position.sx))
-
-    def anchor(self, point: Point) -> PointData:
-        """Data of a point, with its axis in space."""
-        return self.point_data(point)
-
-    def moment(self, sx: ca.SX) -> ca.SX:
-        """A moment, padded to the rotation axes of the drawing."""
-        return sx
-
-    def reaction(self, joint: Any) -> dict[str, list[float]]:
-        """Columns of the reaction force and moment of a joint."""
-        if joint.name not in self.data.labels("joint"):
-            return {}
-        force, moment = (
-            self.data.at(f"reaction_{k}", joint=joint.name)[self.keep] for k in ("force", "moment")
-        )
-        if not np.isfinite(force).any():
-            return {}
-        threshold = 1e-9 * self.size * np.nanmax(np.abs(force))
-        moment = np.where(np.abs(moment) > threshold, moment, 0.0)
-        columns_by_name: dict[str, list[float]] = {}
-        for name, table in (("force", force), ("moment", moment.reshape(len(self.keep), -1))):
-            columns = self.components(name, ca.SX(table.shape[1], 1))
-            columns_by_name |= dict(zip(columns, table.T.tolist(), strict=True))
-        return columns_by_name
 
 
 def symbol_header(look: Look, element: Any) -> dict[str, Any]:

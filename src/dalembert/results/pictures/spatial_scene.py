@@ -14,19 +14,13 @@ import numpy as np
 
 from dalembert.elements.base import Look
 from dalembert.elements.frame import Frame
-from dalembert.elements.look import Belt, Block, Disc, Limit, Mark, Mesh, Rotary, Travel
+from dalembert.elements.look import Block
 from dalembert.elements.point import AXES, Point
 from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.inertia_tensor import tensor
 from dalembert.elements.spatial.shape import Cuboid, Drum, Orb, Pill, Round, Surface
 from dalembert.results.pictures.drawing import Drawing
-from dalembert.results.pictures.sketch import (
-    PointData,
-    Sketch,
-    body_names,
-    moving_body,
-    symbol_header,
-)
+from dalembert.results.pictures.sketch import Sketch
 from dalembert.symbolic.rotation import EULER_PARAMETERS
 
 ROUND = {Drum: "cylinder", Pill: "capsule"}
@@ -37,12 +31,10 @@ class SpatialSketch(Sketch):
 
     dimension = 3
 
-    def anchor(self, point: Point) -> PointData:
-        """Data of a point, with its axis if it has one."""
-        axis = None if point.body.dimension == 3 else [0.0, 0.0, 1.0]
+    def axis(self, point: Point) -> list[float] | None:
         if isinstance(point, Frame):
-            axis = self.number(point.local_axes[:, 2]).tolist()
-        return self.point_data(point) | {"axis": axis}
+            return self.number(point.local_axes[:, 2]).tolist()
+        return None if point.body.dimension == 3 else [0.0, 0.0, 1.0]
 
     # primitives ------------------------------------------------------------------------
     @singledispatchmethod
@@ -73,76 +65,10 @@ class SpatialSketch(Sketch):
         self.shapes[look.body.display_name].append({"kind": "mesh", **shape})
 
     @draw.register
-    def _(self, look: Disc, element: Any) -> None:
-        anchor = self.anchor(look.point)
-        shape = {"center": anchor["point"], "axis": anchor["axis"] or [0.0, 0.0, 1.0]}
-        shape["radius"] = self.size_of(look.radius)
-        self.shapes[look.point.body.display_name].append({"kind": "disc", **shape})
-
-    @draw.register
     def _(self, look: Block, element: Any) -> None:
         axis = self.number(self.padded(look.direction)).tolist()
         shape = {"kind": "block", "center": self.local(look.point), "axis": axis}
         self.shapes[look.point.body.display_name].append(shape)
-
-    @draw.register
-    def _(self, look: Mark, element: Any) -> None:
-        point, base = look.point, look.base
-        bodies = body_names(point, base)
-        symbol = (
-            symbol_header(look, element) | self.anchor(point) | {"grounded": "ground" in bodies}
-        )
-        symbol["on"] = moving_body(bodies)
-        if isinstance(base, Point):
-            symbol["base"] = self.anchor(base)
-        if bodies[0] == "ground" and isinstance(base, Point):
-            symbol |= self.anchor(base) | {"base": self.anchor(point)}
-        self.joints.append(symbol | self.reaction(element))
-
-    @draw.register
-    def _(self, look: Mesh, element: Any) -> None:
-        symbol = symbol_header(look, element) | self.anchor(look.point) | {"grounded": False}
-        symbol["mesh"] = [
-            self.anchor(p) | {"radius": self.size_of(r)}
-            for p, r in ((look.point, look.radius), (look.base, look.base_radius))
-            if isinstance(p, Point)
-        ]
-        self.joints.append(symbol | {"internal": look.internal} | self.reaction(element))
-
-    @draw.register
-    def _(self, look: Rotary, element: Any) -> None:
-        pivot = self.pivots.between(look.body_i, look.body_j)
-        self.symbols.append(symbol_header(look, element) | self.anchor(pivot))
-
-    @draw.register
-    def _(self, look: Belt, element: Any) -> None:
-        wheels, crossed = self.wheels(look)
-        symbol = symbol_header(look, element) | {"wheels": wheels, "crossed": crossed}
-        self.joints.append(symbol | wheels[1] | {"grounded": False} | self.reaction(element))
-
-    @draw.register
-    def _(self, look: Travel, element: Any) -> None:
-        on = look.body.name if look.body is not None else "ground"
-        axis = self.number(self.padded(look.direction)).tolist()
-        symbol = symbol_header(look, element) | self.point_data(look.point)
-        self.symbols.append(symbol | {"on": on, "axis": axis})
-
-    @draw.register
-    def _(self, look: Limit, element: Any) -> None:
-        """A wall normal to a straight path; for a rotation, a mark on its axis."""
-        moving = [b for b in self.model.bodies if ca.jacobian(look.coordinate, b.pose).nnz()]
-        if not (moving and self.loads):
-            return
-        wall = self.pivots.wall(look, self.model.bodies, {})
-        pivot = self.pivots.between(moving[0] if len(moving) > 1 else None, moving[-1])
-        symbol = symbol_header(look, element) | (
-            self.anchor(pivot) if wall is None else {"body": "ground", "point": [0.0, 0.0, 0.0]}
-        )
-        self.symbols.append(symbol)
-        if wall is not None:
-            parts = [self.padded(part) for part in ca.vertsplit(wall, wall.numel() // 2)]
-            for name, part in zip(("at", "normal"), parts, strict=True):
-                self.time_dependent.append((symbol, self.components(name, part), part))
 
     def moment(self, sx: ca.SX) -> ca.SX:
         return sx if sx.numel() == 3 else ca.vertcat(0, 0, sx)
