@@ -86,8 +86,7 @@ def plain(data: Any) -> Any:
 
 
 SIMILAR, NEAREST = 0.4, 0.5
-"""Minimum similarity of several suggested names, and of a single one, which accepts one wrong letter
-of two."""
+"""Minimum similarity of several suggested names, and of a single one: one wrong letter of two."""
 
 
 def similar(
@@ -102,7 +101,7 @@ def nearest(name: Any, known: Iterable[str]) -> str:
     names = list(known)
     if new := successor(name, names):
         return f" (renamed: {new!r})"
-    return "".join(f" (did you mean {close!r}?)" for close in similar(name, names, 1))
+    return "".join(f" (did you mean {close!r}?)" for close in similar(name, names, 1, NEAREST))
 
 
 def unknown(kind: str, name: Any, known: Iterable[str]) -> str:
