@@ -14,8 +14,8 @@ import style
 
 import dalembert as da
 from dalembert import planar
-from dalembert.model.equations import Equations
-from dalembert.model.transformation import change_coordinates, change_speeds
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.transformation import change_coordinates, change_speeds
 
 XI, ETA = 0.45, -0.1  # C in the frame at A [m]
 MASS, INERTIA, G = 2.0, 0.15, 9.81

@@ -58,7 +58,7 @@ def main(folder=None) -> dict[str, float]:
     print(*(f"{name}: {value:.9g}" for name, value in numbers.items()), sep="\n")
     if folder:
         figure, ax = plt.subplots(figsize=(7.2, 2.9))
-        result.plot("plate.von_mises", smooth=True, ax=ax)
+        result.draw("plate.von_mises", smooth=True, ax=ax)
         ax.axis("off")
         style.save(figure, folder, "plate")
     return numbers

@@ -16,7 +16,7 @@ import style
 
 import dalembert as da
 from dalembert import planar
-from dalembert.model.transformation import coordinates_by
+from dalembert.model.graph.transformation import coordinates_by
 
 M1, M2, J1, J2, G = 2.0, 1.0, 0.02, 0.03, 9.81
 A1, B1, A2 = 0.1, 0.1, 0.3  # A C1, C1 B, B C2 [m]

@@ -11,9 +11,9 @@ import matplotlib.pyplot as plt
 import numpy as np
 import style
 
-from dalembert.model.equations import Equations
-from dalembert.model.inertia import BlockInertia
-from dalembert.model.transformation import change_coordinates
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.inertia import BlockInertia
+from dalembert.model.graph.transformation import change_coordinates
 
 MASS, STIFFNESS = 0.5, 8.0
 POSITION, VELOCITY = np.array([1.0, 0.2, 0.6]), np.array([-0.5, 2.2, 1.0])

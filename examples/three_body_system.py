@@ -16,8 +16,8 @@ from scipy.integrate import solve_ivp
 
 import dalembert as da
 from dalembert import planar
-from dalembert.model.derivation import gibbs_appell
-from dalembert.model.transformation import coordinates_by
+from dalembert.model.graph.derivation import gibbs_appell
+from dalembert.model.graph.transformation import coordinates_by
 
 G, K, FREE = 9.81, 60.0, 0.5
 M1, M2, M3, J1, J2, J3 = 2.0, 0.8, 1.1, 0.12, 0.01, 0.05

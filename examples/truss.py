@@ -66,9 +66,9 @@ def main(folder=None) -> dict[str, float]:
     print(*(f"{name}: {value:.9g}" for name, value in numbers.items()), sep="\n")
     if folder:
         figure, axes = plt.subplots(3, 1, figsize=(7.2, 7.6))
-        result.plot("force", "snow", ax=axes[0])
-        result.plot("force", "wind", ax=axes[1])
-        best.motion.plot("stress", "snow", ax=axes[2])
+        result.draw("force", "snow", ax=axes[0])
+        result.draw("force", "wind", ax=axes[1])
+        best.motion.draw("stress", "snow", ax=axes[2])
         axes[2].set_title(f"lightest, {best.fun:.0f} kg; {axes[2].get_title('left')}")
         for ax in axes:
             ax.axis("off")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import shutil
 import time
@@ -86,7 +87,7 @@ class Visit:
 @contextmanager
 def chromium() -> Iterator[Any]:
     """Start the browser; skip, or under CI=true fail, when there is none."""
-    path = shutil.which("chromium")
+    path = shutil.which("chromium-headless-shell") or shutil.which("chromium")
     if path is None:
         missing("chromium")
     try:
@@ -116,21 +117,14 @@ def visit(
     scheme: str = "light",
     still: bool = True,
     before: str = "",
-    **more: Any,
 ) -> Iterator[Visit]:
     """Open a file.
 
     ``still`` asks for reduced motion, so that nothing plays by itself; the script ``before`` runs
     ahead of the page's.
     """
-    context = browser.new_context(
-        viewport={"width": viewport[0], "height": viewport[1]},
-        color_scheme=scheme,
-        reduced_motion="reduce" if still else "no-preference",
-        **more,
-    )
+    page = _context(browser, viewport, scheme, still).new_page()
     try:
-        page = context.new_page()
         page.add_init_script(before)
         url = path.resolve().as_uri()
         found = Visit(page)
@@ -149,7 +143,17 @@ def visit(
         found.frames(3)
         yield found
     finally:
-        context.close()
+        page.close()
+
+
+@functools.lru_cache(maxsize=16)
+def _context(browser: Any, viewport: tuple[int, int], scheme: str, still: bool) -> Any:
+    """A profile for pages, which store nothing in it."""
+    return browser.new_context(
+        viewport={"width": viewport[0], "height": viewport[1]},
+        color_scheme=scheme,
+        reduced_motion="reduce" if still else "no-preference",
+    )
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ import numpy as np
 from registry import model_of
 from spatial_twins import moved
 
-from dalembert.model.equations import Equations
-from dalembert.model.transformation import Transformation, speeds_by_partition
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.transformation import Transformation, speeds_by_partition
 
 
 def independent_speeds(name: str) -> list[int]:

@@ -178,14 +178,12 @@ def test_a_structure_is_written_alike(tmp_path, schema):
         '"k/2"]', '"height"]'
     )
     text = text.replace('kind = "structure"', 'kind = "structure"\ngravity = [0, -9.81]')
-    text += (
-        '[initial]\n"b.vx" = 0.2\n[analysis]\ntype = "Transient"\nduration = 0.01\nstep = 1e-3\n'
-    )
+    text += '[initial]\n"b.vx" = 0.2\n[analysis]\ntype = "Dynamics"\nduration = 0.01\nstep = 1e-3\n'
     _, model = loaded(tmp_path, text, schema)
-    motion = da.solve_transient(model, 0.01, step=1e-3)
+    motion = da.solve_dynamics(model, 0.01, step=1e-3)
     assert motion["b.vx"].values[0] == pytest.approx(0.2)
     twin = text.replace("gravity = [0, -9.81]\n", "").replace('[initial]\n"b.vx" = 0.2\n', "")
     twin += "[[gravity]]\nacceleration = [0, -9.81]\n[[initial]]\nnodes = 'b'\nvx = 0.2\n"
     _, other = loaded(tmp_path, twin, schema)
-    known = da.solve_transient(other, 0.01, step=1e-3)
+    known = da.solve_dynamics(other, 0.01, step=1e-3)
     np.testing.assert_array_equal(motion["b.uy"].values, known["b.uy"].values)

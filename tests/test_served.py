@@ -65,3 +65,12 @@ def test_what_is_no_model_is_told(solve):
     system = da.System("unbuilt")
     with pytest.raises(da.AnalysisError, match=r"takes a model; got .*build\(\) it first"):
         solve(system)
+
+
+def test_analyses_of_the_other_kind_are_refused_without_their_verbs_too(bar, ball):
+    for analysis in (da.Statics(), da.Buckling(), da.ArcLength()):
+        with pytest.raises(da.AnalysisError, match="is for structures, 'ball' is a mechanism; use"):
+            analysis.run(ball)
+    for analysis in (da.Kinematics(1.0), da.InverseDynamics(1.0), da.Nonsmooth(1.0)):
+        with pytest.raises(da.AnalysisError, match="is for mechanisms, 'bar' is a structure; use"):
+            analysis.run(bar)

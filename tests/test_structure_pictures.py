@@ -181,7 +181,7 @@ def test_large_displacements_are_drawn_as_they_are() -> None:
 def test_pictures_tell_scale_and_unit(name: str, smooth: bool) -> None:
     result = solved(name)
     field = {"beam": "moment_i", "plate": "von_mises", "box": "box.von_mises"}.get(name, "force")
-    ax = result.plot(field, smooth=smooth)
+    ax = result.draw(field, smooth=smooth)
     assert result.model.name in ax.get_title("left")
     bar = ax.figure.axes[1]
     ax.figure.canvas.draw()
@@ -193,7 +193,7 @@ def test_pictures_tell_scale_and_unit(name: str, smooth: bool) -> None:
 
 def test_a_plate_has_a_face_for_every_element() -> None:
     result = solved("plate")
-    ax = result.plot("plate.sxx", scale=0)
+    ax = result.draw("plate.sxx", scale=0)
     (faces,) = collections(ax, PolyCollection)
     assert len(faces.get_paths()) == 8
     colours = faces.get_facecolor()
@@ -206,7 +206,7 @@ def test_a_plate_has_a_face_for_every_element() -> None:
 
 def test_undeformed_may_be_left_out() -> None:
     result = solved("beam")
-    both, alone = result.plot(), result.plot(undeformed=False)
+    both, alone = result.draw(), result.draw(undeformed=False)
     assert len(collections(both, LineCollection)) == len(collections(alone, LineCollection)) + 1
     (line,) = collections(alone, LineCollection)
     end = line.get_paths()[0].vertices[-1]
@@ -215,18 +215,18 @@ def test_undeformed_may_be_left_out() -> None:
 
 def test_pictures_go_into_given_axes() -> None:
     figure, axes = plt.subplots(1, 2)
-    assert solved("beam").plot(ax=axes[1]) is axes[1]
+    assert solved("beam").draw(ax=axes[1]) is axes[1]
     assert not axes[0].collections
     assert len(figure.axes) == 2
 
 
 def test_one_case_of_several() -> None:
     result = solved("beam")
-    assert "twist" in result.plot(case="twist").get_title("left")
-    assert result.plot(case=-1).get_title("left") == result.plot(case="twist").get_title("left")
+    assert "twist" in result.draw(case="twist").get_title("left")
+    assert result.draw(case=-1).get_title("left") == result.draw(case="twist").get_title("left")
     for case in ("wind", 2):
         with pytest.raises(da.AnalysisError, match="no load case"):
-            result.plot(case=case)
+            result.draw(case=case)
 
 
 def test_modes_buckling_and_motion_are_drawn_too() -> None:
@@ -238,10 +238,10 @@ def test_modes_buckling_and_motion_are_drawn_too() -> None:
     structure.load(nodes[3], fy=-1e3)
     model = structure.build()
     modes, buckling = da.Modal(count=2).run(model), da.Buckling(count=1).run(model)
-    assert "mode 2" in modes.plot("displacement", 2).get_title("left")
-    assert "mode 1" in buckling.plot().get_title("left")
+    assert "mode 2" in modes.draw("displacement", 2).get_title("left")
+    assert "mode 1" in buckling.draw().get_title("left")
     motion = da.Dynamics(duration=0.1, step=0.01).run(model)
-    assert "0.1 s" in motion.plot("moment_i", case=-1).get_title("left")
+    assert "0.1 s" in motion.draw("moment_i", case=-1).get_title("left")
 
 
 # symbols --------------------------------------------------------------------------------------
@@ -288,7 +288,7 @@ def test_moments_have_a_symbol() -> None:
     (twist,) = load_symbols(drawing, result.applied(1)[:, None])
     assert (twist["symbol"], twist["node"]) == ("twist", 1)
     assert twist["moment"] == pytest.approx(3e4)
-    assert [text.get_text() for text in result.plot(case="twist").texts] == [r"$\circlearrowleft$"]
+    assert [text.get_text() for text in result.draw(case="twist").texts] == [r"$\circlearrowleft$"]
 
 
 # fields -----------------------------------------------------------------------------------------
@@ -324,6 +324,6 @@ def test_smoothing_keeps_what_is_constant() -> None:
 )
 def test_unknown_fields_are_told(field: str, words: str) -> None:
     result = solved("plate")
-    for ask in (result.field, result.plot):
+    for ask in (result.field, result.draw):
         with pytest.raises(da.AnalysisError, match=f"{field}.*({words})"):
             ask(field)

@@ -21,8 +21,9 @@ from dalembert.elements.component import Component
 from dalembert.elements.curves import Curve, FormulaCurve, u
 from dalembert.elements.frame import Frame
 from dalembert.elements.laws.base import Law
+from dalembert.elements.planar import drivers as planar_drivers
 from dalembert.elements.springs import SpringDamper
-from dalembert.model.description import Description
+from dalembert.model.graph.description import Description
 from dalembert.symbolic.formulas.expression import Expression
 
 DIMENSIONS = {
@@ -134,8 +135,10 @@ class _Translation:
         return made
 
     def element(self, element: Element) -> Element:
-        values = {f.name: self.value(element, f) for f in dataclasses.fields(element)}
-        return type(element)(**values)
+        fields = dataclasses.fields(element)
+        if isinstance(element, planar_drivers.JointDriver) and element.joint is not None:
+            fields = [f for f in fields if f.name in ("name", "joint", "law")]
+        return type(element)(**{f.name: self.value(element, f) for f in fields})
 
     def value(self, element: Element, field: dataclasses.Field):
         value, unit = getattr(element, field.name), field.metadata.get("unit", "")

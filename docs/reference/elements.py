@@ -28,7 +28,7 @@ from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.schemes import ContactScheme
 from dalembert.io import fields
 from dalembert.io.fields import FROM_FILE, connected_fields, keyed_fields
-from dalembert.model.coordinates import Coordinates
+from dalembert.model.graph.coordinates import Coordinates
 from dalembert.results.structural.result import StructuralResult
 from reference.markdown import field_texts, summary, table
 

@@ -171,6 +171,7 @@ from dalembert.elements.laws.table import Table as Table
 from dalembert.errors import (
     AnalysisError as AnalysisError,
     AssemblyError as AssemblyError,
+    BudgetError as BudgetError,
     DalembertError as DalembertError,
     ExpressionError as ExpressionError,
     FileError as FileError,
@@ -225,12 +226,12 @@ from dalembert.integrators.runge_kutta.implicit import (
 from dalembert.integrators.sundials import CVODES as CVODES, IDA as IDA
 from dalembert.io.model_file import load_model as load_model
 from dalembert.model.assembled.model import StructuralModel as StructuralModel
-from dalembert.model.automatic_coordinates import AutomaticCoordinates as AutomaticCoordinates
-from dalembert.model.coordinates import AbsoluteCoordinates as AbsoluteCoordinates
-from dalembert.model.model import Model as Model
+from dalembert.model.graph.automatic_coordinates import AutomaticCoordinates as AutomaticCoordinates
+from dalembert.model.graph.coordinates import AbsoluteCoordinates as AbsoluteCoordinates
+from dalembert.model.graph.model import Model as Model
+from dalembert.model.graph.tree.joint_coordinates import JointCoordinates as JointCoordinates
 from dalembert.model.structure import Structure as Structure
 from dalembert.model.system import System as System
-from dalembert.model.tree.joint_coordinates import JointCoordinates as JointCoordinates
 from dalembert.responses.base import Response as Response
 from dalembert.responses.evaluation import evaluate as evaluate
 from dalembert.responses.events import (

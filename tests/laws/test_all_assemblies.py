@@ -11,9 +11,9 @@ from registry import CASES, model_of
 import dalembert as da
 from dalembert import planar, spatial
 from dalembert.cli import main
-from dalembert.model.assembly.assemblies import Completeness
-from dalembert.model.assembly.many_roots import ManyRoots
-from dalembert.model.assembly.position_search import RandomStarts
+from dalembert.model.graph.assembly.assemblies import Completeness
+from dalembert.model.graph.assembly.many_roots import ManyRoots
+from dalembert.model.graph.assembly.position_search import RandomStarts
 
 # P. Dietmaier (1998): The Stewart-Gough platform of general geometry can have 40 real postures.
 BASE = (

@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from thorough import crossed
 
 import dalembert as da
 from dalembert import planar, spatial
@@ -182,8 +183,7 @@ def test_clamped_ends_are_welded_nodes():
     np.testing.assert_allclose(found[0], found[1], atol=1e-9)
 
 
-@pytest.mark.parametrize("dimension", [2, 3])
-@pytest.mark.parametrize("integrator", [da.RK4(), da.HHT()], ids=["RK4", "HHT"])
+@pytest.mark.parametrize(("dimension", "integrator"), crossed([2, 3], [da.HHT(), da.RK4()]))
 def test_gradients_are_exact(dimension, integrator):
     """Direct = adjoint = differences, by every number of a free beam with a start and a load."""
     system = free(dimension, 1, 2, damping=0.01)

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from thorough import crossed
 
 import dalembert as da
 from dalembert import planar, structures
@@ -146,8 +147,12 @@ def test_every_engine_is_certified():
             assert any(one == model and issubclass(cls, kind) for one, cls in analyses)
 
 
-@pytest.mark.parametrize("name", ["statics", "kinematics", "explicit", "implicit", "sundials"])
-@pytest.mark.parametrize("side", ["adjoint", "direct", "both"])
+@pytest.mark.parametrize(
+    ("name", "side"),
+    crossed(
+        ["statics", "kinematics", "explicit", "implicit", "sundials"], ["adjoint", "direct", "both"]
+    ),
+)
 def test_wrong_gradients_do_not(name, side, monkeypatch):
     """One derivative of three is off by a ten-thousandth.
 

@@ -11,12 +11,14 @@ import functools
 import numpy as np
 import pytest
 from registry import INTEGRATORS
+from thorough import crossed
 
 import dalembert as da
 from dalembert import planar
 
 DIFFERENCE = da.FiniteDifference("richardson", 3e-4)
 SUNDIALS = {"CVODES", "IDA"}
+ENDS = [True, False]
 
 
 def pendulum():
@@ -132,8 +134,9 @@ def test_every_kind_of_response(name, terminal):
     check(run(name, terminal), responses(name, terminal))
 
 
-@pytest.mark.parametrize("terminal", [True, False])
-@pytest.mark.parametrize("integrator", [n for n in INTEGRATORS if n not in SUNDIALS])
+@pytest.mark.parametrize(
+    ("integrator", "terminal"), crossed([n for n in INTEGRATORS if n not in SUNDIALS], ENDS)
+)
 def test_every_integrator(integrator, terminal):
     motion = run("pendulum", terminal, INTEGRATORS[integrator])
     check(motion, responses("pendulum", terminal))
@@ -151,14 +154,15 @@ CHOICES = {
 }
 
 
-@pytest.mark.parametrize("terminal", [True, False])
-@pytest.mark.parametrize("choice", CHOICES)
+@pytest.mark.parametrize(("choice", "terminal"), crossed(CHOICES, ENDS))
 def test_every_choice(choice, terminal):
     check(run("four-bar", terminal, **CHOICES[choice]), responses("four-bar", terminal))
 
 
-@pytest.mark.parametrize("beyond", [0.0, 1e-13, -1e-13, 1e-10, -1e-10])
-@pytest.mark.parametrize("integrator", ["RK4", "BackwardEuler", "Newmark", "BDF"])
+@pytest.mark.parametrize(
+    ("beyond", "integrator"),
+    crossed([0.0, 1e-13, -1e-13, 1e-10, -1e-10], ["RK4", "BackwardEuler", "Newmark", "BDF"], 2),
+)
 def test_events_at_the_end_of_a_step(integrator, beyond):
     """Where the last step or the last interval is nearly nothing, gradients stay what they are."""
     model, _, (force, _, _) = mechanism("pendulum")

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 from flexible_bodies import ENDS, KINDS, tapered
+from thorough import crossed, sampled
 
 import dalembert as da
 from dalembert import planar, spatial
 
 SPACES = pytest.mark.parametrize("dimension", [2, 3])
+PLANE_OFTEN = pytest.mark.parametrize("dimension", sampled([2, 3], 2))
 IMPLICIT = {2: da.Radau(fixed=True), 3: da.Trapezoidal()}
 NAMES = ["thick", "E", "len", "ratio", "k"]
 
@@ -57,8 +59,7 @@ def agree(result, responses, rtol: float = 1e-6) -> np.ndarray:
 TIP = [da.final("rod.tip.y"), da.integral("rod.tip.deflection.y"), da.final("rod.q1")]
 
 
-@SPACES
-@pytest.mark.parametrize("frame", ["root", "mean"])
+@pytest.mark.parametrize(("dimension", "frame"), crossed([2, 3], ["mean", "root"]))
 def test_explicit_steps(dimension, frame):
     place = {"position": None} if frame == "mean" else {}
     model = swing(dimension, reference=frame, modes=0, **place)
@@ -67,7 +68,7 @@ def test_explicit_steps(dimension, frame):
     assert np.abs(gradient[:, :3]).max(axis=0).min() > 1e-6  # each number of the structure counts
 
 
-@SPACES
+@PLANE_OFTEN
 def test_implicit_steps(dimension):
     model = swing(dimension)
     agree(da.solve_dynamics(model, 1.5e-3, step=5e-4, integrator=IMPLICIT[dimension]), TIP)
@@ -90,7 +91,7 @@ def test_equilibrium(dimension):
     agree(da.solve_equilibrium(swing(dimension, weld)), TIP[::2])
 
 
-@SPACES
+@PLANE_OFTEN
 def test_linearisation(dimension):
     modes = da.linearize(swing(dimension, weld, modes=0))
     agree(modes, [da.at(1.0, "frequency"), da.at(2.0, "damping_ratio")])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from dalembert.model.assembly.independence import (
+from dalembert.model.graph.assembly.independence import (
     columns_of,
     free_columns,
     independent_rows,

@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from registry import RELATED, definite, model_of
+from thorough import crossed
 
 import dalembert as da
 from dalembert.formulations.null_space import LARGEST_SVD
@@ -29,8 +30,7 @@ def basis_of(name: str, basis: str) -> NullSpaceBasis:
     return definite(da.NullSpace(basis), model).solver(e.inertia, e.jacobian, e.massless).basis
 
 
-@pytest.mark.parametrize("basis", BASES)
-@pytest.mark.parametrize("name", RELATED)
+@pytest.mark.parametrize(("name", "basis"), crossed(RELATED, BASES))
 def test_basis(name, basis):
     """C D = 0, C x₂ = r₂, Cᵀ z = w, and D of full rank."""
     model, rng = model_of(name), np.random.default_rng(3)

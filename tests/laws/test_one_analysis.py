@@ -224,3 +224,16 @@ def test_loads_begin_at_the_start_of_the_run():
         rest = da.solve_statics(s.build(), nonlinear=nonlinear)
         assert float(motion["b.ux"][0]) == pytest.approx(rest["b.ux"] / 2, rel=0.02)
         assert float(motion["b.ax"][0]) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", TWINS)
+def test_pictures(kind):
+    """``plot`` shows measures over time, ``draw`` the model."""
+    make, measure = TWINS[kind]
+    motion = da.solve_dynamics(make(), **RUN)
+    ax = motion.plot(measure)
+    (line,) = ax.lines
+    np.testing.assert_array_equal(line.get_ydata(), motion[measure])
+    assert ax.get_xlabel() == "time [s]"
+    assert ax.get_ylabel().startswith(measure)
+    assert motion.draw() is not None

@@ -34,6 +34,7 @@ SECTIONS = {
     **dict.fromkeys(
         INTEGRATORS, '[analysis]\ntype = "Dynamics"\nduration = 1\nintegrator = "%s"\n'
     ),
+    **dict.fromkeys(("Dynamics", "Equilibrium", "Modal"), '[analysis]\ntype = "%s"\n'),
     **dict.fromkeys(RESPONSES, '[responses]\nnew = { type = "%s", measure = "a.x" }\n'),
 }
 """Name of a type → section of a file that gives it."""

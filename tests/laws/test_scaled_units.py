@@ -7,6 +7,7 @@ import functools
 import numpy as np
 import pytest
 from registry import CASES, model_of
+from thorough import crossed
 from units import Units, in_other_units
 
 import dalembert as da
@@ -101,8 +102,7 @@ def plain_swing(name: str) -> da.Motion:
     return swing(Units(), STRATEGIES[name] if name in STRATEGIES else GAINS[name](Units()))
 
 
-@pytest.mark.parametrize("units", OTHERS, ids=str)
-@pytest.mark.parametrize("name", [*STRATEGIES, *GAINS])
+@pytest.mark.parametrize(("name", "units"), crossed([*STRATEGIES, *GAINS], OTHERS), ids=str)
 def test_dynamics(name, units):
     motion = swing(units, STRATEGIES[name] if name in STRATEGIES else GAINS[name](units))
     plain = plain_swing(name)

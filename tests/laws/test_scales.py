@@ -7,16 +7,18 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.model.absolute import absolute_equations
-from dalembert.model.assembly.guesses import Guesses
-from dalembert.model.natural_units import scales_of
+from dalembert.model.graph.absolute import absolute_equations
+from dalembert.model.graph.assembly.guesses import Guesses
+from dalembert.model.graph.description import Description
+from dalembert.model.graph.natural_units import scales_of
 
 SIZES = [1.0, 1e-9, 2.0**-40, 1e9, 3.7]
 
 
 def scales(system):
     """Scales before anything is assembled."""
-    return scales_of(system, absolute_equations(system), Guesses.collect(system), np.zeros(0))
+    parts = Description(system)
+    return scales_of(parts, absolute_equations(parts), Guesses.collect(parts), np.zeros(0))
 
 
 def crank_on_springs(length=1.0, mass=1.0, time=1.0):

@@ -9,7 +9,7 @@ from spatial_twins import about, rotation
 
 import dalembert as da
 from dalembert import spatial
-from dalembert.model.assembly.placement import placed_guesses
+from dalembert.model.graph.assembly.placement import placed_guesses
 
 TURN = da.rotation.axis_angle((1, 2, -0.5), 0.7)
 MASS = {"mass": 1.0, "inertia": (0.1, 0.2, 0.15), "center_of_mass": (0.1, -0.05, 0.02)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from structure_models import COMPRESSED, MASSIVE, floating, model_of
+from thorough import crossed
 
 import dalembert as da
 from dalembert import structures
@@ -68,8 +69,7 @@ def test_shapes_are_orthogonal(name, lumped):
     assert (modes.shapes[peaks, np.arange(peaks.size)] > 0).all()
 
 
-@pytest.mark.parametrize("lumped", [False, True])
-@pytest.mark.parametrize("name", MASSIVE)
+@pytest.mark.parametrize(("name", "lumped"), crossed(MASSIVE, [False, True]))
 def test_gradients_of_vibration(name, lumped):
     model = model_of(name)
     modes = da.solve_modes(model, 2, lumped=lumped)
@@ -77,8 +77,9 @@ def test_gradients_of_vibration(name, lumped):
     check_gradients(modes, responses_of(model, "frequency") + more)
 
 
-@pytest.mark.parametrize("nonlinear", [False, True])
-@pytest.mark.parametrize("name", [n for n in MASSIVE if n in COMPRESSED])
+@pytest.mark.parametrize(
+    ("name", "nonlinear"), crossed([n for n in MASSIVE if n in COMPRESSED], [False, True])
+)
 def test_gradients_of_vibration_about_a_loaded_state(name, nonlinear):
     model = model_of(name)
     loaded = da.solve_statics(model, nonlinear=nonlinear)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from cell_meshes import places_of
 from scipy.integrate import solve_ivp
+from thorough import crossed
 
 import dalembert as da
 from dalembert import structures
@@ -223,8 +224,7 @@ def model_of(name: str, dimension: int):
 KINDS = [(name, d) for name, cls in ELEMENTS.items() for d in cls.dimensions]
 
 
-@pytest.mark.parametrize("nonlinear", [False, True])
-@pytest.mark.parametrize(("name", "dimension"), KINDS)
+@pytest.mark.parametrize(("name", "dimension", "nonlinear"), crossed(KINDS, [False, True]))
 def test_gradients_of_every_kind_of_element(name, dimension, nonlinear):
     model = model_of(name, dimension)
     motion = da.solve_transient(

@@ -7,6 +7,7 @@ import functools
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from thorough import crossed
 
 import dalembert as da
 from dalembert import structures
@@ -239,6 +240,9 @@ def test_tangents_are_the_slopes_of_forces_wherever_elements_are(name):
         np.testing.assert_allclose(exact.toarray(), found, atol=1e-7 * max(1, abs(found).max()))
 
 
+MATRICES = ["mass", "lumped mass", "tangent", "geometric"]
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_masses(name):
     """Both mass matrices: symmetric, positive, the whole mass in every direction."""
@@ -260,8 +264,7 @@ def test_masses(name):
             assert motion @ matrix @ motion == pytest.approx(whole, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", CASES | HELD)
-@pytest.mark.parametrize("what", ["mass", "lumped mass", "tangent", "geometric"])
+@pytest.mark.parametrize(("name", "what"), crossed(CASES | HELD, MATRICES, 2))
 def test_derivatives_of_matrices(name, what):
     """``aᵀ 𝗠 b`` by direct and adjoint products and by differences."""
     model = model_of(name)
@@ -332,8 +335,7 @@ def test_equilibrium_and_work(name):
     assert result.status.residual < 1e-12
 
 
-@pytest.mark.parametrize("nonlinear", [False, True])
-@pytest.mark.parametrize("name", CASES | HELD)
+@pytest.mark.parametrize(("name", "nonlinear"), crossed(CASES | HELD, [False, True]))
 def test_direct_adjoint_and_differences_agree(name, nonlinear):
     """Displacements, reactions, all quantities of elements and totals, by every parameter."""
     model = model_of(name)

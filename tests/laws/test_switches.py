@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from thorough import crossed
 
 import dalembert as da
 from dalembert import planar
@@ -90,6 +91,7 @@ def reference(name: str, p: float = 1.0) -> np.ndarray:
     ).y[:, -1]
 
 
+@functools.cache
 def run(name: str, method: str, rtol: float = 1e-10, **options):
     integrator, formulation = INTEGRATORS[method]
     return da.solve_dynamics(
@@ -110,20 +112,22 @@ def test_motions_over_switches(name):
         np.testing.assert_allclose(found, reference(name), rtol=0, atol=1e-6, err_msg=method)
 
 
-@pytest.mark.parametrize("name", sorted({*FORCES} - {"power left out"}))  # 0·NaN, with or without
-def test_gradients_over_switches(name):
+DIFFERENTIABLE = sorted({*FORCES} - {"power left out"})  # 0·NaN, with or without
+
+
+@pytest.mark.parametrize(("name", "method"), crossed(DIFFERENTIABLE, INTEGRATORS, 2))
+def test_gradients_over_switches(name, method):
     """Direct and adjoint are one, and the derivative of the motion itself, jumps or none."""
     step = 1e-4
     wanted = (reference(name, 1 + step) - reference(name, 1 - step)) / (2 * step)
     responses = [da.final("b.x"), da.final("b.vx")]
-    for method in INTEGRATORS:
-        motion = run(name, method)
-        adjoint = da.sensitivity(motion, responses, method="adjoint").values.ravel()
-        direct = da.sensitivity(motion, responses, method="direct").values.ravel()
-        size = np.max(np.abs(wanted))
-        exact = 5e-3 if "index 3" in method else 5e-4  # speeds of index 3 have order 3
-        np.testing.assert_allclose(direct, adjoint, rtol=0, atol=1e-9 * size, err_msg=method)
-        np.testing.assert_allclose(adjoint, wanted, rtol=0, atol=exact * size, err_msg=method)
+    motion = run(name, method)
+    adjoint = da.sensitivity(motion, responses, method="adjoint").values.ravel()
+    direct = da.sensitivity(motion, responses, method="direct").values.ravel()
+    size = np.max(np.abs(wanted))
+    exact = 5e-3 if "index 3" in method else 5e-4  # speeds of index 3 have order 3
+    np.testing.assert_allclose(direct, adjoint, rtol=0, atol=1e-9 * size)
+    np.testing.assert_allclose(adjoint, wanted, rtol=0, atol=exact * size)
 
 
 @pytest.mark.parametrize("method", INTEGRATORS)

@@ -7,6 +7,7 @@ import functools
 import numpy as np
 import pytest
 from cell_meshes import places_of
+from thorough import crossed
 
 import dalembert as da
 from dalembert.elements.fem.cells import CELLS
@@ -81,8 +82,7 @@ def test_what_may_expand_has_no_stress(name, d, nonlinear):
     assert abs(found.values("strain_energy")[0]) < 1e-3 * 3.0 * growth**2
 
 
-@pytest.mark.parametrize("analysis", ["linear", "nonlinear", "path"])
-@pytest.mark.parametrize(("name", "d"), KINDS)
+@pytest.mark.parametrize(("name", "d", "analysis"), crossed(KINDS, ["linear", "nonlinear", "path"]))
 def test_gradients_under_heat(name, d, analysis):
     """By temperature, expansion and all else: direct, adjoint and differences."""
     model = heated(name, d)

@@ -12,9 +12,9 @@ from registry import CASES, CONSTRAINED, PLANAR, RELATED, SPATIAL, model_of
 from thorough import sampled
 
 import dalembert as da
-from dalembert.model.equations import Equations
-from dalembert.model.inertia import BlockInertia
-from dalembert.model.transformation import (
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.inertia import BlockInertia
+from dalembert.model.graph.transformation import (
     Transformation,
     change_coordinates,
     change_speeds,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -27,6 +29,12 @@ PAIRS = [
 LENGTHS = [1e-11, 1e-9, 1e-3, 1.0, 1e3, 1e9]
 
 
+@functools.cache
+def converted(name: str, units: Units) -> da.Model:
+    """The model of a case in other units."""
+    return in_other_units(any_model_of(name).parts, units).build()
+
+
 def facts(model: da.Model) -> dict:
     """All that the diagnosis says without a unit."""
     told = model.diagnosis.to_dict()
@@ -48,8 +56,7 @@ def held(model: da.Model) -> list:
 
 @pytest.mark.parametrize(("name", "units"), PAIRS)
 def test_start_and_diagnosis_change_with_the_units_only(name, units):
-    one = any_model_of(name)
-    other = in_other_units(one.parts, units).build()
+    one, other = any_model_of(name), converted(name, units)
     assert facts(other) == facts(one)
     sizes = np.array([units(unit) for unit in one.guesses.units])
     scale = one.scales.coordinates
@@ -62,11 +69,9 @@ def test_start_and_diagnosis_change_with_the_units_only(name, units):
     )
 
 
-@pytest.mark.parametrize("name", [*CASES, *SPATIAL_CASES])
-def test_forces_change_with_the_units_only(name):
-    units = Units(length=10.0, mass=3.0, time=0.5)
-    one = any_model_of(name)
-    other = in_other_units(one.parts, units).build()
+@pytest.mark.parametrize(("name", "units"), PAIRS)
+def test_forces_change_with_the_units_only(name, units):
+    one, other = any_model_of(name), converted(name, units)
 
     def forces(model, time):
         e = model.all_equations

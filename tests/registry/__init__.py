@@ -13,6 +13,8 @@ from registry.cases import CASES, Case, P, Q, case, definite, model_of
 from registry.motion_laws import LAWS, PROFILES, TIMES, VALUES, LawCase
 from registry.strategies import FORMULATIONS, INTEGRATORS, SOFT, STABILIZATIONS
 
+from thorough import crossed
+
 from registry import joints, curves, rolling, drivers, forces, elastic, friction, touching
 import spatial_cases
 
@@ -24,7 +26,7 @@ RELATED = [n for n in CONSTRAINED if n.removeprefix("rotational driver ") not in
 """All that are constrained, but a driver with one law: others change its right side only."""
 EACH = [n for n in PLANAR if n in RELATED]
 IN_TURN = [f for f in FORMULATIONS if f not in ("KKT", "NullSpace svd")]  # svd: for few speeds only
-COMBINED = [(n, f) for n in EACH for f in FORMULATIONS] + [
+COMBINED = crossed(EACH, FORMULATIONS, 2) + [
     (n, IN_TURN[k % len(IN_TURN)]) for k, n in enumerate(n for n in CASES if n not in EACH)
 ]
 """Cases with formulations: constraints in the plane each with each; all formulations in turn in

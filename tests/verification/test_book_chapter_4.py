@@ -11,9 +11,9 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.model.equations import Equations
-from dalembert.model.inertia import BlockInertia
-from dalembert.model.transformation import change_coordinates, change_speeds, coordinates_by
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.inertia import BlockInertia
+from dalembert.model.graph.transformation import change_coordinates, change_speeds, coordinates_by
 
 G = 9.81
 

@@ -29,7 +29,7 @@ from test_book_three_bodies import (
 
 import dalembert as da
 from dalembert import planar
-from dalembert.model.tree.joint_view import JointView
+from dalembert.model.graph.tree.joint_view import JointView
 
 ABSOLUTE = da.JointCoordinates(angles="absolute")
 

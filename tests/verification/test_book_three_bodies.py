@@ -13,9 +13,9 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
-from dalembert.model.derivation import appell_function, gibbs_appell, kane
-from dalembert.model.equations import Equations
-from dalembert.model.transformation import (
+from dalembert.model.graph.derivation import appell_function, gibbs_appell, kane
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.transformation import (
     Transformation,
     change_coordinates,
     coordinates_by,

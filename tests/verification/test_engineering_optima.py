@@ -11,6 +11,7 @@ import math
 import numpy as np
 import pytest
 from design_problems import solve
+from thorough import crossed
 
 import dalembert as da
 
@@ -77,8 +78,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("method", ["slsqp", "ipopt"])
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(("name", "method"), crossed(CASES, ["slsqp", "ipopt"]))
 def test_optimum(name, method):
     variables, objective, limits, least, at = CASES[name]
     best = solve(variables, objective, limits, method=method)

@@ -10,6 +10,7 @@ import math
 
 import pytest
 from design_problems import solve
+from thorough import crossed
 
 INF = math.inf
 ROSENBROCK = "100*(x2 - x1**2)**2 + (1 - x1)**2"
@@ -154,8 +155,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("method", ["slsqp", "ipopt"])
-@pytest.mark.parametrize("number", CASES)
+@pytest.mark.parametrize(("number", "method"), crossed(CASES, ["slsqp", "ipopt"]))
 def test_optimum(number, method):
     variables, objective, limits, least = CASES[number]
     best = solve(variables, objective, limits, method=method)

@@ -10,7 +10,7 @@ from spatial_trees import SpatialTree
 
 import dalembert as da
 from dalembert import spatial
-from dalembert.model.tree.kinematic_tree import links_of
+from dalembert.model.graph.tree.kinematic_tree import links_of
 
 pin = pytest.importorskip("pinocchio", exc_type=ImportError)
 

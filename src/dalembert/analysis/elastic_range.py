@@ -22,7 +22,7 @@ from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.model.assembled.evaluation.assembly import Assembly
 from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of, free_displacements
 from dalembert.model.assembled.reduction.rigid import interfaces_of, node_positions
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.once import once
 

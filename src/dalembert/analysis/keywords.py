@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from dalembert.integrators.base import Integrator
     from dalembert.integrators.contact.contact_solver import ContactSolver
     from dalembert.integrators.contact.schemes import ContactScheme
-    from dalembert.model.coordinates import Coordinates
+    from dalembert.model.graph.coordinates import Coordinates
     from dalembert.results.structural.load_path import LoadPathResult
 
 

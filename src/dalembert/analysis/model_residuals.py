@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.formulations.base import Level
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.evaluation.kernel import SELDOM, Kernel, condensed
 from dalembert.symbolic.once import once

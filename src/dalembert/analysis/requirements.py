@@ -1,8 +1,4 @@
-"""Requirements of analyses on their model and their options.
-
-Mechanisms (few different elements) and structures (many equal elements) are evaluated differently,
-so that most analyses apply to one of them only.
-"""
+"""Requirements of analyses on their model and their options."""
 
 from __future__ import annotations
 
@@ -10,7 +6,7 @@ from typing import Any
 
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 
 
 def need_model(model: Any, verb: str) -> None:
@@ -37,19 +33,6 @@ def need_mechanism(model: Any, verb: str, instead: str) -> None:
     need_model(model, verb)
     if isinstance(model, StructuralModel):
         raise AnalysisError(f"{verb} is for mechanisms, {model.name!r} is a structure; {instead}")
-
-
-def need_structure(model: Any, verb: str, instead: str) -> None:
-    """Raise unless the model is a structure.
-
-    Raises
-    ------
-    AnalysisError
-        Another type, or a mechanism.
-    """
-    need_model(model, verb)
-    if isinstance(model, Model):
-        raise AnalysisError(f"{verb} is for structures, {model.name!r} is a mechanism; {instead}")
 
 
 def need_count(strategy: Any) -> None:

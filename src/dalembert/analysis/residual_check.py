@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.analysis.model_residuals import ModelResiduals, Violation
 from dalembert.formulations.base import Level
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status
 

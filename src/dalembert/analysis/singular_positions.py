@@ -10,8 +10,8 @@ import numpy as np
 
 from dalembert.elements.driver import Driver
 from dalembert.integrators.marching.steps import Steps
-from dalembert.model.equations import Equations
-from dalembert.model.model import Model
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.model import Model
 
 NEAR = 0.02
 """Smallest singular value of ``C``, relative to that at the start, that counts as near zero."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import casadi as ca
 import numpy as np
@@ -13,7 +13,7 @@ from dalembert.analysis.times import evaluate_times
 from dalembert.budget import STEP, check_budget, numeral
 from dalembert.elements.driver import Driver
 from dalembert.errors import AnalysisError, BudgetError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import inherit_texts, options
 from dalembert.results.analysis import Analysis, R
 
@@ -186,22 +186,26 @@ def output_times(
     return np.clip(times, start, end)
 
 
-def check_times(
-    duration: float | None,
-    t_span: tuple[float, float] | None,
-    step: float | None,
-    outputs: int | Sequence[float] | None,
-) -> None:
-    """Raise unless span, step and outputs of an analysis over time are consistent.
+class RunTimes(NamedTuple):
+    """Start and end of a run, length of its steps, and its output times, None for every step."""
+
+    start: float
+    end: float
+    step: float
+    outputs: np.ndarray | None
+
+
+def run_times(analysis: Any) -> RunTimes:
+    """The times of an analysis over time.
 
     Raises
     ------
     AnalysisError
-        They are not.
+        Span, step and outputs are not consistent.
     """
-    start, end = checked_span(duration, t_span)
-    checked_step(step, start, end)
-    output_times(outputs, start, end)
+    start, end = checked_span(analysis.duration, analysis.t_span)
+    step = checked_step(analysis.step, start, end)
+    return RunTimes(start, end, step, output_times(analysis.outputs, start, end))
 
 
 class Execution(Protocol):
@@ -241,10 +245,7 @@ class OverTime(Analysis[Any, R]):
 
     def checks(self, model: Any) -> dict[str, Callable[[], object]]:
         """Checks by the name of the option."""
-        return {
-            **super().checks(model),
-            "duration": lambda: check_times(self.duration, self.t_span, self.step, self.outputs),
-        }
+        return {**super().checks(model), "duration": lambda: run_times(self)}
 
     def run(
         self,

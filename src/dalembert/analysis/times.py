@@ -96,14 +96,16 @@ def _formulas(value: Any) -> Any:
 def analysis_of(
     kind: type[A], verb: str, model: ParametricModel, parameters: Any, **options: Any
 ) -> A:
-    """The analysis with the options of a call, its times in seconds.
+    """The analysis of a model with the options of a call, its times in seconds.
 
     Raises
     ------
     AnalysisError
-        Unknown option (names the nearest one), or a value that is no time.
+        Unknown option (names the nearest one), a value that is no time, or another kind of model.
     """
-    return kind.of(verb, **in_seconds(options, model, parameters, verb))
+    analysis = kind.of(verb, **in_seconds(options, model, parameters, verb))
+    need_model(model, verb)
+    return analysis.for_model(model)
 
 
 def in_seconds(

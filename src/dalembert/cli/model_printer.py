@@ -7,7 +7,7 @@ from typing import Any, Generic, TypeVar
 
 from dalembert.cli.console import aligned_table, console, format_value, print_heading, print_line
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 
 MAX_ROWS = 20
 """Upper limit of rows of a printed table."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import casadi as ca
 
 from dalembert.formulations.base import SaddleSolver
-from dalembert.model.inertia import Inertia
+from dalembert.model.graph.inertia import Inertia
 from dalembert.symbolic.equations.factor import LdlFactor
 
 LEAST = 1e-6

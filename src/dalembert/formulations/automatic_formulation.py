@@ -13,7 +13,7 @@ from dalembert.formulations.kkt import KKT
 from dalembert.formulations.null_space import NullSpace
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.velocity_partitioning import VelocityPartitioning
-from dalembert.model.inertia import Inertia
+from dalembert.model.graph.inertia import Inertia
 
 CANDIDATES: tuple[Formulation, ...] = (RangeSpace(), NullSpace(), VelocityPartitioning())
 ACCURATE = 1e-8

@@ -19,9 +19,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.model.equations import Equations
-from dalembert.model.inertia import Inertia
-from dalembert.model.rigid_gaps import headings
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.inertia import Inertia
+from dalembert.model.graph.rigid_gaps import headings
 from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit, Sizes
 

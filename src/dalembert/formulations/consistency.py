@@ -5,7 +5,7 @@ from __future__ import annotations
 import casadi as ca
 
 from dalembert.formulations.base import Formulation, state_symbols
-from dalembert.model.equations import Equations
+from dalembert.model.graph.equations import Equations
 from dalembert.symbolic.equations.implicit import ImplicitFunction, Solver, Stage
 
 

@@ -17,8 +17,8 @@ from dalembert.formulations.base import (
     state_symbols,
 )
 from dalembert.formulations.range_space import RangeSpaceSolver
-from dalembert.model.equations import Equations
-from dalembert.model.inertia import Inertia
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.inertia import Inertia
 from dalembert.options import options
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 

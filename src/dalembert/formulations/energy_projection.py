@@ -9,7 +9,7 @@ import casadi as ca
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import WORK, Formulation, memory_symbols, state_symbols
 from dalembert.formulations.stabilization import Projection
-from dalembert.model.equations import Equations
+from dalembert.model.graph.equations import Equations
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 
 APPLICABLE = 0.5

@@ -8,9 +8,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.formulations.base import Formulation, SaddleSolver
-from dalembert.model.equations import Equations
-from dalembert.model.inertia import Inertia
-from dalembert.model.scales import Scales
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.inertia import Inertia
+from dalembert.model.graph.scales import Scales
 from dalembert.symbolic.equations.factor import QrFactor
 
 

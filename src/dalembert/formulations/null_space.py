@@ -20,8 +20,8 @@ from dalembert.formulations.orthogonal_bases import (
     SingularValueBasis,
 )
 from dalembert.formulations.partition import best_partition, largest_ratio
-from dalembert.model.equations import Equations
-from dalembert.model.inertia import Inertia
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.inertia import Inertia
 from dalembert.options import options
 from dalembert.symbolic.equations.factor import LdlFactor
 from dalembert.symbolic.equations.null_space import NullSpaceBasis, PartitionBasis

@@ -17,7 +17,7 @@ import numpy as np
 import scipy
 
 from dalembert.errors import SingularityError
-from dalembert.model.equations import Equations
+from dalembert.model.graph.equations import Equations
 from dalembert.symbolic.equations.factor import LdlFactor
 from dalembert.symbolic.equations.null_space import PartitionBasis
 

@@ -7,8 +7,8 @@ import casadi as ca
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.augmented_mass import AugmentedLagrangianSolver, AugmentedMass
 from dalembert.formulations.base import NONE, Formulation, Level, SaddleSolver
-from dalembert.model.equations import Equations
-from dalembert.model.inertia import Inertia
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.inertia import Inertia
 from dalembert.options import options
 
 

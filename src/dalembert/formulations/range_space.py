@@ -8,7 +8,7 @@ import casadi as ca
 
 from dalembert.formulations.augmented_mass import mean_effective_mass
 from dalembert.formulations.base import Formulation, SaddleSolver
-from dalembert.model.inertia import BlockInertia, Inertia
+from dalembert.model.graph.inertia import BlockInertia, Inertia
 from dalembert.symbolic.equations.factor import LdlFactor
 
 

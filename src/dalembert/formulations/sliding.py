@@ -13,7 +13,7 @@ from __future__ import annotations
 import casadi as ca
 
 from dalembert.formulations.base import SaddleSolver
-from dalembert.model.equations import Equations
+from dalembert.model.graph.equations import Equations
 
 
 class SlidingSolver(SaddleSolver):

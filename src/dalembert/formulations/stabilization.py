@@ -8,7 +8,7 @@ import casadi as ca
 
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import NONE, Formulation, Level, memory_symbols, state_symbols
-from dalembert.model.equations import Equations
+from dalembert.model.graph.equations import Equations
 from dalembert.options import options
 from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage, Trial
 

@@ -17,8 +17,8 @@ from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.formulations.base import Formulation, Level, SaddleSolver
 from dalembert.formulations.null_space import NullSpaceSolver
 from dalembert.formulations.partition import best_partition, largest_ratio, scaled_ratios
-from dalembert.model.equations import Equations
-from dalembert.model.inertia import Inertia
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.inertia import Inertia
 from dalembert.options import options
 from dalembert.symbolic.equations.implicit import Stage
 from dalembert.symbolic.equations.null_space import PartitionBasis

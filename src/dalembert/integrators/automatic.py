@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dalembert.integrators.base import Integrator, Problem
-from dalembert.integrators.error_control import check_tolerances
+from dalembert.integrators.error_control import ErrorControlled
 from dalembert.integrators.runge_kutta.explicit import DormandPrince
 from dalembert.integrators.runge_kutta.implicit import Radau
 from dalembert.options import options
@@ -15,7 +15,7 @@ INTERVALS = 200
 
 
 @options
-class AutomaticIntegrator(Integrator):
+class AutomaticIntegrator(ErrorControlled):
     """Error control with Dormand–Prince 5(4) or, where the problem is stiff, Radau IIA of order 5.
 
     The run begins with the explicit method. When stability and not accuracy limits its steps,
@@ -35,11 +35,6 @@ class AutomaticIntegrator(Integrator):
         events that act for a short time are not stepped over. Those much shorter than a step
         still need a ``max_step``
 
-    Raises
-    ------
-    UnsupportedError
-        A tolerance or ``max_step`` that is not positive.
-
     Examples
     --------
     >>> import dalembert as da
@@ -54,11 +49,6 @@ class AutomaticIntegrator(Integrator):
     """
 
     rtol: float = 1e-6
-    atol: float | None = None
-    max_step: float | None = None
-
-    def __post_init__(self) -> None:
-        check_tolerances(self.name, self.rtol, self.atol, self.max_step)
 
     @property
     def methods(self) -> tuple[Integrator, ...]:
@@ -67,20 +57,12 @@ class AutomaticIntegrator(Integrator):
         return explicit, Radau(rtol=self.rtol, atol=self.atol, max_step=self.max_step)
 
     @property
-    def adaptive(self) -> bool:
-        return True
-
-    @property
     def run_tolerance(self) -> float:
         return self.rtol
 
     @property
     def order(self) -> int:
         return min(method.order for method in self.methods)
-
-    @property
-    def longest_step(self) -> float | None:
-        return self.max_step
 
     def longest_in(self, span: float) -> float:
         return self.max_step or span / INTERVALS

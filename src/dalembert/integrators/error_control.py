@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import TypeVar
 
 import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.base import Problem
+from dalembert.integrators.base import Integrator, Problem
+from dalembert.options import options
 
 ATOL_FLOOR = 1e-10
 """Lower limit of the default absolute tolerance, relative to natural sizes [-]."""
@@ -46,6 +48,44 @@ def check_tolerances(
         raise UnsupportedError(f"{name}(rtol={rtol}, atol={atol}): tolerances must be positive")
     if max_step is not None and not max_step > 0:
         raise UnsupportedError(f"{name}(max_step={max_step}): must be positive")
+
+
+@options
+class ErrorControlled(Integrator, ABC):
+    """Integrator whose step length follows the estimated error of coordinates and speeds.
+
+    Parameters
+    ----------
+    rtol : relative tolerance [-]
+    atol : absolute tolerance [m, rad, m/s, rad/s]; by default a hundredth of rtol, at
+        least 1e-10, times the natural sizes
+    max_step : longest step [s]; a quarter of the run if None
+
+    Raises
+    ------
+    UnsupportedError
+        A tolerance or ``max_step`` that is not positive.
+    """
+
+    rtol: float = 1e-8
+    atol: float | None = None
+    max_step: float | None = None
+
+    def __post_init__(self) -> None:
+        check_tolerances(self.name, self.rtol, self.atol, self.max_step)
+
+    @property
+    @abstractmethod
+    def order(self) -> int:
+        """Order of the method."""
+
+    @property
+    def adaptive(self) -> bool:
+        return True
+
+    @property
+    def longest_step(self) -> float | None:
+        return self.max_step
 
 
 Graph = TypeVar("Graph", ca.SX, ca.MX)

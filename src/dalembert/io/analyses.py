@@ -10,17 +10,16 @@ import numpy as np
 from pydantic import BaseModel
 
 from dalembert.analysis.events import Event, Events
-from dalembert.analysis.requirements import need_structure
 from dalembert.analysis.times import in_seconds
 from dalembert.analysis.transient.equation import Rayleigh
-from dalembert.errors import SingularityError
+from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.io.fields import Interval, keyed_fields
 from dalembert.io.formulas import Formulas, ParameterNames
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import STRATEGIES_OF, STRUCTURAL_ANALYSES
 from dalembert.io.tables import EventTable
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.structural.result import StructuralResult
 from dalembert.text.wording import unknown
 
@@ -116,7 +115,8 @@ def _damping(file: ModelFile, model: StructuralModel, table: Any) -> Rayleigh:
 
 def _load_case_state(model: StructuralModel, case: str) -> StructuralResult:
     """Linear statics under one load case."""
-    need_structure(model, "about", "its modes are those about its equilibrium")
+    if model.kind != "structure":
+        raise UnsupportedError("about names a load case, and mechanisms have none")
     solution = STRUCTURAL_ANALYSES["Statics"]().run(model)
     return solution.at(np.array([solution.case(case)]))
 

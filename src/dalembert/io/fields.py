@@ -40,7 +40,7 @@ from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.schemes import ContactScheme
-from dalembert.model.coordinates import Coordinates
+from dalembert.model.graph.coordinates import Coordinates
 from dalembert.results.structural.result import StructuralResult
 from dalembert.symbolic.formulas.expression import Expression
 

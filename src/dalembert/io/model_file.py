@@ -20,7 +20,7 @@ from dalembert.io.reading import read_document
 from dalembert.io.schema import ModelDocument, ParameterTable
 from dalembert.io.values import in_own_unit, short_repr
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.model.system import System
 from dalembert.symbolic.formulas.declared import check_free
 from dalembert.text.wording import nearest, visible
@@ -152,7 +152,8 @@ def _document_type(data: dict[str, Any], path: Path) -> type[Document] | type[St
             f"unknown kind {short_repr(kind)}{suggestion}; known: {kinds}", f"{path}: kind"
         )
     elastic = {"nodes", "elements", "meshes"} & set(data)
-    if "kind" not in data and elastic and not {"bodies", "joints"} & set(data):
+    moving = {"bodies", "beams", "joints", "drivers", "forces"} & set(data)
+    if "kind" not in data and elastic and not moving:
         raise ModelError('nodes and elements make a structure; add kind = "structure"', str(path))
     if kind == "structure":
         return StructureDocument

@@ -13,8 +13,8 @@ from dalembert.integrators.base import Integrator
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.schemes import AnticipatedImpacts, ContactScheme, MoreauJean
 from dalembert.integrators.registry import INTEGRATORS
-from dalembert.model.coordinates import Coordinates
-from dalembert.model.registry import COORDINATES
+from dalembert.model.graph.coordinates import Coordinates
+from dalembert.model.graph.registry import COORDINATES
 from dalembert.responses.base import Response
 from dalembert.responses.events import AtEvent
 from dalembert.responses.extremes import Maximum, Minimum

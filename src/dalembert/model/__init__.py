@@ -1,1 +1,1 @@
-"""Mechanism models: builder, equations of motion, assembly and diagnosis."""
+"""Models: the builder, and the two evaluators of what it builds."""

@@ -8,12 +8,12 @@ from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.between_bodies import NodeBody
 from dalembert.elements.fem.element_set import Elements
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.checks import ValueChecks, check_membership, check_symbols
 from dalembert.model.copies import Copied, include
-from dalembert.model.description import Description, gravity_field
+from dalembert.model.graph.checks import ValueChecks, check_membership, check_symbols
+from dalembert.model.graph.description import Description, gravity_field
+from dalembert.model.graph.model import Model
+from dalembert.model.graph.parts import MechanismParts
 from dalembert.model.load_records import Weight
-from dalembert.model.mechanism_parts import MechanismParts
-from dalembert.model.model import Model
 from dalembert.model.supports_and_loads import SupportsAndLoads
 from dalembert.symbolic.formulas.declared import VARIABLES
 from dalembert.text.arguments import CheckedArguments, check_arguments

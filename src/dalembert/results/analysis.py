@@ -29,6 +29,10 @@ class Analysis(ABC, Generic[M, R]):
 
     display_name: ClassVar[str] = ""
     """Name of the analysis in texts."""
+    kinds: ClassVar[tuple[str, ...]] = ("mechanism", "structure")
+    """Kinds of models that it applies to."""
+    instead: ClassVar[str] = ""
+    """Remedy for a model of the other kind."""
     events: Mapping[str, Any] | None = None
     """Name → event, for analyses with events."""
     at_rest: ClassVar[bool] = False
@@ -53,9 +57,15 @@ class Analysis(ABC, Generic[M, R]):
 
         Raises
         ------
-        UnsupportedError
-            An option is set that does not apply to this kind of model.
+        AnalysisError
+            It does not apply to this kind of model; ``UnsupportedError`` where an option does not.
         """
+        kind, name = model.kind, model.name  # type: ignore[attr-defined]
+        if kind not in self.kinds:
+            own = type(self).__name__
+            raise AnalysisError(
+                f"{own} is for {self.kinds[0]}s, {name!r} is a {kind}; {self.instead}"
+            )
         for check in Analysis.checks(self, model).values():
             check()
         return self

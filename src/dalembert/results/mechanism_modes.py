@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.files.contents import Contents
 from dalembert.results.modes import Modes
 from dalembert.symbolic.formulas.expression import Expression, free_symbols

@@ -42,6 +42,7 @@ class Result(CacheOwner, Protocol):
     record : data for gradients
     warnings : reservations about the chosen methods
     events : occurred events
+    impacts : jumps of the speeds at rigid contacts
     continuous : whether states exist between the instants; if not, integrals are sums
     in_sequence : whether the states are consecutive; load cases and modes are not
     has_page : whether it has a report
@@ -55,6 +56,7 @@ class Result(CacheOwner, Protocol):
     record: Any
     warnings: Sequence[str] = ()
     events: Sequence[Any] = ()
+    impacts: Sequence[Any] = ()
     continuous: ClassVar[bool] = True
     in_sequence: ClassVar[bool] = True
     has_page: ClassVar[bool] = True

@@ -1,4 +1,4 @@
-"""Sparse factorisation by PARDISO for large systems if installed, otherwise by SuperLU."""
+"""Factorisation: LAPACK for dense matrices, SuperLU, or PARDISO for large systems if installed."""
 
 from __future__ import annotations
 
@@ -29,12 +29,13 @@ class SuperLUFactors(Factors):
     Raises
     ------
     numpy.linalg.LinAlgError
-        A pivot vanishes.
+        A pivot vanishes, or an entry is not finite.
     """
 
     name = "SuperLU"
 
     def __init__(self, matrix: Any, **options: Any):
+        _refuse_infinite(matrix.data)
         try:
             self._factors = scipy.sparse.linalg.splu(scipy.sparse.csc_array(matrix), **options)
         except RuntimeError as error:
@@ -51,6 +52,46 @@ class SuperLUFactors(Factors):
     @property
     def negative(self) -> int:
         return int((self._factors.U.diagonal() < 0).sum())
+
+
+class DenseFactors(Factors):
+    """``P A = L U`` of a dense matrix by LAPACK.
+
+    Parameters
+    ----------
+    matrix : (n, n), possibly empty
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        A pivot vanishes, or an entry is not finite.
+    """
+
+    name = "LAPACK"
+
+    def __init__(self, matrix: np.ndarray):
+        _refuse_infinite(matrix)
+        if not matrix.size:
+            return
+        self._factors, self._pivots, vanishing = scipy.linalg.lapack.dgetrf(matrix)
+        if vanishing:
+            raise np.linalg.LinAlgError("singular")
+
+    def solve(self, rhs: np.ndarray, trans: str = "N") -> np.ndarray:
+        if not rhs.size:
+            return rhs
+        transposed = int(trans == "T")
+        solution, _ = scipy.linalg.lapack.dgetrs(self._factors, self._pivots, rhs, transposed)
+        return np.asarray(solution)
+
+    @property
+    def negative(self) -> int:
+        return int((self._factors.diagonal() < 0).sum())
+
+
+def _refuse_infinite(entries: np.ndarray) -> None:
+    if not np.isfinite(entries).all():
+        raise np.linalg.LinAlgError("not finite")
 
 
 PARDISO_ROWS = 20_000
@@ -91,13 +132,17 @@ def pivoted_factors(matrix: Any) -> Factors:
 
 
 def general_factors(matrix: Any) -> Factors:
-    """Factors with pivoting, for any square matrix.
+    """Factors with pivoting, for any square matrix, sparse or dense.
 
     Raises
     ------
     numpy.linalg.LinAlgError
-        The matrix is singular.
+        The matrix is singular or not finite.
     """
+    if not matrix.shape[0]:
+        return DenseFactors(np.zeros((0, 0)))
+    if not scipy.sparse.issparse(matrix):
+        return DenseFactors(matrix)
     return _pardiso_factors(matrix) or SuperLUFactors(matrix)
 
 

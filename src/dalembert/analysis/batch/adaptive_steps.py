@@ -18,7 +18,7 @@ from dalembert.analysis.batch.dynamics_batch import DynamicsBatch
 from dalembert.analysis.batch.states import MarchedStates, check_memory
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.marching.method_choice import STIFF, STIFF_SHARE
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.parallel import LaneMarch
 from dalembert.symbolic.once import once
 

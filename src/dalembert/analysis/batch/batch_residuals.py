@@ -27,7 +27,7 @@ from dalembert.analysis.model_residuals import (
 from dalembert.analysis.residual_check import EXACT, MOTION
 from dalembert.analysis.singular_positions import LOST
 from dalembert.formulations.base import Level
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.symbolic.once import once
 
 

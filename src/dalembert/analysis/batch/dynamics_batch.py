@@ -21,7 +21,7 @@ from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.errors import SingularityError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs
 from dalembert.results.status import Status, reached

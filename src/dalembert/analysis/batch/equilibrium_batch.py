@@ -19,7 +19,7 @@ from dalembert.analysis.equilibrium.stability import equilibrium_text
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.analysis.residual_check import EXACT, MOTION
 from dalembert.formulations.base import Level
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs
 from dalembert.results.status import Outcome, Status

@@ -12,7 +12,7 @@ import numpy as np
 
 from dalembert.analysis.batch.states import States
 from dalembert.errors import AnalysisError, AssemblyError, BudgetError, DalembertError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.processes import can_copy, in_copies
 from dalembert.results.analysis import Analysis
 from dalembert.results.batch.batch import Batch

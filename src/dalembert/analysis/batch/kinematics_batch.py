@@ -23,7 +23,7 @@ from dalembert.analysis.kinematics.run import (
     TOLERANCE,
     KinematicsRun,
 )
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.batch.designs import Designs
 from dalembert.results.status import reached

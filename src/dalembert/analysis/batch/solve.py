@@ -17,7 +17,7 @@ from dalembert.analysis.elastic_range import (
     strains_of,
 )
 from dalembert.analysis.progress import Reported, progress_reporter
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.processes import checked_workers
 from dalembert.results.analysis import Analysis
 from dalembert.results.batch.batch import Batch

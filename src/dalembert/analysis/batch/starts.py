@@ -9,8 +9,8 @@ from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.timeline import check_driver_laws
 from dalembert.elements.driver import Driver
 from dalembert.errors import AnalysisError
-from dalembert.model.assembly.many_starts import ManyStarts
-from dalembert.model.model import Model
+from dalembert.model.graph.assembly.many_starts import ManyStarts
+from dalembert.model.graph.model import Model
 from dalembert.results.batch.designs import Designs
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.evaluation.backends import BACKENDS, Backend

@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.budget import check_budget
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.batch.samples import write_samples
 from dalembert.results.result import Result
 from dalembert.symbolic.evaluation.backends import Backend

@@ -15,8 +15,8 @@ from dalembert.formulations.registry import FORMULATIONS, STABILIZATIONS
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.registry import INTEGRATORS
-from dalembert.model.coordinates import Coordinates
-from dalembert.model.registry import COORDINATES
+from dalembert.model.graph.coordinates import Coordinates
+from dalembert.model.graph.registry import COORDINATES
 from dalembert.text.wording import nearest
 
 

@@ -26,7 +26,7 @@ from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import checked_span, output_times
 from dalembert.errors import AnalysisError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.comparison.result import Comparison, comparison_of
 from dalembert.results.motion import Motion

@@ -13,7 +13,7 @@ from dalembert.analysis.comparison.combinations import Combination
 from dalembert.analysis.comparison.reference import Observation, Reference, differences
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.errors import DalembertError, ModelError, UnsupportedError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.comparison.data import BETWEEN
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome

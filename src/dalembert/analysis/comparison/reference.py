@@ -18,7 +18,7 @@ from dalembert.formulations.kkt import KKT
 from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection
 from dalembert.integrators.runge_kutta.explicit import DormandPrince853
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome
 from dalembert.symbolic.formulas.expression import Expression, t

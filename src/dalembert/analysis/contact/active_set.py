@@ -13,7 +13,7 @@ from dalembert.analysis.contact.guards import Change, Guard
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.pattern import ActiveSet, GapRows, Pattern
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.model.contacts import Phase, Phases
+from dalembert.model.graph.contacts import Phase, Phases
 
 RESTING = 1e-9
 """Threshold for a speed at rest, relative to the sum of the magnitudes of its terms."""

@@ -22,8 +22,9 @@ from math import prod
 
 import numpy as np
 
-from dalembert.analysis.contact.pattern import GapRows, Pattern, cross, pattern_rows, sector_of
-from dalembert.model.contacts import Phase, Phases
+from dalembert.analysis.contact.pattern import GapRows, Pattern, pattern_rows, sector_of
+from dalembert.elements.planar.body import cross
+from dalembert.model.graph.contacts import Phase, Phases
 
 SAMPLES = 48
 """Number of sampled directions of one gap in the search for sign changes."""

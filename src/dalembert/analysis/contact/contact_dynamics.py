@@ -19,8 +19,8 @@ import numpy as np
 from dalembert.analysis.contact.pattern import GapRows
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.base import Formulation, state_symbols
-from dalembert.model.contacts import Phase, touching
-from dalembert.model.equations import Equations
+from dalembert.model.graph.contacts import Phase, touching
+from dalembert.model.graph.equations import Equations
 
 ROUNDING = 100 * float(np.finfo(float).eps)
 LEAST = 1e-3

@@ -9,8 +9,8 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.collision_gaps import collision_gaps
 from dalembert.errors import AnalysisError, DalembertError, UnsupportedError
-from dalembert.model.model import Model
-from dalembert.model.rigid_gaps import RigidGap
+from dalembert.model.graph.model import Model
+from dalembert.model.graph.rigid_gaps import RigidGap
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once

@@ -17,10 +17,10 @@ import numpy as np
 
 from dalembert.analysis.events import locate
 from dalembert.formulations.base import state_symbols
-from dalembert.model.contacts import Phase, slow
-from dalembert.model.equations import Equations
-from dalembert.model.rigid_gaps import RigidGap
-from dalembert.model.scales import Scales
+from dalembert.model.graph.contacts import Phase, slow
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.rigid_gaps import RigidGap
+from dalembert.model.graph.scales import Scales
 
 NEAR = 1e-12
 """Tolerance of a negative guard, in natural sizes."""
@@ -138,19 +138,3 @@ def first_zero(value: Callable[[float], float], inside: float, longest: float) -
             return locate(value, before, length)
         before = length
     return None
-
-
-def cubic(c, begin, end, slope, slope_end) -> np.ndarray:
-    """Cubic Hermite interpolation at fractions ``c`` of steps by values and slopes at the ends."""
-    values = (1 + 2 * c) * (1 - c) ** 2 * begin + c**2 * (3 - 2 * c) * end
-    return values + c * (1 - c) ** 2 * slope - c**2 * (1 - c) * slope_end
-
-
-def minimum_of_cubic(begin, end, slope, slope_end) -> np.ndarray:
-    """Fraction of every step at the minimum of the cubic inside; the middle without one."""
-    a = 6 * (begin - end) + 3 * (slope + slope_end)
-    b = -6 * (begin - end) - 4 * slope - 2 * slope_end
-    with np.errstate(all="ignore"):
-        root = np.sqrt(b**2 - 4 * a * slope)
-        fraction = np.where(b > 0, -2 * slope / (b + root), (root - b) / (2 * a))
-    return np.where((fraction > 0) & (fraction < 1), fraction, 0.5)

@@ -13,8 +13,8 @@ from dalembert.analysis.contact.pattern import ActiveSet, Pattern
 from dalembert.analysis.contact.state_jumps import Headings, Jump
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.integrators.base import Integrator
-from dalembert.model.contacts import Phase, Phases
-from dalembert.model.coordinates import CoordinateView
+from dalembert.model.graph.contacts import Phase, Phases
+from dalembert.model.graph.coordinates import CoordinateView
 
 Choose = Callable[[float, np.ndarray, np.ndarray, tuple[int, ...], Phases, Integrator], int]
 

@@ -16,7 +16,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.model.contacts import Phase, Phases
+from dalembert.elements.planar.body import cross
+from dalembert.model.graph.contacts import Phase, Phases
 
 SECTORS = 16
 """Number of sectors of slip directions; Newton's method starts in the middle of one."""
@@ -182,11 +183,6 @@ class PatternImpulse:
         matrix = ca.mtimes(self.delassus, distribution)[zero, :]
         constant = (self.c + ca.mtimes(self.delassus, impulse))[zero]
         return impulse + ca.mtimes(distribution, ca.solve(ca.densify(matrix), -constant))
-
-
-def cross(a: Any, b: Any) -> Any:
-    """Cross product of two vectors in a plane."""
-    return a[0] * b[1] - a[1] * b[0]
 
 
 def sector_of(angle: float) -> int:

@@ -16,19 +16,18 @@ from dalembert.analysis.contact.guards import (
     HALVINGS,
     Guard,
     Guards,
-    cubic,
     first_zero,
-    minimum_of_cubic,
 )
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.pattern import ActiveSet
+from dalembert.analysis.cubics import cubic, minimum_of_cubic
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.transition import SIMULTANEOUS, StepReplacement
 from dalembert.analysis.events import locate
 from dalembert.errors import SingularityError, UnsolvedPart, UnsupportedError
 from dalembert.formulations.base import state_symbols
 from dalembert.integrators.marching.steps import Crossing
-from dalembert.model.contacts import Phase, Phases
+from dalembert.model.graph.contacts import Phase, Phases
 from dalembert.results.recording import ImpactRecord
 from dalembert.symbolic.evaluation.kernel import Kernel
 

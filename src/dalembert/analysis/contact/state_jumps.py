@@ -18,9 +18,9 @@ import casadi as ca
 from dalembert.analysis.contact.contact_dynamics import ContactDynamics, gap_rows, slip_rows
 from dalembert.analysis.contact.pattern import Pattern, PatternImpulse
 from dalembert.formulations.base import WORK, memory_symbols, state_symbols
-from dalembert.model.contacts import Phase, heading, slow
-from dalembert.model.equations import Equations
-from dalembert.model.rigid_gaps import headings
+from dalembert.model.graph.contacts import Phase, heading, slow
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.rigid_gaps import headings
 from dalembert.symbolic.formulas.expression import stack
 
 

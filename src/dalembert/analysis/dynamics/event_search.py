@@ -14,11 +14,12 @@ from functools import cached_property, partial
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.cubics import cubic
 from dalembert.analysis.dynamics.flow import Flow
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.events import Event, Occurrence, as_events, locate, locate_again
-from dalembert.analysis.kinematics.branches import Branches
+from dalembert.analysis.output_places import OutputPlaces
 from dalembert.integrators.marching.checkpoints import States
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.motion import Motion
@@ -103,10 +104,8 @@ class EventSearch:
             return []
         sign, modes = np.sign(values[:-1]), steps.mode
         begin, end = rates(np.append(modes, modes[-1]))[:-1], rates(np.append(modes[0], modes))[1:]
-        c = PARTS[:, None]
-        cubic = (1 + 2 * c) * (1 - c) ** 2 * values[:-1] + c**2 * (3 - 2 * c) * values[1:]
-        cubic += h * (c * (1 - c) ** 2 * begin - c**2 * (1 - c) * end)
-        nearest = (sign * cubic).min(axis=0)
+        inside = cubic(PARTS[:, None], values[:-1], values[1:], h * begin, h * end)
+        nearest = (sign * inside).min(axis=0)
         near = same_sign & (nearest < NEAR * np.minimum(abs(values[:-1]), abs(values[1:])))
         flow, crossings = Flow(self.kernel, steps, self.p), list[Crossed]()
         for k in map(int, np.flatnonzero(near)):
@@ -177,8 +176,8 @@ class Instant:
     length: float
 
     @property
-    def branches(self) -> Branches:
-        return Branches(np.array([self.index]), np.array([self.length]))
+    def places(self) -> OutputPlaces:
+        return OutputPlaces(np.array([self.index]), np.array([self.length]))
 
 
 def end_by_event(motion: Result) -> Occurrence | None:

@@ -23,10 +23,10 @@ from dalembert.integrators.base import Attempt, Integrator
 from dalembert.integrators.marching.adaptive import AdaptiveMarch
 from dalembert.integrators.marching.march import FixedMarch
 from dalembert.integrators.marching.steps import Steps, Switch
-from dalembert.model.assembly.closure import AssembledState
-from dalembert.model.contacts import Phase, Phases, touching
-from dalembert.model.coordinates import Coordinates
-from dalembert.model.model import Model
+from dalembert.model.graph.assembly.closure import AssembledState
+from dalembert.model.graph.contacts import Phase, Phases, touching
+from dalembert.model.graph.coordinates import Coordinates
+from dalembert.model.graph.model import Model
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.evaluation.backends import Backend, VirtualMachine
 from dalembert.symbolic.evaluation.columns import Columns

@@ -19,16 +19,14 @@ from dalembert.analysis.dynamics.step_length_checks import BranchJumps, unstable
 from dalembert.analysis.dynamics.switch_search import SwitchSearch
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.events import as_events
-from dalembert.analysis.kinematics.branches import outputs_of
+from dalembert.analysis.output_places import outputs_of
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.strategy_warnings import strategy_warnings
 from dalembert.analysis.timeline import (
     Pace,
     afford_states,
     check_driver_laws,
-    checked_span,
-    checked_step,
-    output_times,
+    run_times,
     step_count,
     uniform_grid,
 )
@@ -44,7 +42,7 @@ from dalembert.integrators.marching.steps import (
     halving_warnings,
     standstill,
 )
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord
 from dalembert.results.status import Outcome, Status, Warnings
@@ -71,10 +69,8 @@ class DynamicsRun:
 
     def __init__(self, analysis: Any, model: Model, parameters):
         self.analysis, self.model = analysis, model
-        self.start, self.end = checked_span(analysis.duration, analysis.t_span)
+        self.start, self.end, self.step, self.requested = run_times(analysis)
         self.begin = self.start
-        self.step = checked_step(analysis.step, self.start, self.end)
-        self.requested = output_times(analysis.outputs, self.start, self.end)
         self._check_budget()
         self.p = model.values(parameters)
         model, self.closed_gaps = touching_model(model, self.p, self.start)
@@ -179,13 +175,13 @@ class DynamicsRun:
         requested = self.requested
         if requested is None and self.contacts is None and self.halved_steps(steps):
             requested = self.instants
-        times, branches = outputs_of(steps, requested, ends is not None, jumps)
+        times, places = outputs_of(steps, requested, ends is not None, jumps)
         dense = requested is None and adaptive
         if dense:
-            outputs = DenseOutputs(self.kernel, steps, times, branches, self.p)
-            branches, trajectory = outputs.branches, outputs.trajectory
+            outputs = DenseOutputs(self.kernel, steps, times, places, self.p)
+            places, trajectory = outputs.places, outputs.trajectory
         else:
-            trajectory = self.kernel.trajectory(times, steps, branches, self.p)
+            trajectory = self.kernel.trajectory(times, steps, places, self.p)
         timing.lap("outputs")
         balance = self.analysis.balance
         check = DynamicsResidualCheck(self.kernel, steps, trajectory, self.p, balance)
@@ -198,7 +194,7 @@ class DynamicsRun:
             statistics=statistics(self.kernel, steps, trajectory, self.p, timing),
             events=events,
             record=DynamicsRecord(
-                self.kernel, steps, branches, dense=dense, accuracy=self.accuracy(steps)
+                self.kernel, steps, places, dense=dense, accuracy=self.accuracy(steps)
             ),
         )
         if self.contacts:

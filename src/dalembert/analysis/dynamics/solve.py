@@ -9,10 +9,9 @@ from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.dynamics.dynamics import Dynamics
 from dalembert.analysis.keywords import DynamicsKeywords
 from dalembert.analysis.progress import Reported
-from dalembert.analysis.requirements import need_model
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion
 from dalembert.results.structural.motion import StructuralMotion
@@ -152,5 +151,4 @@ def _solve(
 ) -> Any:
     """Dynamics of a model, from the arguments of a function."""
     analysis = analysis_of(Dynamics, verb, model, parameters, duration=duration, **options)
-    need_model(model, verb)
     return run_analysis(analysis, model, parameters, progress, workers)

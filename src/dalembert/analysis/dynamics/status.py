@@ -12,7 +12,7 @@ from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.residual_check import DynamicsResidualCheck
 from dalembert.analysis.singular_positions import LOST, SingularPosition, near_singular_position
 from dalembert.integrators.marching.steps import Steps
-from dalembert.model.assembly.regularity import left_table
+from dalembert.model.graph.assembly.regularity import left_table
 from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status, reached, stopped, unsolved
 from dalembert.symbolic.once import once

@@ -22,8 +22,8 @@ from dalembert.elements.coordinates import rate_of
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.marching.checkpoints import Checkpoints
 from dalembert.integrators.marching.steps import Steps
-from dalembert.model.assembly.guesses import AssembledState
-from dalembert.model.model import Model
+from dalembert.model.graph.assembly.guesses import AssembledState
+from dalembert.model.graph.model import Model
 from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.formulas.expression import free_symbols, stack
 from dalembert.symbolic.once import once
@@ -95,9 +95,8 @@ def _swings(model: Model, state: AssembledState, p: np.ndarray) -> tuple[list[st
 
 
 def _solved(matrix: ca.DM, rhs: np.ndarray) -> np.ndarray:
-    if rhs.shape[0] <= SMALL:
-        return np.linalg.solve(matrix.full(), rhs)
-    return general_factors(matrix.sparse()).solve(rhs)
+    dense = rhs.shape[0] <= SMALL
+    return general_factors(matrix.full() if dense else matrix.sparse()).solve(rhs)
 
 
 def _components(powers: Powers) -> Powers:

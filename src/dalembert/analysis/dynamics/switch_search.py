@@ -17,7 +17,7 @@ from dalembert.elements.base import Constraint, Element, ForceElement
 from dalembert.elements.coordinates import rate_of
 from dalembert.formulations.base import state_symbols
 from dalembert.integrators.marching.steps import Crossing
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.formulas.switches import freeze_branches
 

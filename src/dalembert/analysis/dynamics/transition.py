@@ -23,7 +23,7 @@ from dalembert.formulations.base import state_sizes, state_symbols
 from dalembert.integrators.base import Attempt
 from dalembert.integrators.marching.steps import Crossing
 from dalembert.integrators.step import GraphStep, Step
-from dalembert.model.equations import Equations
+from dalembert.model.graph.equations import Equations
 from dalembert.symbolic.equations.graph_function import GraphFunction
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once

@@ -21,9 +21,9 @@ from dalembert.formulations.sliding import SlidingSolver
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.step import Step
-from dalembert.model.contacts import Phases, touching
-from dalembert.model.coordinates import CoordinateView
-from dalembert.model.equations import Equations
+from dalembert.model.graph.contacts import Phases, touching
+from dalembert.model.graph.coordinates import CoordinateView
+from dalembert.model.graph.equations import Equations
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.formulas.expression import Expression, stack
 from dalembert.symbolic.once import CacheOwner, once

@@ -9,14 +9,14 @@ import numpy as np
 
 from dalembert.analysis.batch.equilibrium_batch import EquilibriumBatch
 from dalembert.analysis.batch.solve import run_analysis
-from dalembert.analysis.equilibrium.mechanism_equilibrium import MechanismEquilibrium
-from dalembert.analysis.equilibrium.structure_equilibrium import StructureEquilibrium
+from dalembert.analysis.equilibrium.mechanism_equilibrium import mechanism_equilibrium
+from dalembert.analysis.equilibrium.structure_equilibrium import structure_equilibrium
 from dalembert.analysis.keywords import EquilibriumKeywords
-from dalembert.analysis.requirements import need_model, need_positive
+from dalembert.analysis.requirements import need_positive
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import only_for, options
 from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.batch.batch import Batch
@@ -106,8 +106,8 @@ class Equilibrium(Analysis[Any, Any]):
         self.for_model(model)
         p = model.values(parameters)
         if isinstance(model, StructuralModel):
-            return StructureEquilibrium(self, model, p).execute(progress)
-        return MechanismEquilibrium(self, model, p).execute(start)
+            return structure_equilibrium(self, model, p, progress)
+        return mechanism_equilibrium(self, model, p, start)
 
     def replay(self, result: Any, p: np.ndarray) -> Any:
         """The equilibrium at other parameter values; of a mechanism, starting from this one."""
@@ -197,5 +197,4 @@ def solve_equilibrium(
     array([ 0.6, -0.8])
     """
     analysis = analysis_of(Equilibrium, "solve_equilibrium", model, parameters, **options)
-    need_model(model, "solve_equilibrium")
     return run_analysis(analysis, model, parameters, workers=workers)  # type: ignore[no-any-return]

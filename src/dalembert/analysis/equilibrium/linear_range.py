@@ -23,11 +23,11 @@ from dalembert.analysis.equilibrium.load_steps import LoadSteps, StepControl
 from dalembert.analysis.equilibrium.static_equations import Balance, StaticEquations
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.model.assembled.evaluation.assembly import Assembly
-from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of
+from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of, free_displacements
 from dalembert.model.assembled.loads.load_case import ConfigurationLoad
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.assembled.reduction.rigid import node_positions, rigid_motions
-from dalembert.sparse.solver import Factors
+from dalembert.sparse.solver import Factors, SparseSolver
 
 RELATIVE = 0.05
 """Error relative to the largest displacement above which a result carries a warning."""
@@ -149,7 +149,7 @@ class LinearRange:
         try:
             for _ in path.follow():
                 pass
-            stable = path.record().negative == 0
+            stable = path.end().record.negative == 0
         except (SingularityError, AnalysisError):
             return np.inf
         return self._error(path.u) if stable and not path.failure else np.inf
@@ -171,8 +171,7 @@ def linear_range_warnings(
     p: np.ndarray,
     names: Sequence[str],
     u: np.ndarray,
-    solve: Callable[[np.ndarray], np.ndarray],
-    cure: str,
+    factor: SparseSolver | None = None,
 ) -> list[str]:
     """Warnings about displacements (n, states) that are too large for a linear analysis.
 
@@ -180,9 +179,16 @@ def linear_range_warnings(
     ----------
     model : StructuralModel, with exact energies
     names : names of the states
-    solve : (n,) forces → (n,) displacements
-    cure : remedy, for the message
+    factor : of the stiffness of the free displacements at rest; by default computed on demand
     """
+
+    def solve(forces: np.ndarray) -> np.ndarray:
+        assembly, own = model.linearized.assembly, factor
+        if own is None:
+            stiffness = assembly.inner(assembly.stiffness(np.zeros_like(forces), p))
+            own = factors_of(stiffness, model.degrees, assembly.free)
+        return free_displacements(own, assembly.free, forces)
+
     warnings: list[tuple[float, str]] = []
     for name, column in zip(names, u.T, strict=True):
         linear_range = LinearRange(model, p, column, np.zeros(0, dtype=int), solve)
@@ -194,7 +200,8 @@ def linear_range_warnings(
         text = (
             f"{name}: displacements reach {size:.2g} of "
             f"the size of the structure (rotation or strain of element {element}: {turn:.2g}); "
-            f"those of linear equations err by about {percent(error)} of the largest; {cure}"
+            f"those of linear equations err by about {percent(error)} of the largest; use "
+            "nonlinear=True"
         )
         warnings.append((error, text))
     if not warnings:

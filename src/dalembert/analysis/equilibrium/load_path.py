@@ -15,7 +15,7 @@ from dalembert.analysis.equilibrium.path_equations import PathEquations
 from dalembert.analysis.equilibrium.path_following import PathFollower
 from dalembert.analysis.keywords import ArcLengthKeywords
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.requirements import need_positive, need_structure
+from dalembert.analysis.requirements import need_positive
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.model import StructuralModel
@@ -63,6 +63,8 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
     """
 
     display_name = "load path"
+    kinds = ("structure",)
+    instead = "use solve_equilibrium load by load"
 
     case: str = ""
     first: float = 0.1
@@ -89,6 +91,7 @@ class ArcLength(Analysis[StructuralModel, LoadPathResult]):
             An unknown load case, or one without effect; ``SingularityError`` where the
             structure is a mechanism before any load acts.
         """
+        self.for_model(model)
         p = model.values(parameters)
         if self.case not in model.loads:
             known = ", ".join(repr(c) for c in model.loads)
@@ -172,5 +175,4 @@ def solve_load_path(
     0.99
     """
     analysis = analysis_of(ArcLength, "solve_load_path", model, parameters, **options)
-    need_structure(model, "solve_load_path", "use solve_equilibrium load by load")
     return analysis.run(model, parameters)

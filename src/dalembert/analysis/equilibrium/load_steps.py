@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -40,6 +40,14 @@ class StepControl:
         """The fields of an analysis; the default number of iterations where it states none."""
         iterations = analysis.max_iterations or cls.max_iterations
         return cls(analysis.steps, analysis.tolerance, iterations)
+
+
+class LoadedState(NamedTuple):
+    """Forces (n,), applied and reactions, the residual [N], and data for gradients."""
+
+    forces: np.ndarray
+    residual: float
+    record: StaticsRecord
 
 
 class LoadSteps:
@@ -94,18 +102,12 @@ class LoadSteps:
         self.residual = solution.residual
         return solution.x
 
-    def unbalanced(self) -> np.ndarray:
-        """(n,) unbalanced forces, negative reactions at supports."""
-        return self.equations.unbalanced(self.u, self.reached)
-
-    def forces(self, unbalanced: np.ndarray) -> np.ndarray:
-        """(n,) applied forces, and reactions at prescribed displacements."""
-        return self.equations.with_reactions(self.reached, unbalanced)
-
-    def record(self) -> StaticsRecord:
-        """Tangent stiffness at the end, for gradients; no factors after a failure."""
-        matrix = self.equations.stiffness(self.u, self.reached)
-        return StaticsRecord(None if self.failure else self.equations.factor(matrix), matrix)
+    def end(self) -> LoadedState:
+        """The last equilibrium; without factors after a failure."""
+        e, stiffness = self.equations, self.equations.stiffness(self.u, self.reached)
+        unbalanced = e.unbalanced(self.u, self.reached)
+        record = StaticsRecord(None if self.failure else e.factor(stiffness), stiffness)
+        return LoadedState(e.with_reactions(self.reached, unbalanced), e.size(unbalanced), record)
 
 
 class LoadedBalance(Equations[np.ndarray]):

@@ -22,11 +22,11 @@ from dalembert.analysis.equilibrium.static_balance import (
 )
 from dalembert.analysis.residual_check import MOTION, ResidualCheck
 from dalembert.formulations.base import Level
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status
-from dalembert.symbolic.equations.newton import NewtonSettings, Solution, solve
+from dalembert.symbolic.equations.newton import NewtonSettings, solve
 
 MAX_ITERATIONS = 200
 """Default upper limit of Newton iterations."""
@@ -46,59 +46,50 @@ class EquilibriumRecord:
     kernel: StaticsKernel
 
 
-class MechanismEquilibrium:
-    """One search for an equilibrium.
+def mechanism_equilibrium(
+    analysis: Any, model: Model, p: np.ndarray, start: np.ndarray | None = None
+) -> Motion:
+    """The equilibrium near the assembled position, or near the pose ``start``.
 
     Parameters
     ----------
     analysis : strategy object with the fields of ``Equilibrium``
-    model : Model
-    p : (np,) parameters
     """
-
-    def __init__(self, analysis: Any, model: Model, p: np.ndarray):
-        self.analysis, self.model, self.p = analysis, model, p
-        self.kernel = statics_kernel(model)
-
-    def execute(self, start: np.ndarray | None = None) -> Motion:
-        """The equilibrium near the assembled position, or near the pose ``start``."""
-        balance = StaticBalance(self.kernel, self.analysis.time, self.p)
-        y = self.model.assemble(self.p, self.analysis.time).y
-        if start is not None:
-            moved = balance.onto_constraints(start)
-            y = y if moved is None else moved
-        return self.result(balance, solve(balance, y, equilibrium_settings(self.analysis)))
-
-    def result(self, balance: StaticBalance, solution: Solution[np.ndarray]) -> Motion:
-        """Motion with one instant."""
-        n, forces = self.model.equations.speed_count, balance.residual(solution.x)
-        residual = float(np.abs(forces.value).max(initial=0.0)) / self.model.scales.length
-        stable = bool(np.all(forces.resistance > 0)) if forces.conservative else forces.stable
-        text = equilibrium_text(residual, solution.iterations, stable, forces.conservative)
-        outcome = Outcome.COMPLETED if solution.accepted else Outcome.NOT_CONVERGED
-        status = Status(outcome, text, self.analysis.time, solution.residual)
-        column = (-1, 1)
-        trajectory = Trajectory(
-            np.array([self.analysis.time]),
-            solution.x.reshape(column),
-            np.zeros((n, 1)),
-            np.zeros((n, 1)),
-            self.model.all_multipliers(forces.multiplier.reshape(column)),
-            np.zeros((2, 1)),
-        )
-        tolerance = max(MOTION, self.analysis.tolerance)
-        check = ResidualCheck(self.model, trajectory, self.p, [Level.POSITION], tolerance)
-        return Motion(
-            self.model,
-            self.analysis,
-            self.p,
-            trajectory,
-            check.verify(status),
-            {"iterations": solution.iterations, "stable": stable, "residual [N or N m]": residual},
-            warnings=[
-                *instability_warnings(forces.negative if solution.accepted else 0, LEAVES),
-                *ignored_contacts(self.model, trajectory, self.p),
-                *elastic_warnings(self.model, trajectory, self.p),
-            ],
-            record=EquilibriumRecord(self.kernel),
-        )
+    kernel, time = statics_kernel(model), analysis.time
+    balance, y = StaticBalance(kernel, time, p), model.assemble(p, time).y
+    if start is not None:
+        moved = balance.onto_constraints(start)
+        y = y if moved is None else moved
+    iterations = analysis.max_iterations or MAX_ITERATIONS
+    settings = NewtonSettings(tolerance=analysis.tolerance, max_iterations=iterations, slack=1.0)
+    solution = solve(balance, y, settings)
+    forces, n = balance.residual(solution.x), model.equations.speed_count
+    residual = float(np.abs(forces.value).max(initial=0.0)) / model.scales.length
+    stable = bool(np.all(forces.resistance > 0)) if forces.conservative else forces.stable
+    text = equilibrium_text(residual, solution.iterations, stable, forces.conservative)
+    outcome = Outcome.COMPLETED if solution.accepted else Outcome.NOT_CONVERGED
+    column = (-1, 1)
+    trajectory = Trajectory(
+        np.array([time]),
+        solution.x.reshape(column),
+        np.zeros((n, 1)),
+        np.zeros((n, 1)),
+        model.all_multipliers(forces.multiplier.reshape(column)),
+        np.zeros((2, 1)),
+    )
+    tolerance = max(MOTION, analysis.tolerance)
+    check = ResidualCheck(model, trajectory, p, [Level.POSITION], tolerance)
+    return Motion(
+        model,
+        analysis,
+        p,
+        trajectory,
+        check.verify(Status(outcome, text, time, solution.residual)),
+        {"iterations": solution.iterations, "stable": stable, "residual [N or N m]": residual},
+        warnings=[
+            *instability_warnings(forces.negative if solution.accepted else 0, LEAVES),
+            *ignored_contacts(model, trajectory, p),
+            *elastic_warnings(model, trajectory, p),
+        ],
+        record=EquilibriumRecord(kernel),
+    )

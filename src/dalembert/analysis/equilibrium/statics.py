@@ -16,16 +16,14 @@ from dalembert.analysis.equilibrium.static_equations import (
     free_factors,
 )
 from dalembert.analysis.keywords import StaticsKeywords
-from dalembert.analysis.requirements import need_model
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import UnsupportedError
 from dalembert.model.assembled.evaluation.stiffness_solvers import (
     better_iterative,
-    free_displacements,
     multigrid_of,
 )
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.batch.batch import Batch
@@ -74,6 +72,8 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
     """
 
     display_name = "linear statics"
+    kinds = ("structure",)
+    instead = "use solve_equilibrium"
     at_rest = True
 
     solver: str = "auto"
@@ -94,6 +94,7 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         SingularityError
             The structure can move without strain; names the nodes.
         """
+        self.for_model(model)
         timing, exact = Timing(), model
         model = model.linearized
         p = model.values(parameters)
@@ -117,27 +118,12 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         record = StaticsRecord(factor, stiffness)
         timing.lap("solution")
         statistics = self._statistics(model, factor, timing)
-        records, warnings = [record] * len(cases), self._range_warnings(exact, p, cases, u, factor)
+        names = [f"load case {case!r}" if case else "the load" for case in cases]
+        warnings = linear_range_warnings(exact, p, names, u, factor)
+        records = [record] * len(cases)
         return StructuralResult(
             model, self, p, cases, u, forces, status, statistics, records, warnings
         )
-
-    @staticmethod
-    def _range_warnings(
-        model: StructuralModel,
-        p: np.ndarray,
-        cases: list[str],
-        u: np.ndarray,
-        factor: SparseSolver | None,
-    ) -> list[str]:
-        """Warnings about displacements that are too large for linear statics."""
-        free = model.assembly.free
-
-        def solve(forces: np.ndarray) -> np.ndarray:
-            return free_displacements(factor, free, forces)
-
-        names = [f"load case {case!r}" if case else "the load" for case in cases]
-        return linear_range_warnings(model, p, names, u, solve, "use nonlinear=True")
 
     def _solver(self, model: StructuralModel, matrix: Any, p: np.ndarray) -> SparseSolver | None:
         blocks, free = model.assembly.blocks, model.assembly.free
@@ -238,5 +224,4 @@ def solve_statics(
     """
     kind: type[Analysis] = Equilibrium if nonlinear or isinstance(model, Model) else Statics
     analysis = analysis_of(kind, "solve_statics", model, parameters, **options)
-    need_model(model, "solve_statics")
     return run_analysis(analysis, model, parameters, workers=workers)  # type: ignore[no-any-return]

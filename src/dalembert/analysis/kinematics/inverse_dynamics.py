@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any, Unpack, overload
 from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.keywords import OverTimeKeywords
 from dalembert.analysis.kinematics.kinematics import Kinematics
-from dalembert.analysis.requirements import need_mechanism
 from dalembert.analysis.times import Time, analysis_of
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion
@@ -42,6 +41,7 @@ class InverseDynamics(Kinematics):
     """
 
     display_name = "inverse dynamics"
+    instead = "use solve_transient"
 
     @property
     def efforts(self) -> bool:
@@ -114,5 +114,4 @@ def solve_inverse_dynamics(
     analysis = analysis_of(
         InverseDynamics, "solve_inverse_dynamics", model, parameters, duration=duration, **options
     )
-    need_mechanism(model, "solve_inverse_dynamics", "use solve_transient")
     return run_analysis(analysis, model, parameters, progress, workers)  # type: ignore[no-any-return]

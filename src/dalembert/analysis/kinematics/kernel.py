@@ -9,9 +9,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.model.assembly.position import position_stages
-from dalembert.model.equations import Equations
-from dalembert.model.model import Model
+from dalembert.model.graph.assembly.position import position_stages
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.model import Model
 from dalembert.results.recording import Recording, Trajectory
 from dalembert.symbolic.equations.factor import QrFactor
 from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage

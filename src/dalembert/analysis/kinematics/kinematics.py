@@ -18,11 +18,10 @@ from dalembert.analysis.batch.solve import run_analysis
 from dalembert.analysis.events import Occurrence, locate, locate_again
 from dalembert.analysis.keywords import OverTimeKeywords
 from dalembert.analysis.kinematics.run import TOLERANCE, KinematicsRun
-from dalembert.analysis.requirements import need_mechanism
 from dalembert.analysis.timeline import OverTime
 from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
 from dalembert.results.motion import Motion
@@ -59,6 +58,8 @@ class Kinematics(OverTime[Motion]):
     """
 
     display_name = "kinematics"
+    kinds = ("mechanism",)
+    instead = "use solve_statics"
     executions = {"mechanism": KinematicsRun}
     batched = KinematicsBatch
 
@@ -207,7 +208,6 @@ def solve_kinematics(
     analysis = analysis_of(
         Kinematics, "solve_kinematics", model, parameters, duration=duration, **options
     )
-    need_mechanism(model, "solve_kinematics", "use solve_statics")
     return run_analysis(analysis, model, parameters, progress, workers)  # type: ignore[no-any-return]
 
 

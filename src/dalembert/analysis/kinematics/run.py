@@ -18,14 +18,12 @@ from dalembert.analysis.singular_positions import SingularPosition
 from dalembert.analysis.timeline import (
     afford_states,
     check_driver_laws,
-    checked_span,
-    checked_step,
-    output_times,
+    run_times,
     uniform_grid,
 )
 from dalembert.errors import AnalysisError
-from dalembert.model.assembly.regularity import left_ahead
-from dalembert.model.model import Model
+from dalembert.model.graph.assembly.regularity import left_ahead
+from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
 from dalembert.results.recording import EventRecord, Trajectory
 from dalembert.results.status import Outcome, Status, reached, stopped
@@ -65,9 +63,7 @@ class KinematicsRun:
     def __init__(self, analysis: Any, model: Model, parameters):
         self.analysis, self.model = analysis, model
         self.p = model.values(parameters)
-        self.start, self.end = checked_span(analysis.duration, analysis.t_span)
-        requested = output_times(analysis.outputs, self.start, self.end)
-        step = checked_step(analysis.step, self.start, self.end)
+        self.start, self.end, step, requested = run_times(analysis)
         self.chosen = requested is not None and analysis.step is None and not analysis.efforts
         grid = uniform_grid(self.start, self.end, step)
         e = model.equations

@@ -13,7 +13,7 @@ from dalembert.analysis.keywords import BucklingKeywords
 from dalembert.analysis.modes.pencil import Geometric, Loaded, Pencil, Tangent, Term
 from dalembert.analysis.modes.spectral import SpectralAnalysis
 from dalembert.analysis.modes.spectrum import Spectrum
-from dalembert.analysis.requirements import need_count, need_structure
+from dalembert.analysis.requirements import need_count
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.model.assembled.evaluation.eigenpairs import largest
@@ -63,6 +63,8 @@ class Buckling(SpectralAnalysis[StructuralModel, BucklingModes]):
     """
 
     display_name = "linear buckling"
+    kinds = ("structure",)
+    instead = "use linearize about loaded equilibria"
 
     count: int = 3
     case: str = ""
@@ -165,5 +167,4 @@ def solve_buckling(
     analysis = analysis_of(
         Buckling, "solve_buckling", model, parameters, count=count, case=case, **options
     )
-    need_structure(model, "solve_buckling", "use linearize about loaded equilibria")
     return analysis.run(model, parameters)

@@ -19,11 +19,12 @@ from dalembert.elements.fem.elastic_element import ElasticElement
 from dalembert.elements.flexible.nodes import Noded
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import KKT
-from dalembert.model.coordinates import Coordinates
-from dalembert.model.model import Model
+from dalembert.model.graph.coordinates import Coordinates
+from dalembert.model.graph.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.sparse.eigenvalues import coinciding, error_sizes, leading, residual
 from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.evaluation.kernel import SELDOM
 from dalembert.symbolic.once import once
 
 RESTING = 1e-9
@@ -69,8 +70,8 @@ class LinearizationKernel:
         position_constraints = e.constraints[list(e.holds), :]
         level = ca.vertcat(position_constraints, e.manifold.bounds, e.velocity_constraints)
         accelerations = KKT().acceleration(e, e.constraint_acceleration, [rate, level])
-        inputs = [e.t, ca.vertcat(e.y, e.v), e.p]
-        return ImplicitFunction("linearized", inputs, accelerations.stages, accelerations.outputs)
+        inputs, stages = [e.t, ca.vertcat(e.y, e.v), e.p], accelerations.stages
+        return ImplicitFunction("linearized", inputs, stages, accelerations.outputs, SELDOM)
 
     @cached_property
     def resting(self) -> ImplicitFunction:
@@ -78,14 +79,14 @@ class LinearizationKernel:
         equilibrium = statics_kernel(self.model).configuration
         e = self.model.equations
         still = ca.substitute(self._state_of_bodies, e.v, ca.SX.zeros(e.speed_count))
-        return ImplicitFunction("resting", equilibrium.inputs, equilibrium.stages, [still])
+        return ImplicitFunction("resting", equilibrium.inputs, equilibrium.stages, [still], SELDOM)
 
     @cached_property
     def assembled(self) -> ImplicitFunction:
         """``(t, y nearby, p) → x`` of the assembled state."""
         start, e = self.model.initial_state, self.model.equations
         x = ca.substitute(self._state_of_bodies, ca.vertcat(e.y, e.v), ca.vertcat(*start.outputs))
-        return ImplicitFunction("assembled", start.inputs, start.stages, [x])
+        return ImplicitFunction("assembled", start.inputs, start.stages, [x], SELDOM)
 
     @property
     def _state_of_bodies(self) -> ca.SX:

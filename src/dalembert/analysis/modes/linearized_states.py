@@ -9,8 +9,8 @@ import numpy as np
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
 from dalembert.analysis.modes.linearization_kernel import Linearized, linearization_kernel
 from dalembert.errors import AnalysisError
-from dalembert.model.coordinates import Coordinates
-from dalembert.model.model import Model
+from dalembert.model.graph.coordinates import Coordinates
+from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
 
 

@@ -18,8 +18,8 @@ from dalembert.analysis.modes.vibration import vibration
 from dalembert.analysis.requirements import need_count
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.coordinates import AbsoluteCoordinates, Coordinates
-from dalembert.model.model import Model
+from dalembert.model.graph.coordinates import AbsoluteCoordinates, Coordinates
+from dalembert.model.graph.model import Model
 from dalembert.options import only_for, options
 from dalembert.results.analysis import ParameterValues
 from dalembert.results.mechanism_modes import MechanismModes
@@ -93,6 +93,10 @@ class Modal(SpectralAnalysis[Any, Modes]):
         about: Any = self.about
         if about is None:
             return
+        if not hasattr(about, "model"):
+            raise AnalysisError(
+                f"Modal: about is {about!r}; give a motion of a mechanism or a result of statics"
+            )
         if name := "time" if self.time else "" if self.equilibrium else "equilibrium":
             raise AnalysisError(f"Modal: {name} cannot be given with about=, which has its own")
         if about.model.kind == "structure" and not about.analysis.at_rest:

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Unpack, overload
+from typing import Any, Unpack
 
 from dalembert.analysis.keywords import ModalKeywords
 from dalembert.analysis.modes.modal import Modal
-from dalembert.analysis.requirements import need_model
 from dalembert.analysis.times import analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
-from dalembert.results.mechanism_modes import MechanismModes
+from dalembert.model.graph.model import Model
 from dalembert.results.modes import Modes
 from dalembert.results.motion import Motion
-from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
 from dalembert.text.arguments import check_arguments
 
@@ -23,33 +20,10 @@ from dalembert.text.arguments import check_arguments
 def _modes(verb: str, model: Any, about: Any, parameters: Any, options: Any) -> Any:
     """Modes of a model, from the arguments of a function."""
     analysis = analysis_of(Modal, verb, model, parameters, about=about, **options)
-    need_model(model, verb)
     if about is not None and parameters:
         names = ", ".join(parameters)
         raise AnalysisError(f"{verb}: {names} cannot be given with about=, which has its own")
     return analysis.run(model, parameters)
-
-
-@overload
-def linearize(
-    model: Model,
-    about: Motion | None = None,
-    count: int | None = None,
-    *,
-    parameters: Mapping[str, float] | None = None,
-    **options: Unpack[ModalKeywords],
-) -> MechanismModes: ...
-
-
-@overload
-def linearize(
-    model: StructuralModel,
-    about: StructuralResult | None = None,
-    count: int | None = None,
-    *,
-    parameters: Mapping[str, float] | None = None,
-    **options: Unpack[ModalKeywords],
-) -> VibrationModes: ...
 
 
 @check_arguments
@@ -94,28 +68,6 @@ def linearize(
     (array([0.1]), array([10.]))
     """
     return _modes("linearize", model, about, parameters, {"count": count, **options})  # type: ignore[no-any-return]
-
-
-@overload
-def solve_modes(
-    model: Model,
-    count: int = 6,
-    about: Motion | None = None,
-    *,
-    parameters: Mapping[str, float] | None = None,
-    **options: Unpack[ModalKeywords],
-) -> MechanismModes: ...
-
-
-@overload
-def solve_modes(
-    model: StructuralModel,
-    count: int = 6,
-    about: StructuralResult | None = None,
-    *,
-    parameters: Mapping[str, float] | None = None,
-    **options: Unpack[ModalKeywords],
-) -> VibrationModes: ...
 
 
 @check_arguments

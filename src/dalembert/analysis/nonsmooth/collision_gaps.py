@@ -11,7 +11,7 @@ from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.integrators.contact.contacts import Contacts
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Patterned
 from dalembert.symbolic.once import once
 

@@ -12,7 +12,7 @@ from dalembert.integrators.contact.contact_solver import ContactSolver, Impulses
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.integrators.contact.friction_problem import FrictionProblem
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import dense_array
 
 ROUNDS = 50

@@ -13,7 +13,7 @@ from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ModelError, UnsupportedError
 from dalembert.integrators.contact.contacts import Contacts
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Patterned, dense_array
 from dalembert.symbolic.formulas.expression import t
 

@@ -18,7 +18,7 @@ from dalembert.analysis.times import Time, analysis_of
 from dalembert.errors import AnalysisError
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.schemes import AnticipatedImpacts, ContactScheme
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.text.arguments import check_arguments
@@ -54,6 +54,8 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
     """
 
     display_name = "dynamics with contacts"
+    kinds = ("mechanism",)
+    instead = "use solve_dynamics"
     integrates = True
     executions = {"mechanism": NonsmoothRun}
 

@@ -23,15 +23,13 @@ from dalembert.analysis.residual_check import EXACT, ResidualCheck
 from dalembert.analysis.timeline import (
     afford_states,
     check_driver_laws,
-    checked_span,
-    checked_step,
-    output_times,
+    run_times,
     step_count,
     uniform_grid,
 )
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.formulations.base import Level
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord, NonsmoothMotion
 from dalembert.results.status import Outcome, Status, reached, stopped
 from dalembert.symbolic.equations.newton import Solution
@@ -50,9 +48,7 @@ class NonsmoothRun:
 
     def __init__(self, analysis: Any, model: Model, parameters):
         self.analysis, self.model = analysis, model
-        self.start, self.end = checked_span(analysis.duration, analysis.t_span)
-        self.h = checked_step(analysis.step, self.start, self.end)
-        self.requested = output_times(analysis.outputs, self.start, self.end)
+        self.start, self.end, self.h, self.requested = run_times(analysis)
         e = model.equations
         afford_states(
             step_count(self.start, self.end, self.h), 3 * (e.coordinate_count + e.speed_count)

@@ -9,8 +9,8 @@ import numpy as np
 import scipy
 
 from dalembert.errors import SingularityError, UnsupportedError
-from dalembert.model.assembly.assembly import ROUNDING
-from dalembert.model.model import Model
+from dalembert.model.graph.assembly.assembly import ROUNDING
+from dalembert.model.graph.model import Model
 from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
 
@@ -103,11 +103,15 @@ def solver(matrix: Matrix, joints: Matrix) -> Solve:
     m, n = joints.shape
     if not m and (diagonal := _diagonal(matrix)) is not None:
         return lambda right, _: ((right.T / diagonal).T, np.zeros((0, *right.shape[1:])))
-    factors = _factors(matrix, joints)
+    try:
+        factors = general_factors(_saddle(matrix, joints))
+    except np.linalg.LinAlgError:
+        text = "inertia and joints of a step have no solution; look for a singular position"
+        raise SingularityError(text) from None
 
     def solve(right: np.ndarray, below: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
         right_below = np.zeros((m, *right.shape[1:])) if below is None else below
-        solution = factors(np.concatenate([right, right_below]))
+        solution = factors.solve(np.concatenate([right, right_below]))
         return solution[:n], solution[n:]
 
     return solve
@@ -120,20 +124,12 @@ def _diagonal(matrix: Matrix) -> np.ndarray | None:
     return diagonal if np.all(diagonal) and entries == diagonal.size else None
 
 
-def _factors(matrix: Matrix, joints: Matrix) -> Callable[[np.ndarray], np.ndarray]:
+def _saddle(matrix: Matrix, joints: Matrix) -> Matrix:
+    """``[[A, Cᵀ], [C, 0]]``."""
     m, n = joints.shape
-    text = "inertia and joints of a step have no solution; look for a singular position"
-    if not (scipy.sparse.issparse(matrix) or scipy.sparse.issparse(joints)):
-        from scipy.linalg import lu_factor, lu_solve
-
-        whole = np.zeros((n + m, n + m))
-        whole[:n, :n], whole[n:, :n], whole[:n, n:] = matrix, joints, joints.T
-        if not np.isfinite(whole).all():
-            raise SingularityError(text)
-        factors = lu_factor(whole, check_finite=False)
-        return lambda right: lu_solve(factors, right, check_finite=False)
-    blocks = [[matrix, joints.T], [joints, None]] if m else [[matrix]]
-    try:
-        return general_factors(scipy.sparse.block_array(blocks, format="csc")).solve
-    except np.linalg.LinAlgError:
-        raise SingularityError(text) from None
+    if scipy.sparse.issparse(matrix) or scipy.sparse.issparse(joints):
+        blocks = [[matrix, joints.T], [joints, None]] if m else [[matrix]]
+        return scipy.sparse.block_array(blocks, format="csc")
+    whole = np.zeros((n + m, n + m))
+    whole[:n, :n], whole[n:, :n], whole[:n, n:] = matrix, joints, joints.T
+    return whole

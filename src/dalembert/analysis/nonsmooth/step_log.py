@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.evaluation.kernel import Kernel

@@ -8,13 +8,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dalembert.analysis.equilibrium.linear_range import linear_range_warnings
-from dalembert.analysis.kinematics.branches import Branches, outputs_of
+from dalembert.analysis.output_places import OutputPlaces, outputs_of
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
     afford_states,
-    checked_span,
-    checked_step,
-    output_times,
+    run_times,
     step_count,
     uniform_grid,
 )
@@ -24,7 +22,6 @@ from dalembert.budget import check_budget
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.marching.steps import Steps, halving_warnings
 from dalembert.integrators.newmark.family import NewmarkFamily
-from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of, free_displacements
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.analysis import ParameterValues
 from dalembert.results.status import Status
@@ -77,14 +74,12 @@ class TransientRun:
     def execute(self, progress: Any = False) -> StructuralMotion:
         """Integrate and evaluate the outputs."""
         a, timing = self.analysis, Timing()
-        start, end = checked_span(a.duration, a.t_span)
-        step, n = checked_step(a.step, start, end), len(self.model.degrees)
+        (start, end, step, requested), n = run_times(a), len(self.model.degrees)
         count = step_count(start, end, step)
         cure = "use a longer step or a shorter run"
         check_budget(f"{count} steps of a structure", rounds=ROUNDS * count, cure=cure)
         afford_states(count, 4 * n)
         times = uniform_grid(start, end, step)
-        requested = output_times(a.outputs, start, end)
         afford_states(times.size if requested is None else requested.size, 8 * n)
         model = self.model if a.nonlinear else self.model.linearized
         march = March(a, model, self.p, start)
@@ -93,7 +88,7 @@ class TransientRun:
         timing.lap("integration")
         if requested is None and march.steps.rejected:
             requested = times
-        times_of_outputs, branches = outputs_of(march.steps, requested)
+        times_of_outputs, places = outputs_of(march.steps, requested)
         statistics = {
             "displacements": march.equation.assembly.size,
             "steps": march.steps.count,
@@ -102,44 +97,28 @@ class TransientRun:
             "factorisations": march.factorisations,
             "build time [s]": round(model.build_time, 6),
         }
-        motion = motion_at(march, a, times_of_outputs, branches, status, statistics)
+        motion = motion_at(march, a, times_of_outputs, places, status, statistics)
         timing.lap("outputs")
         motion.statistics |= timing.statistics
         motion.warnings = halving_warnings(march.steps.rejected)
-        if not a.nonlinear:
-            motion.warnings += self._range_warnings(motion, march)
-        return motion
-
-    def _range_warnings(self, motion: StructuralMotion, march: March) -> list[str]:
-        """Warning where the largest displacements exceed the range of linear equations."""
         u = motion.displacements
-        if not u.size or self.model.linear:
-            return []
-        k = int(np.argmax(np.abs(u).max(axis=0)))
-        assembly = march.equation.assembly
-        free, rest = assembly.free, np.zeros(assembly.size)
-
-        def solve(forces: np.ndarray) -> np.ndarray:
-            stiffness = assembly.inner(assembly.stiffness(rest, self.p))
-            factor = factors_of(stiffness, self.model.degrees, free)
-            return free_displacements(factor, free, forces)
-
-        name = f"at t = {motion.time[k]:.6g} s"
-        return linear_range_warnings(
-            self.model, self.p, [name], u[:, k : k + 1], solve, "use nonlinear=True"
-        )
+        if u.size and not (a.nonlinear or self.model.linear):
+            k = int(np.argmax(np.abs(u).max(axis=0)))
+            name = f"at t = {motion.time[k]:.6g} s"
+            motion.warnings += linear_range_warnings(self.model, self.p, [name], u[:, k : k + 1])
+        return motion
 
 
 def motion_at(
     march: March,
     analysis: Any,
     times: np.ndarray,
-    branches: Branches,
+    places: OutputPlaces,
     status: Status,
     statistics: dict[str, Any],
 ) -> StructuralMotion:
     """The motion at output times."""
-    e, states = march.equation, march.states(branches)
+    e, states = march.equation, march.states(places)
     forces = [e.external_forces(motion_of(x), float(t)) for x, t in zip(states, times, strict=True)]
     u, v, a = (
         np.stack(column, axis=1) for column in zip(*(motion_of(x) for x in states), strict=True)
@@ -156,7 +135,7 @@ def motion_at(
         mass=e.mass,
         status=status,
         statistics=statistics,
-        record=TransientRecord(march, march.steps, branches),
+        record=TransientRecord(march, march.steps, places),
     )
 
 
@@ -168,20 +147,20 @@ class TransientRecord:
     ----------
     march : equations, steps and states
     steps : accepted steps
-    branches : positions of the outputs within the steps
+    places : places of the outputs among the steps
     """
 
     march: March
     steps: Steps
-    branches: Branches
+    places: OutputPlaces
     adaptive: ClassVar[bool] = False
 
     def sampled(
-        self, motion: StructuralMotion, times: np.ndarray, branches: Branches
+        self, motion: StructuralMotion, times: np.ndarray, places: OutputPlaces
     ) -> StructuralMotion:
         """The motion of the run at other outputs."""
         return motion_at(
-            self.march, motion.analysis, times, branches, motion.status, motion.statistics
+            self.march, motion.analysis, times, places, motion.status, motion.statistics
         )
 
     def repeated(self, motion: StructuralMotion, p: np.ndarray) -> StructuralMotion:

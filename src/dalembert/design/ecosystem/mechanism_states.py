@@ -21,7 +21,7 @@ from dalembert.design.ecosystem.states import (
     labelled_measures,
 )
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.sparse.factorise import general_factors
 from dalembert.sparse.solver import Factors
 

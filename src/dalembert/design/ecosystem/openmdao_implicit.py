@@ -15,7 +15,7 @@ from dalembert.design.ecosystem.states import Measures, StateEquations, StateTan
 from dalembert.design.ecosystem.structure_states import StructureStates
 from dalembert.errors import AnalysisError, ModelError
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.packages import optional_package
 from dalembert.results.analysis import Analysis
 from dalembert.symbolic.parametric_model import ParametricModel

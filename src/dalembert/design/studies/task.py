@@ -17,7 +17,7 @@ from dalembert.design.optimize.optimization import design_problem
 from dalembert.design.optimize.problem import NOT_FINITE
 from dalembert.design.studies.design_table import DesignTable
 from dalembert.errors import AnalysisError, DalembertError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.responses.base import Response
 from dalembert.responses.evaluation import batch_responses
 from dalembert.results.analysis import Analysis

@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.analysis.kinematics.kinematics import Kinematics
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError, DalembertError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.motion import Motion
 from dalembert.text.wording import unknown
 

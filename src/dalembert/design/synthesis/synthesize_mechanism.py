@@ -21,7 +21,7 @@ from dalembert.design.synthesis.synthesis_result import MechanismSolution, Mecha
 from dalembert.design.synthesis.target import Target
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import check_ctrl_c, interruptible, searching
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import random_generator
 from dalembert.results.motion import Motion
 from dalembert.symbolic.formulas.expression import stack

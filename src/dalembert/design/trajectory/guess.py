@@ -40,9 +40,10 @@ def initial_guess(
             raise AnalysisError(f"guess is {guess!r}; give a motion, 'simulate' or 'line'")
         if guess == "line" or (guess is None and goals):
             return _complete_guess(physics, _line(physics, goals, intervals), span)
-        guess = Dynamics(span, step=span / max(200, 4 * intervals)).run(physics.model, physics.p)
-        if not guess.status.success:
-            raise AnalysisError(f"the guessed motion fails: {guess.status}; give guess='line'")
+        motion = Dynamics(span, step=span / max(200, 4 * intervals)).run(physics.model, physics.p)
+        if not motion.status.success:
+            raise AnalysisError(f"the guessed motion fails: {motion.status}; give guess='line'")
+        return _sample_motion(physics, motion, intervals)
     return _sample_motion(physics, guess, intervals)
 
 

@@ -12,7 +12,7 @@ from dalembert.design.methods.search_options import check_stop
 from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.transcription import Transcription
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import inherit_texts, options
 from dalembert.results.analysis import Analysis
 from dalembert.results.motion import Motion

@@ -44,8 +44,8 @@ from dalembert.design.trajectory.verification import (
 )
 from dalembert.errors import AnalysisError
 from dalembert.interrupts import interruptible
-from dalembert.model.model import Model
-from dalembert.model.scheduled import ScheduledModel
+from dalembert.model.graph.model import Model
+from dalembert.model.graph.scheduled import ScheduledModel
 from dalembert.options import is_number
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory

@@ -16,9 +16,9 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.model.equations import Equations
-from dalembert.model.model import Model
-from dalembert.model.scheduled import check_controls
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.model import Model
+from dalembert.model.graph.scheduled import check_controls
 from dalembert.symbolic.formulas.expression import stack
 
 

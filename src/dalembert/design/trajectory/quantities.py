@@ -10,7 +10,7 @@ from dalembert.design.limit import Limit
 from dalembert.design.quantity import Combined, Objective
 from dalembert.design.trajectory.transcription import Rows, Transcription
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.options import is_number
 from dalembert.responses.base import Response
 from dalembert.responses.extremes import Maximum, Minimum

@@ -19,7 +19,7 @@ from dalembert.formulations.range_space import RangeSpace
 from dalembert.formulations.stabilization import Projection, Stabilization
 from dalembert.integrators.base import Integrator
 from dalembert.integrators.runge_kutta.explicit import RK4
-from dalembert.model.scheduled import SteeredModel
+from dalembert.model.graph.scheduled import SteeredModel
 from dalembert.options import options
 
 

@@ -24,7 +24,7 @@ from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.trajectory_result import TrajectoryResult
 from dalembert.design.trajectory.transcription import Transcription
 from dalembert.errors import AnalysisError
-from dalembert.model.scheduled import ScheduledModel
+from dalembert.model.graph.scheduled import ScheduledModel
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
 from dalembert.results.status import Outcome, Status

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, ClassVar
 
 import casadi as ca
@@ -11,6 +11,7 @@ import numpy as np
 from dalembert.elements.fem.energies import Energies, Named
 from dalembert.elements.fem.inertia_graphs import InertiaGraphs
 from dalembert.elements.fem.nodal import ROTATIONS
+from dalembert.symbolic.once import once
 
 STRESSLESS = 1e-9
 """Threshold of the first-order over the second-order energy below which it is round-off [-]."""
@@ -123,6 +124,7 @@ class ElementGraphs(InertiaGraphs):
         return ca.substitute(value, self.u, ca.SX.zeros(self.u.numel()))
 
     # functions ----------------------------------------------------------------------------
+    @once
     def function(self, key: str) -> ca.Function:
         """The function of the sample and further columns that a method ``_key`` states."""
         action, _, name = key.partition(" ")
@@ -274,3 +276,17 @@ class ThermalGraphs(ElementGraphs):
     @cached_property
     def exact(self) -> ca.SX:
         return ca.SX(self.cls.thermal(self._u, self._x, self._q))
+
+
+@lru_cache
+def graphs_of(
+    cls: type[Energies],
+    dimension: int,
+    node_count: int,
+    options: tuple[tuple[str, Any], ...],
+    linear: bool,
+    thermal: bool,
+) -> ElementGraphs:
+    """Graphs of a kind of element or of its thermal part, cached: structures share them."""
+    graphs = ThermalGraphs if thermal else ElementGraphs
+    return graphs(cls, dimension, node_count, dict(options), linear and not thermal)

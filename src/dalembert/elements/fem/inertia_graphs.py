@@ -9,9 +9,10 @@ import casadi as ca
 
 from dalembert.elements.fem.energies import Energies
 from dalembert.elements.fem.rotations import in_node_axes, spin_map
+from dalembert.symbolic.once import CacheOwner
 
 
-class InertiaGraphs:
+class InertiaGraphs(CacheOwner):
     """Mass matrices of elements in their initial positions, and inertia forces of displaced ones.
 
     The velocities ``v`` of nodes may have fewer entries than their displacements. With ``T(u, v)``

@@ -33,22 +33,9 @@ def perpendicular(vector: ca.SX) -> ca.SX:
     return ca.vertcat(-vector[1], vector[0])
 
 
-def cross(a: ca.SX, b: ca.SX) -> ca.SX:
-    """Out-of-plane component of ``a × b``."""
+def cross(a: Any, b: Any) -> Any:
+    """Out-of-plane component of ``a × b``, of expressions or numbers."""
     return a[0] * b[1] - a[1] * b[0]
-
-
-def unit_vector(vector: ca.SX, entity: str) -> ca.SX:
-    """The vector normalised.
-
-    Raises
-    ------
-    ModelError
-        Both components zero.
-    """
-    if vector.is_constant() and float(ca.norm_2(vector)) < 1e-12:
-        raise ModelError("a direction needs a length: all its components are zero", entity)
-    return vector / ca.sqrt(vector[0] ** 2 + vector[1] ** 2)
 
 
 class PlanarFrame(BodyElement):

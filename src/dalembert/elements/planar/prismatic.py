@@ -8,8 +8,9 @@ import casadi as ca
 
 from dalembert.elements.base import Look, Scalar, Vector, quantity
 from dalembert.elements.look import Block, Rail, Slider, SlotPin
-from dalembert.elements.planar.body import perpendicular, rotation, unit_vector
+from dalembert.elements.planar.body import perpendicular, rotation
 from dalembert.elements.planar.joint import PinJoint, TreeJoint
+from dalembert.elements.rotation import unit
 
 
 @dataclass(eq=False)
@@ -32,7 +33,7 @@ class SlidingJoint(PinJoint):
 
     def direction_at(self, angle_i: ca.SX) -> ca.SX:
         """The unit vector for an angle of the first body."""
-        return ca.mtimes(rotation(angle_i), unit_vector(self.axis.sx, f"{self.name}.axis"))
+        return ca.mtimes(rotation(angle_i), unit(self.axis.sx, f"{self.name}.axis"))
 
     @property
     def displacement(self) -> ca.SX:

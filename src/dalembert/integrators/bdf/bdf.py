@@ -5,10 +5,10 @@ from __future__ import annotations
 import casadi as ca
 
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.base import Attempt, Integrator, Problem
+from dalembert.integrators.base import Attempt, Problem
 from dalembert.integrators.bdf.control import Accuracy
 from dalembert.integrators.bdf.step import BDFStep
-from dalembert.integrators.error_control import absolute, arrival, check_tolerances
+from dalembert.integrators.error_control import ErrorControlled, absolute, arrival
 from dalembert.integrators.step import Step
 from dalembert.options import options
 
@@ -22,7 +22,7 @@ limit after a second rejection in a row [-]."""
 
 
 @options
-class BDF(Integrator):
+class BDF(ErrorControlled):
     """Backward differentiation of orders 1 to 5 with variable steps, for stiff and DAE systems.
 
     ``Σ_{j≤k} ∇ʲx⁺/j − κ_k γ_k ∇^{k+1}x⁺ = h F(t + h, x⁺, z, p)`` with ``0 = G(t + h, x⁺, z, p)``
@@ -41,9 +41,7 @@ class BDF(Integrator):
 
     Parameters
     ----------
-    rtol : relative tolerance [-]
     atol : absolute tolerance [m, rad, m/s, rad/s]; by default 1e-12 of the natural sizes
-    max_step : longest step [s]; a quarter of the run if None
     max_order : maximum order, 1 to 5; orders 1 and 2 are A-stable
 
     Raises
@@ -66,12 +64,10 @@ class BDF(Integrator):
     """
 
     rtol: float = 1e-10
-    atol: float | None = None
-    max_step: float | None = None
     max_order: int = 5
 
     def __post_init__(self) -> None:
-        check_tolerances(self.name, self.rtol, self.atol, self.max_step)
+        super().__post_init__()
         if self.max_order not in range(1, 6):
             raise UnsupportedError(f"BDF(max_order={self.max_order}): must be 1, 2, 3, 4 or 5")
 
@@ -80,16 +76,8 @@ class BDF(Integrator):
         return True
 
     @property
-    def adaptive(self) -> bool:
-        return True
-
-    @property
     def order(self) -> int:
         return self.max_order
-
-    @property
-    def longest_step(self) -> float | None:
-        return self.max_step
 
     def step(self, problem: Problem) -> BDFStep:
         atol = absolute(self.atol, ATOL_SHARE, problem, problem.system.x.numel())

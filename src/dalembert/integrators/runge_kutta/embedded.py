@@ -10,6 +10,8 @@ import numpy as np
 from dalembert.integrators.base import Attempt, Problem
 from dalembert.integrators.error_control import Graph, decide, largest, relative_error
 from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep
+from dalembert.symbolic.evaluation.columns import LONG
+from dalembert.symbolic.evaluation.kernel import condensed
 
 
 def embedded_attempt(
@@ -29,8 +31,9 @@ def embedded_attempt(
         new = step.advance(t, h, x, slopes, p)
         stiff = _stiffness(problem, step, h, states, slopes)
         out: Any = control(state, fixed, new, ca.horzcat(*slopes), stiff)
-        options: Any = {"cse": True} if kind is ca.SX else {}
-        return ca.Function("attempt", [state, fixed], out, options)
+        if kind is ca.SX:  # longer ones are compiled in the form with calls
+            return condensed("attempt", [state, fixed], out, LONG)
+        return ca.Function("attempt", [state, fixed], out)
 
     return Attempt(attempt(ca.SX), (1.0,), attempt(ca.MX))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Attempt, Integrator, Problem
-from dalembert.integrators.error_control import absolute, check_tolerances, share
+from dalembert.integrators.error_control import ErrorControlled, absolute, share
 from dalembert.integrators.runge_kutta.embedded import embedded_attempt
 from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep
 from dalembert.integrators.runge_kutta.tableau import (
@@ -155,42 +155,15 @@ class RKGill(ExplicitRungeKutta):
 
 
 @options
-class AdaptiveRungeKutta(ExplicitRungeKutta):
+class AdaptiveRungeKutta(ErrorControlled, ExplicitRungeKutta):
     """Embedded method whose step length follows the estimated error of coordinates and speeds.
 
     Lengths follow a PI controller (Gustafsson 1991).
-
-    Parameters
-    ----------
-    rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]; by default a hundredth of rtol, at
-        least 1e-10, times the natural sizes
-    max_step : longest step [s]; a quarter of the run if None
-
-    Raises
-    ------
-    UnsupportedError
-        A tolerance or ``max_step`` that is not positive.
     """
-
-    rtol: float = 1e-8
-    atol: float | None = None
-    max_step: float | None = None
-
-    def __post_init__(self) -> None:
-        check_tolerances(self.name, self.rtol, self.atol, self.max_step)
-
-    @property
-    def adaptive(self) -> bool:
-        return True
 
     @property
     def order(self) -> int:
         return self.tableau.order
-
-    @property
-    def longest_step(self) -> float | None:
-        return self.max_step
 
     def attempt(self, problem: Problem, step: Step) -> Attempt:
         assert isinstance(step, ExplicitStep)

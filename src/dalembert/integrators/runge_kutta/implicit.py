@@ -12,8 +12,8 @@ import numpy as np
 
 from dalembert.integrators.base import Attempt, ImplicitIntegrator, Problem
 from dalembert.integrators.error_control import (
+    ErrorControlled,
     absolute,
-    check_tolerances,
     decide,
     impulsive,
     largest,
@@ -119,7 +119,7 @@ ERROR_ORDER = 3
 
 
 @options
-class Radau(ImplicitRungeKutta):
+class Radau(ErrorControlled, ImplicitRungeKutta):
     """Radau IIA, three stages, order 5: for stiff systems and for every index.
 
     Positions and speeds have order 5 with ``DAE(index=1)``, ``DAE(index=2)`` and its stabilised
@@ -130,16 +130,7 @@ class Radau(ImplicitRungeKutta):
 
     Parameters
     ----------
-    rtol : relative tolerance [-]
-    atol : absolute tolerance [m, rad, m/s, rad/s]; by default a hundredth of rtol, at
-        least 1e-10, times the natural sizes
-    max_step : longest step [s]; a quarter of the run if None
     fixed : take steps of the given length without error control
-
-    Raises
-    ------
-    UnsupportedError
-        A tolerance or ``max_step`` that is not positive.
 
     Examples
     --------
@@ -154,14 +145,11 @@ class Radau(ImplicitRungeKutta):
     True
     """
 
-    rtol: float = 1e-8
-    atol: float | None = None
-    max_step: float | None = None
     fixed: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_tolerances(self.name, self.rtol, self.atol, self.max_step)
+        ImplicitRungeKutta.__post_init__(self)
 
     @property
     def matrix(self) -> ButcherMatrix:
@@ -174,10 +162,6 @@ class Radau(ImplicitRungeKutta):
     @property
     def order(self) -> int:
         return self.matrix.order
-
-    @property
-    def longest_step(self) -> float | None:
-        return self.max_step
 
     def attempt(self, problem: Problem, step: Step) -> Attempt | None:
         if self.fixed:

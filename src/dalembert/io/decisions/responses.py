@@ -2,24 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
 
 import casadi as ca
+from pydantic import BaseModel
 
 from dalembert.design.limit import Limit
+from dalembert.design.quantity import Objective
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.io.analyses import table_options
+from dalembert.io.decisions.design_tables import LimitTable
+from dalembert.io.documents import Document, StructureDocument
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import RESPONSES
 from dalembert.responses.base import Response, combined_terms
 from dalembert.responses.events import AtEvent
 from dalembert.symbolic.formulas.expression import Expression, stack
 from dalembert.symbolic.formulas.parser import parse_formula
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import nearest, unknown
 
+ReadMeasure = Callable[[ParametricModel, str], Expression]
+"""Measure of a model, from its name or formula."""
 
-def measure_reader(document: Any) -> Callable[[Any, str], Expression]:
+
+class NamedQuantities(Protocol):
+    """Quantities by name; errors state the location."""
+
+    def require(self, name: str, *where: str | int) -> Objective:
+        """The quantity of this name."""
+        ...
+
+
+def measure_reader(document: Document | StructureDocument) -> ReadMeasure:
     """The function ``(model, text) → measure`` for the analysis of a document."""
     if document.analysis is not None:
         return document.analyses[document.analysis.type].expression  # type: ignore[no-any-return]
@@ -27,7 +43,7 @@ def measure_reader(document: Any) -> Callable[[Any, str], Expression]:
 
 
 def read_measures(
-    file: ModelFile, model: Any, texts: Mapping[str, str], *where: str
+    file: ModelFile, model: ParametricModel, texts: Mapping[str, str], *where: str
 ) -> dict[str, Expression]:
     """Name → measure of a table of texts; errors state the location."""
     read, measures = measure_reader(file.document), {}
@@ -37,7 +53,7 @@ def read_measures(
     return measures
 
 
-def make_responses(file: ModelFile, model: Any) -> dict[str, Response]:
+def make_responses(file: ModelFile, model: ParametricModel) -> dict[str, Response]:
     """Responses of the run of the file, by name, without those of its cases.
 
     Linear combinations of these responses are included.
@@ -84,11 +100,11 @@ def _linear_combinations(file: ModelFile, responses: dict[str, Response]) -> dic
 
 def make_response(
     file: ModelFile,
-    model: Any,
+    model: ParametricModel,
     name: str,
     table: Any,
-    read: Callable[[Any, str], Expression],
-    analysis: Any,
+    read: ReadMeasure,
+    analysis: BaseModel | None,
 ) -> Response:
     """One response.
 
@@ -110,7 +126,7 @@ def make_response(
     return response
 
 
-def _check_event(file: ModelFile, name: str, analysis: Any, *where: str) -> None:
+def _check_event(file: ModelFile, name: str, analysis: BaseModel | None, *where: str) -> None:
     events = getattr(analysis, "events", None) or {}
     if name not in events:
         raise file.located.error(
@@ -155,7 +171,9 @@ def select_parameters(file: ModelFile, names: list[str] | None, *where: str | in
     return list(names or available)
 
 
-def require_parameter(file: ModelFile, model: Any, name: str, *where: str | int) -> None:
+def require_parameter(
+    file: ModelFile, model: ParametricModel, name: str, *where: str | int
+) -> None:
     """Check that a model has a parameter.
 
     Raises
@@ -167,7 +185,9 @@ def require_parameter(file: ModelFile, model: Any, name: str, *where: str | int)
         raise file.located.error(unknown("parameter", name, model.parameters), *where)
 
 
-def make_limits(file: ModelFile, source: Any, tables: list[Any], *where: str) -> list[Limit]:
+def make_limits(
+    file: ModelFile, source: NamedQuantities, tables: Sequence[LimitTable], *where: str
+) -> list[Limit]:
     """Limits on responses; ``source.require(name, …)`` returns each response."""
     limits = []
     for k, table in enumerate(tables):

@@ -23,7 +23,7 @@ from dalembert.io.values import (
     list_of,
     one_name,
 )
-from dalembert.model.coordinates import Coordinates
+from dalembert.model.graph.coordinates import Coordinates
 
 SAMPLINGS = ("Grid", "LatinHypercube", "MonteCarlo", "Sobol", "Table")
 """Sampling methods of designs."""

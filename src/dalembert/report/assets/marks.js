@@ -113,14 +113,26 @@ export class Marks {
     if (this.scene.show.labels || motion.mesh) this.writeLoads(arrows.slice(first));
   }
 
+  /** Position nearest to x of a text between the legend and the buttons [px]. @param {number} x @param {number} y @param {number} half of its width */
+  freeAt(x, y, half) {
+    const { w } = this.paper;
+    let [left, right] = [0, w];
+    for (const { offsetLeft, offsetTop, offsetWidth, offsetHeight } of this.scene.panels) {
+      if (y < offsetTop - 10 || y > offsetTop + offsetHeight + 10) continue;
+      if (2 * offsetLeft + offsetWidth < w) left = Math.max(left, offsetLeft + offsetWidth);
+      else right = Math.min(right, offsetLeft);
+    }
+    return clamp(x, left + half, Math.max(left + half, right - half));
+  }
+
   /** Values beside the arrows, if there are few; equal values side by side are written once. @param {DrawnArrow[]} arrows */
   writeLoads(arrows) {
     if (arrows.length > 2 * READABLE) return;
-    const font = "600 11.5px", { w } = this.paper;
+    const font = "600 11.5px";
     const texts = arrows.map(({ role, from: [x, y], way: [u, v], value, inward }) => {
       const text = this.scene.motion.mesh ? quantity(value, LOADS[role].unit.replace("·", " "), 3) : loadText(role, value), length = Math.hypot(u, v) || 1, half = this.widthOf(text, font) / 2 + 6;
       const [px, py] = inward ? [x, y] : [x + u, y + v], side = inward ? -1 : 1, level = Math.abs(u) > Math.abs(v);
-      const dx = level ? side * Math.sign(u) * (half + 2) : half + 3, dy = level ? 0 : (side * 4 * v) / length, free = clamp(px + dx, half, w - half);
+      const dx = level ? side * Math.sign(u) * (half + 2) : half + 3, dy = level ? 0 : (side * 4 * v) / length, free = this.freeAt(px + dx, py + dy, half);
       return { text, colour: this.colourOf(role), x: free, y: py + (free === px + dx ? dy : -13) };
     }).sort((a, b) => a.y - b.y || a.x - b.x);
     /** @type {(typeof texts)[]} */
@@ -130,8 +142,8 @@ export class Marks {
       if (near) near.push(one); else runs.push([one]);
     }
     for (const run of runs) {
-      const { text, x, y, colour } = run[run.length >> 1];
-      this.write(run.length > 1 ? `${run.length} × ${text}` : text, [x, y], colour, font);
+      const { text: value, x, y, colour } = run[run.length >> 1], text = run.length > 1 ? `${run.length} × ${value}` : value;
+      this.write(text, [this.freeAt(x, y, this.widthOf(text, font) / 2 + 6), y], colour, font);
     }
   }
 

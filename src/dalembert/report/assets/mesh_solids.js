@@ -93,7 +93,7 @@ export class MeshSolids {
     this.ghost.material.color.set(muted);
   }
 
-  /** Move to the present displacements, and show what is asked for. */
+  /** Move to the present displacements, and show what is requested. */
   move() {
     const { mesh, other, painter, painter: { scene, scene: { show, canvas } } } = this;
     this.rest.visible = show.rest;

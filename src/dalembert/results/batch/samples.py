@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from dalembert.budget import check_budget
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.results.dataset import variables
 from dalembert.results.files.contents import COMPONENTS
 from dalembert.results.result import Result

@@ -10,8 +10,8 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import AssemblyError
-from dalembert.model.absolute import at_ground
-from dalembert.model.assembly.failure import OpenPosition
+from dalembert.model.graph.absolute import at_ground
+from dalembert.model.graph.assembly.failure import OpenPosition
 from dalembert.report.page import write_page
 from dalembert.results.files.contents import Contents
 from dalembert.results.files.tables import diagnosis, parameter_rows

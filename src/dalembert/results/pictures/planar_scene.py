@@ -1,4 +1,4 @@
-"""Drawing of a planar mechanism."""
+"""MechanismScene of a planar mechanism."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy as np
 from dalembert.elements.base import Look
 from dalembert.elements.look import Block, Segment
 from dalembert.elements.planar.body import Body
-from dalembert.results.pictures.drawing import Drawing
-from dalembert.results.pictures.sketch import Sketch
+from dalembert.results.pictures.mechanism_scene import MechanismScene
+from dalembert.results.pictures.primitives import Primitives
 
 
-class PlanarSketch(Sketch):
-    """Sketch by symbols of engineering drawings."""
+class PlanarPrimitives(Primitives):
+    """Primitives by symbols of engineering drawings."""
 
     dimension = 2
 
@@ -33,19 +33,19 @@ class PlanarSketch(Sketch):
         self.shapes[look.point.body.display_name].append(shape)
 
 
-class PlanarDrawing(Drawing):
-    """Drawing by bars and plates."""
+class PlanarScene(MechanismScene):
+    """MechanismScene by bars and plates."""
 
-    kind = PlanarSketch
+    kind = PlanarPrimitives
 
     def outline(self, body: Body) -> None:
         """Draw the body by its own look, else as a plate over its points."""
-        looks, shapes = body.look(), self.sketch.shapes[body.name]
+        looks, shapes = body.look(), self.primitives.shapes[body.name]
         points = [list(p) for p in self.points[body.name]]
         for look in looks:
-            self.sketch.draw(look, body)
+            self.primitives.draw(look, body)
             if isinstance(look, Segment):
-                points += [self.sketch.local(look.point_i), self.sketch.local(look.point_j)]
+                points += [self.primitives.local(look.point_i), self.primitives.local(look.point_j)]
         corners = _hull(points) if points else []
         if len(corners) > 2:
             shapes.insert(0, {"kind": "polygon", "points": corners})

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.results.comparison.lines import COLOURS, MARKERS, logarithmic
-from dalembert.results.labelled import LabelledRecording
 from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
@@ -19,9 +18,7 @@ BEFORE = 1e-9
 """Offset of the sample before an impact, relative to the run."""
 
 
-def plot_measures(
-    motion: LabelledRecording, measures: Sequence[str | Expression], ax: Any = None
-) -> Any:
+def plot_measures(motion: Any, measures: Sequence[str | Expression], ax: Any = None) -> Any:
     """Plot measures over time in one pair of axes, with units and events."""
     import matplotlib.pyplot as plt
 
@@ -49,7 +46,7 @@ def plot_measures(
 
 
 def split_at_impacts(
-    motion: LabelledRecording, measure: str | Expression, values: np.ndarray
+    motion: Any, measure: str | Expression, values: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Times and values with samples before and after every impact, separated by NaN."""
     span = motion.time[[0, -1]] if motion.time.size else np.zeros(2)

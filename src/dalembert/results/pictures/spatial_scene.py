@@ -1,4 +1,4 @@
-"""Drawing of a spatial mechanism.
+"""MechanismScene of a spatial mechanism.
 
 A primitive with an axis shows the z axis of its frame; a point of a planar body shows the normal
 of the plane. Other points have no axis.
@@ -19,15 +19,15 @@ from dalembert.elements.point import AXES, Point
 from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.inertia_tensor import tensor
 from dalembert.elements.spatial.shape import Cuboid, Drum, Orb, Pill, Round, Surface
-from dalembert.results.pictures.drawing import Drawing
-from dalembert.results.pictures.sketch import Sketch
+from dalembert.results.pictures.mechanism_scene import MechanismScene
+from dalembert.results.pictures.primitives import Primitives
 from dalembert.symbolic.rotation import EULER_PARAMETERS
 
 ROUND = {Drum: "cylinder", Pill: "capsule"}
 
 
-class SpatialSketch(Sketch):
-    """Sketch by solids and symbols about axes."""
+class SpatialPrimitives(Primitives):
+    """Primitives by solids and symbols about axes."""
 
     dimension = 3
 
@@ -82,10 +82,10 @@ MIN_THICKNESS = 0.4
 """Threshold of the thickness, relative to a bar, for drawing the ellipsoid with the bar."""
 
 
-class SpatialDrawing(Drawing):
-    """Drawing by solids, or by rods and inertia ellipsoids."""
+class SpatialScene(MechanismScene):
+    """MechanismScene by solids, or by rods and inertia ellipsoids."""
 
-    kind = SpatialSketch
+    kind = SpatialPrimitives
 
     def poses(self, body: Any) -> dict[str, list[float]]:
         def at(quantity: str) -> np.ndarray:
@@ -113,9 +113,9 @@ class SpatialDrawing(Drawing):
 
     def outline(self, body: Any) -> None:
         """Draw the body by its own look, else by its points and inertia."""
-        looks, shapes = body.look(), self.sketch.shapes[body.name]
+        looks, shapes = body.look(), self.primitives.shapes[body.name]
         for look in looks:
-            self.sketch.draw(look, body)
+            self.primitives.draw(look, body)
         if looks:
             return
         no_shapes = not shapes
@@ -138,7 +138,11 @@ class SpatialDrawing(Drawing):
 
     def center(self, body: Any) -> np.ndarray:
         """The mass centre in the body frame."""
-        return self.sketch.number(body.center_of_mass.sx) if isinstance(body, Body) else np.zeros(3)
+        return (
+            self.primitives.number(body.center_of_mass.sx)
+            if isinstance(body, Body)
+            else np.zeros(3)
+        )
 
     def flat(self, points: list[np.ndarray], dimension: int = 2) -> bool:
         """Whether points span exactly a plane (2) or a line (1)."""
@@ -148,10 +152,12 @@ class SpatialDrawing(Drawing):
 
     def inertia_ellipsoid(self, body: Any, center: np.ndarray) -> dict[str, Any]:
         """Solid ellipsoid with the inertia of a body; a ball if there is none."""
-        mass = self.sketch.size_of(body.mass.sx)
+        mass = self.primitives.size_of(body.mass.sx)
         if not (isinstance(body, Body) and body.rotates and mass > 0):
             return {"kind": "particle", "center": center.tolist()}
-        moments, axes = np.linalg.eigh(self.sketch.number(tensor(body.inertia.sx)).reshape(3, 3))
+        moments, axes = np.linalg.eigh(
+            self.primitives.number(tensor(body.inertia.sx)).reshape(3, 3)
+        )
         squares = 2.5 * (moments.sum() - 2 * moments) / mass
         radii = np.sqrt(np.maximum(squares, (MIN_RADIUS * self.size) ** 2))
         radii *= min(1.0, MAX_RADIUS * self.size / radii.max())

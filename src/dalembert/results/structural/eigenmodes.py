@@ -164,9 +164,9 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
         """Index of a mode, from its number."""
         return self.places(np.array([name]))[0] if isinstance(name, int) else super().case(name)
 
-    def plot(self, field: str | None = None, case: str | int = 1, **options: Any) -> Any:
-        """Draw the shape of the mode number ``case``; see ``StructuralResult.plot``."""
-        return super().plot(field, case, **options)
+    def draw(self, field: str | None = None, case: str | int = 1, **options: Any) -> Any:
+        """Draw the shape of the mode number ``case``; see ``StructuralResult.draw``."""
+        return super().draw(field, case, **options)
 
     @cached_property
     def contents(self) -> Contents:

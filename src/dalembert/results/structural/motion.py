@@ -116,6 +116,12 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
         """
         return self.labelled(measure, {"time": ("time", self.time, {"units": "s"})})
 
+    def plot(self, *measures: str | Expression, ax: Any = None) -> Any:
+        """Draw measures over time with Matplotlib; returns the axes."""
+        from dalembert.results.pictures.plot import plot_measures
+
+        return plot_measures(self, measures, ax)
+
     @cached_property
     def contents(self) -> Contents:
         """Displacements, velocities, accelerations, forces and energies."""

@@ -13,7 +13,7 @@ from dalembert.results.structural.states import StructuralStates
 class StructuralOutputs(StructuralStates):
     """Pictures, summary and report of the states of a structure."""
 
-    def plot(
+    def draw(
         self,
         field: str | None = None,
         case: str | int = 0,

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.responses.base import Response
 from dalembert.responses.integrals import Total
 from dalembert.results.recording import Recording

@@ -18,7 +18,7 @@ from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.transition import Transition
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.integrators.contact.schemes import MoreauJean
-from dalembert.model.model import Model
+from dalembert.model.graph.model import Model
 from dalembert.responses.base import Response
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.results.recording import Recording

@@ -31,7 +31,7 @@ from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.step_outputs import columns_by_mode
 from dalembert.analysis.dynamics.transition import Transition
 from dalembert.analysis.dynamics.variant import Variant
-from dalembert.analysis.timeline import checked_span, checked_step, uniform_grid
+from dalembert.analysis.timeline import run_times, uniform_grid
 from dalembert.analysis.times import follow_parameters, slopes
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.result import Result
@@ -53,9 +53,8 @@ def step_slopes(motion: Result) -> np.ndarray | None:
         return None
     span = analysis.t_span
     ends = (0.0, analysis.duration) if span is None else span
-    start, end = checked_span(analysis.duration, span)
+    start, end, step, _ = run_times(analysis)
     along = [slopes(t, motion.model, motion.parameters) for t in ends]
-    step = checked_step(analysis.step, start, end)
     grid = uniform_grid(start, end, step)
     if analysis.step is None:
         by_step = (along[1] - along[0]) / (grid.size - 1)
@@ -190,17 +189,17 @@ def _weight_function(sample: Sample) -> Callable[[int, int], float]:
         return jump
     if motion.analysis.outputs is not None or response.has_fixed_times(motion):
         return lambda first, last: 0.0
-    branches = motion.record.branches
+    places = motion.record.places
     active = (sample.weights != 0) | (sample.time_weights != 0)
-    if branches.modes is not None:
-        active &= branches.modes < 0  # other outputs depend on the instant explicitly
-    begins = np.flatnonzero((branches.length == 0) & active)
+    if places.modes is not None:
+        active &= places.modes < 0  # other outputs depend on the instant explicitly
+    begins = np.flatnonzero((places.length == 0) & active)
 
     def shift(first: int, last: int) -> float:
-        here = begins[(branches.index[begins] >= first) & (branches.index[begins] <= last + 1)]
+        here = begins[(places.index[begins] >= first) & (places.index[begins] <= last + 1)]
         return float(
             sum(
-                sample.weights[i] * _rate(sample, int(branches.index[i])) + sample.time_weights[i]
+                sample.weights[i] * _rate(sample, int(places.index[i])) + sample.time_weights[i]
                 for i in here
             )
         )

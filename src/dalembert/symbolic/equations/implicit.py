@@ -88,10 +88,18 @@ class ImplicitFunction(CacheOwner):
     inputs : list of SX symbol columns
     stages : list of Stage
     outputs : list of SX, expressions of inputs and unknowns
+    most : see ``condensed``
     """
 
-    def __init__(self, name: str, inputs: list[ca.SX], stages: list[Stage], outputs: list[ca.SX]):
-        self.name = name
+    def __init__(
+        self,
+        name: str,
+        inputs: list[ca.SX],
+        stages: list[Stage],
+        outputs: list[ca.SX],
+        most: int | None = None,
+    ):
+        self.name, self.most = name, most
         self.inputs = inputs
         self.stages = stages
         self.outputs = [ca.densify(o) for o in outputs]
@@ -203,7 +211,8 @@ class ImplicitFunction(CacheOwner):
                 ca.vertcat(changes, rate),
             )
         out = [_directional(o, symbols_so_far, changes) for o in self.outputs]
-        return ImplicitFunction(f"{self.name}_tangent", [*self.inputs, *symbols], stages, out)
+        inputs = [*self.inputs, *symbols]
+        return ImplicitFunction(f"{self.name}_tangent", inputs, stages, out, self.most)
 
     @cached_property
     def reverse(self) -> ImplicitFunction:
@@ -220,7 +229,8 @@ class ImplicitFunction(CacheOwner):
             value = stage.solve_transposed(by_unknown)
             stages.append(Stage(weight, residual, value, stage.solve_transposed, stage.solve))
         gradients = [ca.gradient(scalar, x) for x in self.inputs]
-        return ImplicitFunction(f"{self.name}_adjoint", [*self.inputs, *seeds], stages, gradients)
+        inputs = [*self.inputs, *seeds]
+        return ImplicitFunction(f"{self.name}_adjoint", inputs, stages, gradients, self.most)
 
     def _compile(
         self, name: str, inputs: list[ca.SX], outputs: list[ca.SX], by_trial: bool = False
@@ -228,7 +238,7 @@ class ImplicitFunction(CacheOwner):
         for stage in reversed(self.stages):
             value = stage.trial.value if by_trial and stage.trial is not None else stage.value
             outputs = ca.substitute(outputs, [stage.unknown], [ca.densify(value)])
-        return condensed(name, inputs, [ca.densify(o) for o in outputs])
+        return condensed(name, inputs, [ca.densify(o) for o in outputs], self.most)
 
 
 def _directional(expression: ca.SX, x: ca.SX, dx: ca.SX) -> ca.SX:

@@ -128,12 +128,20 @@ class LinearChain:
 
     def _sum(self, terms: Sequence[Term], begin: int) -> int:
         """A row with these terms, whose entries begin at ``begin`` in the pool."""
+        sources = self._distinct([source for source, _, _ in terms])
         (row,) = self._new(1)
-        for source, entry, number in terms:
+        for source, (_, entry, number) in zip(sources, terms, strict=True):
             self._row.append(row)
             self._column.append(source)
             self._pick.append(self._number(-number) if entry is None else begin + entry)
         return row
+
+    def _distinct(self, rows: Sequence[int]) -> list[int]:
+        """The rows, with copies of repeated ones: a place in the matrix holds one entry."""
+        distinct: dict[int, None] = {}
+        for row in rows:
+            distinct[self.weighted([([row], 1.0)])[0] if row in distinct else row] = None
+        return list(distinct)
 
     def _shared(self, terms: tuple[Term, ...]) -> int:
         """A row of numbers only, such as a sum of parameters, shared by all maps."""

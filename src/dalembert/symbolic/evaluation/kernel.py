@@ -20,7 +20,7 @@ from dalembert.symbolic.formulas.expression import stack
 
 CSE_OPERATIONS = 100_000
 """Upper limit of operations for common subexpression elimination."""
-SELDOM = 10_000
+SELDOM = 1_000
 """The same for functions evaluated at starts and outputs, not in every step."""
 
 
@@ -28,7 +28,7 @@ def condensed(
     name: str,
     inputs: list[ca.SX],
     outputs: list[ca.SX],
-    most: int = CSE_OPERATIONS,
+    most: int | None = None,
     options: dict[str, Any] | None = None,
 ) -> ca.Function:
     """``inputs → outputs`` with common subexpressions computed once, if eliminating them pays.
@@ -38,11 +38,12 @@ def condensed(
 
     Parameters
     ----------
-    most : upper limit of operations for common subexpression elimination
+    most : upper limit of operations for common subexpression elimination, if it is lower than
+        ``CSE_OPERATIONS``
     options : of the function
     """
     plain = ca.Function(name, inputs, outputs, options or {})
-    if plain.n_instructions() > most:
+    if plain.n_instructions() > min(CSE_OPERATIONS, most or CSE_OPERATIONS):
         return plain
     return ca.Function(name, inputs, outputs, {**(options or {}), "cse": True})
 

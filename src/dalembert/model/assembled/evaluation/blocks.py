@@ -12,7 +12,7 @@ import numpy as np
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.element_set import Elements
 from dalembert.elements.fem.energies import CHANGES
-from dalembert.elements.fem.graphs import ElementGraphs, ThermalGraphs
+from dalembert.elements.fem.graphs import graphs_of
 from dalembert.elements.fem.node import Node
 from dalembert.errors import ModelError
 from dalembert.model.assembled.evaluation.block import ElementBlock, ElementKind
@@ -118,12 +118,12 @@ class BlockMaker:
         changes: dict[str, dict[str, Any]] | None = None,
     ) -> ElementBlock:
         """Block of elements of one kind, or of their thermal terms."""
-        cls, options = parts[0].cls, parts[0].options
+        cls: Any = parts[0].cls
+        options = tuple(parts[0].options.items())
         nodes, names = np.concatenate([part.nodes for part in parts]), Spans()
         thermal, space = changes is not None, self.structure.dimension
-        graphs = ThermalGraphs if thermal else ElementGraphs
-        linear = self.linear and not thermal
-        kind = ElementKind(graphs(cls, space, nodes.shape[1], options, linear))
+        setting = nodes.shape[1], options, self.linear, thermal
+        kind = ElementKind(graphs_of(cls, space, *setting))  # type: ignore[arg-type]
         for part in parts:
             names.add(part.name, part.count)
         table = degrees.table[nodes][:, :, : kind.per_node].reshape(nodes.shape[0], -1)

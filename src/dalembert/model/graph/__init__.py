@@ -1,0 +1,1 @@
+"""Models of mechanisms: graphs of their equations of motion, assembly and diagnosis."""

@@ -1,0 +1,212 @@
+"""Validation of a description before assembly."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+
+import casadi as ca
+import numpy as np
+
+from dalembert.budget import LARGEST
+from dalembert.elements.base import Constraint, ForceElement
+from dalembert.elements.coordinates import rate_of
+from dalembert.errors import ExpressionError, ModelError
+from dalembert.model.graph.description import Description
+from dalembert.model.graph.rigid_gaps import rigid_gaps
+from dalembert.symbolic.formulas.expression import check_magnitude, free_symbols, stack, t
+
+Formulas = list[tuple[str, ca.SX]]
+"""Formulas with the entities they belong to."""
+
+
+def check_membership(d: Description) -> None:
+    """Check that every part an element refers to belongs to the mechanism.
+
+    A parameter of a structure is that of the mechanism of the same name only by a formula.
+    """
+    if not d.bodies:
+        raise ModelError("has no bodies; add at least one", d.name)
+    members = {id(c) for c in (*d.coordinates, d.ground)}
+    for element in d.elements.values():
+        for part in element.parts():
+            if id(part.owner) not in members:
+                raise ModelError(
+                    f"is tied to {part.name!r}, which was not added to the system; "
+                    "add it with system.add(...)",
+                    element.name,
+                )
+        for name in element.foreign_parameters():
+            if name in d.parameters:
+                raise ModelError(
+                    f"the parameter {name!r} of its structure has the name of a parameter of the "
+                    f"system; give a formula or a number in its parameters={{{name!r}: ...}}",
+                    element.name,
+                )
+        joint = getattr(element, "joint", None)
+        if isinstance(joint, Constraint) and d.elements.get(joint.name) is not joint:
+            raise ModelError(f"its joint {joint.name!r} was not added to the system", element.name)
+
+
+def check_symbols(d: Description) -> None:
+    """Check what formulas depend on: lengths on parameters, joints on poses, forces on speeds."""
+    parameters = set(d.parameters)
+    computed = [(name, c) for name, element in d.elements.items() for c in element.computed()]
+    _allow([(name, c.arguments) for name, c in computed], parameters, "")
+    parameters |= _names(c.symbols for _, c in computed)
+    poses = parameters | {"t"} | _names(c.pose for c in (*d.coordinates, d.ground))
+    states = poses | _names(c.twist for c in (*d.coordinates, d.ground))
+    lengths: Formulas = [(name, f.sx) for name, f in d.derived_parameters.items()]
+    lengths += [(c.name, g) for c in d.coordinates for g in c.guesses()[0] if g is not None]
+    positions: Formulas = [(c.name, c.equations) for c in d.constraints]
+    efforts: Formulas = [(c.name, c.slip) for c in d.constraints]
+    for element in d.elements.values():
+        if isinstance(element, ForceElement):
+            owners = element.parts() or d.coordinates
+            rated_expressions: list[ca.SX] = []
+
+            def rate(s: ca.SX, owners=owners, rated_expressions=rated_expressions) -> ca.SX:
+                rated_expressions.append(s)
+                return rate_of(s, owners, t.sx)
+
+            efforts += [(element.name, column) for pair in element.powers(rate) for column in pair]
+            positions += [(element.name, s) for s in rated_expressions]
+        elif not isinstance(element, Constraint):
+            lengths += [(entity, f.sx) for entity, f, _ in element.checked_quantities()]
+    for gap in rigid_gaps([*d.elements.values()], d.coordinates):
+        positions.append((gap.name, gap.distance))
+        efforts.append((gap.name, gap.slip))
+        law = gap.impact
+        positions.append((gap.name, law.friction))
+        lengths += [(gap.name, share) for share in (law.restitution, law.tangential)]
+    _allow(positions, poses, ", positions and t")
+    _check_linear_in_speeds(d)
+    _allow(efforts, states, ", positions, speeds and t")
+    _allow(lengths, parameters, "")
+
+
+def _check_linear_in_speeds(d: Description) -> None:
+    """Check that nonholonomic equations are linear in speeds, as their forces require."""
+    twists = stack(c.twist for c in (*d.coordinates, d.ground))
+    speeds: Formulas = [(constraint.name, constraint.slip) for constraint in d.constraints]
+    for gap in rigid_gaps([*d.elements.values()], d.coordinates):
+        speeds.append((gap.name, gap.slip))
+    for entity, slip in speeds:
+        if slip.numel() and ca.depends_on(ca.jacobian(slip, twists), twists):
+            raise ModelError(
+                "an equation of speeds must be linear in the speeds; divide by a speed, or write "
+                "its root",
+                entity,
+            )
+
+
+def _allow(formulas: Formulas, allowed: set[str], also: str) -> None:
+    if free_symbols(stack(formula for _, formula in formulas)) <= allowed:
+        return
+    for entity, formula in formulas:
+        foreign = free_symbols(formula) - allowed
+        if foreign:
+            raise ExpressionError(
+                f"depends on {', '.join(sorted(foreign))}; only parameters of this system{also} "
+                "are allowed here",
+                entity,
+            )
+
+
+class ValueChecks:
+    """Check of the numbers of a mechanism: finite and within their limits.
+
+    Parameters
+    ----------
+    d : Description
+    """
+
+    def __init__(self, d: Description):
+        parameters = set(d.parameters)
+        self._checks: list[Callable[[np.ndarray], None]] = []
+        self._allowed: list[tuple[float, float]] = []
+        formulas: list[ca.SX] = []
+        for element in d.elements.values():
+            for entity, formula, meta in element.checked_quantities():
+                if free_symbols(formula.sx) <= parameters:
+                    self._checks.append(partial(_check_numbers, entity=entity, meta=meta))
+                    formulas.append(formula.sx)
+                    bounds = float(meta["minimum"]), float(meta["above"])
+                    self._allowed += [bounds] * formula.sx.numel()
+            for condition, message, *values in element.conditions():
+                if free_symbols(condition) <= parameters:
+                    n = condition.numel()
+                    check = partial(_check_condition, name=element.name, message=message, count=n)
+                    self._checks.append(check)
+                    formulas.append(stack([condition, *values]))
+                    unlimited = (-np.inf, -np.inf)
+                    self._allowed += [(0.0, -np.inf)] * n
+                    self._allowed += [unlimited] * (formulas[-1].numel() - n)
+        self._ends = np.cumsum([f.numel() for f in formulas], dtype=int)
+        symbols = stack(p.sx for p in d.parameters.values())
+        self._values = ca.Function("quantities", [symbols], [stack(formulas)])
+
+    def __call__(self, values: Sequence[float] | np.ndarray) -> None:
+        """Check the numbers at parameter values.
+
+        Raises
+        ------
+        ModelError
+            Names the first invalid quantity with its value.
+        """
+        numbers = np.split(self._values(values).full().ravel(), self._ends[:-1])
+        for check, part in zip(self._checks, numbers, strict=False):
+            check(part)
+
+    def doubtful(self, table: np.ndarray) -> np.ndarray:
+        """(designs,) whether a row of parameter values may be invalid and must be checked alone."""
+        with np.errstate(all="ignore"):
+            numbers = np.asarray(self._values.map(len(table))(table.T).full())
+            low, above = (np.array(column)[:, None] for column in zip(*self._allowed, strict=True))
+            size = np.abs(numbers)
+            usable = (size == 0) | ((size >= 1 / LARGEST) & (size <= LARGEST))
+            valid = usable & (numbers >= low) & (numbers > above)
+        return ~np.all(valid, axis=0) | ~np.all(np.isfinite(table), axis=1)
+
+
+def element_warnings(d: Description, values: Sequence[float] | np.ndarray) -> tuple[str, ...]:
+    """Warnings of elements at parameter values."""
+    symbols, warnings = d.space.symbols, []
+    for element in d.elements.values():
+        for condition, message, *parts in element.warnings():
+            function = ca.Function("doubt", [symbols], [condition, stack(parts)])
+            margins, numbers = (x.full().ravel() for x in function(values))
+            if not np.all(margins >= 0):
+                warnings.append(f"{element.name}: {message.format(*numbers)}")
+    return tuple(warnings)
+
+
+def _names(columns: Iterable[ca.SX]) -> set[str]:
+    return {name for column in columns for name in free_symbols(column)}
+
+
+def _check_condition(numbers: np.ndarray, name: str, message: str, count: int) -> None:
+    if not np.all(numbers[:count] >= 0):
+        values = numbers[count:]
+        raise ModelError(message.format(*values) if values.size else message, name)
+
+
+def _check_numbers(numbers: np.ndarray, entity: str, meta: Mapping) -> None:
+    for number in numbers:
+        _check_number(float(number), entity, meta)
+
+
+def _check_number(number: float, entity: str, meta: Mapping) -> None:
+    unit = f" {meta['unit']}" if meta["unit"] else ""
+    if not math.isfinite(number):
+        raise ModelError(f"its value is {number}; give a finite number", entity)
+    check_magnitude(number, entity)
+    if number < meta["minimum"]:
+        raise ModelError(
+            f"is {number:g}{unit}, but it must not be "
+            f"{'negative' if meta['minimum'] == 0 else 'below ' + str(meta['minimum'])}",
+            entity,
+        )
+    if number <= meta["above"]:
+        raise ModelError(f"is {number:g}{unit}, but it must be above {meta['above']:g}", entity)

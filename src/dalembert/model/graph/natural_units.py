@@ -1,0 +1,119 @@
+"""Estimation of the natural units of a mechanism at its guesses.
+
+All units are covariant: a mechanism written in other units of length, mass or time has the same
+scales in those units.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+
+from dalembert.model.graph.assembly.guesses import Guesses
+from dalembert.model.graph.description import Description
+from dalembert.model.graph.equations import Equations
+from dalembert.model.graph.scales import Scales
+from dalembert.symbolic.formulas.expression import free_symbols, stack
+
+
+def scales_of(d: Description, equations: Equations, guesses: Guesses, p: np.ndarray) -> Scales:
+    """Scales of a mechanism with parameter values ``p``."""
+    at = _AtGuesses(d, equations, guesses, p)
+    length = at.length
+    displacements = np.where(guesses.metres, length, 1.0)
+    for k in np.flatnonzero([unit not in ("m", "rad") for unit in guesses.speed_units]):
+        per_unit = _largest(at.jacobian[at.in_metres][:, k].data)
+        displacements[k] = length / per_unit if per_unit else 1.0
+    mass = _largest(at.masses * (displacements / length) ** 2)
+    force = at.force(displacements) / length
+    rate = at.rate(displacements, np.where(at.in_metres, length, 1.0))
+    if mass and force:
+        rate = max(rate, np.sqrt(force / (mass * length)))
+    rate = rate or 1.0
+    mass = mass or force / (length * rate**2) or 1.0
+    return Scales(
+        length=length,
+        mass=mass,
+        time=1.0 / rate,
+        force=force or mass * length * rate**2,
+        coordinates=at.reach(displacements),
+        displacements=displacements,
+        rows=np.where(at.in_metres, length, 1.0),
+    )
+
+
+class _AtGuesses:
+    """Values of the equations at the guesses, with zero for missing ones."""
+
+    def __init__(self, d: Description, e: Equations, guesses: Guesses, p: np.ndarray):
+        self.d, self.e, self.p, self.guesses = d, e, p, guesses
+        self.y, self.v = guesses.values(p)
+        self.owners = d.rows
+        units = [c.units()[k] for c, k in self.owners]
+        self.in_metres = np.array([unit == "m" for unit in units], dtype=bool)
+        drift = ca.substitute(e.velocity_constraints, e.v, ca.SX.zeros(e.speed_count))
+        stiffness = e.by_displacement(e.force)
+        outputs = [e.constraints, e.jacobian, drift, e.mass, e.force, stiffness, e.lift]
+        values = ca.Function("at_guesses", [e.t, e.y, e.v, e.p], outputs)(0.0, self.y, self.v, p)
+        self.gaps, self.drift, self.forces = (values[k].full().ravel() for k in (0, 2, 4))
+        self.jacobian, self.stiffness = values[1].sparse().tocsr(), values[5].sparse().tocoo()
+        self.masses = values[3].sparse().diagonal()
+        self.lift = abs(values[6].sparse()).tocsr()
+
+    @cached_property
+    def length(self) -> float:
+        """The largest arm or length of a constraint; else any length; else 1."""
+        of_joints = max(self._largest_arm(), self._largest_length(self.d.constraints))
+        if of_joints:
+            return of_joints
+        of_elements = self._largest_length([*self.d.bodies, *self.d.forces])
+        return max(of_elements, _largest(self.gaps[self.in_metres])) or 1.0
+
+    def _largest_arm(self) -> float:
+        """``|∂Φ/∂φ|`` over the equations in metres of a constraint: an arm, independent of φ."""
+        angles = np.array([unit == "rad" for unit in self.guesses.speed_units], dtype=bool)
+        squares = self.jacobian.multiply(self.jacobian).tocsr()[:, angles]
+        owner = [id(constraint) for constraint, _ in self.owners]
+        by_constraint: dict[tuple[int, int], float] = {}
+        entries = squares.tocoo()
+        for row, column, square in zip(entries.row, entries.col, entries.data, strict=True):
+            if self.in_metres[row]:
+                at = owner[row], column
+                by_constraint[at] = by_constraint.get(at, 0.0) + square
+        return float(np.sqrt(_largest(np.array(list(by_constraint.values())))))
+
+    def _largest_length(self, elements: list) -> float:
+        """Largest quantity in metres that depends on parameters only."""
+        parameters = {symbol.name() for symbol in ca.vertsplit(self.e.p)}
+        lengths = [
+            formula.sx
+            for element in elements
+            for _, formula, meta in element.checked_quantities()
+            if meta["unit"] == "m" and free_symbols(formula.sx) <= parameters
+        ]
+        return _largest(ca.Function("lengths", [self.e.p], [stack(lengths)])(self.p).full())
+
+    def reach(self, displacements: np.ndarray) -> np.ndarray:
+        """Largest change of each coordinate by displacements of these sizes."""
+        if self.e.manifold.flat:
+            return displacements
+        sizes = self.lift.multiply(displacements).max(axis=1).toarray().ravel()
+        return np.where(np.array(self.guesses.units) == "m", sizes, 1.0)
+
+    def force(self, displacements: np.ndarray) -> float:
+        """Largest work of an applied force along a displacement of its scale."""
+        k = self.stiffness
+        elastic = np.abs(k.data) * displacements[k.row] * displacements[k.col]
+        return max(_largest(self.forces * displacements), _largest(elastic))
+
+    def rate(self, displacements: np.ndarray, rows: np.ndarray) -> float:
+        """Fastest initial or driven speed, relative to the scale of its displacement."""
+        return max(_largest(self.v / displacements), _largest(self.drift / rows))
+
+
+def _largest(values: np.ndarray) -> float:
+    """Largest finite magnitude; 0 for an empty array."""
+    values = np.abs(np.asarray(values, dtype=float))
+    return float(np.max(values, initial=0.0, where=np.isfinite(values)))

@@ -1,0 +1,113 @@
+"""Bodies, constraints and measures of the elements and nodes of a mechanism."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dalembert.elements.base import Constraint, Element
+from dalembert.elements.body import BodyElement
+from dalembert.elements.coordinates import Coordinates
+from dalembert.elements.fem.element_set import Elements
+from dalembert.elements.fem.node import Node
+from dalembert.elements.fem.node_set import Nodes
+from dalembert.elements.planar.body import Ground
+from dalembert.errors import ModelError
+from dalembert.model.graph.measures import element_measures, find_measure
+from dalembert.symbolic.formulas.declared import declared
+from dalembert.symbolic.formulas.expression import Expression
+from dalembert.symbolic.formulas.interpolation import Interpolation
+from dalembert.symbolic.formulas.parameter import Parameter
+from dalembert.symbolic.formulas.parser import parse_formula
+
+
+class MechanismParts:
+    """Named parts of a mechanism, under construction or complete."""
+
+    ground: Ground
+    parameters: dict[str, Parameter]
+    derived_parameters: dict[str, Expression]
+    tables: dict[str, Interpolation]
+    nodes: dict[str, Node | Nodes]
+    elements: dict[str, Element]
+
+    @property
+    def bodies(self) -> list[Any]:
+        """Added bodies, nodes, and nodes of elements."""
+        added = [e for e in self.elements.values() if isinstance(e, BodyElement)]
+        added += [body for node in self.nodes.values() for body in node.bodies]
+        return added + [c for c in self._own_coordinates if isinstance(c, BodyElement)]
+
+    @property
+    def _own_coordinates(self) -> list[Coordinates]:
+        """Coordinates of elements."""
+        holders = [*self.elements.values(), *self.constraints]
+        groups = (c for holder in dict.fromkeys(holders) for c in holder.own_coordinates())
+        return list(dict.fromkeys(groups))
+
+    @property
+    def constraints(self) -> list[Constraint]:
+        constraints: list[Constraint] = []
+        for element in self.elements.values():
+            constraints += (
+                [element] if isinstance(element, Constraint) else element.own_constraints()
+            )
+        return constraints
+
+    @property
+    def coordinates(self) -> list[Coordinates]:
+        """All groups of coordinates: bodies, then other coordinates of elements."""
+        others = [c for c in self._own_coordinates if not isinstance(c, BodyElement)]
+        return [*self.bodies, *others]
+
+    def body(self, name: str) -> Any:
+        """The body (or the ground) of this name."""
+        if name == "ground":
+            return self.ground
+        named = next((body for body in self.bodies if body.name == name), None)
+        if named is None:
+            names = ", ".join(b.name for b in self.bodies) or "none"
+            raise ModelError(f"unknown body {name!r} (known: ground, {names})")
+        return named
+
+    def lookup(self, name: str) -> Any:
+        """The parameter, table, time or measure of a name in a formula; None if unknown."""
+        value = declared(self, name)
+        if value is not None:
+            return value
+        owner, _, quantity = name.partition(".")
+        element = self._owner(owner) if quantity else None
+        return None if element is None else find_measure(element, self, owner, quantity)
+
+    def _owner(self, name: str) -> Element | None:
+        """The element, element of a set or node of this name."""
+        if name in self.elements:
+            return self.elements[name]
+        base = name.partition("[")[0]
+        part: Any = self.nodes.get(base) or self.elements.get(base)
+        if isinstance(part, Node):
+            return part.body if name == base else None  # type: ignore[no-any-return]
+        if isinstance(part, Nodes):
+            return next((body for body in part.bodies if body.name == name), None)
+        return part.members.get(name) if isinstance(part, Elements) else None
+
+    def formula(self, text: str, local: dict[str, Expression] | None = None) -> Expression:
+        """Parse the text of a formula in parameters, ``t`` and measures."""
+
+        def lookup(name: str) -> Any:
+            return local[name] if local and name in local else self.lookup(name)
+
+        names = [*self.parameters, *self.derived_parameters, "t", *(local or {})]
+        return parse_formula(text, lookup, lambda: [*names, *self.measure_names()])
+
+    def measure_names(self) -> list[str]:
+        """Names of quantities of elements and nodes in formulas."""
+        owners = dict(self.elements)
+        for part in self.elements.values():
+            owners |= part.members if isinstance(part, Elements) else {}
+        for node in self.nodes.values():
+            owners |= {body.name: body for body in node.bodies}
+        return [
+            f"{name}.{quantity}"
+            for name, element in owners.items()
+            for quantity in element_measures(element, self)
+        ]
