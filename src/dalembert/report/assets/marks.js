@@ -16,6 +16,8 @@ const AXIS_COLOURS = { light: ["#c0392b", "#1e8449", "#1f5fbf"], dark: ["#ff7b6b
 const REACTION = 0.26, LOAD = 0.16, NODAL_LOAD = 0.11, MANY_LOADS = 0.07;
 /** Upper limit of nodal loads with long arrows. */
 const FEW_LOADS = 6;
+/** Number of arrows above which they have no halo. */
+const DENSE = 40;
 /** Lower limit of the length of an arrow [px]. */
 const SHORTEST = 18;
 /** Limit of the names of nodes that are placed beside each other. */
@@ -44,10 +46,10 @@ export class Marks {
     this.drawScales();
   }
 
-  /** Note at the top of the drawing. @param {Paper} paper @param {string} text */
+  /** Note below the drawing. @param {Paper} paper @param {string} text */
   note(paper, text) {
     this.paper = paper;
-    this.write(text, [paper.w / 2, 16], Theme.muted);
+    this.write(text, [paper.w / 2, paper.h - 12], Theme.muted);
   }
 
   get ink() { return mix(Theme.ink, Theme.surface, 0.2); }
@@ -88,7 +90,7 @@ export class Marks {
 
   /** Arrows of forces and moments with their values. @param {Item[]} items */
   drawLoads(items) {
-    const { paper: { ctx }, scene: { greatest, motion, painter, arrows } } = this, first = arrows.length;
+    const { paper: { ctx }, scene: { greatest, motion, painter, arrows } } = this, first = arrows.length, halo = items.length <= DENSE ? Theme.surface : "";
     for (const item of items) {
       const place = motion.placeOf(item), from = place && this.scene.screen(place);
       for (const key of /** @type {const} */ (["force", "moment"])) {
@@ -104,7 +106,7 @@ export class Marks {
         const [u, v] = this.scene.view.direction(value), k = Math.max(this.scaleOf(role), size > 1e-3 * greatest[role] ? SHORTEST / size : 0);
         const way = /** @type {Pixel} */ ([k * u, k * v]), inward = item.inward && item.inward[motion.state] > 0.5;
         const tail = /** @type {Pixel} */ (inward ? [from[0] - way[0], from[1] - way[1]] : from);
-        arrow(ctx, tail, way, colour, Theme.surface, reaction ? 2.4 : motion.mesh ? 2 : 2.8, key === "moment" ? 2 : 1);
+        arrow(ctx, tail, way, colour, halo, reaction ? 2.4 : motion.mesh ? 2 : 2.8, key === "moment" ? 2 : 1);
         arrows.push({ item, role, from: tail, way, value: size, inward: Boolean(inward) });
       }
     }
@@ -242,8 +244,8 @@ export class Marks {
     if (ratio && motion.moves && !motion.swings) this.write(`t = ${clock(motion.now, motion.span)} s`, [w - 16, 24], ink, "12px", "right");
     let right = w - 18;
     for (const role of /** @type {LoadKind[]} */ (Object.keys(LOADS))) {
-      const { reaction, unit } = LOADS[role], shown = reaction ? show.forces : show.loads && !motion.mesh;
-      if (!(greatest[role] > 0) || !shown) continue;
+      const { reaction, unit } = LOADS[role], shown = reaction ? show.forces : show.loads;
+      if (!(greatest[role] > 0) || !shown || motion.mesh) continue;
       const value = niceAbove(0.2 * greatest[role]), text = `${inUnits([value], unit.replace("·", " "), { digits: 2 })}${reaction ? "" : " applied"}`;
       const arc = motion.dimension === 2 && unit !== "N", length = arc ? 16 : value * this.scaleOf(role), room = Math.max(length, this.widthOf(text));
       const from = /** @type {Pixel} */ ([right - room / 2 - length / 2, h - 20]);

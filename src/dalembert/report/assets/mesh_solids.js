@@ -4,7 +4,7 @@
 /** @import { SpatialPainter } from "./spatial_painter.js" */
 
 import "./vendor/three.js";
-import { FEW_ELEMENTS } from "./mesh.js";
+import { FEW_ELEMENTS, edgeOpacity } from "./mesh.js";
 import { clamp } from "./numbers.js";
 import { ball } from "./solids.js";
 import { AXES, vector } from "./spatial_motion.js";
@@ -95,11 +95,12 @@ export class MeshSolids {
 
   /** Move to the present displacements, and show what is requested. */
   move() {
-    const { mesh, other, painter: { scene, scene: { show, canvas } } } = this;
+    const { mesh, other, painter, painter: { scene, scene: { show, canvas } } } = this;
     this.rest.visible = show.rest;
     this.ghost.visible = Boolean(other) && show.ghosts;
     this.supports.visible = show.supports;
     this.edges.visible = show.mesh && mesh.faces.length > 0;
+    this.edges.material.opacity = edgeOpacity((painter.view.scaleAt(painter.view.centre.toArray()) * scene.size) / Math.sqrt(mesh.faceCount || 1) / 2);
     this.outline.visible = !show.mesh && mesh.outline.length > 0;
     this.core.visible = this.members.visible = this.segments.vertices.length > 0;
     this.core.visible &&= mesh.field !== null;
