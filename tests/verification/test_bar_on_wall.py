@@ -22,7 +22,7 @@ def test_force_and_time_of_contact():
         ends = nodes[k], nodes[k + 1]
         structure.add(structures.Truss(f"e{k}", *ends, area=1.0, modulus=900.0, density=1.0))
     system = da.System("bar")
-    bar = system.include("bar", structure, velocity=(-10.0, 0.0))
+    system.include("bar", structure, velocity=(-10.0, 0.0))
     system.add(planar.UnilateralConstraint("wall", system.formula("bar_n0.x"), restitution=0.0))
     integrator = da.DormandPrince(rtol=1e-6, atol=1e-8)
     motion = da.solve_dynamics(system.build(), 1.4, integrator=integrator, outputs=1401)
