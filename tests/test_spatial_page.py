@@ -216,9 +216,8 @@ def test_section_leaves_out_one_side(show: Any) -> None:
     found = show(hinges())
     found.page.click("#section")
     found.page.select_option("#section-axis", "z")
-    plane = (
-        "(({ normal, constant }) => [...normal.toArray(), constant])(dalembert.scene.painter.cut)"
-    )
+    numbers = "({ normal, constant }) => [...normal.toArray(), constant]"
+    plane = f"({numbers})(dalembert.scene.painter.materials.cut)"
     *normal, constant = found.js(plane)
     assert normal == [0, 0, -1]
     found.page.click("#section-flip")

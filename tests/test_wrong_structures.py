@@ -59,7 +59,7 @@ WRONG = [
     (
         "[responses]",
         '[analysis]\ntype = "Kinematics"\n[responses]',
-        "analysis: unknown type 'Kinematics'",
+        "analysis: type Kinematics is for mechanisms; known here: Statics",
     ),
     (
         "[responses]",
@@ -71,7 +71,7 @@ WRONG = [
         '[analysis]\ntype = "Dynamics"\nduration = 1\nintegrator = "RK4"\n[responses]',
         "analysis.integrator: integrator is RK4",
     ),
-    ("[responses]", "[bodies.x]\nmass = 1\n[responses]", "bodies: unknown key"),
+    ("[responses]", "[bodies.x]\nmass = 1\n[responses]", "bodies: is for mechanisms"),
     (
         "[responses]",
         '[optimize]\nminimize = "sug"\n[responses]',

@@ -171,6 +171,7 @@ from dalembert.elements.laws.table import Table as Table
 from dalembert.errors import (
     AnalysisError as AnalysisError,
     AssemblyError as AssemblyError,
+    BudgetError as BudgetError,
     DalembertError as DalembertError,
     ExpressionError as ExpressionError,
     FileError as FileError,

@@ -226,7 +226,20 @@ class SingularityError(AnalysisError):
 
 
 class BudgetError(DalembertError):
-    """A task exceeds the limit of memory or work; states the estimated cost."""
+    """A task exceeds the limit of memory or work; states the estimated cost.
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> system = da.System("falling ball")
+    >>> ball = system.add(planar.Particle("ball", mass=1.0))
+    >>> try:
+    ...     motion = da.solve_dynamics(system.build(), 1.0, step=1e-13)
+    ... except da.BudgetError as error:
+    ...     print(str(error).partition(", and")[0])
+    1e+13 steps of 1e-13 s would take about 480 TB of memory
+    """
 
 
 class UnsupportedError(DalembertError):

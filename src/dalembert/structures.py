@@ -16,6 +16,7 @@ from dalembert.elements.fem.truss import Truss
 from dalembert.elements.sections import Material, Section, circle, i_section, rectangle, tube
 from dalembert.model.meshes.generators import box_mesh, line_mesh, rectangle_mesh
 from dalembert.model.structure import Structure
+from dalembert.text.wording import no_attribute
 
 __all__ = [
     "AxialSpring",
@@ -48,3 +49,11 @@ __all__ = [
     "rectangle_mesh",
     "tube",
 ]
+
+
+def __getattr__(name: str) -> object:
+    if name == "ElasticStructure":
+        raise AttributeError(
+            "structures.ElasticStructure is replaced by System.include(name, structure, velocity=…)"
+        )
+    raise AttributeError(no_attribute(__name__, name, __all__))

@@ -7,7 +7,7 @@ from test_joint_coordinates import mechanism
 from test_short_corrections import ladder
 
 import dalembert as da
-from dalembert.analysis.dynamics.formulation_cost import cost_and_error
+from dalembert.analysis.dynamics.kernel_choice import cost_and_error
 from dalembert.errors import UnsupportedError
 from dalembert.formulations.automatic_formulation import CANDIDATES, LONG
 from dalembert.formulations.base import Performance

@@ -44,8 +44,8 @@ def test_loop_is_closed(linkage):
     assert np.all(sine > 0) and linkage.crank_turns
     # the limits of a whole turn say what the turn shows
     least = linkage.transmission()
-    assert all(float(ca.DM(g)) > -1e-4 for g in linkage.turns(q, least * (1 - 1e-6)))
-    assert any(float(ca.DM(g)) < 0 for g in linkage.turns(q, least + 1e-3))
+    assert all(float(ca.DM(g)) > -1e-4 for g in linkage.rotation_conditions(q, least * (1 - 1e-6)))
+    assert any(float(ca.DM(g)) < 0 for g in linkage.rotation_conditions(q, least + 1e-3))
 
 
 @pytest.mark.parametrize("linkage", LINKAGES, ids=str)

@@ -17,10 +17,10 @@ from dalembert.elements import look, registry
 from dalembert.elements.base import Look
 from dalembert.elements.fem.registry import ELEMENTS as ELEMENT_KINDS
 from dalembert.elements.point import Point
-from dalembert.results.pictures.planar_scene import PlanarSketch
+from dalembert.results.pictures.planar_scene import PlanarPrimitives
+from dalembert.results.pictures.primitives import Primitives
 from dalembert.results.pictures.scene import motion_scene
-from dalembert.results.pictures.sketch import Sketch
-from dalembert.results.pictures.spatial_scene import SpatialSketch
+from dalembert.results.pictures.spatial_scene import SpatialPrimitives
 from dalembert.results.structural.drawing import StructuralDrawing
 
 ELEMENTS = {n: c for table in registry.PLANAR.sections.values() for n, c in table.items()}
@@ -82,7 +82,7 @@ def test_pages_draw_every_primitive():
     names = {one or other for one, other in drawn} | {"mark"}  # a mark of no special kind
     wanted = PRIMITIVES - ABSTRACT - PARTS - SPATIAL - FLAT - STRUCTURAL | {look.Support}
     assert {kind.__name__.lower() for kind in wanted} <= names
-    assert undrawn(PlanarSketch) == STRUCTURAL
+    assert undrawn(PlanarPrimitives) == STRUCTURAL
 
 
 def test_pages_of_space_draw_every_primitive():
@@ -93,7 +93,7 @@ def test_pages_of_space_draw_every_primitive():
     drawn = {one or other for one, other in drawn}
     wanted = PRIMITIVES - ABSTRACT - PARTS - FLAT - STRUCTURAL | {look.Support}
     assert {kind.__name__.lower() for kind in wanted} <= drawn
-    assert undrawn(SpatialSketch) == STRUCTURAL
+    assert undrawn(SpatialPrimitives) == STRUCTURAL
 
 
 def test_drawings_of_structures_draw_their_primitives():
@@ -114,16 +114,16 @@ def test_every_element_of_space_looks_like_something(section, name, tmp_path):
     made = written(section, name, tmp_path)
     shown, joint = made.look(), vars(made).get("joint")
     assert shown or made.not_drawn, "it draws nothing and does not say why"
-    drawn = [vars(kind)["draw"].dispatcher.dispatch for kind in (SpatialSketch, Sketch)]
+    drawn = [vars(kind)["draw"].dispatcher.dispatch for kind in (SpatialPrimitives, Primitives)]
     for part in shown:
         assert any(d(type(part)) is not d(Look) for d in drawn)
         for point in (v for v in vars(part).values() if isinstance(v, Point)):
             assert point.body in {*made.parts(), *(joint.ends() if joint else ())}
 
 
-def undrawn(sketch: type[Sketch]) -> set[type]:
-    """Primitives for which a sketch has no drawing."""
-    tables = [vars(kind)["draw"].dispatcher.dispatch for kind in (sketch, Sketch)]
+def undrawn(primitives: type[Primitives]) -> set[type]:
+    """Primitives for which a primitives has no drawing."""
+    tables = [vars(kind)["draw"].dispatcher.dispatch for kind in (primitives, Primitives)]
     return {k for k in PRIMITIVES - {Look} if all(d(k) is d(Look) for d in tables)}
 
 

@@ -175,6 +175,40 @@ def test_nodes_start_as_prescribed():
     np.testing.assert_allclose(start, [0.0, 0.01, 0.015, 0.2, 0.0, -0.1], atol=1e-12)
 
 
+def test_the_start_of_nodes_is_checked():
+    def plucked():
+        system = da.System("plucked")
+        a, b = system.node("a", 0.0, 0.0), system.node("b", 1.0, 0.0)
+        system.add(structures.Frame("beam", a, b, area=1e-3, second_moment=1e-6, **STEEL))
+        system.add(planar.Particle("stone", mass=1.0))
+        system.support(a, ux=0.0, uy=0.0)
+        return system, a, b
+
+    for given in ({"value": 0.1}, {}):
+        system, _, b = plucked()
+        with pytest.raises(da.ModelError, match="b: gets no initial motion; give one of ux, uy"):
+            system.initial(b, **given)
+    for given in ({}, {"value": 0.1, "vx": 1.0}):
+        with pytest.raises(da.ModelError, match="initial: a measure takes one value"):
+            system.initial(b.body.x, **given)
+    for name in ("vy", "uy"):
+        system, a, _ = plucked()
+        system.initial(a, **{name: 1.0})
+        with pytest.raises(da.ModelError, match=f"initial a.{name}: uy is prescribed"):
+            system.build()
+    system, a, _ = plucked()
+    system.initial(a, vrz=0.2)
+    motion = da.solve_dynamics(system.build(), 1e-3, step=1e-4, integrator=da.HHT())
+    assert motion["a.vrz"].values[0] == pytest.approx(0.2, abs=1e-12)
+
+
+def test_modes_are_about_a_result():
+    model = alone("plate", da.System)
+    for about in (5, ""):
+        with pytest.raises(da.AnalysisError, match=r"Modal: about is .*; give a motion of a mech"):
+            da.linearize(model, about=about)
+
+
 def test_forces_may_follow_the_measures_of_nodes():
     """A spring written as a formula of a node's displacement holds as a spring does."""
     system = da.System("formula")

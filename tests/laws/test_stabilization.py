@@ -121,7 +121,7 @@ def test_tolerance_of_the_adaptive_integrator_is_met():
 
 
 def test_outputs_do_not_change_the_motion():
-    """Branches to outputs between steps leave the steps as they are."""
+    """Outputs between steps leave the steps as they are."""
     fine = da.solve_dynamics(chain(), 0.3, step=0.01, outputs=np.linspace(0, 0.3, 58))
     plain = da.solve_dynamics(chain(), 0.3, step=0.01, integrator=da.RK4())
     np.testing.assert_array_equal(fine.trajectory.y[:, -1], plain.trajectory.y[:, -1])

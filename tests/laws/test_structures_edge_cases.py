@@ -103,6 +103,26 @@ def plate():
     return structure, nodes, made
 
 
+def test_loads_take_meshes():
+    results = []
+    for whole in (True, False):
+        structure = da.Structure("plate")
+        numbers = {"modulus": 1e6, "thickness": 0.1, "expansion": 1e-4}
+        mesh = structure.add_mesh("p", structures.rectangle_mesh((2.0, 1.0), (2, 2)), **numbers)
+        structure.support(mesh.nodes().where(x=0.0))
+        part = mesh if whole else mesh.elements["p"]
+        structure.traction(part, mesh.nodes().where(x=2.0), tx=5.0)
+        structure.heat(part, temperature=10.0)
+        results.append(da.solve_statics(structure.build()).displacements)
+    np.testing.assert_array_equal(*results)
+    points = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [2, 0]])
+    cells = {"quad": np.array([[0, 1, 2, 3]]), "triangle": np.array([[1, 4, 2]])}
+    mixed = da.Structure("mixed")
+    mesh = mixed.add_mesh("m", (points, cells), modulus=1e6, thickness=0.1)
+    with pytest.raises(da.ModelError, match="m: has several sets; take one of its elements: m_"):
+        mixed.traction(mesh, mesh.nodes(), tx=1.0)
+
+
 def test_tractions_act_on_the_surface_only():
     """Where all nodes of a cell are chosen, edges between cells are not loaded twice."""
     structure, nodes, cells = plate()

@@ -22,8 +22,8 @@ def test_force_and_time_of_contact():
         ends = nodes[k], nodes[k + 1]
         structure.add(structures.Truss(f"e{k}", *ends, area=1.0, modulus=900.0, density=1.0))
     system = da.System("bar")
-    bar = system.add(structures.ElasticStructure("bar", structure=structure, velocity=(-10.0, 0.0)))
-    system.add(planar.UnilateralConstraint("wall", bar.node("n0").x, restitution=0.0))
+    bar = system.include("bar", structure, velocity=(-10.0, 0.0))
+    system.add(planar.UnilateralConstraint("wall", system.formula("bar_n0.x"), restitution=0.0))
     integrator = da.DormandPrince(rtol=1e-6, atol=1e-8)
     motion = da.solve_dynamics(system.build(), 1.4, integrator=integrator, outputs=1401)
     assert motion.status.success
@@ -32,5 +32,5 @@ def test_force_and_time_of_contact():
     assert time[force > 0].max() == pytest.approx(0.5 + 2 / 3, rel=0.02)
     within = (time > 0.55) & (time < 1.1)  # away from the oscillations of both fronts
     assert force[within].mean() == pytest.approx(300.0, rel=0.02)
-    momentum = np.mean([motion[f"bar.n{k}.vx"].values[-1] for k in range(COUNT + 1)])
+    momentum = np.mean([motion[f"bar_n{k}.vx"].values[-1] for k in range(COUNT + 1)])
     assert momentum == pytest.approx(10.0, rel=0.05)

@@ -66,7 +66,7 @@ class AllAssemblies(Sequence[Assembly]):
 
     Attributes
     ----------
-    found : tuple of Assembly
+    assemblies : tuple of Assembly
     completeness : Completeness, hits of random starts per configuration, estimated missing share
     note : remark where the branch of the initial guesses ends; empty otherwise
 
@@ -85,12 +85,12 @@ class AllAssemblies(Sequence[Assembly]):
     (2, 0.0)
     """
 
-    found: tuple[Assembly, ...]
+    assemblies: tuple[Assembly, ...]
     completeness: Completeness
     note: str = ""
 
     def __len__(self) -> int:
-        return len(self.found)
+        return len(self.assemblies)
 
     @overload
     def __getitem__(self, index: int) -> Assembly: ...
@@ -99,10 +99,10 @@ class AllAssemblies(Sequence[Assembly]):
     def __getitem__(self, index: slice) -> tuple[Assembly, ...]: ...
 
     def __getitem__(self, index: int | slice) -> Assembly | tuple[Assembly, ...]:
-        return self.found[index]
+        return self.assemblies[index]
 
     def __str__(self) -> str:
-        count = len(self.found)
+        count = len(self.assemblies)
         head = f"{count} {'assembly' if count == 1 else 'assemblies'}: {self.completeness}"
         return f"{head}; {self.note}" if self.note else head
 
@@ -111,10 +111,10 @@ class AllAssemblies(Sequence[Assembly]):
     def to_dict(self) -> dict[str, Any]:
         """Plain data, for JSON."""
         return {
-            "count": len(self.found),
+            "count": len(self.assemblies),
             "completeness": self.completeness.to_dict(),
             "note": self.note,
-            "assemblies": [assembly.to_dict() for assembly in self.found],
+            "assemblies": [assembly.to_dict() for assembly in self.assemblies],
         }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cached_property
-from typing import Annotated, Any, Union
+from typing import Annotated, Any, ClassVar, Union
 
 from pydantic import (
     BaseModel,
@@ -27,6 +27,8 @@ class Record(BaseModel):
     """A table that refuses unknown keys."""
 
     model_config = ConfigDict(strict=True, extra="forbid")
+    misplaced: ClassVar[dict[str, str]] = {}
+    """Keys of other tables → the reason why they are wrong here."""
 
     @model_validator(mode="before")
     @classmethod
@@ -36,7 +38,7 @@ class Record(BaseModel):
         names = [field.alias or name for name, field in cls.model_fields.items()]
         for key in value:
             if key not in names:
-                raise UnknownKey(key, names)
+                raise UnknownKey(key, names, cls.misplaced.get(key, ""))
         return value
 
 
@@ -76,6 +78,7 @@ def one_of(
     plain: Any = None,
     default: str | None = None,
     prefix: str = "",
+    misplaced: Mapping[str, str] | None = None,
 ) -> Any:
     """Union of tables discriminated by their ``type``, or a plain value where one is allowed.
 
@@ -84,6 +87,7 @@ def one_of(
     tables : type → its table, or the function that creates it
     default : type used when the key is absent
     prefix : optional prefix of a type
+    misplaced : types of other places → the reason why they are wrong here
     """
 
     def choose(value: object) -> Any:
@@ -100,6 +104,8 @@ def one_of(
                 raise ValueError(f"expected a table with a type ({kinds}), got {short_repr(value)}")
         elif (name := choose(value)) is None:
             raise ValueError(f"type is missing; give one of: {kinds}")
+        elif misplaced and isinstance(name, str) and name in misplaced:
+            raise ValueError(f"type {name} is {misplaced[name]}; known here: {kinds}")
         elif not isinstance(name, str) or name not in tables:
             raise ValueError(
                 f"unknown type {short_repr(name)}{nearest(name, tables)}; known: {kinds}"

@@ -14,7 +14,7 @@ from dalembert.io.decisions.task_tables import HistoryTable
 from dalembert.io.formulas import Formulas
 from dalembert.io.location import Located
 from dalembert.io.messages import key_path
-from dalembert.io.schema import ModelDocument, ParameterTable
+from dalembert.io.schema import DerivedTable, ModelDocument, ParameterTable
 from dalembert.symbolic.formulas.declared import Declared
 
 _FIRST_NAME = re.compile(r"(?<![\w.])[^\W\d]\w*")
@@ -45,7 +45,7 @@ def dependency_order(section: str, formulas: Mapping[str, Iterable[str]]) -> lis
 
 
 def declare_parameters(target: Declared, document: ModelDocument, located: Located) -> None:
-    """Declare all parameters of a document on a system or structure.
+    """Declare all parameters of a document on a system.
 
     Raises
     ------
@@ -59,10 +59,34 @@ def declare_parameters(target: Declared, document: ModelDocument, located: Locat
             target.parameter(name, table.value, table.unit, table.bounds, table.description)
 
 
+def declare_derived(
+    target: Any, document: ModelDocument, located: Located, formulas: Formulas
+) -> None:
+    """Declare all derived parameters of a document on a system, in order of dependence.
+
+    Raises
+    ------
+    ModelError
+        Circular references, or an invalid formula; states the location.
+    """
+    entries: dict[str, Any] = document.derived
+    tables = {
+        name: entry if isinstance(entry, DerivedTable) else DerivedTable(formula=entry)
+        for name, entry in entries.items()
+    }
+    with located():
+        order = dependency_order("derived", {n: [str(d.formula)] for n, d in tables.items()})
+    for name in order:
+        table = tables[name]
+        with located("derived", name):
+            formula = formulas.read(table.formula)
+            target.derived(name, formula, table.unit, table.description)
+
+
 def declare_tables(
     target: Declared, document: ModelDocument, located: Located, formulas: Formulas
 ) -> None:
-    """Declare all tables of a document on a system or structure.
+    """Declare all tables of a document on a system.
 
     Raises
     ------

@@ -41,9 +41,13 @@ CASE: dict[str, Any] = {
     )
 }
 """Key of a response: the case that it belongs to."""
-_ANALYSIS = any_of(ANALYSES)
+_ANALYSIS = any_of(
+    ANALYSES, {n: "for structures" for n in STRUCTURAL_ANALYSES if n not in ANALYSES}
+)
 _RESPONSE = one_of({n: partial(table_of, n, cls, more=CASE) for n, cls in RESPONSES.items()})
-_STRUCTURAL_ANALYSIS = any_of(STRUCTURAL_ANALYSES)
+_STRUCTURAL_ANALYSIS = any_of(
+    STRUCTURAL_ANALYSES, {n: "for mechanisms" for n in ANALYSES if n not in STRUCTURAL_ANALYSES}
+)
 _FINAL = partial(
     table_of, "Final", RESPONSES["Final"], optional_type=True, title="StructuralFinal", more=CASE
 )
@@ -129,6 +133,13 @@ class StructureDocument(ModelDocument):
     cases: dict[str, StructuralCaseTable] = Field(default_factory=dict)
     responses: dict[str, _STRUCTURAL_RESPONSE] = Field(default_factory=dict)  # type: ignore[valid-type]
     report: StructureReportTable = Field(default_factory=StructureReportTable)
+
+
+StructureDocument.misplaced = {
+    key: 'is for mechanisms, and this is a structure; omit it, or kind = "structure"'
+    for key in Document.model_fields
+    if key not in StructureDocument.model_fields
+}
 
 
 def element_of(space: Space, section: str) -> Any:

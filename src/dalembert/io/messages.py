@@ -23,11 +23,11 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
 class UnknownKey(ValueError):
     """A key that the table does not define."""
 
-    def __init__(self, key: str, names: Iterable[str]):
+    def __init__(self, key: str, names: Iterable[str], reason: str = ""):
         names = list(names)
         self.key = key
         super().__init__(
-            f"unknown key{nearest(key, names)}; known here: {', '.join(names) or 'none'}"
+            reason or f"unknown key{nearest(key, names)}; known here: {', '.join(names) or 'none'}"
         )
 
 

@@ -152,7 +152,8 @@ def _document_type(data: dict[str, Any], path: Path) -> type[Document] | type[St
             f"unknown kind {short_repr(kind)}{suggestion}; known: {kinds}", f"{path}: kind"
         )
     elastic = {"nodes", "elements", "meshes"} & set(data)
-    if "kind" not in data and elastic and not {"bodies", "joints"} & set(data):
+    moving = {"bodies", "beams", "joints", "drivers", "forces"} & set(data)
+    if "kind" not in data and elastic and not moving:
         raise ModelError('nodes and elements make a structure; add kind = "structure"', str(path))
     if kind == "structure":
         return StructureDocument

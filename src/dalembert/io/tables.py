@@ -222,9 +222,9 @@ def friction_type() -> Any:
     return any_of(FRICTIONS)
 
 
-def any_of(registry: Mapping[str, type]) -> Any:
+def any_of(registry: Mapping[str, type], misplaced: Mapping[str, str] | None = None) -> Any:
     """Type of a table that describes an object of one of the registered classes."""
-    return one_of(tables_of(registry))
+    return one_of(tables_of(registry), misplaced=misplaced)
 
 
 def tables_of(registry: Mapping[str, type]) -> dict[str, Callable[[], type[BaseModel]]]:

@@ -122,14 +122,24 @@ class NodalConditions(Parts):
         **motion : of nodes: displacements ``ux``, ``uy``, ``uz`` [m], ``rz`` [rad], velocities
             ``vx``, ``vy``, ``vz`` [m/s], ``vrz`` [rad/s]; zero by default. A value is for every
             node, or an array has one value per node of a set.
+
+        Raises
+        ------
+        ModelError
+            An unknown direction, a value without its direction, or a direction of a measure.
         """
         if isinstance(what, Expression):
+            if value is None or motion:
+                raise ModelError("a measure takes one value, initial(measure, value)", "initial")
             measure = as_expression(what, "initial condition", getattr(what, "unit", ""))
             self.initial_conditions.append((measure, as_expression(value, "initial value")))
             return
         for node in self._listed(what):
             directions = self._directions(node)
             velocities = {f"v{d.removeprefix('u')}": d for d in directions}
+            if value is not None or not motion:
+                known = ", ".join((*directions, *velocities))
+                raise ModelError(f"gets no initial motion; give one of {known}", node.name)
             for name, number in motion.items():
                 self._check_direction(node, name, (*directions, *velocities))
                 entity = f"initial {node.name}.{name}"

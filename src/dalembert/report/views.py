@@ -1,4 +1,4 @@
-"""Views of a page as plain data, drawn by ``views.js`` and ``designs.js``.
+"""Views of a page as plain data, drawn by ``cards.js``.
 
 Each view is a card. Views of designs refer to the table of designs of the page and share the
 selected design.

@@ -108,7 +108,7 @@ class Recording(Result):
     events : occurred events, by time; ``data`` lists them along the dimension ``event``
     warnings : reservations about the chosen methods, each with the number that shows it
     impacts : jumps of the speeds at rigid contacts, by time
-    record : data of the run for gradients (steps, branches to the outputs)
+    record : data of the run for gradients (steps, places of the outputs among them)
     """
 
     model: Model

@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from dalembert.analysis.events import Occurrence
-from dalembert.analysis.kinematics.branches import Branches
+from dalembert.analysis.output_places import OutputPlaces
 from dalembert.integrators.marching.steps import Steps
 from dalembert.responses.base import Response, scalar_measure
 from dalembert.results.result import Result
@@ -71,9 +71,9 @@ class SampledOutputs:
 
     Attributes
     ----------
-    steps, branches : steps of the run, and the positions of the outputs in them
+    steps, places : steps of the run, and the places of the outputs among them
     ends : (K,) whether an output is the end of its step
-    number : (K,) number of the state that an output is or branches from
+    number : (K,) number of the state that an output is, or from which its partial step begins
     within : (K,) whether an output lies inside a step
     active : outputs with nonzero weight, in the order of ``number``
     """
@@ -82,10 +82,10 @@ class SampledOutputs:
         self.sample, self.motion = sample, sample.motion
         record = self.motion.record
         self.steps: Steps = record.steps
-        self.branches: Branches = record.branches
-        self.ends = self.branches.ends_of(self.steps)
-        self.number = self.branches.index + self.ends
-        self.within = (self.branches.length != 0) & ~self.ends
+        self.places: OutputPlaces = record.places
+        self.ends = self.places.ends_of(self.steps)
+        self.number = self.places.index + self.ends
+        self.within = (self.places.length != 0) & ~self.ends
         active = np.flatnonzero(sample.weights)
         self.active = active[np.argsort(self.number[active], kind="stable")]
 

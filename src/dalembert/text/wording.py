@@ -85,13 +85,15 @@ def plain(data: Any) -> Any:
     return data if data is None or isinstance(data, (bool, int, str)) else str(data)
 
 
-SIMILAR = 0.5
-"""Minimum similarity of names that are suggested; it accepts one wrong letter of two."""
+SIMILAR, NEAREST = 0.4, 0.5
+"""Minimum similarity of several suggested names, and of a single one: one wrong letter of two."""
 
 
-def similar(name: Any, known: Iterable[str], count: int = 3) -> list[str]:
+def similar(
+    name: Any, known: Iterable[str], count: int = 3, similarity: float = SIMILAR
+) -> list[str]:
     """The known names that are similar to a name, the nearest first."""
-    return difflib.get_close_matches(str(name)[:80], list(known), count, SIMILAR)
+    return difflib.get_close_matches(str(name)[:80], list(known), count, similarity)
 
 
 def nearest(name: Any, known: Iterable[str]) -> str:
@@ -99,7 +101,7 @@ def nearest(name: Any, known: Iterable[str]) -> str:
     names = list(known)
     if new := successor(name, names):
         return f" (renamed: {new!r})"
-    return "".join(f" (did you mean {close!r}?)" for close in similar(name, names, 1))
+    return "".join(f" (did you mean {close!r}?)" for close in similar(name, names, 1, NEAREST))
 
 
 def unknown(kind: str, name: Any, known: Iterable[str]) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.analysis.batch.dynamics_batch import DynamicsBatch
 from dalembert.analysis.batch.states import MarchedStates, check_memory
-from dalembert.analysis.kinematics.branches import outputs_of
+from dalembert.analysis.output_places import outputs_of
 from dalembert.analysis.timeline import uniform_grid
 from dalembert.integrators.marching.steps import Steps
 from dalembert.model.graph.model import Model
@@ -43,8 +43,8 @@ class FixedSteps(DynamicsBatch):
         number = np.arange(1, h.size + 1)
         corrected = (number % kernel.fixed.period == 0) | (number == h.size)
         steps = Steps(self.grid[:-1], h, x0[:1].T, corrected, np.full(h.size, self.mode))
-        self.times, branches = outputs_of(steps, self.run.requested)
-        ends = branches.index + branches.ends_of(steps)
+        self.times, places = outputs_of(steps, self.run.requested)
+        ends = places.index + places.ends_of(steps)
         stored = np.union1d(ends, [0, h.size])
         size = kernel.variants[self.mode].step.size
         check_memory(self.count, self.times.size, size)
@@ -61,11 +61,11 @@ class FixedSteps(DynamicsBatch):
 
         ended = self._finite(x, self._in_groups(march, work, started, report))
         times = self.grid[stored]
-        inside = np.flatnonzero((branches.length != 0) & ~branches.ends_of(steps))
+        inside = np.flatnonzero((places.length != 0) & ~places.ends_of(steps))
         if inside.size:
             begins = np.searchsorted(stored, ends[inside])
             partial = np.full((self.count, inside.size, size), np.nan)
-            arguments = times[begins], branches.length[inside], x[ended][:, begins]
+            arguments = times[begins], places.length[inside], x[ended][:, begins]
             partial[ended] = self._partial(ended, *arguments)
             times, order = np.unique(np.append(times, self.times[inside]), return_index=True)
             x = np.concatenate([x, partial], axis=1)[:, order]

@@ -17,8 +17,8 @@ from dalembert.analysis.equilibrium.static_balance import (
     CLOSED,
     CURVED,
     LONGEST,
-    SKEW,
     STIFF,
+    FreeDirections,
     StaticsKernel,
 )
 from dalembert.symbolic.equations.many_newton import ManyEquations, Points, solve_many
@@ -27,7 +27,7 @@ from dalembert.symbolic.once import once
 
 
 @dataclass(eq=False)
-class ManyForces(Points):
+class ManyForces(FreeDirections, Points):
     """``Forces`` of many designs at positions ``x``; the first axis is the design.
 
     Attributes
@@ -48,29 +48,12 @@ class ManyForces(Points):
         return np.asarray(np.all(self.resistance > CURVED * largest, axis=1))
 
     @property
-    def conservative(self) -> np.ndarray:
-        """(designs,) whether the stiffness is symmetric."""
-        skew = np.abs(self.stiffness - self.stiffness.transpose(0, 2, 1))
-        sizes = (a.max(axis=(1, 2), initial=0.0) for a in (skew, SKEW * np.abs(self.stiffness)))
-        return ~np.greater(*sizes)
-
-    @property
-    def stiff(self) -> np.ndarray:
-        """(designs, k) magnitudes of the resistances, bounded below."""
-        sizes = np.abs(self.resistance)
-        return np.maximum(sizes, CURVED * sizes.max(axis=1, initial=0.0)[:, None])
-
-    @property
     def uneven(self) -> np.ndarray:
         """(designs,) whether stiff directions need a correction after steps along soft ones."""
         stiff = self.stiff
         return np.asarray(
             np.any(stiff > STIFF * stiff.min(axis=1, initial=np.inf)[:, None], axis=1)
         )
-
-    def deflection(self, force: np.ndarray) -> np.ndarray:
-        """Deflections along the free directions by forces."""
-        return np.asarray(np.linalg.solve(self.stiffness, force[..., None])[..., 0])
 
 
 class ManyEquilibria(ManyEquations[ManyForces]):

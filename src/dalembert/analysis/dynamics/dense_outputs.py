@@ -21,7 +21,7 @@ from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.step_quadrature import INSIDE, StepQuadrature
 from dalembert.analysis.dynamics.transition import Transition
-from dalembert.analysis.kinematics.branches import Branches, outputs_of, place_outputs
+from dalembert.analysis.output_places import OutputPlaces, outputs_of, place_outputs
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
@@ -56,13 +56,13 @@ class DenseOutputs:
     Parameters
     ----------
     kernel, steps : of the run
-    times, branches : outputs at the ends of the steps, both sides of every jump among them
+    times, places : outputs at the ends of the steps, both sides of every jump among them
     p : (np,) parameters
 
     Attributes
     ----------
     trajectory : Trajectory at all outputs
-    branches : Branches of all outputs
+    places : places of all outputs
     """
 
     def __init__(
@@ -70,12 +70,12 @@ class DenseOutputs:
         kernel: DynamicsKernel,
         steps: Steps,
         times: np.ndarray,
-        branches: Branches,
+        places: OutputPlaces,
         p: np.ndarray,
     ):
         self.kernel, self.steps, self.p = kernel, steps, p
-        self.branches = branches
-        self.trajectory = kernel.trajectory(times, steps, branches, p)
+        self.places = places
+        self.trajectory = kernel.trajectory(times, steps, places, p)
         self.span = (float(times[0]), float(times[-1]))
         self._add_ends()
         self.budget = min(MOST, max(MORE, PER_STEP * steps.count))
@@ -93,7 +93,7 @@ class DenseOutputs:
         inside = (times > self.span[0]) & (times < self.span[1])
         if inside.any():
             index, times = index[inside], times[inside]
-            self._add(times, Branches(index, times - steps.t[index]))
+            self._add(times, OutputPlaces(index, times - steps.t[index]))
 
     def _divide(self) -> None:
         parts = self._initial_parts()
@@ -126,15 +126,15 @@ class DenseOutputs:
             return False
         self.budget -= int(np.count_nonzero(new))
         self.parts[refined] = parts[refined]
-        self._add(times[new], Branches(index[new], length[new]))
+        self._add(times[new], OutputPlaces(index[new], length[new]))
         return True
 
-    def _add(self, times: np.ndarray, branches: Branches) -> None:
-        added = self.kernel.trajectory(times, self.steps, branches, self.p)
-        index = np.append(self.branches.index, branches.index)
-        length = np.append(self.branches.length, branches.length)
+    def _add(self, times: np.ndarray, places: OutputPlaces) -> None:
+        added = self.kernel.trajectory(times, self.steps, places, self.p)
+        index = np.append(self.places.index, places.index)
+        length = np.append(self.places.length, places.length)
         order = np.lexsort((length, index))
-        self.branches = Branches(index[order], length[order])
+        self.places = OutputPlaces(index[order], length[order])
         columns = [
             np.concatenate(
                 [getattr(trajectory, f.name) for trajectory in (self.trajectory, added)], axis=-1
@@ -147,7 +147,7 @@ class DenseOutputs:
         """(n,) steps with an interval in which a quantity departs from its straight line."""
         s, marked = self.trajectory, np.zeros(self.steps.count, dtype=bool)
         spacing = np.diff(s.t)
-        jump = jumps_between(self.steps, s.t, self.branches.index)
+        jump = jumps_between(self.steps, s.t, self.places.index)
         spacing = np.where(jump, 1.0, spacing)
         bent = np.zeros(spacing.size, dtype=bool)
         for rows in (s.y, s.v, s.a, s.multiplier):
@@ -157,7 +157,7 @@ class DenseOutputs:
             size = np.maximum(size, SMALL * np.abs(rows).max())
             size = np.where(size > 0, size, 1.0)[:, None]
             bent |= ~(sagittas(rows, spacing, jump, size) <= FLAT)
-        marked[self.branches.index[:-1][bent & ~jump]] = True
+        marked[self.places.index[:-1][bent & ~jump]] = True
         return marked
 
 
@@ -199,16 +199,16 @@ def dense(motion: Motion) -> Motion:
         return motion
     kernel, steps, p = record.kernel, record.steps, motion.parameters
     jumps = contact_changes(kernel, steps)
-    times, branches = outputs_of(steps, None, end_by_event(motion) is not None, jumps)
+    times, places = outputs_of(steps, None, end_by_event(motion) is not None, jumps)
     inside = (times > time[0] + steps.instant) & (times < time[-1] - steps.instant)
     ends = place_outputs(steps, time[[0, -1]])
     index, length = (
         np.concatenate([ends_of_motion[:1], values[inside], ends_of_motion[1:]])
-        for ends_of_motion, values in ((ends.index, branches.index), (ends.length, branches.length))
+        for ends_of_motion, values in ((ends.index, places.index), (ends.length, places.length))
     )
     times = np.concatenate([time[:1], times[inside], time[-1:]])
-    outputs = DenseOutputs(kernel, steps, times, Branches(index, length), p)
-    record_at_outputs = replace(record, branches=outputs.branches, dense=True)
+    outputs = DenseOutputs(kernel, steps, times, OutputPlaces(index, length), p)
+    record_at_outputs = replace(record, places=outputs.places, dense=True)
     return replace(motion, trajectory=outputs.trajectory, record=record_at_outputs)
 
 
@@ -229,7 +229,7 @@ def peak_quadrature(
     m = sign * sharpness * dense_motion.values(measure)
     if not np.all(np.isfinite(m)):
         return None
-    intervals, index = np.diff(dense_motion.time), dense_motion.record.branches.index
+    intervals, index = np.diff(dense_motion.time), dense_motion.record.places.index
     lasting, index = ~jumps_between(steps, dense_motion.time, index), index[:-1]
     slope = np.abs(np.diff(m)) / np.where(lasting, intervals, 1.0)
     bend = np.sqrt(np.abs(np.diff(slope, append=slope[-1:])) / np.where(lasting, intervals, 1.0))

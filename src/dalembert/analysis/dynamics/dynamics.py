@@ -21,7 +21,7 @@ from dalembert.analysis.dynamics.residual_check import check_balance
 from dalembert.analysis.dynamics.run import DynamicsRun
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.events import Events, Occurrence
-from dalembert.analysis.kinematics.branches import place_outputs
+from dalembert.analysis.output_places import place_outputs
 from dalembert.analysis.timeline import OverTime, checked_span
 from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.analysis.transient.run import TransientRun, check_rule
@@ -251,7 +251,7 @@ class Dynamics(OverTime[Any]):
         points = peak_quadrature(motion, measure, sharpness, sign, self.integrator.order)
         if points is None:
             return motion
-        sampled = motion.record.sampled(motion, points.times, points.branches)
+        sampled = motion.record.sampled(motion, points.times, points.places)
         return replace(sampled, record=replace(sampled.record, quadrature=points))
 
     def at_event(self, motion: Motion, occurrence: Occurrence) -> Motion:
@@ -266,7 +266,7 @@ class Dynamics(OverTime[Any]):
             raise UnsupportedError("the motion of a structure has no events; use at(time, …)")
         instant = instant_of(motion, occurrence)
         time = motion.record.steps.t[instant.index] + instant.length
-        return motion.record.sampled(motion, np.array([time]), instant.branches)  # type: ignore[no-any-return]
+        return motion.record.sampled(motion, np.array([time]), instant.places)  # type: ignore[no-any-return]
 
     @staticmethod
     def _adaptive(motion: Any) -> bool:

@@ -19,7 +19,7 @@ from dalembert.analysis.dynamics.flow import Flow
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.events import Event, Occurrence, as_events, locate, locate_again
-from dalembert.analysis.kinematics.branches import Branches
+from dalembert.analysis.output_places import OutputPlaces
 from dalembert.integrators.marching.checkpoints import States
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.motion import Motion
@@ -176,8 +176,8 @@ class Instant:
     length: float
 
     @property
-    def branches(self) -> Branches:
-        return Branches(np.array([self.index]), np.array([self.length]))
+    def places(self) -> OutputPlaces:
+        return OutputPlaces(np.array([self.index]), np.array([self.length]))
 
 
 def end_by_event(motion: Result) -> Occurrence | None:

@@ -17,7 +17,7 @@ from dalembert.analysis.dynamics.dense_outputs import dense, jumps_between, sagi
 from dalembert.analysis.dynamics.flow import Flow
 from dalembert.analysis.dynamics.step_quadrature import INSIDE
 from dalembert.analysis.events import locate
-from dalembert.analysis.kinematics.branches import Branches
+from dalembert.analysis.output_places import OutputPlaces
 from dalembert.results.motion import Motion
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
@@ -63,7 +63,7 @@ class PeakSearch:
         self.record = motion.record
         self.kernel, self.steps, self.p = self.record.kernel, self.record.steps, motion.parameters
         self.flow = Flow(self.kernel, self.steps, self.p)
-        b = self.record.branches
+        b = self.record.places
         self.index, self.length = b.index.copy(), b.length.copy()
         self.modes, self.time = np.full(b.index.size, -1), motion.time.copy()
         self._move_sides()
@@ -86,9 +86,9 @@ class PeakSearch:
 
     # samples ---------------------------------------------------------------------------
     def _at(self, some: np.ndarray) -> Motion:
-        branches = Branches(self.index[some], self.length[some], self.modes[some])
-        trajectory = self.kernel.trajectory(self.time[some], self.steps, branches, self.p)
-        record = replace(self.record, branches=branches, dense=False)
+        places = OutputPlaces(self.index[some], self.length[some], self.modes[some])
+        trajectory = self.kernel.trajectory(self.time[some], self.steps, places, self.p)
+        record = replace(self.record, places=places, dense=False)
         return replace(self.motion, trajectory=trajectory, record=record)
 
     def _values(self, some: np.ndarray) -> np.ndarray:

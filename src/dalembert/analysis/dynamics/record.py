@@ -12,7 +12,7 @@ from dalembert.analysis.dynamics.event_search import end_by_event, ended_again
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.step_accuracy import StepAccuracy
 from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
-from dalembert.analysis.kinematics.branches import Branches, outputs_of
+from dalembert.analysis.output_places import OutputPlaces, outputs_of
 from dalembert.errors import AnalysisError
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.recording import Recording
@@ -36,7 +36,7 @@ class DynamicsRecord:
     ----------
     kernel : DynamicsKernel of the run
     steps : Steps taken
-    branches : positions of the outputs among the steps
+    places : places of the outputs among the steps
     origin : the run that this one repeats, None for an original run
     quadrature : weights of integrals over the outputs, if these are points inside steps
     accuracy : error estimate of the run, if its steps can be repeated in halves
@@ -45,7 +45,7 @@ class DynamicsRecord:
 
     kernel: DynamicsKernel
     steps: Steps
-    branches: Branches
+    places: OutputPlaces
     origin: Recording | None = None
     quadrature: StepQuadrature | None = None
     accuracy: StepAccuracy | None = None
@@ -56,12 +56,12 @@ class DynamicsRecord:
         """Whether the steps were controlled by an error estimate."""
         return self.kernel.adaptive is not None
 
-    def sampled(self, motion: Any, times: np.ndarray, branches: Branches) -> Any:
+    def sampled(self, motion: Any, times: np.ndarray, places: OutputPlaces) -> Any:
         """The motion of the run at other outputs."""
         return replace(
             motion,
-            trajectory=self.kernel.trajectory(times, self.steps, branches, motion.parameters),
-            record=replace(self, branches=branches, dense=False),
+            trajectory=self.kernel.trajectory(times, self.steps, places, motion.parameters),
+            record=replace(self, places=places, dense=False),
         )
 
     def over_steps(self, motion: Any) -> Any:
@@ -72,7 +72,7 @@ class DynamicsRecord:
             # under error control steps are as long as the tolerance permits
             rule = StepQuadrature.fine if self.adaptive else StepQuadrature
             points = rule(steps, order)
-            sampled = self.sampled(motion, points.times, points.branches)
+            sampled = self.sampled(motion, points.times, points.places)
             return replace(sampled, record=replace(sampled.record, quadrature=points))
         if steps.count and kernel.fixed.at_once(int(steps.mode[0])):
             finer = steps.divided(-(-INTERVALS // steps.count))
@@ -105,16 +105,16 @@ class DynamicsRecord:
                 f"the steps of the run cannot be repeated with these parameters: {steps.message} "
                 f"after t = {steps.end:.9g} s"
             )
-        times, branches = motion.time, self.branches
+        times, places = motion.time, self.places
         if motion.status.outcome is Outcome.TERMINATED:
             steps = ended_again(motion, steps, p)
             if end_by_event(motion):
-                times, branches = np.append(times[:-1], steps.end), branches.ended(steps)
+                times, places = np.append(times[:-1], steps.end), places.ended(steps)
         return replace(
             motion,
             parameters=p,
-            trajectory=kernel.trajectory(times, steps, branches, p),
-            record=DynamicsRecord(kernel, steps, branches, origin=motion, dense=self.dense),
+            trajectory=kernel.trajectory(times, steps, places, p),
+            record=DynamicsRecord(kernel, steps, places, origin=motion, dense=self.dense),
         )
 
 

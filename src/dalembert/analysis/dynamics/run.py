@@ -19,7 +19,7 @@ from dalembert.analysis.dynamics.step_length_checks import BranchJumps, unstable
 from dalembert.analysis.dynamics.switch_search import SwitchSearch
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.events import as_events
-from dalembert.analysis.kinematics.branches import outputs_of
+from dalembert.analysis.output_places import outputs_of
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.strategy_warnings import strategy_warnings
 from dalembert.analysis.timeline import (
@@ -175,13 +175,13 @@ class DynamicsRun:
         requested = self.requested
         if requested is None and self.contacts is None and self.halved_steps(steps):
             requested = self.instants
-        times, branches = outputs_of(steps, requested, ends is not None, jumps)
+        times, places = outputs_of(steps, requested, ends is not None, jumps)
         dense = requested is None and adaptive
         if dense:
-            outputs = DenseOutputs(self.kernel, steps, times, branches, self.p)
-            branches, trajectory = outputs.branches, outputs.trajectory
+            outputs = DenseOutputs(self.kernel, steps, times, places, self.p)
+            places, trajectory = outputs.places, outputs.trajectory
         else:
-            trajectory = self.kernel.trajectory(times, steps, branches, self.p)
+            trajectory = self.kernel.trajectory(times, steps, places, self.p)
         timing.lap("outputs")
         balance = self.analysis.balance
         check = DynamicsResidualCheck(self.kernel, steps, trajectory, self.p, balance)
@@ -194,7 +194,7 @@ class DynamicsRun:
             statistics=statistics(self.kernel, steps, trajectory, self.p, timing),
             events=events,
             record=DynamicsRecord(
-                self.kernel, steps, branches, dense=dense, accuracy=self.accuracy(steps)
+                self.kernel, steps, places, dense=dense, accuracy=self.accuracy(steps)
             ),
         )
         if self.contacts:

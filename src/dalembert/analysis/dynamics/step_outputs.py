@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.analysis.cubics import cubic
 from dalembert.analysis.dynamics.variant import Variant
-from dalembert.analysis.kinematics.branches import Branches
+from dalembert.analysis.output_places import OutputPlaces
 from dalembert.integrators.marching.checkpoints import States
 from dalembert.integrators.marching.steps import Steps
 from dalembert.model.graph.equations import Equations
@@ -41,15 +41,15 @@ class StepOutputs(CacheOwner):
         """The function for ``count`` columns at once."""
         raise NotImplementedError
 
-    def branch_states(self, steps: Steps, branches: Branches, p: np.ndarray) -> np.ndarray:
+    def output_states(self, steps: Steps, places: OutputPlaces, p: np.ndarray) -> np.ndarray:
         """States at the outputs: stored ends of steps, else the result of a partial step."""
-        k, ends = branches.index, branches.ends_of(steps)
+        k, ends = places.index, places.ends_of(steps)
         states = steps.x[:, k + ends]
-        inside = np.flatnonzero((branches.length != 0) & ~ends)
+        inside = np.flatnonzero((places.length != 0) & ~ends)
         for mode, part in columns_by_mode(steps.mode[k[inside]], inside):
             (states[:, part],) = self.over(self.variants[mode].step.function, part.size)(
                 steps.t[k[part]],
-                branches.length[part],
+                places.length[part],
                 states[:, part],
                 np.tile(p[:, None], part.size),
             )
@@ -69,15 +69,15 @@ class StepOutputs(CacheOwner):
         inside = cubic(c, ends[0], ends[1], h * ends[2], h * ends[3])
         return (t[:-1, None] + h * c).ravel(), inside.reshape(x.shape[0], -1)
 
-    def modes(self, steps: Steps, branches: Branches) -> np.ndarray:
+    def modes(self, steps: Steps, places: OutputPlaces) -> np.ndarray:
         """Variant of each output."""
         if not steps.count:
-            return np.full(branches.index.size, self.latest)
-        following = np.minimum(branches.index + 1, steps.count - 1)
-        modes = steps.mode[np.where(branches.ends_of(steps), following, branches.index)]
-        if branches.modes is None:
+            return np.full(places.index.size, self.latest)
+        following = np.minimum(places.index + 1, steps.count - 1)
+        modes = steps.mode[np.where(places.ends_of(steps), following, places.index)]
+        if places.modes is None:
             return modes
-        return np.where(branches.modes < 0, modes, branches.modes)
+        return np.where(places.modes < 0, modes, places.modes)
 
     def mapped(
         self,
@@ -105,11 +105,11 @@ class StepOutputs(CacheOwner):
         return results
 
     def trajectory(
-        self, times: np.ndarray, steps: Steps, branches: Branches, p: np.ndarray
+        self, times: np.ndarray, steps: Steps, places: OutputPlaces, p: np.ndarray
     ) -> Trajectory:
         """Poses, speeds, accelerations and multipliers of all bodies at the outputs."""
-        states = self.branch_states(steps, branches, p)
-        modes = self.modes(steps, branches)
+        states = self.output_states(steps, places, p)
+        modes = self.modes(steps, places)
         y, v, a, multiplier = self.mapped(lambda s: s.bodies, modes, times, states, p)
         n = self.equations.coordinate_count + self.equations.speed_count
         work = states[n : n + 2] - steps.x[n : n + 2, :1]

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.polynomial import Legendre
 
-from dalembert.analysis.kinematics.branches import Branches
+from dalembert.analysis.output_places import OutputPlaces
 from dalembert.integrators.marching.steps import Steps
 
 
@@ -71,7 +71,7 @@ class StepQuadrature:
         return index, ordinal * share, share
 
     @property
-    def branches(self) -> Branches:
+    def places(self) -> OutputPlaces:
         """Positions of the points: the start, then for each part the points after its beginning.
 
         Points of a transition, which has no length, lie at the beginning of the following step.
@@ -85,7 +85,7 @@ class StepQuadrature:
         length[last[switched[switched > 0] - 1], -1] *= 1 - INSIDE
         length[last[switched]] = INSIDE * h[switched + 1, None]
         index += np.isin(index, switched)
-        return Branches(np.append(0, index), np.append(0.0, length))
+        return OutputPlaces(np.append(0, index), np.append(0.0, length))
 
     def beside(self, first: int, last: int) -> tuple[int, int]:
         """Numbers of the points right before and right after transitions."""
@@ -99,8 +99,8 @@ class StepQuadrature:
 
     @property
     def times(self) -> np.ndarray:
-        branches = self.branches
-        return self.steps.t[branches.index] + branches.length
+        places = self.places
+        return self.steps.t[places.index] + places.length
 
     @cached_property
     def weights(self) -> np.ndarray:

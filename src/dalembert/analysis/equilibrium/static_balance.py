@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -91,8 +92,38 @@ statics_kernel = once(StaticsKernel)
 """Kernel of a model, compiled once."""
 
 
+class FreeDirections:
+    """Stiffness along the free directions of a position, or of many along the first axis.
+
+    Attributes
+    ----------
+    resistance : (…, k) stiffness of each direction
+    stiffness : (…, k, k) ``Zᵀ K Z``, its symmetric part diagonal
+    """
+
+    resistance: np.ndarray
+    stiffness: np.ndarray
+
+    @property
+    def conservative(self) -> Any:
+        """Whether the stiffness is symmetric, as for forces with a potential."""
+        skew = np.abs(self.stiffness - self.stiffness.swapaxes(-1, -2))
+        sizes = (a.max(axis=(-2, -1), initial=0.0) for a in (skew, SKEW * np.abs(self.stiffness)))
+        return ~np.greater(*sizes)
+
+    @property
+    def stiff(self) -> np.ndarray:
+        """(…, k) magnitudes of the resistances, bounded below."""
+        sizes = np.abs(self.resistance)
+        return np.maximum(sizes, CURVED * sizes.max(axis=-1, initial=0.0, keepdims=True))
+
+    def deflection(self, force: np.ndarray) -> np.ndarray:
+        """Deflections along the free directions by forces."""
+        return np.asarray(np.linalg.solve(self.stiffness, force[..., None])[..., 0])
+
+
 @dataclass(frozen=True)
-class Forces(Residual):
+class Forces(FreeDirections, Residual):
     """Work of the forces along the free directions, with the terms of the next step.
 
     Attributes
@@ -101,8 +132,6 @@ class Forces(Residual):
     force : (n,) applied forces
     multiplier : λ of the best balance
     free : (n, k) free directions ``Z``, orthonormal in natural sizes
-    resistance : (k,) stiffness of each free direction
-    stiffness : (k, k) ``Zᵀ K Z``, its symmetric part diagonal
     """
 
     y: np.ndarray = field(kw_only=True)
@@ -111,12 +140,6 @@ class Forces(Residual):
     free: np.ndarray = field(kw_only=True)
     resistance: np.ndarray = field(kw_only=True)
     stiffness: np.ndarray = field(kw_only=True)
-
-    @cached_property
-    def conservative(self) -> bool:
-        """Whether the stiffness is symmetric, as for forces with a potential."""
-        skew = np.abs(self.stiffness - self.stiffness.T).max(initial=0.0)
-        return not skew > SKEW * np.abs(self.stiffness).max(initial=0.0)
 
     @cached_property
     def stiffnesses(self) -> np.ndarray:
@@ -138,16 +161,6 @@ class Forces(Residual):
     def negative(self) -> int:
         """Number of directions in which the position is left."""
         return int(np.sum(self.stiffnesses < -NEUTRAL))
-
-    @property
-    def stiff(self) -> np.ndarray:
-        """(k,) magnitudes of the resistances, bounded below."""
-        sizes = np.abs(self.resistance)
-        return np.maximum(sizes, CURVED * sizes.max(initial=0.0))
-
-    def deflection(self, force: np.ndarray) -> np.ndarray:
-        """Deflection along the free directions by a force."""
-        return np.asarray(np.linalg.solve(self.stiffness, force))
 
 
 class StaticBalance(Equations[np.ndarray]):
@@ -271,14 +284,6 @@ class _Closure(Equations[np.ndarray]):
         unit, row = self.balance.sizes.displacements, self.balance.sizes.rows
         scaled = residual.jacobian * unit / row[:, None]
         return -unit * np.linalg.lstsq(scaled, residual.value / row, rcond=None)[0]
-
-
-def rest_text(residual: float, iterations: int, stable: bool, conservative: bool = True) -> str:
-    """Message of the status of an equilibrium."""
-    kind = "stable" if stable else "not a stable position"
-    if stable and not conservative:
-        kind = "statically stable (loads without potential: check flutter by linearize)"
-    return f"residual {residual:.3g} N after {iterations} iterations, {kind}"
 
 
 def _spectrum(stiffness: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -93,6 +93,10 @@ class Modal(SpectralAnalysis[Any, Modes]):
         about: Any = self.about
         if about is None:
             return
+        if not hasattr(about, "model"):
+            raise AnalysisError(
+                f"Modal: about is {about!r}; give a motion of a mechanism or a result of statics"
+            )
         if name := "time" if self.time else "" if self.equilibrium else "equilibrium":
             raise AnalysisError(f"Modal: {name} cannot be given with about=, which has its own")
         if about.model.kind == "structure" and not about.analysis.at_rest:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.kinematics.branches import Branches
+from dalembert.analysis.output_places import OutputPlaces
 from dalembert.analysis.transient.equation import EquationOfMotion, motion_of
 from dalembert.analysis.transient.rotation_charts import RotationCharts
 from dalembert.analysis.transient.start import TransientStart
@@ -121,12 +121,12 @@ class March:
         x, rotations = self.node(k), self.shortened.get(k)
         return x if rotations is None else self.charts.shorten(x, rotations)
 
-    def states(self, branches: Branches) -> list[Moving]:
+    def states(self, places: OutputPlaces) -> list[Moving]:
         """States at outputs; between the ends of steps by a shorter step."""
-        ends = branches.ends_of(self.steps)
+        ends = places.ends_of(self.steps)
         return [
             self.node(int(k) + int(end)) if end or not length else self._inside(int(k), length)
-            for k, length, end in zip(branches.index, branches.length, ends, strict=True)
+            for k, length, end in zip(places.index, places.length, ends, strict=True)
         ]
 
     def _inside(self, k: int, length: float) -> Moving:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from dalembert.analysis.equilibrium.linear_range import linear_range_warnings
-from dalembert.analysis.kinematics.branches import Branches, outputs_of
+from dalembert.analysis.output_places import OutputPlaces, outputs_of
 from dalembert.analysis.progress import progress_reporter
 from dalembert.analysis.timeline import (
     afford_states,
@@ -88,7 +88,7 @@ class TransientRun:
         timing.lap("integration")
         if requested is None and march.steps.rejected:
             requested = times
-        times_of_outputs, branches = outputs_of(march.steps, requested)
+        times_of_outputs, places = outputs_of(march.steps, requested)
         statistics = {
             "displacements": march.equation.assembly.size,
             "steps": march.steps.count,
@@ -97,7 +97,7 @@ class TransientRun:
             "factorisations": march.factorisations,
             "build time [s]": round(model.build_time, 6),
         }
-        motion = motion_at(march, a, times_of_outputs, branches, status, statistics)
+        motion = motion_at(march, a, times_of_outputs, places, status, statistics)
         timing.lap("outputs")
         motion.statistics |= timing.statistics
         motion.warnings = halving_warnings(march.steps.rejected)
@@ -113,12 +113,12 @@ def motion_at(
     march: March,
     analysis: Any,
     times: np.ndarray,
-    branches: Branches,
+    places: OutputPlaces,
     status: Status,
     statistics: dict[str, Any],
 ) -> StructuralMotion:
     """The motion at output times."""
-    e, states = march.equation, march.states(branches)
+    e, states = march.equation, march.states(places)
     forces = [e.external_forces(motion_of(x), float(t)) for x, t in zip(states, times, strict=True)]
     u, v, a = (
         np.stack(column, axis=1) for column in zip(*(motion_of(x) for x in states), strict=True)
@@ -135,7 +135,7 @@ def motion_at(
         mass=e.mass,
         status=status,
         statistics=statistics,
-        record=TransientRecord(march, march.steps, branches),
+        record=TransientRecord(march, march.steps, places),
     )
 
 
@@ -147,20 +147,20 @@ class TransientRecord:
     ----------
     march : equations, steps and states
     steps : accepted steps
-    branches : positions of the outputs within the steps
+    places : places of the outputs among the steps
     """
 
     march: March
     steps: Steps
-    branches: Branches
+    places: OutputPlaces
     adaptive: ClassVar[bool] = False
 
     def sampled(
-        self, motion: StructuralMotion, times: np.ndarray, branches: Branches
+        self, motion: StructuralMotion, times: np.ndarray, places: OutputPlaces
     ) -> StructuralMotion:
         """The motion of the run at other outputs."""
         return motion_at(
-            self.march, motion.analysis, times, branches, motion.status, motion.statistics
+            self.march, motion.analysis, times, places, motion.status, motion.statistics
         )
 
     def repeated(self, motion: StructuralMotion, p: np.ndarray) -> StructuralMotion:

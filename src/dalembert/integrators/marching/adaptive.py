@@ -151,8 +151,8 @@ class Attempts(StepSource):
 
     def take(self, time: float, x: np.ndarray) -> tuple[Stretch, str]:
         count = self.choice.attempts(self.mode) if self.choice else ATTEMPTS
-        made = self.march.advance(count, self.mode, self.state, self.fixed)
-        self.states, self.record, failure = made
+        attempts = self.march.advance(count, self.mode, self.state, self.fixed)
+        self.states, self.record, failure = attempts
         self.complete, accepted = True, self._accepted
         columns = self.states[2 + len(self.memory) :, accepted]
         corrected, mode = np.ones(accepted.size, bool), np.full(accepted.size, self.mode)

@@ -180,14 +180,22 @@ class MechanismConditions:
         Raises
         ------
         ModelError
-            A motion that the node does not have, one given twice, or an initial rotation in space.
+            A motion that the node does not have, a prescribed one, one given twice, or an initial
+            rotation in space.
         """
         conditions = list(self.system.initial_conditions)
+        held = self.system.prescribed(self._directions)
         for kind, loads in self.system.initials.items():
             values: Values = {}
             for load in loads:
                 for name, value in self._each(load):
                     motion = values.setdefault(name, {})
+                    if (name, load.direction) in held:
+                        raise ModelError(
+                            f"{load.direction} is prescribed, so its motion is known; remove one "
+                            "of them",
+                            load.entity,
+                        )
                     if motion.setdefault(load.direction, value) is not value:
                         raise ModelError("is given twice; give it once", load.entity)
             for node, motion in self._nodes("initial", values):

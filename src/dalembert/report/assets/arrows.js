@@ -5,7 +5,7 @@
 
 import { stroke, trace } from "./canvas.js";
 
-/** Arrow with one head, or with two for a moment. @param {Context} ctx @param {Pixel} from @param {Pixel} way @param {string} colour @param {string} surface */
+/** Arrow with one head, or with two for a moment. @param {Context} ctx @param {Pixel} from @param {Pixel} way @param {string} colour @param {string} surface colour of the halo; "" for none */
 export function arrow(ctx, [x, y], [u, v], colour, surface, width = 2.4, heads = 1) {
   const length = Math.hypot(u, v);
   if (length < 1.5) return;
@@ -13,14 +13,14 @@ export function arrow(ctx, [x, y], [u, v], colour, surface, width = 2.4, heads =
   const at = (/** @type {number} */ back) => /** @type {Pixel} */ ([x + u - tx * back, y + v - ty * back]);
   ctx.lineCap = "round";
   trace(ctx, [[x, y], at(head)]);
-  stroke(ctx, surface, width + 2.5);
+  if (surface) stroke(ctx, surface, width + 2.5);
   stroke(ctx, colour, width);
   ctx.lineCap = "butt";
   for (let k = 0; k < heads; k++) {
     const tip = at(0.8 * k * head), neck = at((0.8 * k + 1) * head);
     trace(ctx, [tip, [neck[0] - ty * wide, neck[1] + tx * wide], [neck[0] + ty * wide, neck[1] - tx * wide]], true);
     ctx.lineJoin = "round";
-    stroke(ctx, surface, 2);
+    if (surface) stroke(ctx, surface, 2);
     ctx.fillStyle = colour;
     ctx.fill();
   }

@@ -9,7 +9,7 @@ import { mix } from "./theme.js";
 /** Vertex in the axes of the camera, and its pixel.
  * @typedef {{ x: number, y: number, z: number, u: number, v: number }} SeenVertex */
 /** Face, or line of a width, at a depth.
- * @typedef {{ ends: SeenVertex[], depth: number, colour: string, alpha: number, width?: number }} Piece */
+ * @typedef {{ ends: SeenVertex[], depth: number, colour: string, alpha: number, width?: number, cap?: CanvasLineCap }} Piece */
 
 export class FlatPainter {
   /** @param {HTMLCanvasElement | null} canvas */
@@ -43,10 +43,11 @@ export class FlatPainter {
       else if (item.isLineSegments) this.addLines(item, item.geometry.attributes.position.array, null, camera);
       else if (item.isMesh && !item.material.isShadowMaterial && item.material.side !== THREE.BackSide) this.addFaces(item, camera);
     });
-    ctx.lineJoin = ctx.lineCap = "round";
-    for (const { ends, colour, alpha, width } of this.pieces.sort((a, b) => b.depth - a.depth)) {
+    ctx.lineJoin = "round";
+    for (const { ends, colour, alpha, width, cap } of this.pieces.sort((a, b) => b.depth - a.depth)) {
       if (ends.some(({ u }) => Number.isNaN(u))) continue;
       ctx.globalAlpha = alpha;
+      ctx.lineCap = cap ?? "round";
       ctx.beginPath();
       ends.forEach(({ u, v }, k) => (k ? ctx.lineTo(u, v) : ctx.moveTo(u, v)));
       if (width) { stroke(ctx, colour, width); continue; }
@@ -77,7 +78,7 @@ export class FlatPainter {
     const bias = (0.006 - 0.0002 * width) * camera.position.length();
     for (let k = 0; k + 1 < ends.length; k += 2) {
       const pair = [ends[k], ends[k + 1]], depth = behind ? Infinity : -(pair[0].z + pair[1].z) / 2 - bias;
-      this.pieces.push({ ends: pair, depth, colour: colours ? hex(colours, 3 * k) : `#${material.color.getHexString()}`, alpha: material.opacity, width });
+      this.pieces.push({ ends: pair, depth, colour: colours ? hex(colours, 3 * k) : `#${material.color.getHexString()}`, alpha: material.opacity, width, cap: colours ? "round" : "butt" });
     }
   }
 

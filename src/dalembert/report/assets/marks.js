@@ -16,6 +16,8 @@ const AXIS_COLOURS = { light: ["#c0392b", "#1e8449", "#1f5fbf"], dark: ["#ff7b6b
 const REACTION = 0.26, LOAD = 0.16, NODAL_LOAD = 0.11, MANY_LOADS = 0.07;
 /** Upper limit of nodal loads with long arrows. */
 const FEW_LOADS = 6;
+/** Number of arrows above which they have no halo. */
+const DENSE = 40;
 /** Lower limit of the length of an arrow [px]. */
 const SHORTEST = 18;
 /** Limit of the names of nodes that are placed beside each other. */
@@ -44,10 +46,10 @@ export class Marks {
     this.drawScales();
   }
 
-  /** Note at the top of the drawing. @param {Paper} paper @param {string} text */
+  /** Note below the drawing. @param {Paper} paper @param {string} text */
   note(paper, text) {
     this.paper = paper;
-    this.write(text, [paper.w / 2, 16], Theme.muted);
+    this.write(text, [paper.w / 2, paper.h - 12], Theme.muted);
   }
 
   get ink() { return mix(Theme.ink, Theme.surface, 0.2); }
@@ -88,7 +90,7 @@ export class Marks {
 
   /** Arrows of forces and moments with their values. @param {Item[]} items */
   drawLoads(items) {
-    const { paper: { ctx }, scene: { greatest, motion, painter, arrows } } = this, first = arrows.length;
+    const { paper: { ctx }, scene: { greatest, motion, painter, arrows } } = this, first = arrows.length, halo = items.length <= DENSE ? Theme.surface : "";
     for (const item of items) {
       const place = motion.placeOf(item), from = place && this.scene.screen(place);
       for (const key of /** @type {const} */ (["force", "moment"])) {
@@ -104,21 +106,33 @@ export class Marks {
         const [u, v] = this.scene.view.direction(value), k = Math.max(this.scaleOf(role), size > 1e-3 * greatest[role] ? SHORTEST / size : 0);
         const way = /** @type {Pixel} */ ([k * u, k * v]), inward = item.inward && item.inward[motion.state] > 0.5;
         const tail = /** @type {Pixel} */ (inward ? [from[0] - way[0], from[1] - way[1]] : from);
-        arrow(ctx, tail, way, colour, Theme.surface, reaction ? 2.4 : motion.mesh ? 2 : 2.8, key === "moment" ? 2 : 1);
+        arrow(ctx, tail, way, colour, halo, reaction ? 2.4 : motion.mesh ? 2 : 2.8, key === "moment" ? 2 : 1);
         arrows.push({ item, role, from: tail, way, value: size, inward: Boolean(inward) });
       }
     }
     if (this.scene.show.labels || motion.mesh) this.writeLoads(arrows.slice(first));
   }
 
+  /** Position nearest to x of a text between the legend and the buttons [px]. @param {number} x @param {number} y @param {number} half of its width */
+  freeAt(x, y, half) {
+    const { w } = this.paper;
+    let [left, right] = [0, w];
+    for (const { offsetLeft, offsetTop, offsetWidth, offsetHeight } of this.scene.panels) {
+      if (y < offsetTop - 10 || y > offsetTop + offsetHeight + 10) continue;
+      if (2 * offsetLeft + offsetWidth < w) left = Math.max(left, offsetLeft + offsetWidth);
+      else right = Math.min(right, offsetLeft);
+    }
+    return clamp(x, left + half, Math.max(left + half, right - half));
+  }
+
   /** Values beside the arrows, if there are few; equal values side by side are written once. @param {DrawnArrow[]} arrows */
   writeLoads(arrows) {
     if (arrows.length > 2 * READABLE) return;
-    const font = "600 11.5px", { w } = this.paper;
+    const font = "600 11.5px";
     const texts = arrows.map(({ role, from: [x, y], way: [u, v], value, inward }) => {
       const text = this.scene.motion.mesh ? quantity(value, LOADS[role].unit.replace("·", " "), 3) : loadText(role, value), length = Math.hypot(u, v) || 1, half = this.widthOf(text, font) / 2 + 6;
       const [px, py] = inward ? [x, y] : [x + u, y + v], side = inward ? -1 : 1, level = Math.abs(u) > Math.abs(v);
-      const dx = level ? side * Math.sign(u) * (half + 2) : half + 3, dy = level ? 0 : (side * 4 * v) / length, free = clamp(px + dx, half, w - half);
+      const dx = level ? side * Math.sign(u) * (half + 2) : half + 3, dy = level ? 0 : (side * 4 * v) / length, free = this.freeAt(px + dx, py + dy, half);
       return { text, colour: this.colourOf(role), x: free, y: py + (free === px + dx ? dy : -13) };
     }).sort((a, b) => a.y - b.y || a.x - b.x);
     /** @type {(typeof texts)[]} */
@@ -128,21 +142,21 @@ export class Marks {
       if (near) near.push(one); else runs.push([one]);
     }
     for (const run of runs) {
-      const { text, x, y, colour } = run[run.length >> 1];
-      this.write(run.length > 1 ? `${run.length} × ${text}` : text, [x, y], colour, font);
+      const { text: value, x, y, colour } = run[run.length >> 1], text = run.length > 1 ? `${run.length} × ${value}` : value;
+      this.write(text, [this.freeAt(x, y, this.widthOf(text, font) / 2 + 6), y], colour, font);
     }
   }
 
   // Labels ---------------------------------------------------------------------------------------
 
   drawLabels() {
-    const { scene: { motion, painter }, paper, paper: { w, h } } = this;
+    const { scene: { motion, painter }, paper: { w, h } } = this;
     const place = (/** @type {{ body: any, point: any }} */ { body, point }) => { const p = motion.at(body, point); return p && this.scene.screen(p); };
     const middles = motion.links.map(({ i, j }) => { const p = place(i), q = place(j); return p && q && /** @type {Pixel} */ ([(p[0] + q[0]) / 2, (p[1] + q[1]) / 2]); });
     const pins = [...motion.joints.filter(({ at }) => !at).map(place), ...middles].filter((p) => p !== null), { half } = painter;
     /** @type {{ x: number, y: number, wide: number }[]} */
     const taken = [];
-    for (const { text, font, colour, places, required, owner } of [...painter.labels(paper), ...this.nodeLabels()]) {
+    for (const { text, font, colour, places, required, owner } of [...painter.labels(), ...this.nodeLabels()]) {
       const wide = this.widthOf(text, font) / 2;
       const cost = ([x, y] = /** @type {Pixel} */ ([0, 0]), more = 0) =>
         pins.filter((p) => Math.abs(p[0] - x) < wide + half + more && Math.abs(p[1] - y) < 8 + half + more).length
@@ -230,8 +244,8 @@ export class Marks {
     if (ratio && motion.moves && !motion.swings) this.write(`t = ${clock(motion.now, motion.span)} s`, [w - 16, 24], ink, "12px", "right");
     let right = w - 18;
     for (const role of /** @type {LoadKind[]} */ (Object.keys(LOADS))) {
-      const { reaction, unit } = LOADS[role], shown = reaction ? show.forces : show.loads && !motion.mesh;
-      if (!(greatest[role] > 0) || !shown) continue;
+      const { reaction, unit } = LOADS[role], shown = reaction ? show.forces : show.loads;
+      if (!(greatest[role] > 0) || !shown || motion.mesh) continue;
       const value = niceAbove(0.2 * greatest[role]), text = `${inUnits([value], unit.replace("·", " "), { digits: 2 })}${reaction ? "" : " applied"}`;
       const arc = motion.dimension === 2 && unit !== "N", length = arc ? 16 : value * this.scaleOf(role), room = Math.max(length, this.widthOf(text));
       const from = /** @type {Pixel} */ ([right - room / 2 - length / 2, h - 20]);

@@ -13,6 +13,9 @@ const MEASURED = 3000;
 /** Limit of elements that are drawn with thick lines, and of nodes that are drawn. */
 export const FEW_ELEMENTS = 400;
 const FEW_NODES = 60;
+/** Opacity of the edges of cells of a size on the canvas [px], and its largest value. @param {number} size */
+export const edgeOpacity = (size) => EDGES * Math.min(1, size / 12);
+const EDGES = 0.4;
 /** Names of strains, whose unit is 1. */
 const STRAIN = /strain|^e[xyz]{2}$|^g(xy|yz|zx|xz)$/;
 
@@ -119,6 +122,9 @@ export class Mesh {
     for (const { vertices } of length <= FEW_NODES ? this.lines : []) for (const k of vertices) if (k < length) drawn.add(k);
     return drawn;
   }
+
+  /** Number of the drawn faces. */
+  get faceCount() { return this.faces.reduce((sum, { elements }) => sum + elements.length, 0); }
 
   // Values -------------------------------------------------------------------------------------
 

@@ -5,7 +5,8 @@
 /** @import { PlanarPainter } from "./planar_painter.js" */
 
 import { circle, stroke } from "./canvas.js";
-import { FEW_ELEMENTS } from "./mesh.js";
+import { FEW_ELEMENTS, edgeOpacity } from "./mesh.js";
+import { extent } from "./numbers.js";
 import { Theme, mix } from "./theme.js";
 
 export class MeshPainter {
@@ -74,19 +75,23 @@ export class MeshPainter {
     return ramp?.colour(sum) ?? null;
   }
 
+  /** Opacity of the edges of cells, lower for small cells. */
+  edgeOpacity() {
+    const [w, h] = [0, 1].map((axis) => { const [lo, hi] = extent([this.seen.filter((_, k) => k % 3 === axis)]) ?? [0, 1]; return hi - lo; });
+    return edgeOpacity(Math.sqrt((w * h) / this.mesh.faceCount));
+  }
+
   /** @param {boolean} edges whether the edges of the cells are drawn */
   drawFaces(edges) {
-    const { ctx, mesh } = this, plain = mix(Theme.accent, Theme.surface, 0.75), grey = mix(Theme.muted, Theme.surface, 0.7);
+    const { ctx, mesh } = this, plain = mix(Theme.accent, Theme.surface, 0.75), grey = mix(Theme.muted, Theme.surface, 0.7), edge = `rgb(20 30 40 / ${Math.round(100 * this.edgeOpacity())}%)`;
     if (!mesh.faces.length) return;
-    ctx.lineWidth = 0.6;
-    ctx.setLineDash([]);
     for (const cells of mesh.faces) cells.elements.forEach((_, row) => {
+      const colour = this.colour(cells, row) ?? (mesh.field ? grey : plain);
       ctx.beginPath();
       this.run(cells.vertices, row * cells.size, cells.size, true);
-      ctx.fillStyle = this.colour(cells, row) ?? (mesh.field ? grey : plain);
-      ctx.strokeStyle = edges ? "rgb(20 30 40 / 35%)" : ctx.fillStyle;
+      ctx.fillStyle = colour;
       ctx.fill();
-      ctx.stroke();
+      stroke(ctx, edges ? edge : colour, 0.6);
     });
     ctx.beginPath();
     for (let k = 0; k < mesh.outline.length; k += 2) this.run(mesh.outline, k, 2);

@@ -4,7 +4,7 @@
 /** @import { SpatialPainter } from "./spatial_painter.js" */
 
 import "./vendor/three.js";
-import { FEW_ELEMENTS } from "./mesh.js";
+import { FEW_ELEMENTS, edgeOpacity } from "./mesh.js";
 import { clamp } from "./numbers.js";
 import { ball } from "./solids.js";
 import { AXES, vector } from "./spatial_motion.js";
@@ -39,7 +39,7 @@ export class MeshSolids {
     this.ghost = this.lines(other ? [...segmentsOf(other).vertices, ...other.outline] : [], 5, { transparent: true, opacity: 0.4 });
     this.nodes = new THREE.Group();
     for (const vertex of mesh.drawnNodes) {
-      const dot = new THREE.Mesh(ball([0, 0, 0], 0.55 * painter.unit), painter.surface("pale"));
+      const dot = new THREE.Mesh(ball([0, 0, 0], 0.55 * painter.unit), painter.materials.surface("pale"));
       dot.userData = { vertex };
       this.nodes.add(dot);
     }
@@ -77,7 +77,7 @@ export class MeshSolids {
     }
     const geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(Float32Array.from(positions), 3));
     geometry.computeVertexNormals();
-    const solid = new THREE.Mesh(geometry, painter.surface("ground"));
+    const solid = new THREE.Mesh(geometry, painter.materials.surface("ground"));
     solid.castShadow = solid.receiveShadow = true;
     solid.visible = scene.show.supports && count > 0;
     return solid;
@@ -93,13 +93,14 @@ export class MeshSolids {
     this.ghost.material.color.set(muted);
   }
 
-  /** Move to the present displacements, and show what is asked for. */
+  /** Move to the present displacements, and show what is requested. */
   move() {
-    const { mesh, other, painter: { scene, scene: { show, canvas } } } = this;
+    const { mesh, other, painter, painter: { scene, scene: { show, canvas } } } = this;
     this.rest.visible = show.rest;
     this.ghost.visible = Boolean(other) && show.ghosts;
     this.supports.visible = show.supports;
     this.edges.visible = show.mesh && mesh.faces.length > 0;
+    this.edges.material.opacity = edgeOpacity((painter.view.scaleAt(painter.view.centre.toArray()) * scene.size) / Math.sqrt(mesh.faceCount || 1) / 2);
     this.outline.visible = !show.mesh && mesh.outline.length > 0;
     this.core.visible = this.members.visible = this.segments.vertices.length > 0;
     this.core.visible &&= mesh.field !== null;

@@ -1,7 +1,7 @@
 // Planar scenes on a canvas: grid, ground, bodies, mesh, traces, links and symbols.
 
-/** @import { Context, TracedPoint } from "./types.d.ts" */
-/** @import { End, Hit, Item, Label, Link, Paper, Part, Pixel, Shape } from "./scene_types.d.ts" */
+/** @import { Context } from "./types.d.ts" */
+/** @import { End, Item, Link, Paper, Part, Pixel, Shape } from "./scene_types.d.ts" */
 /** @import { Colours, Look } from "./planar_symbols.js" */
 /** @import { MeshPainter } from "./mesh_painter.js" */
 /** @import { PlanarMotion, PlanarPose } from "./planar_motion.js" */
@@ -9,19 +9,18 @@
 /** @import { Scene } from "./scene.js" */
 
 import { circle, contextOf, fitCanvas, stroke, trace } from "./canvas.js";
-import { clamp, extent, niceAbove } from "./numbers.js";
+import { clamp, niceAbove } from "./numbers.js";
 import { LOOKS, drawBelt } from "./planar_looks.js";
-import { corners, local } from "./planar_motion.js";
+import { planarHit } from "./planar_hits.js";
+import { mean, planarLabels } from "./planar_labels.js";
+import { corners } from "./planar_motion.js";
 import { centreMark, groundPivot, hatch, hatchedLine, jointMark, linkSymbol, plate, solid, wheel } from "./planar_symbols.js";
-import { cross, distanceToSegment, inside } from "./polygons.js";
+import { cross } from "./polygons.js";
+import { PlanarTraces } from "./planar_traces.js";
 import { Theme, mix } from "./theme.js";
 
 /** Layers of the shapes of bodies, from the back. */
 const LAYERS = [["disc", "curve"], ["block", "polygon"], ["bar", "line", "particle"]];
-/** Order in which shapes are found under the pointer. */
-const PICKED = ["bar", "line", "particle", "block", "polygon", "curve", "disc"];
-/** Share of the motion of the strong part of a trace. */
-const RECENT = 0.15;
 
 export class PlanarPainter {
   /** @param {Scene} scene */
@@ -43,8 +42,7 @@ export class PlanarPainter {
     this.guides = [];
     /** Picture of a mesh. @type {MeshPainter | null} */
     this.mesh = null;
-    /** Paths of traces, and the view for which they are drawn. */
-    this.traces = { key: "", canvas: document.createElement("canvas") };
+    this.traces = new PlanarTraces(this);
     this.restyle();
   }
 
@@ -116,7 +114,7 @@ export class PlanarPainter {
     this.drawGhosts();
     this.mesh?.draw();
     this.drawBodies();
-    this.drawTraces(paper !== null);
+    this.traces.draw(paper !== null);
     for (const link of motion.links) this.drawLink(link);
     for (const item of [...motion.symbols, ...motion.joints]) if (item.wheels.length === 2) drawBelt(this, item);
     for (const item of motion.symbols) LOOKS[item.symbol]?.(this, item);
@@ -256,66 +254,6 @@ export class PlanarPainter {
     hatchedLine(this.ctx, [at[0] - nx, at[1] - ny], [at[0] + nx, at[1] + ny], this.half, this.colours);
   }
 
-  // Traces ---------------------------------------------------------------------------------------
-
-  /** Whole paths of the traced points, faint, with the recent part strong; on paper strong. @param {boolean} paper */
-  drawTraces(paper) {
-    const { ctx, motion, scene, view } = this, traced = motion.points.filter((point) => point.traced), { canvas } = scene;
-    if (!traced.length) return;
-    if (paper) {
-      for (const point of traced) this.drawPath(ctx, point, -Infinity, Infinity, scene.pointColour(point), 1.6);
-      return;
-    }
-    const key = [canvas.width, canvas.height, view.x, view.y, view.s, Theme.name, traced.map(({ index }) => index)].join(), layer = this.traces.canvas;
-    if (key !== this.traces.key) {
-      this.traces.key = key;
-      [layer.width, layer.height] = [canvas.width, canvas.height];
-      const context = contextOf(layer);
-      context.scale(canvas.width / this.w, canvas.width / this.w);
-      for (const point of traced) this.drawPath(context, point, -Infinity, Infinity, mix(Theme.surface, scene.pointColour(point), 0.5), 1.6);
-    }
-    /** @type {CanvasRenderingContext2D} */ (ctx).drawImage(layer, 0, 0, this.w, this.h);
-    for (const point of traced) this.drawPath(ctx, point, motion.now - RECENT * motion.span, motion.now, scene.pointColour(point), 2.4, this.place(point));
-  }
-
-  /** Part of a path, in pieces, because long self-intersecting paths are slow to stroke.
-   * @param {Context} ctx @param {TracedPoint} point @param {number} from @param {number} to @param {string} colour @param {number} width @param {Pixel | null} end */
-  drawPath(ctx, point, from, to, colour, width, end = null) {
-    const way = this.thinned(point);
-    ctx.lineJoin = ctx.lineCap = "round";
-    ctx.beginPath();
-    let on = false, count = 0;
-    for (let k = firstAfter(way, from); k < way.length && way[k].t <= to; k++) {
-      const { p } = way[k];
-      if (!p) { on = false; continue; }
-      const [x, y] = this.view.screen(p);
-      if (on) ctx.lineTo(x, y); else ctx.moveTo(x, y);
-      on = true;
-      if (++count % 100) continue;
-      stroke(ctx, colour, width);
-      ctx.beginPath();
-      ctx.moveTo(x, y);
-    }
-    if (on && end) ctx.lineTo(end[0], end[1]);
-    stroke(ctx, colour, width);
-    ctx.lineCap = "butt";
-  }
-
-  /** Points of a path that are a pixel apart at this scale; their number does not depend on that of the instants. @param {TracedPoint} point */
-  thinned(point) {
-    const { s } = this.view, { way, thin } = point;
-    if (thin?.s === s && thin.way === way) return thin.kept;
-    /** @type {any} */
-    let last = null;
-    const kept = way.filter(({ p }, k) => {
-      if (p && last && k < way.length - 1 && (Math.abs(p[0] - last[0]) + Math.abs(p[1] - last[1])) * s < 0.7) return false;
-      last = p;
-      return true;
-    });
-    point.thin = { s, way, kept };
-    return kept;
-  }
-
   drawPoints() {
     const { ctx, half, scene } = this;
     for (const point of this.motion.spots) {
@@ -327,97 +265,8 @@ export class PlanarPainter {
       stroke(ctx, point.traced ? Theme.surface : colour, 1.4);
     }
   }
+  /** @param {Pixel} pixel */
+  hit(pixel) { return planarHit(this, pixel); }
 
-  // Under the pointer ------------------------------------------------------------------------------
-
-  /** @param {Pixel} pixel @returns {Hit | null} */
-  hit(pixel) {
-    const { half, motion, view } = this, near = (/** @type {Pixel | null} */ p, /** @type {number} */ r) => p !== null && Math.hypot(p[0] - pixel[0], p[1] - pixel[1]) <= r;
-    for (const item of motion.joints) if (near(this.place(item), Math.max(8, half))) return { kind: "joint", item };
-    for (const item of motion.spots) if (near(this.place(item), 8)) return { kind: "point", item };
-    for (const item of motion.links) {
-      const p = this.place(item.i), q = this.place(item.j);
-      if (p && q && distanceToSegment(pixel, p, q) < half * (1.3 + 3.4 * Math.abs(item.offset)) + 3) return { kind: "link", item };
-    }
-    for (const item of motion.symbols) if (!item.at && item.node === null && !item.nodes.length && near(this.place(item), 3 * half)) return { kind: "symbol", item };
-    /** @type {Hit | null} */
-    let hit = null;
-    let rank = Infinity;
-    const reach = (half + 2) / view.s;
-    for (const body of motion.bodies) {
-      const pose = this.poses.get(body), p = pose && local(pose, view.world(pixel));
-      if (!p) continue;
-      if (!body.shapes.length && Math.hypot(...p) < reach) hit = { kind: "body", item: body };
-      for (const shape of body.shapes) {
-        const order = PICKED.indexOf(shape.kind) + (shape.radius ? 1 - 1 / (1 + shape.radius) : 0);
-        if (order < rank && inShape(shape, p, reach)) [hit, rank] = [{ kind: "body", item: body }, order];
-      }
-    }
-    return hit;
-  }
-
-  // Labels ---------------------------------------------------------------------------------------
-
-  /** @param {Paper} paper @returns {Label[]} */
-  labels({ ctx }) {
-    const { half, motion, view } = this, bodies = [...this.poses].filter(([, pose]) => pose !== null);
-    const covered = (/** @type {Pixel} */ pixel) => bodies.filter(([body, pose]) => pose && body.shapes.some((shape) => inShape(shape, local(pose, view.world(pixel)), (half + 4) / view.s))).length;
-    const short = motion.joints.filter(({ name }) => name && name.length <= 3), [dx, dy] = [1.1 * half + 7, 0.9 * half + 5];
-    const joints = (short.length > 24 ? [] : short).map((joint) => {
-      const p = this.place(joint);
-      if (!p) return null;
-      const places = /** @type {Pixel[]} */ ([[-1, -1], [1, -1], [-1, 1], [1, 1]].map(([u, v]) => [p[0] + u * dx, p[1] + v * dy])), costs = places.map(covered), least = Math.min(...costs);
-      return { text: joint.name, font: "italic 12px", colour: Theme.muted, places: [...places.filter((_, k) => costs[k] === least), ...places], required: true, owner: joint };
-    });
-    const names = motion.bodies.map((body) => {
-      const pose = this.poses.get(body), font = "600 12px";
-      if (!pose || !body.label) return null;
-      ctx.font = `${font} ${Theme.font}`;
-      return { text: body.label, font, colour: this.looks[body.index].text, places: this.labelPlaces(body, pose, ctx.measureText(body.label).width / 2), required: true, owner: body };
-    });
-    return [...joints, ...names].filter((label) => label !== null);
-  }
-
-  /** Positions of the name of a body, best first: beside a bar, in a plate, about other shapes. @param {Part} body @param {PlanarPose} pose @param {number} wide @returns {Pixel[]} */
-  labelPlaces({ shapes }, pose, wide) {
-    const seen = (/** @type {any} */ p) => this.view.screen(this.motion.placed(pose, p));
-    if (shapes.length === 1 && shapes[0].kind === "bar") {
-      const [a, b] = [seen(shapes[0].from), seen(shapes[0].to)], length = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1;
-      const [nx, ny] = [(b[1] - a[1]) / length, -(b[0] - a[0]) / length], gap = this.half + 11 + (wide - 6) * Math.abs(nx);
-      return [gap, -gap].flatMap((d) => [0.5, 0.33, 0.67].map((k) => /** @type {Pixel} */ ([a[0] + k * (b[0] - a[0]) + d * nx, a[1] + k * (b[1] - a[1]) + d * ny])));
-    }
-    const points = (shapes.length ? shapes.flatMap((shape) => this.motion.outline(shape)) : [[0, 0]]).map(seen), columns = [0, 1].map((k) => points.map((p) => p[k]));
-    const [[x0, x1], [y0, y1]] = columns.map((column) => extent([column]) ?? [0, 0]), [x, y] = [(x0 + x1) / 2, (y0 + y1) / 2], plates = shapes.some(({ kind }) => kind === "polygon");
-    const pad = 12 + (!shapes.length || shapes.some(({ kind }) => ["polygon", "bar", "particle"].includes(kind)) ? this.half : 0);
-    /** @type {Pixel[]} */
-    const around = [[x, y0 - pad], [x, y1 + pad], [x1 + pad + wide - 4, y], [x0 - pad - wide + 4, y]];
-    return plates && Math.min(x1 - x0, y1 - y0) > 2 * wide ? [[mean(columns[0]), mean(columns[1])], ...around] : around;
-  }
-}
-
-/** @param {number[]} values */
-const mean = (values) => values.reduce((sum, v) => sum + v, 0) / values.length;
-
-/** Number of the first instant of a path that is not before a time. @param {TracedPoint["way"]} way @param {number} time */
-function firstAfter(way, time) {
-  let low = 0, high = way.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (way[middle].t < time) low = middle + 1; else high = middle;
-  }
-  return low;
-}
-
-/** Whether a point in the axes of a body lies on a shape. @param {Shape} shape @param {Pixel} p @param {number} reach */
-function inShape(shape, p, reach) {
-  const [from, to, center] = /** @type {Pixel[]} */ ([shape.from, shape.to, shape.center]), points = /** @type {Pixel[]} */ (shape.points);
-  const onEdge = (/** @type {boolean} */ closed) => points.some((q, k) => (k || closed) && distanceToSegment(p, points[(k || points.length) - 1], q) < reach);
-  switch (shape.kind) {
-    case "bar": case "line": return distanceToSegment(p, from, to) < reach;
-    case "disc": return Math.hypot(p[0] - center[0], p[1] - center[1]) < shape.radius + reach / 3;
-    case "particle": return Math.hypot(p[0] - center[0], p[1] - center[1]) < reach;
-    case "block": return inside(p, corners(shape));
-    case "curve": return onEdge(shape.closed) || (shape.closed && inside(p, points));
-    default: return onEdge(true) || inside(p, points);
-  }
+  labels() { return planarLabels(this); }
 }

@@ -112,6 +112,9 @@ export class Scene {
   /** @param {Point} place @returns {Pixel | null} */
   screen(place) { return this.view.screen(place); }
 
+  /** Legend and buttons that cover the drawing. @returns {NodeListOf<HTMLElement>} */
+  get panels() { return /** @type {HTMLElement} */ (this.canvas.parentElement).querySelectorAll(".ramp-box, .zoom"); }
+
   /** Positions on the canvas, and depths, of the vertices of a mesh. */
   seen(places = this.motion.mesh?.places ?? new Float64Array(0)) { return this.view.project(places); }
 

@@ -195,7 +195,7 @@ export interface Painter {
   /** Highlight a part. */
   highlight(item: object | null): void;
   /** Labels of bodies and joints. */
-  labels(paper: Paper): Label[];
+  labels(): Label[];
 }
 
 /** Context and its size. */

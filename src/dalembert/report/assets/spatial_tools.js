@@ -18,10 +18,10 @@ export function buildSpatialTools(scene, toolbar) {
   const box = sectionBox(painter);
   byId("view").append(box.node);
   if (scene.motion.bodies.some(({ shapes }) => shapes.some(({ kind }) => kind === "ellipsoid"))) {
-    toolbar.append(toggleButton("Inertia", true, (on) => painter.showInertia(on), { id: "inertia", title: "Inertia ellipsoids of bodies without a shape" }));
+    toolbar.append(toggleButton("Inertia", true, (on) => painter.change({ inertia: on }), { id: "inertia", title: "Inertia ellipsoids of bodies without a shape" }));
   }
   toolbar.append(
-    toggleButton("See-through", false, (on) => painter.setClear(on), { id: "clear", title: "Transparent bodies" }),
+    toggleButton("See-through", false, (on) => painter.change({ clear: on }), { id: "clear", title: "Transparent bodies" }),
     toggleButton("Section", false, (on) => box.show(on), { id: "section", title: "Cut through the bodies" }));
 }
 

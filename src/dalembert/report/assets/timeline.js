@@ -19,8 +19,8 @@ export class Timeline {
     this.end = this.n ? this.time[this.n - 1] : 0;
     this.span = this.end - this.start;
     this.moves = this.n > 1 && this.span > 0;
-    /** Names of the points to trace. */
-    this.asked = Array.isArray(payload.trace) ? payload.trace.map(String) : null;
+    /** Names of the points whose paths the report requests; null for a choice by length. */
+    this.requested = Array.isArray(payload.trace) ? payload.trace.map(String) : null;
     this.series = list(payload.series).map((s) => /** @type {Series} */ ({
       name: String(s.name ?? ""), unit: unitOf(s), group: String(s.group || "other"), values: floats(s.values, this.n),
       other: s.other ? floats(s.other, this.n) : null,
@@ -159,8 +159,8 @@ export class Timeline {
       point.length = positions.reduce((sum, p, k) => sum + (k ? distance(p, positions[k - 1]) : 0), 0);
     }
     this.joinPoints(size);
-    const { asked } = this, moving = this.spots.filter((point) => point.length > 1e-6 * size);
-    const chosen = asked ? this.spots.filter(({ names }) => names.some((name) => asked.includes(name)))
+    const { requested } = this, moving = this.spots.filter((point) => point.length > 1e-6 * size);
+    const chosen = requested ? this.spots.filter(({ names }) => names.some((name) => requested.includes(name)))
       : moving.length <= 3 ? moving : [...moving].sort((a, b) => b.length - a.length).slice(0, 1);
     for (const point of chosen) point.traced = true;
   }

@@ -162,7 +162,7 @@ export interface TracedPoint {
   index: number;
   swatch?: HTMLElement;
   /** Path thinned for a scale. */
-  thin?: { s: number; way: TracedPoint["way"]; kept: TracedPoint["way"] };
+  thin?: { s: number; way: TracedPoint["way"]; points: TracedPoint["way"] };
 }
 
 export type LoadKind = "force" | "moment" | "load" | "twist";

@@ -1,4 +1,4 @@
-"""Drawing of a planar mechanism."""
+"""MechanismScene of a planar mechanism."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from typing import Any
 import numpy as np
 
 from dalembert.elements.base import Look
-from dalembert.elements.look import Belt, Block, Disc, Limit, Mark, Mesh, Rotary, Segment, Travel
+from dalembert.elements.look import Block, Segment
 from dalembert.elements.planar.body import Body
-from dalembert.elements.point import Point
-from dalembert.results.pictures.drawing import Drawing
-from dalembert.results.pictures.sketch import Sketch, body_names, moving_body, symbol_header
+from dalembert.results.pictures.mechanism_scene import MechanismScene
+from dalembert.results.pictures.primitives import Primitives
 
 
-class PlanarSketch(Sketch):
-    """Sketch by symbols of engineering drawings."""
+class PlanarPrimitives(Primitives):
+    """Primitives by symbols of engineering drawings."""
 
     dimension = 2
 
@@ -26,11 +25,6 @@ class PlanarSketch(Sketch):
         super().draw(look, element)
 
     @draw.register
-    def _(self, look: Disc, element: Any) -> None:
-        shape = {"center": self.local(look.point), "radius": self.size_of(look.radius)}
-        self.shapes[look.point.body.display_name].append({"kind": "disc", **shape})
-
-    @draw.register
     def _(self, look: Block, element: Any) -> None:
         x, y = self.number(look.direction)
         width = 0.12 * self.size
@@ -38,75 +32,20 @@ class PlanarSketch(Sketch):
         shape |= {"width": width, "height": 0.6 * width, "angle": float(np.arctan2(y, x))}
         self.shapes[look.point.body.display_name].append(shape)
 
-    @draw.register
-    def _(self, look: Mark, element: Any) -> None:
-        point, base = look.point, look.base
-        bodies = body_names(point, base)
-        if bodies[0] == "ground" and isinstance(base, Point):
-            point = base
-        symbol = (
-            symbol_header(look, element) | self.point_data(point) | {"grounded": "ground" in bodies}
-        )
-        self.joints.append(symbol | {"on": moving_body(bodies)} | self.reaction(element))
 
-    @draw.register
-    def _(self, look: Mesh, element: Any) -> None:
-        symbol = symbol_header(look, element) | self.point_data(look.point) | self.reaction(element)
-        symbol["mesh"] = [
-            self.point_data(p) | {"radius": self.size_of(r)}
-            for p, r in ((look.point, look.radius), (look.base, look.base_radius))
-            if isinstance(p, Point)
-        ]
-        self.joints.append(symbol | {"grounded": False, "internal": look.internal})
+class PlanarScene(MechanismScene):
+    """MechanismScene by bars and plates."""
 
-    @draw.register
-    def _(self, look: Rotary, element: Any) -> None:
-        pivot = self.pivots.between(look.body_i, look.body_j)
-        ends = [b.name if b is not None else "ground" for b in (look.body_i, look.body_j)]
-        symbol = (
-            symbol_header(look, element)
-            | self.point_data(pivot)
-            | dict(zip("ij", ends, strict=True))
-        )
-        self.symbols.append(symbol)
-
-    @draw.register
-    def _(self, look: Belt, element: Any) -> None:
-        wheels, crossed = self.wheels(look)
-        symbol = symbol_header(look, element) | {"wheels": wheels, "crossed": crossed}
-        self.joints.append(symbol | wheels[1] | {"grounded": False} | self.reaction(element))
-
-    @draw.register
-    def _(self, look: Travel, element: Any) -> None:
-        on = look.body.name if look.body is not None else "ground"
-        symbol = symbol_header(look, element) | self.point_data(look.point)
-        self.symbols.append(symbol | {"on": on, "axis": self.number(look.direction).tolist()})
-
-    @draw.register
-    def _(self, look: Limit, element: Any) -> None:
-        blocks = [(name, s) for name, shapes in self.shapes.items() for s in shapes]
-        reach = {name: s["width"] / 2 for name, s in blocks if s["kind"] == "block"}
-        wall = self.pivots.wall(look, self.model.bodies, reach)
-        if wall is not None and self.loads:
-            self.symbols.append(symbol_header(look, element))
-            self.time_dependent.append(
-                (self.symbols[-1], ("at_x", "at_y", "normal_x", "normal_y"), wall)
-            )
-
-
-class PlanarDrawing(Drawing):
-    """Drawing by bars and plates."""
-
-    kind = PlanarSketch
+    kind = PlanarPrimitives
 
     def outline(self, body: Body) -> None:
         """Draw the body by its own look, else as a plate over its points."""
-        looks, shapes = body.look(), self.sketch.shapes[body.name]
+        looks, shapes = body.look(), self.primitives.shapes[body.name]
         points = [list(p) for p in self.points[body.name]]
         for look in looks:
-            self.sketch.draw(look, body)
+            self.primitives.draw(look, body)
             if isinstance(look, Segment):
-                points += [self.sketch.local(look.point_i), self.sketch.local(look.point_j)]
+                points += [self.primitives.local(look.point_i), self.primitives.local(look.point_j)]
         corners = _hull(points) if points else []
         if len(corners) > 2:
             shapes.insert(0, {"kind": "polygon", "points": corners})

@@ -7,20 +7,20 @@ from typing import Any
 import numpy as np
 
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.pictures.planar_scene import PlanarDrawing
-from dalembert.results.pictures.spatial_scene import SpatialDrawing
+from dalembert.results.pictures.planar_scene import PlanarScene
+from dalembert.results.pictures.spatial_scene import SpatialScene
 
 
 def motion_scene(
     motion: LabelledRecording, keep: np.ndarray, *, loads: bool = True
 ) -> dict[str, Any]:
-    """Drawing and poses at the instants ``keep``.
+    """Bodies, symbols and poses at the instants ``keep``.
 
     Parameters
     ----------
     loads : whether applied forces, moments and stops are drawn
     """
-    kind = SpatialDrawing if is_spatial(motion.model) else PlanarDrawing
+    kind = SpatialScene if is_spatial(motion.model) else PlanarScene
     return kind(motion, keep, loads).build()
 
 

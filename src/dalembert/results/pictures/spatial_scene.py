@@ -1,4 +1,4 @@
-"""Drawing of a spatial mechanism.
+"""MechanismScene of a spatial mechanism.
 
 A primitive with an axis shows the z axis of its frame; a point of a planar body shows the normal
 of the plane. Other points have no axis.
@@ -14,35 +14,27 @@ import numpy as np
 
 from dalembert.elements.base import Look
 from dalembert.elements.frame import Frame
-from dalembert.elements.look import Belt, Block, Disc, Limit, Mark, Mesh, Rotary, Travel
+from dalembert.elements.look import Block
 from dalembert.elements.point import AXES, Point
 from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.inertia_tensor import tensor
 from dalembert.elements.spatial.shape import Cuboid, Drum, Orb, Pill, Round, Surface
-from dalembert.results.pictures.drawing import Drawing
-from dalembert.results.pictures.sketch import (
-    PointData,
-    Sketch,
-    body_names,
-    moving_body,
-    symbol_header,
-)
+from dalembert.results.pictures.mechanism_scene import MechanismScene
+from dalembert.results.pictures.primitives import Primitives
 from dalembert.symbolic.rotation import EULER_PARAMETERS
 
 ROUND = {Drum: "cylinder", Pill: "capsule"}
 
 
-class SpatialSketch(Sketch):
-    """Sketch by solids and symbols about axes."""
+class SpatialPrimitives(Primitives):
+    """Primitives by solids and symbols about axes."""
 
     dimension = 3
 
-    def anchor(self, point: Point) -> PointData:
-        """Data of a point, with its axis if it has one."""
-        axis = None if point.body.dimension == 3 else [0.0, 0.0, 1.0]
+    def axis(self, point: Point) -> list[float] | None:
         if isinstance(point, Frame):
-            axis = self.number(point.local_axes[:, 2]).tolist()
-        return self.point_data(point) | {"axis": axis}
+            return self.number(point.local_axes[:, 2]).tolist()
+        return None if point.body.dimension == 3 else [0.0, 0.0, 1.0]
 
     # primitives ------------------------------------------------------------------------
     @singledispatchmethod
@@ -73,76 +65,10 @@ class SpatialSketch(Sketch):
         self.shapes[look.body.display_name].append({"kind": "mesh", **shape})
 
     @draw.register
-    def _(self, look: Disc, element: Any) -> None:
-        anchor = self.anchor(look.point)
-        shape = {"center": anchor["point"], "axis": anchor["axis"] or [0.0, 0.0, 1.0]}
-        shape["radius"] = self.size_of(look.radius)
-        self.shapes[look.point.body.display_name].append({"kind": "disc", **shape})
-
-    @draw.register
     def _(self, look: Block, element: Any) -> None:
         axis = self.number(self.padded(look.direction)).tolist()
         shape = {"kind": "block", "center": self.local(look.point), "axis": axis}
         self.shapes[look.point.body.display_name].append(shape)
-
-    @draw.register
-    def _(self, look: Mark, element: Any) -> None:
-        point, base = look.point, look.base
-        bodies = body_names(point, base)
-        symbol = (
-            symbol_header(look, element) | self.anchor(point) | {"grounded": "ground" in bodies}
-        )
-        symbol["on"] = moving_body(bodies)
-        if isinstance(base, Point):
-            symbol["base"] = self.anchor(base)
-        if bodies[0] == "ground" and isinstance(base, Point):
-            symbol |= self.anchor(base) | {"base": self.anchor(point)}
-        self.joints.append(symbol | self.reaction(element))
-
-    @draw.register
-    def _(self, look: Mesh, element: Any) -> None:
-        symbol = symbol_header(look, element) | self.anchor(look.point) | {"grounded": False}
-        symbol["mesh"] = [
-            self.anchor(p) | {"radius": self.size_of(r)}
-            for p, r in ((look.point, look.radius), (look.base, look.base_radius))
-            if isinstance(p, Point)
-        ]
-        self.joints.append(symbol | {"internal": look.internal} | self.reaction(element))
-
-    @draw.register
-    def _(self, look: Rotary, element: Any) -> None:
-        pivot = self.pivots.between(look.body_i, look.body_j)
-        self.symbols.append(symbol_header(look, element) | self.anchor(pivot))
-
-    @draw.register
-    def _(self, look: Belt, element: Any) -> None:
-        wheels, crossed = self.wheels(look)
-        symbol = symbol_header(look, element) | {"wheels": wheels, "crossed": crossed}
-        self.joints.append(symbol | wheels[1] | {"grounded": False} | self.reaction(element))
-
-    @draw.register
-    def _(self, look: Travel, element: Any) -> None:
-        on = look.body.name if look.body is not None else "ground"
-        axis = self.number(self.padded(look.direction)).tolist()
-        symbol = symbol_header(look, element) | self.point_data(look.point)
-        self.symbols.append(symbol | {"on": on, "axis": axis})
-
-    @draw.register
-    def _(self, look: Limit, element: Any) -> None:
-        """A wall normal to a straight path; for a rotation, a mark on its axis."""
-        moving = [b for b in self.model.bodies if ca.jacobian(look.coordinate, b.pose).nnz()]
-        if not (moving and self.loads):
-            return
-        wall = self.pivots.wall(look, self.model.bodies, {})
-        pivot = self.pivots.between(moving[0] if len(moving) > 1 else None, moving[-1])
-        symbol = symbol_header(look, element) | (
-            self.anchor(pivot) if wall is None else {"body": "ground", "point": [0.0, 0.0, 0.0]}
-        )
-        self.symbols.append(symbol)
-        if wall is not None:
-            parts = [self.padded(part) for part in ca.vertsplit(wall, wall.numel() // 2)]
-            for name, part in zip(("at", "normal"), parts, strict=True):
-                self.time_dependent.append((symbol, self.components(name, part), part))
 
     def moment(self, sx: ca.SX) -> ca.SX:
         return sx if sx.numel() == 3 else ca.vertcat(0, 0, sx)
@@ -156,10 +82,10 @@ MIN_THICKNESS = 0.4
 """Threshold of the thickness, relative to a bar, for drawing the ellipsoid with the bar."""
 
 
-class SpatialDrawing(Drawing):
-    """Drawing by solids, or by rods and inertia ellipsoids."""
+class SpatialScene(MechanismScene):
+    """MechanismScene by solids, or by rods and inertia ellipsoids."""
 
-    kind = SpatialSketch
+    kind = SpatialPrimitives
 
     def poses(self, body: Any) -> dict[str, list[float]]:
         def at(quantity: str) -> np.ndarray:
@@ -187,9 +113,9 @@ class SpatialDrawing(Drawing):
 
     def outline(self, body: Any) -> None:
         """Draw the body by its own look, else by its points and inertia."""
-        looks, shapes = body.look(), self.sketch.shapes[body.name]
+        looks, shapes = body.look(), self.primitives.shapes[body.name]
         for look in looks:
-            self.sketch.draw(look, body)
+            self.primitives.draw(look, body)
         if looks:
             return
         no_shapes = not shapes
@@ -212,7 +138,11 @@ class SpatialDrawing(Drawing):
 
     def center(self, body: Any) -> np.ndarray:
         """The mass centre in the body frame."""
-        return self.sketch.number(body.center_of_mass.sx) if isinstance(body, Body) else np.zeros(3)
+        return (
+            self.primitives.number(body.center_of_mass.sx)
+            if isinstance(body, Body)
+            else np.zeros(3)
+        )
 
     def flat(self, points: list[np.ndarray], dimension: int = 2) -> bool:
         """Whether points span exactly a plane (2) or a line (1)."""
@@ -222,10 +152,12 @@ class SpatialDrawing(Drawing):
 
     def inertia_ellipsoid(self, body: Any, center: np.ndarray) -> dict[str, Any]:
         """Solid ellipsoid with the inertia of a body; a ball if there is none."""
-        mass = self.sketch.size_of(body.mass.sx)
+        mass = self.primitives.size_of(body.mass.sx)
         if not (isinstance(body, Body) and body.rotates and mass > 0):
             return {"kind": "particle", "center": center.tolist()}
-        moments, axes = np.linalg.eigh(self.sketch.number(tensor(body.inertia.sx)).reshape(3, 3))
+        moments, axes = np.linalg.eigh(
+            self.primitives.number(tensor(body.inertia.sx)).reshape(3, 3)
+        )
         squares = 2.5 * (moments.sum() - 2 * moments) / mass
         radii = np.sqrt(np.maximum(squares, (MIN_RADIUS * self.size) ** 2))
         radii *= min(1.0, MAX_RADIUS * self.size / radii.max())

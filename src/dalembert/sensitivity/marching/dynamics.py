@@ -46,7 +46,7 @@ class DynamicsEngine(Engine):
     def rate(self, sample: Sample, k: int = -1) -> float:
         record = sample.motion.record
         flow = Flow(record.kernel, record.steps, sample.motion.parameters)
-        step, length = int(record.branches.index[k]), float(record.branches.length[k])
+        step, length = int(record.places.index[k]), float(record.places.length[k])
         if length == 0.0 and step > 0 and record.steps.h[step - 1] > 0:
             step, length = step - 1, float(record.steps.h[step - 1])  # the end of the step before
         return flow.rate(sample.measure, step, length)

@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.step_outputs import columns_by_mode
 from dalembert.analysis.dynamics.variant import Variant
-from dalembert.analysis.kinematics.branches import Branches
+from dalembert.analysis.output_places import OutputPlaces
 from dalembert.integrators.marching.march import CHUNK
 from dalembert.integrators.marching.steps import even_length, run_length
 from dalembert.integrators.step import Step
@@ -32,7 +32,7 @@ class MarchedSample(SampledOutputs):
         self.kernel: DynamicsKernel = self.motion.record.kernel
         self.model = self.motion.model
         self.p = self.motion.parameters
-        self.modes = self.kernel.modes(self.steps, self.branches)
+        self.modes = self.kernel.modes(self.steps, self.places)
         self.size = self.steps.x.shape[0]
 
     @property
@@ -62,12 +62,12 @@ class MarchedSample(SampledOutputs):
     def partial_steps(self, chosen: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
         """Modes, and the indices of chosen outputs that lie inside steps of this mode."""
         inside = np.flatnonzero(self.within[chosen])
-        return columns_by_mode(self.steps.mode[self.branches.index[chosen[inside]]], inside)
+        return columns_by_mode(self.steps.mode[self.places.index[chosen[inside]]], inside)
 
     def partial_step_data(self, part: np.ndarray) -> tuple:
         """Times, lengths, initial states and parameters of the partial steps to these outputs."""
-        k, p = self.branches.index[part], np.tile(self.p[:, None], part.size)
-        return self.steps.t[k], self.branches.length[part], self.steps.x[:, k], p
+        k, p = self.places.index[part], np.tile(self.p[:, None], part.size)
+        return self.steps.t[k], self.places.length[part], self.steps.x[:, k], p
 
     @cached_property
     def states(self) -> np.ndarray:
@@ -76,8 +76,8 @@ class MarchedSample(SampledOutputs):
 
     def states_at(self, chosen: np.ndarray) -> np.ndarray:
         """(n, …) states at the chosen outputs."""
-        part = Branches(self.branches.index[chosen], self.branches.length[chosen])
-        return self.kernel.branch_states(self.steps, part, self.p)
+        part = OutputPlaces(self.places.index[chosen], self.places.length[chosen])
+        return self.kernel.output_states(self.steps, part, self.p)
 
     @cached_property
     def moving(self) -> MovingSteps | None:
@@ -95,7 +95,7 @@ class MarchedSample(SampledOutputs):
     def output_shifts(self, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Corrections to fixed output times: rates of states (n, …) and slopes (…, np) of times.
 
-        An output branches from a state that moves in time, but the output time itself is fixed.
+        The state before an output may move in time, but the output time itself is fixed.
         """
         assert self.moving is not None
         number = self.number[chosen]

@@ -189,17 +189,17 @@ def _weight_function(sample: Sample) -> Callable[[int, int], float]:
         return jump
     if motion.analysis.outputs is not None or response.has_fixed_times(motion):
         return lambda first, last: 0.0
-    branches = motion.record.branches
+    places = motion.record.places
     active = (sample.weights != 0) | (sample.time_weights != 0)
-    if branches.modes is not None:
-        active &= branches.modes < 0  # other outputs depend on the instant explicitly
-    begins = np.flatnonzero((branches.length == 0) & active)
+    if places.modes is not None:
+        active &= places.modes < 0  # other outputs depend on the instant explicitly
+    begins = np.flatnonzero((places.length == 0) & active)
 
     def shift(first: int, last: int) -> float:
-        here = begins[(branches.index[begins] >= first) & (branches.index[begins] <= last + 1)]
+        here = begins[(places.index[begins] >= first) & (places.index[begins] <= last + 1)]
         return float(
             sum(
-                sample.weights[i] * _rate(sample, int(branches.index[i])) + sample.time_weights[i]
+                sample.weights[i] * _rate(sample, int(places.index[i])) + sample.time_weights[i]
                 for i in here
             )
         )

@@ -100,12 +100,12 @@ class SecondMarch(MarchedSample, BackwardWalk[np.ndarray]):
         return np.vstack([x_bar, memory, change, memory]), p_bar.sum(axis=1)
 
     def _inject(self, pairs: np.ndarray, changes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Weights of the outputs pulled back to the states they branch from."""
-        k, n, steps = self.branches.index, self.size, self.steps
+        """Weights of the outputs pulled back to the states before them."""
+        k, n, steps = self.places.index, self.size, self.steps
         if not steps.count:
             return pairs.sum(axis=1, keepdims=True), np.zeros(self.p.size)
         injected, p_bar = np.zeros((2 * n, steps.count + 1)), np.zeros(self.p.size)
-        begins = self.branches.length == 0
+        begins = self.places.length == 0
         np.add.at(injected.T, k[begins], pairs[:, begins].T)
         np.add.at(injected.T, k[self.ends] + 1, pairs[:, self.ends].T)
         for mode, part in self.partial_steps(np.arange(k.size)):

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
-from dalembert.analysis.kinematics.branches import Branches
+from dalembert.analysis.output_places import OutputPlaces
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.integrators.marching.steps import Steps
 from dalembert.results.recording import Recording
@@ -87,9 +87,9 @@ def in_parts(motion: Recording, parts: np.ndarray) -> Recording:
         raise AnalysisError(
             f"the run in shorter steps ends with {steps.message!r} at t = {steps.end:.6g} s"
         )
-    branches = divided_branches(record.branches, record.steps, parts)
-    trajectory = kernel.trajectory(motion.time, steps, branches, p)
-    divided = replace(record, steps=steps, branches=branches)
+    places = divided_places(record.places, record.steps, parts)
+    trajectory = kernel.trajectory(motion.time, steps, places, p)
+    divided = replace(record, steps=steps, places=places)
     return replace(motion, trajectory=trajectory, record=divided)
 
 
@@ -103,12 +103,12 @@ def describe(growth: StepGrowth) -> str:
     )
 
 
-def divided_branches(branches: Branches, steps: Steps, parts: np.ndarray) -> Branches:
+def divided_places(places: OutputPlaces, steps: Steps, parts: np.ndarray) -> OutputPlaces:
     """The same outputs in the divided steps."""
-    k, first = branches.index, np.concatenate([[0], np.cumsum(parts)])
+    k, first = places.index, np.concatenate([[0], np.cumsum(parts)])
     part = steps.h[k] / parts[k]
-    ends = branches.ends_of(steps)
-    number = np.floor(np.divide(branches.length, part, out=np.zeros(k.size), where=part > 0))
+    ends = places.ends_of(steps)
+    number = np.floor(np.divide(places.length, part, out=np.zeros(k.size), where=part > 0))
     number = np.where(ends, parts[k] - 1, np.minimum(number, parts[k] - 1)).astype(int)
-    length = np.where(ends, part, np.maximum(branches.length - number * part, 0.0))
-    return Branches(first[k] + number, length, branches.modes)
+    length = np.where(ends, part, np.maximum(places.length - number * part, 0.0))
+    return OutputPlaces(first[k] + number, length, places.modes)

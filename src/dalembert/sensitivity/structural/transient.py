@@ -69,7 +69,7 @@ class WeighedOutputs:
         for k in (int(k) for k in outputs.active):
             node = int(outputs.number[k])
             if outputs.within[k]:
-                length = float(outputs.branches.length[k])
+                length = float(outputs.places.length[k])
                 self.inside.setdefault(node, {}).setdefault(length, []).append((r, k))
             else:
                 self.ends.setdefault(node, []).append((r, k))

@@ -1,40 +1,25 @@
-"""Primitives of a mechanism as plain data with their motion, common to plane and space."""
+"""Scene of a mechanism as plain data: numbers, points, columns over time and reactions."""
 
 from __future__ import annotations
 
-import re
-from functools import singledispatchmethod
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Look
-from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.flexible.floating import FloatingFrame
-from dalembert.elements.look import (
-    Arrow,
-    Ball,
-    Belt,
-    Contact,
-    Link,
-    Path,
-    Rail,
-    Segment,
-    Twist,
-)
+from dalembert.elements.look import Belt
 from dalembert.elements.point import AXES, Point
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pictures.pivots import Pivots
 from dalembert.symbolic.formulas.expression import Expression
 
-CURVE_SAMPLES = 181
 PointData = dict[str, Any]
 
 
-class Sketch:
-    """Collector of primitives.
+class SceneCollector:
+    """Collector of the parts of a scene.
 
     Parameters
     ----------
@@ -105,72 +90,6 @@ class Sketch:
             rows = values[self.keep].reshape(len(self.keep), len(names)).T
             symbol |= dict(zip(names, rows.tolist(), strict=True))
 
-    # primitives ------------------------------------------------------------------------
-    @singledispatchmethod
-    def draw(self, look: Look, element: Any) -> None:
-        """Record the data of a primitive of an element."""
-        raise NotImplementedError(f"{type(look).__name__} has no drawing")
-
-    @draw.register
-    def _(self, look: Segment, element: Any) -> None:
-        ends = {"from": self.local(look.point_i), "to": self.local(look.point_j)}
-        self.shapes[look.point_i.body.display_name].insert(0, {"kind": "bar", **ends})
-
-    @draw.register
-    def _(self, look: Ball, element: Any) -> None:
-        shape = {"kind": "particle", "center": self.local(look.point)}
-        self.shapes[look.point.body.display_name].append(shape)
-
-    @draw.register
-    def _(self, look: Rail, element: Any) -> None:
-        travel = self.motion.values(Expression(look.travel))[self.keep]
-        travel = travel[np.isfinite(travel)]
-        low, high = (float(travel.min()), float(travel.max())) if travel.size else (0.0, 0.0)
-        margin, axis = 0.12 * self.size, self.number(self.padded(look.direction))
-        axis, origin = axis / np.linalg.norm(axis), np.array(self.local(look.point))
-        ends = [(origin + s * axis).tolist() for s in (low - margin, high + margin)]
-        shape = {"kind": "line", "from": ends[0], "to": ends[1]}
-        self.shapes[look.point.body.display_name].append(shape)
-
-    @draw.register
-    def _(self, look: Path, element: Any) -> None:
-        u = ca.SX.sym("u")
-        position = self.padded(look.position(u))
-        curve = ca.Function("path", [u, self.parameters], [position])
-        samples = np.linspace(*look.interval, CURVE_SAMPLES)[None, :]
-        parameters = np.tile(self.motion.parameters[:, None], CURVE_SAMPLES)
-        points = curve.map(CURVE_SAMPLES)(samples, parameters).full().T.tolist()
-        shape = {"kind": "curve", "points": points, "closed": bool(look.closed)}
-        self.shapes[look.body.display_name].append(shape)
-
-    @draw.register
-    def _(self, look: Link, element: Any) -> None:
-        ends = {"i": self.point_data(look.point_i), "j": self.point_data(look.point_j)}
-        self.links.append(symbol_header(look, element) | ends)
-
-    @draw.register
-    def _(self, look: Contact, element: Any) -> None:
-        symbol = symbol_header(look, element) | {"body": "ground", "point": [0.0] * self.dimension}
-        self.joints.append(symbol | {"grounded": False} | self.reaction(element))
-        self.time_dependent.append((self.joints[-1], self.components("at", look.place), look.place))
-
-    @draw.register
-    def _(self, look: Arrow, element: Any) -> None:
-        self.load(
-            "force",
-            self.padded(look.force),
-            symbol_header(look, element) | self.point_data(look.point),
-        )
-
-    @draw.register
-    def _(self, look: Twist, element: Any) -> None:
-        pivot = self.pivots.between(None, look.body)
-        self.load(
-            "moment",
-            self.moment(look.moment),
-            symbol_header(look, element) | self.point_data(pivot),
-        )
-
     def load(self, name: str, vector: ca.SX, symbol: PointData) -> None:
         """Record an applied force or moment over time."""
         if self.loads:
@@ -198,9 +117,13 @@ class Sketch:
         """Position of a point, padded to the dimension of the drawing."""
         return Expression(self.padded(point.position.sx))
 
+    def axis(self, point: Point) -> list[float] | None:
+        """Axis of the rotation at a point; None if it has none."""
+        return None
+
     def anchor(self, point: Point) -> PointData:
-        """Data of a point, with its axis in space."""
-        return self.point_data(point)
+        """Data of a point, with its axis."""
+        return self.point_data(point) | {"axis": self.axis(point)}
 
     def moment(self, sx: ca.SX) -> ca.SX:
         """A moment, padded to the rotation axes of the drawing."""
@@ -222,19 +145,3 @@ class Sketch:
             columns = self.components(name, ca.SX(table.shape[1], 1))
             columns_by_name |= dict(zip(columns, table.T.tolist(), strict=True))
         return columns_by_name
-
-
-def symbol_header(look: Look, element: Any) -> dict[str, Any]:
-    """Name and type of the element, and the symbol of the primitive."""
-    description = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(element).__name__).lower()
-    return {"name": element.name, "description": description, "symbol": type(look).__name__.lower()}
-
-
-def body_names(point: Point, base: Point | BodyElement) -> tuple[str, str]:
-    """Names of the bodies of a mark."""
-    return point.body.name, base.body.name if isinstance(base, Point) else base.name
-
-
-def moving_body(bodies: tuple[str, str]) -> str:
-    """The first of two body names that is not the ground."""
-    return bodies[1] if bodies[0] == "ground" else bodies[0]

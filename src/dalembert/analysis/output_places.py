@@ -1,4 +1,4 @@
-"""Positions of the outputs of a run among its steps."""
+"""Places of the outputs of a run among its steps."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ SHORT = 1e-2
 
 
 @dataclass(frozen=True)
-class Branches:
-    """Positions of outputs: ``length`` seconds after the beginning of step ``index``.
+class OutputPlaces:
+    """Places of outputs: ``length`` seconds after the beginning of step ``index``.
 
     ``modes`` are the modes that evaluate the outputs; by default, and where negative, those of the
     steps.
@@ -32,15 +32,15 @@ class Branches:
             return np.zeros(self.index.size, dtype=bool)
         return (self.length > 0) & np.isclose(self.length, steps.h[self.index], rtol=1e-12, atol=0)
 
-    def ended(self, steps: Steps) -> Branches:
-        """The same positions with the last output at the end of the last step."""
-        return Branches(
+    def ended(self, steps: Steps) -> OutputPlaces:
+        """The same places with the last output at the end of the last step."""
+        return OutputPlaces(
             np.append(self.index[:-1], steps.count - 1), np.append(self.length[:-1], steps.h[-1])
         )
 
 
-def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
-    """Positions of times among the steps.
+def place_outputs(steps: Steps, times: np.ndarray) -> OutputPlaces:
+    """Places of times among the steps.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def place_outputs(steps: Steps, times: np.ndarray) -> Branches:
     length[length < slack] = 0.0
     near = np.abs(length - steps.h[index]) < slack
     length[near] = steps.h[index[near]]
-    return Branches(index, length)
+    return OutputPlaces(index, length)
 
 
 def outputs_of(
@@ -67,8 +67,8 @@ def outputs_of(
     requested: np.ndarray | None,
     at_event: bool = False,
     jumps: np.ndarray = NO_JUMPS,
-) -> tuple[np.ndarray, Branches]:
-    """Times and positions of the outputs: the requested times, or the ends of all steps.
+) -> tuple[np.ndarray, OutputPlaces]:
+    """Times and places of the outputs: the requested times, or the ends of all steps.
 
     The end of a run that ended early is an output, too. If an event ended the run right after the
     beginning of a step, the end replaces that output. ``jumps`` are steps of zero length in which
@@ -76,9 +76,9 @@ def outputs_of(
     """
     count = steps.count
     if requested is None and at_event and count > 1 and steps.h[-1] < SHORT * steps.h[-2]:
-        times, branches = outputs_of(steps, None, jumps=jumps)
+        times, places = outputs_of(steps, None, jumps=jumps)
         keep = np.arange(times.size) != times.size - 2
-        return times[keep], Branches(branches.index[keep], branches.length[keep])
+        return times[keep], OutputPlaces(places.index[keep], places.length[keep])
     if requested is None or count == 0:
         _, first = np.unique(steps.t[jumps], return_index=True)
         before = jumps[first][steps.t[jumps[first]] > steps.t[0]]
@@ -89,7 +89,7 @@ def outputs_of(
         times = np.append(at, steps.end)
         index = np.append(begins, max(count - 1, 0))
         length = np.append(np.zeros(begins.size), steps.h[-1:] if count else 0.0)
-        return times, Branches(index, length)
+        return times, OutputPlaces(index, length)
     slack = steps.instant
     times = requested[requested <= steps.end + slack]
     if steps.end < requested[-1] - slack and (not times.size or times[-1] < steps.end):

@@ -1,4 +1,4 @@
-"""Drawing of a mechanism: bodies, flexible bodies, connections and poses."""
+"""MechanismScene of a mechanism: bodies, flexible bodies, connections and poses."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.look import Bars, Beams, Coils
 from dalembert.elements.point import Point
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.pictures.sketch import Sketch
+from dalembert.results.pictures.primitives import Primitives
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.symbolic.formulas.expression import Expression
 
 
-class Drawing:
-    """Drawing of a mechanism; subclasses define poses and outlines in the plane and in space.
+class MechanismScene:
+    """Scene of a mechanism; subclasses define poses and outlines in the plane and in space.
 
     Parameters
     ----------
@@ -27,39 +27,44 @@ class Drawing:
     loads : whether applied forces, moments and stops are drawn
     """
 
-    kind: type[Sketch]
+    kind: type[Primitives]
 
     def __init__(self, motion: LabelledRecording, keep: np.ndarray, loads: bool):
         self.model, self.keep, self.data = motion.model, keep, motion.contents
-        self.sketch = self.kind(motion, keep, loads)
-        self.points: dict[str, list[tuple[float, ...]]] = {n: [] for n in self.sketch.shapes}
+        self.primitives = self.kind(motion, keep, loads)
+        self.points: dict[str, list[tuple[float, ...]]] = {n: [] for n in self.primitives.shapes}
 
     def build(self) -> dict[str, Any]:
         """The scene of a page."""
-        sketch = self.sketch
+        primitives = self.primitives
         self.collect_points()
-        self.size = sketch.size = self.extent()
-        for element in sketch.elements:
+        self.size = primitives.size = self.extent()
+        for element in primitives.elements:
             for look in element.look():
-                sketch.draw(look, element)
+                primitives.draw(look, element)
         for body in self.model.bodies:
             if not (body.node or isinstance(body, FloatingFrame)):
                 self.outline(body)
-        sketch.fill_in()
+        primitives.fill_in()
         gravity = self.model.parts.gravity
         return {
-            "gravity": None if gravity is None else sketch.number(gravity.sx).tolist(),
+            "gravity": None if gravity is None else primitives.number(gravity.sx).tolist(),
             "bodies": [
-                {"name": b.name, "node": b.node, **self.poses(b), "shapes": sketch.shapes[b.name]}
+                {
+                    "name": b.name,
+                    "node": b.node,
+                    **self.poses(b),
+                    "shapes": primitives.shapes[b.name],
+                }
                 for b in self.model.bodies
             ]
             + self.deformed(),
-            "ground": {"shapes": sketch.shapes["ground"]},
-            "joints": sketch.joints,
-            "links": sketch.links,
-            "symbols": sketch.symbols,
+            "ground": {"shapes": primitives.shapes["ground"]},
+            "joints": primitives.joints,
+            "links": primitives.links,
+            "symbols": primitives.symbols,
             "points": [
-                {"name": p.name, **sketch.point_data(p)}
+                {"name": p.name, **primitives.point_data(p)}
                 for b in self.model.bodies
                 for p in b.points.values()
             ],
@@ -67,15 +72,17 @@ class Drawing:
 
     def deformed(self) -> list[dict[str, Any]]:
         """Sections and segments of flexible bodies, as bodies of the scene."""
-        sketch, bodies = self.sketch, []
-        for section in sketch.sections:
-            pose = section_poses(sketch.motion, self.keep, section)
+        primitives, bodies = self.primitives, []
+        for section in primitives.sections:
+            pose = section_poses(primitives.motion, self.keep, section)
             header = {"name": section.display_name, "of": section.name, **self.pose(*pose)}
-            bodies.append(header | {"shapes": sketch.shapes[section.display_name]})
+            bodies.append(header | {"shapes": primitives.shapes[section.display_name]})
         for body in self.model.bodies:
             if isinstance(body, FloatingFrame):
-                for k, (pose, length) in enumerate(segment_poses(sketch.motion, self.keep, body)):
-                    ends = np.zeros((2, sketch.dimension))
+                for k, (pose, length) in enumerate(
+                    segment_poses(primitives.motion, self.keep, body)
+                ):
+                    ends = np.zeros((2, primitives.dimension))
                     ends[1, 0] = length
                     bar = {"kind": "bar", "from": ends[0].tolist(), "to": ends[1].tolist()}
                     header = {"name": f"{body.name}/{k + 1}", "of": body.name}
@@ -98,11 +105,11 @@ class Drawing:
         """Collect the points of each body, named ones first."""
         for body in self.model.bodies:
             for point in body.points.values():
-                self.points[point.body.display_name].append(tuple(self.sketch.local(point)))
-        for element in self.sketch.elements:
+                self.points[point.body.display_name].append(tuple(self.primitives.local(point)))
+        for element in self.primitives.elements:
             for point in vars(element).values():
                 if isinstance(point, Point):
-                    coordinates = tuple(self.sketch.local(point))
+                    coordinates = tuple(self.primitives.local(point))
                     if coordinates not in self.points[point.body.display_name]:
                         self.points[point.body.display_name].append(coordinates)
 

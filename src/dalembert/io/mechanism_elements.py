@@ -1,0 +1,203 @@
+"""Bodies, joints, drivers and forces of a model file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from dalembert.elements.base import Constraint, ForceElement, Rows
+from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.friction import Friction
+from dalembert.elements.contact.laws import NormalLaw
+from dalembert.elements.contact.shapes import Shape
+from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.body import Numbers
+from dalembert.elements.flexible.shapes import FlexibleStructure
+from dalembert.elements.frame import Frame, Frames
+from dalembert.elements.laws.base import Law
+from dalembert.elements.point import Point
+from dalembert.elements.registry import CONTACT_LAWS, FRICTIONS, SHAPES, elements_of
+from dalembert.elements.rotation import Orientation
+from dalembert.elements.springs import ForceLaw
+from dalembert.elements.user_constraint import UserConstraint
+from dalembert.io.declarations import (
+    declare_history,
+    dependency_order,
+)
+from dalembert.io.documents import Document
+from dalembert.io.fields import (
+    FileField,
+    Places,
+    Points,
+    Quantities,
+    Quantity,
+    Shapes,
+    connected_fields,
+    keyed_fields,
+    read_fields,
+)
+from dalembert.io.formulas import Formulas, Scope
+from dalembert.io.laws_and_curves import LawReader, construct
+from dalembert.io.location import Located
+from dalembert.io.orientations import read_frame, read_orientation
+from dalembert.io.references import References
+from dalembert.model.assembled.model import StructuralModel
+from dalembert.model.system import System
+from dalembert.symbolic.formulas.expression import Expression
+
+
+class MechanismElements:
+    """Reader of the elements of a mechanism.
+
+    Parameters
+    ----------
+    document : Document
+    system : builder that gets the elements
+    located : for messages
+    formulas : reads numbers
+    structure : returns the model of finite elements in another file
+    """
+
+    def __init__(
+        self,
+        document: Document,
+        system: System,
+        located: Located,
+        formulas: Formulas,
+        structure: Callable[[Path], StructuralModel],
+    ):
+        self.document, self.system = document, system
+        self.located, self.formulas, self.structure = located, formulas, structure
+        self.folder: Path = located.source.parent
+        self.references = References(document, system, formulas)
+        self.laws = LawReader(located, formulas)
+
+    def histories(self) -> None:
+        """Declare unknown functions of time, for forces and drivers."""
+        tables: dict[str, Any] = self.document.histories
+        for name, table in tables.items():
+            with self.located("histories", name):
+                declared = declare_history(self.system, name, table)
+            self.formulas.histories[name] = declared.value
+            self.laws.histories[name] = declared.law
+
+    def ground(self) -> None:
+        """Add points and frames of the ground."""
+        for name, at in self.document.ground.points.items():
+            with self.located("ground", "points", name):
+                self.system.ground.add_point(name, self.vector(at, Scope.PARAMETERS))
+        for name, frame in self.document.ground.frames.items():
+            with self.located("ground", "frames", name):
+                self.system.ground.add_frame(name, **read_frame(frame, self.formulas))
+
+    def section(self, name: str) -> None:
+        """Add the elements of a section."""
+        for element in getattr(self.document, name):
+            self.add(name, element)
+
+    def vector(self, entries: list, scope: Scope) -> list:
+        return [self.formulas.read(entry, scope) for entry in entries]
+
+    def forces(self) -> None:
+        """Add forces, which may be formulas of other forces, in order of dependence."""
+        entries: dict[str, Any] = self.document.forces
+        with self.located():
+            classes = elements_of(self.document.space, "forces")
+            texts = {name: _formula_texts(classes[f.type], f) for name, f in entries.items()}
+            order = dependency_order("forces", texts)
+        for name in order:
+            self.add("forces", name)
+
+    def add(self, section: str, name: str) -> None:
+        table = getattr(self.document, section)[name]
+        cls, where = elements_of(self.document.space, section)[table.type], (section, name)
+        moving = issubclass(cls, (ForceElement, UserConstraint)) and section != "beams"
+        scope = Scope.MOTION if moving else Scope.PARAMETERS
+        with self.located(*where):
+            ties = []
+            ends = getattr(table, "connect", None) or ()
+            connections = connected_fields(cls) if ends else []
+            for k, (field, end) in enumerate(zip(connections, ends, strict=True)):
+                with self.located(*where, "connect", k):
+                    ties.append(self.references.end(field.holds, end))
+            keys = read_fields(
+                cls,
+                table,
+                self.located,
+                where,
+                lambda field, value, here: self.value(field, value, scope, here),
+            )
+            self.system.add(construct(cls, name, *ties, **keys))
+
+    def value(
+        self, field: FileField, entry: Any, scope: Scope, where: tuple[str | int, ...]
+    ) -> Any:
+        readers: dict[Any, Callable[[], Any]] = {
+            Quantity: lambda: self.formulas.read(entry, scope),
+            Quantities: lambda: self.vector(_as_list(entry), scope),
+            Points: lambda: {n: self.vector(at, Scope.PARAMETERS) for n, at in entry.items()},
+            Frames: lambda: {n: read_frame(at, self.formulas) for n, at in entry.items()},
+            Orientation: lambda: read_orientation(entry, self.formulas),
+            Places: lambda: [self.references.end(Point, end) for end in entry],
+            Law: lambda: self.laws.law(entry, where),
+            Curve: lambda: self.laws.curve(entry, where),
+            ForceLaw: lambda: self.force_law(entry, scope),
+            Constraint: lambda: self.references.joint(entry),
+            Shape: lambda: self.shape(entry, where),
+            Shapes: lambda: [self.shape(shape, (*where, str(k))) for k, shape in enumerate(entry)],
+            NormalLaw: lambda: self.component(CONTACT_LAWS, entry, where),
+            Friction: lambda: self.component(FRICTIONS, entry, where),
+            Rows: lambda: [self.vector(row, Scope.PARAMETERS) for row in entry],
+            Path: lambda: self.folder / entry,
+            Numbers: lambda: {n: self.formulas.read(v, Scope.PARAMETERS) for n, v in entry.items()},
+            FlexibleStructure: lambda: self.structure(self.folder / entry),
+            **dict.fromkeys(
+                (BodyElement, Point, Frame), lambda: self.references.end(field.holds, entry)
+            ),
+        }
+        return readers[field.holds]() if field.holds in readers else entry
+
+    def shape(self, entry: Any, where: tuple[str | int, ...]) -> Any:
+        """A contact shape, or the point or body that replaces it."""
+        if isinstance(entry, str):
+            return self.references.end(Point, entry)
+        return self.component(SHAPES[self.document.space.dimension], entry, where)
+
+    def component(self, registry: dict[str, type], table: Any, where: tuple[str | int, ...]) -> Any:
+        """Component object of an element, such as a contact law, from its table."""
+        cls = registry[table.type]
+        keys = read_fields(
+            cls,
+            table,
+            self.located,
+            where,
+            lambda field, value, here: self.value(field, value, Scope.PARAMETERS, here),
+        )
+        return construct(cls, **keys)
+
+    def force_law(self, text: float | str, scope: Scope) -> Callable:
+        """The function (extension, rate) → force that a formula describes."""
+
+        def law(extension: Expression, rate: Expression) -> float | Expression:
+            return self.formulas.read(text, scope, {"extension": extension, "rate": rate})
+
+        law(Expression(0.0), Expression(0.0))  # raise errors now, not when the model is built
+        return law
+
+
+def _formula_texts(cls: type, table: BaseModel) -> list[str]:
+    """Formulas of an element that may name other elements."""
+    formulas: list[str] = []
+    for field in keyed_fields(cls):
+        if field.holds in (Quantity, Quantities, ForceLaw):
+            entries = _as_list(getattr(table, field.name))
+            formulas += [entry for entry in entries if isinstance(entry, str)]
+    return formulas
+
+
+def _as_list(entry: object) -> list:
+    """A list; a single entry becomes a list of one."""
+    return entry if isinstance(entry, list) else [entry]
