@@ -11,7 +11,7 @@ def equilibrium_text(
     """Message of the status of an equilibrium; the residual is a force [N]."""
     kind = "stable" if stable else "not a stable position"
     if stable and not conservative:
-        kind = "statically stable (loads without potential: linearize tells of flutter)"
+        kind = "statically stable (loads without potential: check flutter by linearize)"
     return f"residual {residual:.3g} N after {counted(iterations, 'iteration')}, {kind}"
 
 
