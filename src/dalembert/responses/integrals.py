@@ -49,7 +49,8 @@ class Weighted(Response):
         return self.rule.time_derivatives
 
     def unit(self, unit: str) -> str:
-        return f"{unit} s".strip() if self.rule.continuous and not self.over_span else unit
+        times_time = unit and self.rule.continuous and not self.over_span
+        return f"{unit} s" if times_time else unit  # formulas may have an unknown unit
 
 
 @dataclass(frozen=True, kw_only=True)
