@@ -109,6 +109,18 @@ def test_hovering_tells_names_and_values(show) -> None:
     assert "moment i" in tip
 
 
+def test_diagrams_along_beams(show) -> None:
+    result = solved("beam")
+    page = show(result)
+    before = page.picture("#scene")
+    page.page.select_option("#diagram", label="moment")
+    page.frames()
+    assert page.picture("#scene") != before
+    (ordinates,) = page.js("dalembert.motion.mesh.ordinates()")
+    start, end = -result["beam.moment_i"][0], result["beam.moment_j"][0]
+    assert ordinates["values"] == pytest.approx([start, end], abs=1e-6)
+
+
 def test_solids_turn_and_plates_pan(show) -> None:
     for name, turns in (("box", True), ("plate", False)):
         page = show(solved(name))

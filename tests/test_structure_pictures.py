@@ -291,6 +291,36 @@ def test_moments_have_a_symbol() -> None:
     assert [text.get_text() for text in result.draw(case="twist").texts] == [r"$\circlearrowleft$"]
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.5])
+def test_moments_are_drawn_on_the_side_in_tension(angle: float) -> None:
+    result = da.solve_statics(cantilever(angle).build())
+    scene = result.page()["scene"]
+    (row,) = (row for row in scene["diagrams"] if row["name"] == "moment")
+    start, end = (row["sign"] * result["beam.moment_i"][0], result["beam.moment_j"][0])
+    assert (abs(start), end) == (pytest.approx(2e4), pytest.approx(0, abs=1e-6))
+    load = -np.array([-np.sin(angle), np.cos(angle), 0])
+    np.testing.assert_allclose(start / 2e4 * row["across"], -load, atol=1e-9)
+
+
+@pytest.mark.parametrize("direction", ["y", "z"])
+@pytest.mark.parametrize("end", [(2, 0, 0), (0, 0, 2), (1, 1, 1)])
+def test_moments_in_space_are_drawn_on_the_side_in_tension(direction: str, end: tuple) -> None:
+    structure = da.Structure("arm")
+    root, tip = structure.node("root", 0, 0, 0), structure.node("tip", *end)
+    profile = {"second_moment_y": 1e-6, "second_moment_z": 2e-6, "torsion_constant": 1e-6}
+    profile |= {"area": 1e-3, "modulus": 210e9, "shear_modulus": 80e9}
+    structure.add(structures.SpaceFrame("arm", root, tip, **profile))
+    structure.support(root)
+    rows = da.solve_statics(structure.build()).page()["scene"]["diagrams"]
+    (load,) = (row["across"] for row in rows if row["name"] == f"shear {direction}")
+    structure.load(tip, **dict(zip(("fx", "fy", "fz"), load, strict=True)))
+    result = da.solve_statics(structure.build())
+    name = {"y": "moment z", "z": "moment y"}[direction]
+    (row,) = (row for row in rows if row["name"] == name)
+    start = row["sign"] * result[f"arm.{row['start']}"]
+    np.testing.assert_allclose(start * row["across"], -np.linalg.norm(end) * load, atol=1e-9)
+
+
 # fields -----------------------------------------------------------------------------------------
 def test_fields_are_the_measures_one_by_one() -> None:
     result = solved("plate")

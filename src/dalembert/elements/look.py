@@ -277,6 +277,23 @@ class Dots(Cells):
     """Elements at one node."""
 
 
+@dataclass(frozen=True)
+class Diagram:
+    """A measure along a line between two nodes, drawn across it.
+
+    Parameters
+    ----------
+    start, end : measures at its ends
+    sign : of the measure at the start; an end moment is opposite to the bending moment there
+    across : axis of the element, y (1) or z (2), with the sign of its direction
+    """
+
+    start: str
+    end: str
+    sign: float = 1.0
+    across: int = 1
+
+
 @dataclass(frozen=True, eq=False)
 class Support(Look):
     """A node with a prescribed displacement or rotation in a direction, such as ``"ux"``."""

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Element
-from dalembert.elements.look import Bars, Beams, Cells, Dots, Faces, SolidFaces
+from dalembert.elements.look import Bars, Beams, Cells, Diagram, Dots, Faces, SolidFaces
 
 Rows = tuple[tuple[float, ...], ...]
 Named = dict[str, tuple[ca.SX, str]]
@@ -46,6 +46,9 @@ class Energies(Element):
     """Values of ``q["at"]`` over which ``kinetic`` is summed."""
     stations: ClassVar[dict[str, tuple[float, ...]]] = {"": ()}
     """Suffix of the names of measures → value of ``q["at"]`` at which they are evaluated."""
+
+    diagrams: ClassVar[dict[str, Diagram]] = {}
+    """Diagrams of section forces of a line."""
 
     @classmethod
     def look_of(cls, nodes: np.ndarray, elements: np.ndarray) -> list[Cells]:

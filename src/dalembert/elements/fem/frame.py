@@ -19,6 +19,7 @@ from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.beams import Bending, linear_kinetic
 from dalembert.elements.fem.energies import Named
 from dalembert.elements.fem.lines import Line
+from dalembert.elements.look import Diagram
 from dalembert.errors import ModelError
 
 
@@ -64,6 +65,11 @@ class Frame(Line):
     turns: ClassVar[bool] = True
     floats: ClassVar[bool] = True
     dimensions: ClassVar[tuple[int, ...]] = (2,)
+    diagrams: ClassVar[dict[str, Diagram]] = {
+        "force": Diagram("force", "force"),
+        "shear": Diagram("shear", "shear"),
+        "moment": Diagram("moment_i", "moment_j", -1.0, across=-1),  # on the side in tension
+    }
 
     def __post_init__(self) -> None:
         super().__post_init__()

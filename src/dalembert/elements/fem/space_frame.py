@@ -19,6 +19,7 @@ from dalembert.elements.fem.beams import Bending, linear_kinetic
 from dalembert.elements.fem.energies import Named
 from dalembert.elements.fem.lines import Line
 from dalembert.elements.fem.rotations import rotation_vector, turn_of
+from dalembert.elements.look import Diagram
 from dalembert.errors import ModelError
 
 UPRIGHT = 1e-3
@@ -80,6 +81,14 @@ class SpaceFrame(Line):
     turns: ClassVar[bool] = True
     floats: ClassVar[bool] = True
     dimensions: ClassVar[tuple[int, ...]] = (3,)
+    diagrams: ClassVar[dict[str, Diagram]] = {
+        "force": Diagram("force", "force"),
+        "torque": Diagram("torque", "torque"),
+        "shear y": Diagram("shear_y", "shear_y"),
+        "shear z": Diagram("shear_z", "shear_z", across=2),
+        "moment y": Diagram("moment_y_i", "moment_y_j", -1.0, across=2),
+        "moment z": Diagram("moment_z_i", "moment_z_j", -1.0, across=-1),
+    }
 
     def __post_init__(self) -> None:
         super().__post_init__()

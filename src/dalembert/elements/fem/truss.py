@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import casadi as ca
 
@@ -10,6 +11,7 @@ from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.beams import linear_kinetic
 from dalembert.elements.fem.energies import Named
 from dalembert.elements.fem.lines import Line
+from dalembert.elements.look import Diagram
 
 
 @dataclass(eq=False)
@@ -48,6 +50,8 @@ class Truss(Line):
     density: Scalar = quantity("kg/m^3", "density", default=0.0, minimum=0.0, keyword=True)
     expansion: Scalar = quantity("1/K", "thermal expansion", default=0.0, keyword=True)
     temperature: Scalar = quantity("K", "change of temperature", default=0.0, keyword=True)
+
+    diagrams: ClassVar[dict[str, Diagram]] = {"force": Diagram("force", "force")}
 
     @classmethod
     def energy(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:

@@ -36,6 +36,7 @@ export class Marks {
     const { scene, scene: { motion, show } } = this;
     this.paper = paper;
     scene.arrows = [];
+    if (motion.mesh?.diagram) scene.structure?.drawDiagram(this, motion.mesh);
     if (show.loads) this.drawLoads(scene.applied);
     if (show.forces) this.drawLoads(scene.loaded);
     this.drawGaps();

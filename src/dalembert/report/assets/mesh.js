@@ -1,7 +1,7 @@
 // Mesh of a structure: positions of its vertices in the states, fields, tables of its nodes.
 
 /** @import { Cursor, Point, Range } from "./types.d.ts" */
-/** @import { FieldData, ItemData, MeshData, Pixel, States, Tables } from "./scene_types.d.ts" */
+/** @import { ItemData, MeshData, Pixel, SceneData, States, Tables } from "./scene_types.d.ts" */
 
 import { Ramp } from "./colours.js";
 import { extent, floats, isNum, list } from "./numbers.js";
@@ -23,8 +23,8 @@ const STRAIN = /strain|^e[xyz]{2}$|^g(xy|yz|zx|xz)$/;
  * @typedef {{ name: string, unit: string, values: Float64Array[], atVertices: boolean }} Field */
 
 export class Mesh {
-  /** @param {MeshData} data @param {Tables & { states?: States }} tables @param {FieldData[]} fields */
-  constructor(data, tables, fields) {
+  /** @param {MeshData} data @param {Tables & { states?: States }} tables @param {SceneData} scene */
+  constructor(data, tables, scene) {
     const n = list(data.rest).length, states = tables.states;
     this.count = n / 3;
     this.rest = floats(data.rest, n);
@@ -51,7 +51,7 @@ export class Mesh {
     if (this.relative) this.moved.forEach((_, k) => this.normalise(k, sizes[k].reduce((a, b) => Math.max(a, b), 0)));
     /** @type {Field[]} */
     this.fields = [{ name: this.relative ? "shape" : "displacement", unit: this.unitOf("u"), values: this.moved.map(magnitudes), atVertices: true }];
-    for (const { name, values, ...data } of fields) {
+    for (const { name, values, ...data } of list(scene.fields)) {
       const columns = values.map((column) => floats(column, this.elements.length)), unit = unitOf(data);
       this.fields.push({ name, unit: this.relative ? "1" : unit === "1" && STRAIN.test(name) ? "strain" : unit, values: this.relative ? columns.map(relative) : columns, atVertices: false });
     }
@@ -59,6 +59,9 @@ export class Mesh {
     this.factor = 1;
     /** Field that gives the colours. @type {Field | null} */
     this.field = this.fields.find(({ name }) => (this.relative ? ["shape"] : ["von_mises", "stress", "force"]).includes(name)) ?? this.fields[0];
+    this.diagrams = list(scene.diagrams);
+    /** Name of the diagram that is drawn. */
+    this.diagram = "";
     /** @type {Cursor} */
     this.cursor = { i: 0, f: 0 };
     /** Positions of the vertices in the drawing. */
@@ -66,8 +69,9 @@ export class Mesh {
   }
 
   /** Take over scale and field of another design. @param {Mesh} mesh */
-  adopt({ factor, field }) {
+  adopt({ factor, field, diagram }) {
     this.factor = factor;
+    this.diagram = diagram;
     this.field = this.fields.find(({ name }) => name === field?.name) ?? null;
   }
 
@@ -144,6 +148,23 @@ export class Mesh {
 
   /** Value of an element. @param {Field} field @param {number} element */
   valueOf(field, element) { return field.atVertices ? NaN : this.values(field)[element]; }
+
+  /** Ordinates of the present diagram: the ends of its lines, the values there, the direction across the line. */
+  ordinates() {
+    const byName = (/** @type {string} */ name) => this.fields.find((field) => field.name === name), ends = this.ends();
+    return this.diagrams.filter(({ name }) => name === this.diagram).flatMap(({ start, end, sign, elements, across }) => {
+      const [first, last] = [byName(start), byName(end)], [from, to] = [first, last].map((field) => (field ? this.values(field) : null));
+      return elements.flatMap((element, k) => {
+        const vertices = ends.get(element);
+        return vertices && from && to && last ? [{ vertices, values: [sign * from[element], to[element]], unit: last.unit, across: Array.from(across.slice(3 * k, 3 * k + 3)) }] : [];
+      });
+    });
+  }
+
+  /** First and last vertices of the lines of elements. @returns {Map<number, [number, number]>} */
+  ends() {
+    return new Map(this.lines.flatMap(({ size, vertices, elements }) => elements.map((element, row) => [element, [vertices[row * size], vertices[(row + 1) * size - 1]]])));
+  }
 
   /** Displacements and rotations of a node; null where it has none. @param {number} node */
   components(node) {

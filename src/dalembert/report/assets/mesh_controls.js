@@ -22,15 +22,20 @@ function chooser(id, label, names, chosen, onchange) {
   return el("label", { class: "chooser" }, el("span", { class: "caption" }, label), select);
 }
 
-/** Choices of the state and of the field. @param {Motion} motion @param {Mesh} mesh */
+/** Choices of the state, of the field and of the diagram. @param {Motion} motion @param {Mesh} mesh */
 export function meshChoosers(motion, mesh) {
   const { states: { kind, names }, swings } = motion, label = kind === "load case" ? "Case" : kind[0]?.toUpperCase() + kind.slice(1);
   const fields = ["none", ...mesh.fields.map(({ name }) => name.replaceAll("_", " "))], chosen = mesh.field ? mesh.fields.indexOf(mesh.field) + 1 : 0;
+  const diagrams = [...new Set(mesh.diagrams.map(({ name }) => name))];
   const states = names.length > 1 && swings && chooser("case", label, names, 0, (k) => motion.choose(k));
   motion.onState.on(() => { if (states) states.querySelectorAll("select")[0].value = String(motion.chosen); });
   return el("div", { class: "chips" }, states,
     chooser("field", "Colours", fields, chosen, (k) => {
       if (motion.mesh) motion.mesh.field = motion.mesh.fields[k - 1] ?? null;
+      motion.onState.emit();
+    }),
+    diagrams.length > 0 && chooser("diagram", "Diagram", ["none", ...diagrams], 0, (k) => {
+      if (motion.mesh) motion.mesh.diagram = diagrams[k - 1] ?? "";
       motion.onState.emit();
     }));
 }

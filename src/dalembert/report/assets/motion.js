@@ -44,10 +44,10 @@ export class Motion extends Timeline {
     this.ghosts = list(scene.ghosts).filter(({ mesh }) => !mesh).map((ghost) => this.readBody(ghost, (values) => steady(/** @type {Column} */ (values), this.n)));
     /** @type {Gap[]} */
     this.gaps = list(scene.gaps).map(({ from, to, text }) => ({ from: this.point(from), to: this.point(to), text: String(text ?? "") }));
-    this.mesh = scene.mesh && structure ? new structure.Mesh(scene.mesh, payload, list(scene.fields)) : null;
+    this.mesh = scene.mesh && structure ? new structure.Mesh(scene.mesh, payload, scene) : null;
     const other = list(scene.ghosts).find(({ mesh }) => mesh)?.mesh;
     /** Mesh of another design or run. */
-    this.otherMesh = other && structure ? new structure.Mesh(other, { states: payload.states }, []) : null;
+    this.otherMesh = other && structure ? new structure.Mesh(other, { states: payload.states }, {}) : null;
     /** Reactions of the supports of a structure. @type {Item[]} */
     this.reactions = (this.mesh?.reactionItems() ?? []).map((item) => this.readItem(item));
   }

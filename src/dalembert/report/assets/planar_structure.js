@@ -1,5 +1,6 @@
 // Page of a planar structure.
 
+import { drawDiagram } from "./diagrams.js";
 import { Mesh } from "./mesh.js";
 import { meshToggles } from "./mesh_controls.js";
 import { MeshPainter } from "./mesh_painter.js";
@@ -9,5 +10,5 @@ import { PlanarPainter } from "./planar_painter.js";
 import { PlanarView } from "./planar_view.js";
 import { buildStructure } from "./structure.js";
 
-const structure = { Mesh, Picture: MeshPainter, toggles: meshToggles, build: buildStructure };
+const structure = { Mesh, Picture: MeshPainter, drawDiagram, toggles: meshToggles, build: buildStructure };
 buildPage({ Motion: PlanarMotion, View: PlanarView, Painter: PlanarPainter, structure });

@@ -67,16 +67,16 @@ export class PlanarTraces {
   /** Points of a path that are a pixel apart at this scale; their number does not depend on that of the instants. @param {TracedPoint} point */
   thinned(point) {
     const { s } = this.painter.view, { way, thin } = point;
-    if (thin?.s === s && thin.way === way) return thin.kept;
+    if (thin?.s === s && thin.way === way) return thin.points;
     /** @type {any} */
     let last = null;
-    const kept = way.filter(({ p }, k) => {
+    const points = way.filter(({ p }, k) => {
       if (p && last && k < way.length - 1 && (Math.abs(p[0] - last[0]) + Math.abs(p[1] - last[1])) * s < SPACING) return false;
       last = p;
       return true;
     });
-    point.thin = { s, way, kept };
-    return kept;
+    point.thin = { s, way, points };
+    return points;
   }
 }
 

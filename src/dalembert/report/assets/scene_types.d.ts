@@ -1,6 +1,7 @@
 // Types of the scene: its payload, the parts it is read into, and what views and painters have in common.
 
 import type { Body, Child, Column, Context, Cursor, LoadKind, Payload, Point } from "./types.d.ts";
+import type { Marks } from "./marks.js";
 import type { Mesh } from "./mesh.js";
 import type { Motion } from "./motion.js";
 import type { Scene } from "./scene.js";
@@ -41,6 +42,9 @@ export interface LinkData { name?: string; description?: string; symbol?: string
 export interface CellsData { size: number; vertices: number[]; elements: number[] }
 export interface FieldData { name: string; unit?: string; values: Column[] }
 
+/** Diagram of a section force: fields at the ends of lines, and directions across them (x, y, z). */
+export interface DiagramData { name: string; start: string; end: string; sign: number; elements: number[]; across: number[] }
+
 /** Mesh of a structure: positions at rest and displacements of each state, lines, faces and points of its vertices. */
 export interface MeshData {
   rest: Column;
@@ -68,6 +72,7 @@ export interface SceneData {
   gaps?: { from: number[]; to: number[]; text?: string }[];
   mesh?: MeshData;
   fields?: FieldData[];
+  diagrams?: DiagramData[];
 }
 
 /** States of a structure: load cases, modes, or instants at `times`. */
@@ -213,6 +218,7 @@ export interface Dimension {
 export interface Structure {
   Mesh: typeof Mesh;
   Picture: new (painter: any, mesh: Mesh, other: Mesh | null) => any;
+  drawDiagram(marks: Marks, mesh: Mesh): void;
   /** Controls of the toolbar; the rest of the page. */
   toggles(motion: Motion, scene: Scene, show: (key: string) => (on: boolean) => void): Child;
   build(motion: Motion, mesh: Mesh): void;

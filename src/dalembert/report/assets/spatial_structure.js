@@ -1,5 +1,6 @@
 // Page of a spatial structure.
 
+import { drawDiagram } from "./diagrams.js";
 import { Mesh } from "./mesh.js";
 import { meshToggles } from "./mesh_controls.js";
 import { MeshSolids } from "./mesh_solids.js";
@@ -10,5 +11,5 @@ import { buildSpatialTools } from "./spatial_tools.js";
 import { SpatialView } from "./spatial_view.js";
 import { buildStructure } from "./structure.js";
 
-const structure = { Mesh, Picture: MeshSolids, toggles: meshToggles, build: buildStructure };
+const structure = { Mesh, Picture: MeshSolids, drawDiagram, toggles: meshToggles, build: buildStructure };
 buildPage({ Motion: SpatialMotion, View: SpatialView, Painter: SpatialPainter, structure }, buildSpatialTools);

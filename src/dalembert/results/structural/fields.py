@@ -11,7 +11,7 @@ from dalembert.errors import AnalysisError
 from dalembert.model.assembled.measuring.measures import State
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.structural.drawing import StructuralDrawing
-from dalembert.text.wording import similar
+from dalembert.text.wording import listed, similar
 
 DISPLACEMENT = "displacement"
 """Name of the field of displacement magnitudes."""
@@ -129,5 +129,6 @@ def _all_names(model: StructuralModel) -> list[str]:
 
 
 def _suggestions(name: str, candidates: list[str]) -> str:
+    """The nearest names, else the known ones."""
     close = similar(name, candidates)
-    return f"; nearest: {', '.join(close)}" if close else ""
+    return f"; nearest: {', '.join(close)}" if close else f"; known: {listed(candidates)}"

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.results.files.tables import diagnosis, parameter_rows, preferred_units, statistics
+from dalembert.results.structural.diagrams import line_diagrams
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.results.structural.fields import element_field, field_names
 from dalembert.results.structural.scene import automatic_scale, structural_scene
@@ -42,6 +43,8 @@ def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> d
     loads = np.reshape([result.applied(int(k)) for k in keep], (len(keep), len(degrees))).T
     scene = structural_scene(drawing, displacements, scales, loads)
     scene["fields"] = _fields(result, drawing, quantities, keep)
+    if not result.of_any_size:
+        scene["diagrams"] = line_diagrams(drawing, result.parameters)
     return {
         "format": 2,
         "kind": "structure",
