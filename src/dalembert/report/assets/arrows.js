@@ -9,7 +9,7 @@ import { stroke, trace } from "./canvas.js";
 export function arrow(ctx, [x, y], [u, v], colour, surface, width = 2.4, heads = 1) {
   const length = Math.hypot(u, v);
   if (length < 1.5) return;
-  const head = Math.min(11, (0.6 * length) / heads), [tx, ty] = [u / length, v / length], wide = 0.42 * head;
+  const head = Math.min(11, 6 * width, (0.6 * length) / heads), [tx, ty] = [u / length, v / length], wide = 0.42 * head;
   const at = (/** @type {number} */ back) => /** @type {Pixel} */ ([x + u - tx * back, y + v - ty * back]);
   ctx.lineCap = "round";
   trace(ctx, [[x, y], at(head)]);

@@ -16,7 +16,7 @@ const AXIS_COLOURS = { light: ["#c0392b", "#1e8449", "#1f5fbf"], dark: ["#ff7b6b
 const REACTION = 0.26, LOAD = 0.16, NODAL_LOAD = 0.11, MANY_LOADS = 0.07;
 /** Upper limit of nodal loads with long arrows. */
 const FEW_LOADS = 6;
-/** Number of arrows above which they have no halo. */
+/** Number of arrows above which they are thin and have no halo. */
 const DENSE = 40;
 /** Lower limit of the length of an arrow [px]. */
 const SHORTEST = 18;
@@ -91,7 +91,7 @@ export class Marks {
 
   /** Arrows of forces and moments with their values. @param {Item[]} items */
   drawLoads(items) {
-    const { paper: { ctx }, scene: { greatest, motion, painter, arrows } } = this, first = arrows.length, halo = items.length <= DENSE ? Theme.surface : "";
+    const { paper: { ctx }, scene: { greatest, motion, painter, arrows } } = this, first = arrows.length, dense = items.length > DENSE;
     for (const item of items) {
       const place = motion.placeOf(item), from = place && this.scene.screen(place);
       for (const key of /** @type {const} */ (["force", "moment"])) {
@@ -107,7 +107,7 @@ export class Marks {
         const [u, v] = this.scene.view.direction(value), k = Math.max(this.scaleOf(role), size > 1e-3 * greatest[role] ? SHORTEST / size : 0);
         const way = /** @type {Pixel} */ ([k * u, k * v]), inward = item.inward && item.inward[motion.state] > 0.5;
         const tail = /** @type {Pixel} */ (inward ? [from[0] - way[0], from[1] - way[1]] : from);
-        arrow(ctx, tail, way, colour, halo, reaction ? 2.4 : motion.mesh ? 2 : 2.8, key === "moment" ? 2 : 1);
+        arrow(ctx, tail, way, colour, dense ? "" : Theme.surface, dense ? 1.2 : reaction ? 2.4 : motion.mesh ? 2 : 2.8, key === "moment" ? 2 : 1);
         arrows.push({ item, role, from: tail, way, value: size, inward: Boolean(inward) });
       }
     }
