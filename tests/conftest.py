@@ -32,7 +32,14 @@ class NeverCompiled:
 
 
 switching.Compilation = NeverCompiled  # type: ignore[assignment,misc]
-gc.set_threshold(10_000, 20, 20)  # models are many objects that stay
+gc.set_threshold(50_000, 20, 20)  # models are many objects that stay
+
+
+def pytest_collection_finish() -> None:
+    """Leave modules and tests, which stay too, out of all collections."""
+    gc.collect()
+    gc.freeze()
+
 
 settings.register_profile(
     "dalembert", deadline=None, derandomize=True, max_examples=25, database=None

@@ -73,6 +73,16 @@ def four_bar(length: float = 1.0) -> da.Model:
     return system.build()
 
 
+def pendulum(length: float = 1.0) -> da.Model:
+    """One bar on a pin, which is compiled quickly."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    crank_length = system.parameter("l1", 0.4 * length)
+    mass = system.parameter("m1", 1.2)
+    crank = system.add(planar.Bar("crank", length=crank_length, mass=mass, angle=1.1))
+    system.add(planar.Revolute("O", system.ground.point(length - 1.0, 0.0), crank.start))
+    return system.build()
+
+
 @pytest.fixture(autouse=True)
 def cache(tmp_path, monkeypatch):
     """An empty cache for every test."""
@@ -266,7 +276,7 @@ def test_events_happen_at_the_same_instants():
 
 
 def test_parameters_stay_inputs_of_what_was_compiled(compilations):
-    model = four_bar()
+    model = pendulum()
     run(model, "jit")
     count = len(compilations)
     changed = da.solve_dynamics(
@@ -282,7 +292,7 @@ def test_parameters_stay_inputs_of_what_was_compiled(compilations):
 
 @pytest.mark.parametrize("backend", COMPILED)
 def test_what_cannot_be_written_as_c_runs_on_the_virtual_machine_and_says_so(backend):
-    motion = run(four_bar(), backend, step=0.1, outputs=5, integrator=da.CVODES())
+    motion = run(pendulum(), backend, step=0.1, outputs=5, integrator=da.CVODES())
     assert motion.status.success
     assert motion.statistics["backend"].startswith("VM (")
 
@@ -311,13 +321,13 @@ def test_threads_may_call_the_same_machine_code():
 # cache ------------------------------------------------------------------------------
 @pytest.mark.parametrize("backend", COMPILED)
 def test_the_second_model_finds_everything_compiled(backend, cache, compilations):
-    run(four_bar(), backend)
+    run(pendulum(), backend)
     count = len(compilations)
     assert count == len(files(cache)) > 0
-    again = run(four_bar(), backend)
+    again = run(pendulum(), backend)
     assert len(compilations) == count
     assert again.statistics["backend"] == NAMES[backend]
-    run(four_bar(1.01), backend)  # a number that is no parameter is part of the text
+    run(pendulum(1.01), backend)  # a number that is no parameter is part of the text
     assert len(compilations) > count
 
 
@@ -332,14 +342,14 @@ def test_the_second_model_finds_everything_compiled(backend, cache, compilations
     ids=["empty", "text", "cut", "cut library"],
 )
 def test_a_broken_file_is_made_again(backend, cache, compilations, damage):
-    expected = run(four_bar(), "vm")
-    run(four_bar(), backend)
+    expected = run(pendulum(), "vm")
+    run(pendulum(), backend)
     count = len(compilations)
     for path in files(cache):
         whole = path.read_bytes()
         path.unlink()
         path.write_bytes(whole[: len(whole) // 2] if damage is None else damage)
-    found = run(four_bar(), backend)
+    found = run(pendulum(), backend)
     assert len(compilations) == 2 * count
     assert_same(found.trajectory.y, expected.trajectory.y)
 
@@ -371,8 +381,8 @@ def test_machine_code_is_not_taken_from_where_others_may_write(cache):
     cache.chmod(0o777)
     assert code_cache.cached_loop(text, Llvm()) is None
     with pytest.raises(da.UnsupportedError, match=r"others may write in .*mode 777.*chmod 700"):
-        run(four_bar(), "jit")
-    assert run(four_bar(), "auto").status.success
+        run(pendulum(), "jit")
+    assert run(pendulum(), "auto").status.success
 
 
 def test_without_a_home_folder_machine_code_is_kept_among_temporary_files(monkeypatch, tmp_path):
@@ -415,7 +425,7 @@ def test_machine_code_is_filed_under_processor_version_and_lanes(monkeypatch):
 
 
 def test_clearing_the_cache_deletes_what_was_compiled(cache):
-    run(four_bar(), "jit")
+    run(pendulum(), "jit")
     count = len(files(cache))
     assert code_cache.cache_size() == (count, sum(path.stat().st_size for path in files(cache)))
     assert da.clear_cache() == count > 0
@@ -436,13 +446,13 @@ def test_what_was_unused_for_longest_goes_first(cache, monkeypatch):
 
 
 def _final_angle(backend: str) -> float:
-    return float(run(four_bar(), backend).values("crank.angle")[-1])
+    return float(run(pendulum(), backend).values("crank.angle")[-1])
 
 
 def test_processes_that_compile_the_same_at_once_do_no_harm(cache):
     with multiprocessing.get_context("spawn").Pool(2) as pool:
         angles = pool.map(_final_angle, ["jit", "jit"])
-    expected = float(run(four_bar(), "vm").values("crank.angle")[-1])
+    expected = float(run(pendulum(), "vm").values("crank.angle")[-1])
     assert_same(angles, [expected, expected])
     assert all(code_cache.is_whole(path) for path in files(cache))
     assert not [path for path in cache.iterdir() if path.name.startswith(".")]
@@ -481,13 +491,13 @@ def test_auto_is_the_default_and_changes_over_while_it_runs(monkeypatch):
 
 def test_an_unknown_backend_is_refused_with_the_known_ones():
     with pytest.raises(da.UnsupportedError, match=r"'gpu'.*'auto', 'vm', 'jit', 'c'"):
-        run(four_bar(), "gpu")
+        run(pendulum(), "gpu")
 
 
 def test_without_a_compiler_c_names_the_cure(monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     with pytest.raises(da.UnsupportedError, match=r"no-such-compiler.*install gcc.*backend='jit'"):
-        run(four_bar(), "c")
+        run(pendulum(), "c")
 
 
 def test_the_compiler_of_a_package_is_found_where_the_system_has_none(monkeypatch):
@@ -509,7 +519,7 @@ def no_llvm(monkeypatch):
 
 def test_without_llvm_jit_names_the_cure_and_auto_runs(no_llvm, monkeypatch):
     with pytest.raises(da.UnsupportedError, match=r"pip install llvmlite"):
-        run(four_bar(), "jit")
+        run(pendulum(), "jit")
     monkeypatch.setenv("CC", "no-such-compiler")
     motion = run(four_bar(), "auto")
     assert motion.status.success
@@ -528,7 +538,7 @@ def test_a_cache_that_cannot_be_written_names_the_cure(backend, tmp_path, monkey
     blocked.write_text("in the way")
     monkeypatch.setenv("DALEMBERT_CACHE", str(blocked / "cache"))
     with pytest.raises(da.UnsupportedError, match="DALEMBERT_CACHE"):
-        run(four_bar(), backend)
+        run(pendulum(), backend)
     motion = run(four_bar(), "auto", step=0.5 / 100_000, outputs=[0.5])
     assert motion.statistics["backend"] == "VM"
 
@@ -542,5 +552,5 @@ def test_a_compiler_that_fails_is_quoted(tmp_path, monkeypatch):
     script.chmod(0o755)
     monkeypatch.setenv("CC", str(script))
     with pytest.raises(da.UnsupportedError, match=r"boom.*set CC"):
-        run(four_bar(), "c")
+        run(pendulum(), "c")
     assert not list((tmp_path / "cache").iterdir())

@@ -55,7 +55,7 @@ def flattened(
     name: str, number: int, argument: Any, size: int, order: Literal["F", "C"] = "F"
 ) -> np.ndarray:
     """An argument as a flat array of ``size`` entries; a single number is broadcast."""
-    flat = np.ascontiguousarray(np.asarray(argument, dtype=float).ravel(order=order))
+    flat = np.asarray(argument, dtype=float).ravel(order=order)  # contiguous
     if flat.size == 1 and size != 1:
         flat = np.full(size, flat[0])
     if flat.size != size:
@@ -80,7 +80,7 @@ class Kernel:
     """
 
     def __init__(self, function: ca.Function):
-        self.function = function
+        self.function, self._name = function, function.name()
         self._sizes = [function.numel_in(i) for i in range(function.n_in())]
         self._shapes = [function.size_out(i) for i in range(function.n_out())]
 
@@ -89,7 +89,7 @@ class Kernel:
         buffer, trigger = self.function.buffer()
         references = []
         for i, (argument, size) in enumerate(zip(arguments, self._sizes, strict=True)):
-            flat = flattened(self.function.name(), i, argument, size)
+            flat = flattened(self._name, i, argument, size)
             references.append(flat)
             buffer.set_arg(i, memoryview(flat.data))
         results = [np.zeros(rows * columns) for rows, columns in self._shapes]
