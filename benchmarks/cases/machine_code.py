@@ -58,8 +58,8 @@ def cost(count: int, rounds: int) -> Cost:
     build = lap()
     kernel = da.Dynamics(1.0, step=STEP).kernel(model)
     x, mode = kernel.initial(model.start, 0.0, model.nominal)
-    made = kernel.fixed.marched(mode).forms
-    form = compiled_form(made.function, made.called)
+    forms = kernel.fixed.marched(mode).forms
+    form = compiled_form(forms.function, forms.called)
     graph = lap()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "step.o"
@@ -68,7 +68,7 @@ def cost(count: int, rounds: int) -> Cost:
         c_source(form)
         columns = NativeColumns(form, Llvm().load(path), "LLVM", True, (4,))
         load, size = lap(), path.stat().st_size
-    steps, q = max(10, 20_000 // count), made.values(model.nominal).full().ravel()
+    steps, q = max(10, 20_000 // count), forms.values(model.nominal).full().ravel()
     given = x, STEP * np.arange(steps), np.full(steps, STEP), np.ones(steps), q
     laps = []
     for _ in range(rounds + 1):

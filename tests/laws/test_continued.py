@@ -84,8 +84,8 @@ def test_contacts_keep_their_phases() -> None:
     slid = da.solve_dynamics(model, 0.75, **options).continued(1.0)
     np.testing.assert_allclose(end(slid), end(whole), rtol=0, atol=1e-9)
     assert whole.values("ball.vx")[-1] == 0.0
-    told = "accumulation of impacts"
-    assert made.statistics[told] == whole.statistics[told]
+    count = "accumulation of impacts"
+    assert made.statistics[count] == whole.statistics[count]
     places = [da.sensitivity(one, da.Final("ball.x")).values for one in (made, whole)]
     np.testing.assert_allclose(*places, rtol=1e-8)
 

@@ -264,11 +264,11 @@ def test_what_modes_refuse():
 def test_about_a_given_equilibrium():
     """Modes about an equilibrium that was solved for are those of a search from scratch."""
     model = RESTING["hung four-bar"]()
-    given = da.linearize(model, about=da.solve_equilibrium(model))
+    about = da.linearize(model, about=da.solve_equilibrium(model))
     found = modes_about("rest", "hung four-bar")
     response = da.at(1.0, "damping_ratio")
-    assert given.eigenvalues == pytest.approx(found.eigenvalues, rel=1e-9)
-    gradients = [da.sensitivity(m, response, method="adjoint").values for m in (given, found)]
+    assert about.eigenvalues == pytest.approx(found.eigenvalues, rel=1e-9)
+    gradients = [da.sensitivity(m, response, method="adjoint").values for m in (about, found)]
     np.testing.assert_allclose(*gradients, rtol=1e-7)
 
 

@@ -50,9 +50,9 @@ def step_of(model: da.Model, lanes: bool = False) -> tuple[ca.Function, np.ndarr
     """A step as it is compiled, a state, and what the step needs of the parameters."""
     kernel = da.Dynamics(0.1, step=0.01).kernel(model)
     x, mode = kernel.initial(model.start, 0.0, model.nominal)
-    made = kernel.fixed.marched(mode).forms
-    function = made.side_by_side if lanes else made.called or made.function
-    return function, x, made.values(model.nominal).full().ravel()
+    forms = kernel.fixed.marched(mode).forms
+    function = forms.side_by_side if lanes else forms.called or forms.function
+    return function, x, forms.values(model.nominal).full().ravel()
 
 
 def repeated(count: int) -> ca.Function:

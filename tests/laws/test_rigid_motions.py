@@ -198,7 +198,7 @@ def test_a_rigid_motion_has_the_inertia_of_a_rigid_body(name, d, lumped):
 @pytest.mark.parametrize(("name", "d"), KINDS)
 def test_free_flight_is_that_of_a_rigid_body(name, d):
     """No support, no load, nothing but what was thrown: place and attitude to order two."""
-    model, errors, end = body(name, d, flying=True).build(), [], 0.4
+    model, errors, end = body(name, d, flying=True).build(), [], 0.8
     for step in (0.04, 0.02):
         integrator = da.GeneralizedAlpha(rho_inf=0.7)
         motion = da.solve_transient(model, end, step=step, nonlinear=True, integrator=integrator)

@@ -55,10 +55,10 @@ class References:
     def _among(nodes: Mapping[str, Any], owner: str, name: str, prefix: str) -> Any:
         """The node of this name."""
         if name not in nodes:
-            reference, known = f"{prefix}{name}" if name else owner, [prefix + n for n in nodes]
+            reference, names = f"{prefix}{name}" if name else owner, [prefix + n for n in nodes]
             raise ModelError(
-                f"unknown node {reference!r}{nearest(reference, known)}; nodes of {owner}: "
-                f"{listed(known)}"
+                f"unknown node {reference!r}{nearest(reference, names)}; nodes of {owner}: "
+                f"{listed(names)}"
             )
         return nodes[name]
 

@@ -50,6 +50,9 @@ class PublicClasses(Mapping[str, Any]):
             raise KeyError(name)
         return getattr(import_module("dalembert"), name)
 
+    def __contains__(self, name: object) -> bool:
+        return name in self.names
+
     def __iter__(self) -> Iterator[str]:
         return iter(self.names)
 

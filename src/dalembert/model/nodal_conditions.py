@@ -138,8 +138,8 @@ class NodalConditions(Parts):
             directions = self._directions(node)
             velocities = {f"v{d.removeprefix('u')}": d for d in directions}
             if value is not None or not motion:
-                known = ", ".join((*directions, *velocities))
-                raise ModelError(f"gets no initial motion; give one of {known}", node.name)
+                accepted = ", ".join((*directions, *velocities))
+                raise ModelError(f"gets no initial motion; give one of {accepted}", node.name)
             for name, number in motion.items():
                 self._check_direction(node, name, (*directions, *velocities))
                 entity = f"initial {node.name}.{name}"

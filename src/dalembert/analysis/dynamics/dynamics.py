@@ -140,8 +140,8 @@ class Dynamics(OverTime[Any]):
             names = ", ".join(map(repr, BACKENDS))
             raise UnsupportedError(f"unknown backend {self.backend!r}; known: {names}")
         if self.start not in STARTS:
-            known = " or ".join(map(repr, STARTS))
-            raise AnalysisError(f"start is {self.start!r}; it must be {known}")
+            accepted = " or ".join(map(repr, STARTS))
+            raise AnalysisError(f"start is {self.start!r}; it must be {accepted}")
 
     def for_model(self, model: Model | StructuralModel) -> Dynamics:
         super().for_model(model)
@@ -162,8 +162,8 @@ class Dynamics(OverTime[Any]):
             return self.case
         if not self.case and len(model.loads) == 1:
             return next(iter(model.loads))
-        known = ", ".join(map(repr, model.loads))
-        raise AnalysisError(f"no load case {self.case!r}; give case= one of {known}")
+        cases = ", ".join(map(repr, model.loads))
+        raise AnalysisError(f"no load case {self.case!r}; give case= one of {cases}")
 
     def kernel(self, model: Model) -> DynamicsKernel:
         """Compiled functions, built once per model and choice of strategies."""

@@ -12,7 +12,7 @@ from dalembert.elements.contact.contact_point import contact_at_wall, contact_of
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel, Patterned
+from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
 from dalembert.symbolic.once import once
 
 SMALLEST = 16
@@ -76,20 +76,20 @@ class CollisionGaps(GapSource):
         ]
         distance = np.concatenate([part[0] for part in parts])
         blocks = np.concatenate([part[1] for part in parts])
-        first, second = np.hstack([pairs, wall_pairs])
-        count = distance.size
-        directions = self._assembled(blocks, first, second, positions.shape[0], width)
+        near = distance <= reach
+        first, second = np.hstack([pairs, wall_pairs])[:, near]
+        count = first.size
         laws = np.repeat(coefficients, count, axis=1)
         return Contacts(
-            distance,
-            scipy.sparse.csr_array(directions @ velocities),
+            distance[near],
+            self._directions(blocks[near], first, second, velocities, width),
             np.zeros((count, width)),
             laws[0],
             laws[1],
             laws[2],
             first * positions.shape[0] + second,
             np.zeros(count, dtype=int),
-        ).some(distance <= reach)
+        )
 
     def symbolic(self, key: int) -> SymbolicGap:
         moving, positions, normals, radii, coefficients = self._symbolic
@@ -106,6 +106,8 @@ class CollisionGaps(GapSource):
     # search for near pairs ------------------------------------------------------------------
     def _pairs(self, positions: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
         """(2, n) pairs of balls of different bodies whose gap is within reach."""
+        if radii.size < 2:
+            return np.zeros((2, 0), dtype=int)
         from scipy.spatial import cKDTree
 
         centers = positions[: radii.size]
@@ -159,18 +161,35 @@ class CollisionGaps(GapSource):
             self._kernels[wall, size] = Kernel(_gap_function(self.width, wall).map(size))
         return self._kernels[wall, size]
 
+    def _directions(
+        self,
+        blocks: np.ndarray,
+        first: np.ndarray,
+        second: np.ndarray,
+        velocities: Matrix,
+        width: int,
+    ) -> Matrix:
+        """``W = K J`` (n width, n_v) of pairs with derivatives ``blocks`` by both twists."""
+        if scipy.sparse.issparse(velocities):
+            gaps = self._assembled(blocks, first, second, velocities.shape[0], width)
+            return scipy.sparse.csr_array(gaps @ velocities)
+        twists = velocities.reshape(-1, TWIST, velocities.shape[1])
+        directions = np.zeros((first.size, width, velocities.shape[1]))
+        directions[:, : self.width] = blocks @ np.hstack([twists[first], twists[second]])
+        return directions.reshape(first.size * width, velocities.shape[1])
+
     def _assembled(
-        self, blocks: np.ndarray, first: np.ndarray, second: np.ndarray, objects: int, width: int
+        self, blocks: np.ndarray, first: np.ndarray, second: np.ndarray, entries: int, width: int
     ) -> scipy.sparse.csr_array:
-        """``K`` (n width, 6 objects)."""
+        """``K`` (n width, entries of the twists)."""
         count = first.size
         rows = np.arange(count)[:, None] * width + np.arange(self.width)
         behind = np.arange(TWIST)
         columns = np.hstack([first[:, None] * TWIST + behind, second[:, None] * TWIST + behind])
         row = np.broadcast_to(rows[:, :, None], blocks.shape)
         column = np.broadcast_to(columns[:, None, :], blocks.shape)
-        entries = (blocks.ravel(), (row.ravel(), column.ravel()))
-        return scipy.sparse.csr_array(entries, shape=(count * width, TWIST * objects))
+        values = (blocks.ravel(), (row.ravel(), column.ravel()))
+        return scipy.sparse.csr_array(values, shape=(count * width, entries))
 
 
 @once
