@@ -131,6 +131,32 @@ export interface DesignView extends Card {
 }
 export type View = FactsView | RowsView | NotesView | BarsView | HistogramView | CurvesView | EllipsesView | DesignView;
 
+// Live pages: functions of an analysis as a WebAssembly module, see `analysis/live` ------------------
+
+/** Sizes of a function: entries of its arguments and results, lengths of its work vectors. */
+export interface LiveFunction { inputs: number[]; outputs: number[]; work: [number, number, number, number] }
+export interface LiveData {
+  kind: string;
+  /** Deflated module in base64. */
+  code: string;
+  functions: Record<string, LiveFunction>;
+  /** First byte of memory that the module does not occupy. */
+  memory: number;
+  /** Start of the run and shortest distance of two instants [s]. */
+  start: number;
+  instant: number;
+  /** Times of the outputs [s]. */
+  times: number[];
+  /** Nominal parameters and the assembled position for them. */
+  anchor: { p: number[]; y: number[] };
+  /** Rows whose value at the start is subtracted. */
+  relative: number[];
+  /** Prescribed steps. */
+  steps?: { t: number[]; h: number[]; corrected: number[] };
+  /** Steps with error control. */
+  adaptive?: { end: number; first: number; longest: number; memory: number[] };
+}
+
 // Parts of a page -----------------------------------------------------------------------------------
 
 export interface Series {

@@ -1,0 +1,64 @@
+"""Functions of an analysis for other parameters, compiled to one WebAssembly module.
+
+A module contains all mechanics: assembly, steps, outputs and their adjoints. The loops over steps
+and iterations are those of the script ``report/assets/live_run.js``.
+"""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+
+from dalembert.symbolic.native.webassembly import WebModule, web_module
+
+
+@dataclass(frozen=True)
+class Row:
+    """Scalar output over time.
+
+    Attributes
+    ----------
+    expression : SX of coordinates, speeds, accelerations, multipliers, time and parameters
+    work : factors of the dissipated energy and of the energy input, which are added
+    relative : whether the value at the start is subtracted
+    """
+
+    expression: ca.SX
+    work: tuple[float, float] = (0.0, 0.0)
+    relative: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class LiveFunctions:
+    """Functions of an analysis and the constants of its script.
+
+    Attributes
+    ----------
+    functions : name → function
+    data : kind of the analysis, times, tolerances; plain data
+    """
+
+    functions: Mapping[str, ca.Function]
+    data: Mapping[str, Any]
+
+    @cached_property
+    def module(self) -> WebModule:
+        """The compiled functions."""
+        return web_module(self.functions)
+
+    def page_data(self) -> dict[str, Any]:
+        """Module and constants as plain data."""
+        module = self.module
+        sizes = {
+            name: {"inputs": f.inputs, "outputs": f.outputs, "work": f.work}
+            for name, f in module.functions.items()
+        }
+        code = base64.b64encode(zlib.compress(module.code, 9)).decode("ascii")
+        constants = {"functions": sizes, "memory": module.data_end, "code": code}
+        return {**self.data, **constants}
