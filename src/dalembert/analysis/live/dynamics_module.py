@@ -10,10 +10,11 @@ import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.variant import Variant
-from dalembert.analysis.live.module import LiveFunctions, Row
 from dalembert.analysis.live.start import closing, violation
 from dalembert.formulations.base import WORK
+from dalembert.integrators.marching.steps import Steps
 from dalembert.model.graph.model import Model
+from dalembert.results.live import LiveFunctions, Row
 from dalembert.results.motion import Motion
 from dalembert.symbolic.evaluation.columns import compiled_form
 from dalembert.symbolic.formulas.expression import Expression, stack
@@ -81,7 +82,9 @@ def dynamics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -
         "relative": [k for k, row in enumerate(rows) if row.relative],
     }
     if kernel.adaptive is None:
-        data["steps"] = {"t": steps.t, "h": steps.h, "corrected": steps.corrected.astype(float)}
+        data["steps"] = _prescribed(steps)
+        ends = np.append(steps.t, steps.end)
+        data["times"] = None if np.array_equal(times, ends) else times
     else:
         run: Any = motion.analysis
         first = run.step if run.step else 1e-4 * (steps.end - float(steps.t[0]))
@@ -95,6 +98,16 @@ def dynamics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -
             "memory": memory,
         }
     return LiveFunctions(functions, data)
+
+
+def _prescribed(steps: Steps) -> dict[str, Any]:
+    """Times of steps: of equal ones, start, length, end and number; their corrections."""
+    t, end = steps.t, steps.end
+    equal = np.append(t[0] + steps.h[0] * np.arange(steps.count), end)
+    corrected = np.flatnonzero(~steps.corrected)
+    if not np.array_equal(equal, np.append(t, end)):
+        return {"ends": np.append(t, end), "uncorrected": corrected}
+    return {"length": steps.h[0], "end": end, "count": steps.count, "uncorrected": corrected}
 
 
 def _start(

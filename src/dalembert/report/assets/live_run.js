@@ -11,10 +11,23 @@ const largest = (/** @type {ArrayLike<number>} */ values) => {
   return most;
 };
 
+/** Ends of prescribed steps, the start included, and whether the steps are corrected. @param {LiveData} data */
+function prescribed({ start, steps }) {
+  if (!steps) return { ends: new Float64Array(0), flags: new Float64Array(0) };
+  const { length = 0, count = 0, end = start } = steps, equal = () => [...Array.from({ length: count }, (_, k) => start + length * k), end];
+  const ends = Float64Array.from(steps.ends ?? equal()), flags = new Float64Array(ends.length - 1).fill(1);
+  for (const k of steps.uncorrected) flags[k] = 0;
+  return { ends, flags };
+}
+
 /** Failure of a run, with the wording of the status. */
 export class RunFailure extends Error {
-  /** @param {string} message @param {{ residual?: number, rows?: number[] }} [details] */
-  constructor(message, details = {}) { super(message); Object.assign(this, details); }
+  /** @param {string} message @param {number} [residual] @param {string} [loop] joint that remains open */
+  constructor(message, residual, loop) {
+    super(message);
+    this.residual = residual;
+    this.loop = loop;
+  }
 }
 
 /** States of a run at the ends of its steps.
@@ -30,6 +43,8 @@ export class LiveRun {
     /** Nominal position with its parameters, the start of continuation as in Python. */
     this.anchor = { p: Float64Array.from(data.anchor.p), y: Float64Array.from(data.anchor.y) };
     this.size = this.engine.named("step").inputs[0];
+    this.grid = prescribed(data);
+    this.times = Float64Array.from(data.times ?? this.grid.ends);
   }
 
   /** Newton's method for the assembled position. @param {Float64Array} y @param {Float64Array} p */
@@ -56,10 +71,10 @@ export class LiveRun {
       const target = Math.min(1, reached + step), between = p0.map((value, k) => value + target * (p[k] - value));
       const solution = this.closed(y, target === 1 ? p : between);
       if (solution.accepted) { [y, reached, step] = [solution.y, target, 2 * step]; continue; }
-      if ((step /= 2) < SHORTEST) throw new RunFailure("the mechanism cannot be assembled", { residual: solution.residual });
+      if ((step /= 2) < SHORTEST) throw new RunFailure("the mechanism cannot be assembled", solution.residual);
     }
     const [open] = this.engine.evaluate("violation", [this.data.start], y, p) ?? [[Infinity]], residual = largest(open);
-    if (!(residual <= ACCEPTED)) throw new RunFailure("the mechanism cannot be assembled", { residual, rows: Array.from(open, Math.abs) });
+    if (!(residual <= ACCEPTED)) throw new RunFailure("the mechanism cannot be assembled", residual);
     return y;
   }
 
@@ -75,8 +90,7 @@ export class LiveRun {
 
   /** March with prescribed steps. @param {Float64Array} p @param {Float64Array} y @param {Float64Array} x0 @param {number} values */
   fixed(p, y, x0, values) {
-    const { engine, size } = this, steps = /** @type {NonNullable<LiveData["steps"]>} */ (this.data.steps);
-    const [t, h, flags] = [steps.t, steps.h, steps.corrected].map((column) => Float64Array.from(column)), count = h.length;
+    const { engine, size } = this, { ends, flags } = this.grid, count = flags.length, t = ends.subarray(0, count), h = t.map((begin, k) => ends[k + 1] - begin);
     const states = engine.room(size * (count + 1)), [ts, hs, fs] = [t, h, flags].map((column) => engine.put(column));
     engine.view(states, size).set(x0);
     for (let k = 0; k < count; k += CHUNK) {
@@ -133,7 +147,7 @@ export class LiveRun {
   /** Times of the outputs, their steps and the states there.
    * @param {March} march @returns {{ times: Float64Array, steps: Int32Array, lengths: Float64Array, x: number }} */
   places(march) {
-    const { engine, size, data } = this, { count, t, h } = march, times = Float64Array.from(data.times), n = times.length;
+    const { engine, size, data } = this, { count, t, h } = march, { times } = this, n = times.length;
     const steps = new Int32Array(n), lengths = new Float64Array(n), x = engine.room(size * n), slack = data.instant;
     for (let i = 0, k = 0; i < n; i++) {
       while (k < count - 1 && t[k + 1] <= times[i] + slack) k++;
