@@ -63,10 +63,10 @@ export async function buildLive({ motion, scene, player, board }, dimension) {
   solver.onResult.on((result) => {
     show(result);
     table.show(result.values);
-    panel.showSlopes(result.slopes, responses[table.selected] ?? null);
     panel.say("");
     document.documentElement.dataset.live = String(result.number);
   });
+  solver.onSlopes.on(({ slopes }) => panel.showSlopes(slopes, responses[table.selected] ?? null));
   solver.onFailure.on(({ number, failure, residual }) => {
     panel.say(`${failure}${residual === undefined ? "" : `; residual ${tidy(residual, 3)}`}. The picture is that of the last valid design.`, "error");
     document.documentElement.dataset.live = String(number);

@@ -1,6 +1,6 @@
 // Worker of a live page: requests, results, cancellation of runs that take long.
 
-/** @import { LiveData, LiveFailure, LiveRequest, LiveResult } from "./types.d.ts" */
+/** @import { LiveData, LiveFailure, LiveRequest, LiveResult, LiveSlopes } from "./types.d.ts" */
 
 import { bytesOf, inflated } from "./payload.js";
 import { Signal } from "./theme.js";
@@ -14,6 +14,8 @@ export class Solver {
     this.data = data;
     /** @type {Signal<LiveResult>} */
     this.onResult = new Signal();
+    /** Gradient of the last result, by the parameters. @type {Signal<LiveSlopes>} */
+    this.onSlopes = new Signal();
     /** @type {Signal<LiveFailure>} */
     this.onFailure = new Signal();
     /** @type {Signal<boolean>} */
@@ -61,11 +63,12 @@ export class Solver {
     setTimeout(() => this.onBusy.emit(this.running !== null), PATIENCE);
   }
 
-  /** @param {LiveResult | LiveFailure} answer */
+  /** @param {LiveResult | LiveSlopes | LiveFailure} answer */
   receive(answer) {
+    if ("table" in answer) { this.onResult.emit(answer); return; }
     this.running = null;
     this.onBusy.emit(false);
-    if ("failure" in answer) this.onFailure.emit(answer); else this.onResult.emit(answer);
+    if ("failure" in answer) this.onFailure.emit(answer); else this.onSlopes.emit(answer);
     this.send();
   }
 }

@@ -1,4 +1,4 @@
-// Worker of a live page: runs the newest request and reports its result, with gradients.
+// Worker of a live page: runs the newest request and reports its result, then a gradient.
 
 /** @import { LiveData, LiveRequest } from "./types.d.ts" */
 
@@ -17,9 +17,9 @@ function answer({ number, parameters, responses, gradient }) {
     const result = run.run(parameters), { times, table, rows } = result, n = times.length;
     const row = (/** @type {number} */ k) => table.subarray(n * k, n * (k + 1));
     const values = responses.map((response) => valueOf(response, times, row(response.row)));
-    const chosen = gradient === null ? null : responses[gradient];
-    const slopes = chosen && run.gradient(result, new Map([[chosen.row, samplesWeights(chosen, times, row(chosen.row))]]));
-    postMessage({ number, times, table, rows, values, slopes, duration: performance.now() - begin }, { transfer: [table.buffer] });
+    const weights = gradient === null ? null : new Map([[responses[gradient].row, samplesWeights(responses[gradient], times, row(responses[gradient].row))]]);
+    postMessage({ number, times, table, rows, values, duration: performance.now() - begin }, { transfer: [table.buffer] });
+    postMessage({ number, slopes: weights && run.gradient(result, weights) });
   } catch (error) {
     if (!(error instanceof RunFailure)) throw error;
     postMessage({ number, failure: error.message, residual: error.residual, loop: error.loop });

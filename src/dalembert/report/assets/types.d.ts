@@ -171,7 +171,8 @@ export interface LiveParameter extends Bounds { name: string; unit: string; fact
 export interface LiveResponse { kind: "final" | "maximum" | "minimum" | "mean" | "rms" | "integral"; row: number; label: string; unit: string }
 /** Request to the worker: `gradient` is the number of the response that is differentiated. */
 export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradient: number | null }
-export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; slopes: Float64Array | null; duration: number }
+export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; duration: number }
+export interface LiveSlopes { number: number; slopes: Float64Array | null }
 export interface LiveFailure { number: number; failure: string; residual?: number; loop?: string }
 
 // Parts of a page -----------------------------------------------------------------------------------
