@@ -186,10 +186,14 @@ class Motion(LabelledRecording):
             compiled functions have at most 300 kB. A page that is not live states the reason
         """
         from dalembert.report.page import write_page
-        from dalembert.results.files.live_page import live_page
 
         page = self.page(plots=plots, trace=trace, units=units, views=views)
-        return write_page(live_page(self, page, live), path)
+        return write_page(self.live_page(page, live), path)
+
+    def live_page(self, page: dict[str, Any], live: bool | None = None) -> dict[str, Any]:
+        from dalembert.results.files.live_page import live_page
+
+        return live_page(self, page, live)
 
     def page(
         self, plots: Groups = None, trace: Names = None, units: Units = (), views: Views = ()

@@ -139,6 +139,17 @@ class Result(CacheOwner, Protocol):
         """Payload of the report as plain data, if ``has_page``."""
         raise UnsupportedError(f"there is no report of {type(self).__name__}; save or draw it")
 
+    def live_page(self, page: dict[str, Any], live: bool | None = None) -> dict[str, Any]:
+        """Payload of a live page, or the page with the reason why it is not live.
+
+        Parameters
+        ----------
+        page : payload of the report
+        live : whether the page is live; by default where that is possible and the page stays small
+        """
+        kind = type(self).__name__
+        return page | {"live": {"reason": f"{kind} does not run in a page"}} if live else page
+
     def save(self, path: str | Path, **first_view: Any) -> Path:
         """Write all results and the page to a NetCDF file; ``load_results`` reads it back."""
         return self._save(path, self.page(**first_view) if self.has_page else None)

@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.live import Row
+from dalembert.units.unit import shown_in
 
 MAX_BYTES = 300_000
 """Upper limit of the size of a module that a page contains without a request."""
@@ -26,7 +27,7 @@ def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None
         module is small
     """
     model = motion.model
-    bounded = any(None not in parameter.bounds for parameter in model.parameters.values())
+    bounded = any(np.isfinite(parameter.bounds).all() for parameter in model.parameters.values())
     if live is False or not (bounded or live):
         return page
     if not model.parameters:
@@ -53,8 +54,8 @@ def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[
     for parameter, value, row in zip(
         motion.model.parameters.values(), motion.parameters, shown, strict=False
     ):
-        lower, upper = parameter.bounds
-        factor = parameter.value / row["value"] if row["value"] else 1.0
+        lower, upper = (bound if np.isfinite(bound) else None for bound in parameter.bounds)
+        factor, _ = shown_in(parameter.unit, [row["unit"]] if row["unit"] else [])
         rows.append(row | {"value": float(value), "lower": lower, "upper": upper, "factor": factor})
     return rows
 
