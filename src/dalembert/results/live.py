@@ -16,8 +16,20 @@ from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
+from dalembert.errors import AnalysisError
+from dalembert.symbolic.formulas.expression import Expression
+
 if TYPE_CHECKING:
     from dalembert.symbolic.native.webassembly import WebModule
+
+
+WORK_ROWS = {
+    "dissipated_energy": ((1.0, 0.0), False),
+    "input_energy": ((0.0, 1.0), False),
+    "balance_error": ((1.0, -1.0), True),
+}
+"""Energy of a result → factors of the dissipated energy and the energy input, and whether the
+kinetic and potential energy are added."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +46,25 @@ class Row:
     expression: ca.SX
     work: tuple[float, float] = (0.0, 0.0)
     relative: bool = False
+
+
+def measure_row(model: Any, name: str | Expression) -> Row:
+    """Row of a measure or formula, or of an energy of the result.
+
+    Raises
+    ------
+    AnalysisError
+        The measure is a vector.
+    """
+    if isinstance(name, str) and name in WORK_ROWS:
+        work, of_energy = WORK_ROWS[name]
+        total = model.expression("energy").sx if of_energy else ca.SX(0)
+        return Row(total, work, relative=True)
+    expression = model.expression(name)
+    if len(expression) > 1:
+        text = name if isinstance(name, str) else name.name
+        raise AnalysisError(f"measure {text!r} has {len(expression)} components; take one")
+    return Row(expression.sx)
 
 
 @dataclass(frozen=True, eq=False)

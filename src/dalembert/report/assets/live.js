@@ -8,12 +8,13 @@
 /** @import { Scene } from "./scene.js" */
 
 import { byId, el } from "./dom.js";
+import { bytesOf, inflated } from "./inflate.js";
 import { Design } from "./live_design.js";
 import { ParameterPanel } from "./live_panel.js";
 import { Solver } from "./live_solver.js";
 import { ResponseTable } from "./live_table.js";
 import { clamp, list, tidy } from "./numbers.js";
-import { bytesOf, inflated, payload } from "./payload.js";
+import { payload } from "./payload.js";
 
 /** Upper limit of the responses that are listed by default. */
 const MAX_RESPONSES = 6;

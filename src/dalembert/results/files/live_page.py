@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.live import Row
+from dalembert.results.live import Row, measure_row
 from dalembert.units.unit import shown_in
 
 MAX_BYTES = 300_000
@@ -73,22 +72,13 @@ def _rows(motion: LabelledRecording, page: dict[str, Any]) -> tuple[list[Any], l
             rows.append(row)
         columns.append([path, numbers[name], factor])
 
-    total = model.expression("kinetic_energy").sx + model.expression("potential_energy").sx
-    zero = ca.SX(0)
-    special = {
-        "energy": Row(total),
-        "dissipated_energy": Row(zero, (1.0, 0.0), True),
-        "input_energy": Row(zero, (0.0, 1.0), True),
-        "balance_error": Row(total, (1.0, -1.0), True),
-    }
     for k, series in enumerate(page["series"]):
         name = series["name"]
         if name.endswith("_violation"):
             continue
-        row = special[name] if name in special else Row(model.expression(name).sx)
-        put(["series", k, "values"], name, row)
+        put(["series", k, "values"], name, measure_row(model, name))
     for k, body in enumerate(page["scene"]["bodies"]):
         for coordinate in ("x", "y", "angle"):
             name = f"{body['name']}.{coordinate}"
-            put(["scene", "bodies", k, coordinate], name, Row(model.expression(name).sx))
+            put(["scene", "bodies", k, coordinate], name, measure_row(model, name))
     return columns, rows
