@@ -14,7 +14,7 @@ import { ParameterPanel } from "./live_panel.js";
 import { Solver } from "./live_solver.js";
 import { ResponseTable } from "./live_table.js";
 import { clamp, list, tidy } from "./numbers.js";
-import { bytesOf, inflated, payload } from "./payload.js";
+import { payload } from "./payload.js";
 
 /** Upper limit of the responses that are listed by default. */
 const MAX_RESPONSES = 6;
@@ -42,8 +42,8 @@ function putColumns(live, { table, times }) {
 }
 
 /** @param {{ motion: Motion, scene: Scene, player: Player, board: Board | null }} page @param {Dimension} dimension */
-export async function buildLive({ motion, scene, player, board }, dimension) {
-  const code = /** @type {LiveCode} */ (payload.live), numbers = JSON.parse(new TextDecoder().decode(await inflated(bytesOf(code.exact))));
+export function buildLive({ motion, scene, player, board }, dimension) {
+  const code = /** @type {LiveCode} */ (payload.live), numbers = JSON.parse(code.exact);
   /** @type {LiveData} */
   const live = { ...code, ...numbers }, design = new Design(live.parameters), solver = new Solver(live);
   const panel = new ParameterPanel(design), responses = plottedResponses(live), table = new ResponseTable(responses);

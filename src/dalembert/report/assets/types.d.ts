@@ -139,7 +139,7 @@ export interface LiveFunction { inputs: number[]; outputs: number[]; work: [numb
 export interface LiveCode {
   /** Deflated module in base64. */
   code: string;
-  /** Deflated JSON of `LiveData`, with all digits, in base64. */
+  /** JSON of `LiveData`, with all digits. */
   exact: string;
   functions: Record<string, LiveFunction>;
   /** First byte of memory that the module does not occupy. */
