@@ -95,11 +95,5 @@ class LiveFunctions:
             for name, f in module.functions.items()
         }
         code = base64.b64encode(zlib.compress(module.code, 9)).decode("ascii")
-        constants = {"functions": sizes, "memory": module.data_end, "code": code}
-        return constants | {"exact": exact({**self.data, **more})}
-
-
-def exact(data: Mapping[str, Any]) -> str:
-    """Plain data and arrays as text, with all digits: deflated JSON in base64."""
-    text = json.dumps(data, default=lambda array: array.tolist())
-    return base64.b64encode(zlib.compress(text.encode(), 9)).decode("ascii")
+        exact = json.dumps({**self.data, **more}, default=lambda array: array.tolist())
+        return {"functions": sizes, "memory": module.data_end, "code": code, "exact": exact}

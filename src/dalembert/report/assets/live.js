@@ -10,6 +10,7 @@
 import { byId, el } from "./dom.js";
 import { bytesOf, inflated } from "./inflate.js";
 import { Design } from "./live_design.js";
+import { PathDrag } from "./live_drag.js";
 import { ParameterPanel } from "./live_panel.js";
 import { Solver } from "./live_solver.js";
 import { ResponseTable } from "./live_table.js";
@@ -42,15 +43,16 @@ function putColumns(live, { table, times }) {
 }
 
 /** @param {{ motion: Motion, scene: Scene, player: Player, board: Board | null }} page @param {Dimension} dimension */
-export async function buildLive({ motion, scene, player, board }, dimension) {
-  const code = /** @type {LiveCode} */ (payload.live), numbers = JSON.parse(new TextDecoder().decode(await inflated(bytesOf(code.exact))));
+export function buildLive({ motion, scene, player, board }, dimension) {
+  const code = /** @type {LiveCode} */ (payload.live), numbers = JSON.parse(code.exact);
   /** @type {LiveData} */
   const live = { ...code, ...numbers }, design = new Design(live.parameters), solver = new Solver(live);
   const panel = new ParameterPanel(design), responses = plottedResponses(live), table = new ResponseTable(responses);
   const card = el("section", { class: "card live", id: "live", "aria-label": "Parameters and responses" }, panel.node, table.node);
   byId("board").prepend(card);
 
-  const request = () => solver.request({ parameters: design.values, responses, gradient: responses.length ? table.selected : null });
+  const drag = new PathDrag({ motion, scene, player }, design, live);
+  const request = () => solver.request({ parameters: design.values, responses, gradient: responses.length ? table.selected : null, point: drag.request });
   /** @param {LiveResult} result */
   const show = (result) => {
     putColumns(live, result);
@@ -67,10 +69,15 @@ export async function buildLive({ motion, scene, player, board }, dimension) {
     panel.say("");
     document.documentElement.dataset.live = String(result.number);
   });
-  solver.onSlopes.on(({ slopes }) => panel.showSlopes(slopes, responses[table.selected] ?? null));
+  solver.onSlopes.on((answer) => {
+    panel.showSlopes(answer.slopes, responses[table.selected] ?? null);
+    drag.receive(answer);
+  });
+  drag.onHold.on(request);
   solver.onFailure.on(({ number, failure, residual }) => {
     panel.say(`${failure}${residual === undefined ? "" : `; residual ${tidy(residual, 3)}`}. The picture is that of the last valid design.`, "error");
     document.documentElement.dataset.live = String(number);
+    drag.retreat();
   });
   solver.onBusy.on((busy) => panel.node.classList.toggle("busy", busy));
   design.onChange.on(request);
@@ -79,5 +86,5 @@ export async function buildLive({ motion, scene, player, board }, dimension) {
   let writing;
   design.onChange.on(() => { clearTimeout(writing); writing = setTimeout(() => design.write(), 300); });
   solver.ready.then(request, (error) => panel.say(`This browser does not run the page: ${error.message}`, "error"));
-  Object.assign(/** @type {any} */ (window).dalembert, { design, solver, table });
+  Object.assign(/** @type {any} */ (window).dalembert, { design, solver, table, drag });
 }

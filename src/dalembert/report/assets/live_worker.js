@@ -11,7 +11,7 @@ let run;
 let waiting = null;
 
 /** @param {LiveRequest} request */
-function answer({ number, parameters, responses, gradient }) {
+function answer({ number, parameters, responses, gradient, point }) {
   const begin = performance.now();
   try {
     const result = run.run(parameters), { times, table, rows } = result, n = times.length;
@@ -19,7 +19,9 @@ function answer({ number, parameters, responses, gradient }) {
     const values = responses.map((response) => valueOf(response, times, row(response.row)));
     const weights = gradient === null ? null : new Map([[responses[gradient].row, samplesWeights(responses[gradient], times, row(responses[gradient].row))]]);
     postMessage({ number, times, table, rows, values, duration: performance.now() - begin }, { transfer: [table.buffer] });
-    postMessage({ number, slopes: weights && run.gradient(result, weights) });
+    const at = (/** @type {number} */ k) => new Map([[k, Float64Array.from({ length: n }, (_, i) => Number(i === point?.instant))]]);
+    const jacobian = point ? point.rows.map((k) => run.gradient(result, at(k))) : null;
+    postMessage({ number, slopes: weights && run.gradient(result, weights), jacobian });
   } catch (error) {
     if (!(error instanceof RunFailure)) throw error;
     postMessage({ number, failure: error.message, residual: error.residual, loop: error.loop });

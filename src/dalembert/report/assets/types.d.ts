@@ -139,7 +139,7 @@ export interface LiveFunction { inputs: number[]; outputs: number[]; work: [numb
 export interface LiveCode {
   /** Deflated module in base64. */
   code: string;
-  /** Deflated JSON of `LiveData`, with all digits, in base64. */
+  /** JSON of `LiveData`, with all digits. */
   exact: string;
   functions: Record<string, LiveFunction>;
   /** First byte of memory that the module does not occupy. */
@@ -170,9 +170,10 @@ export interface LiveParameter extends Bounds { name: string; unit: string; fact
 /** Reduction of a row over time. */
 export interface LiveResponse { kind: "final" | "maximum" | "minimum" | "mean" | "rms" | "integral"; row: number; label: string; unit: string }
 /** Request to the worker: `gradient` is the number of the response that is differentiated. */
-export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradient: number | null }
+export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradient: number | null; point?: { instant: number; rows: number[] } | null }
 export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; duration: number }
-export interface LiveSlopes { number: number; slopes: Float64Array | null }
+/** Gradient of the selected response, and of the coordinates of a point. */
+export interface LiveSlopes { number: number; slopes: Float64Array | null; jacobian: Float64Array[] | null }
 export interface LiveFailure { number: number; failure: string; residual?: number; loop?: string }
 
 // Parts of a page -----------------------------------------------------------------------------------
