@@ -20,8 +20,9 @@ PAGES = {
     "live mechanism": "live_planar.js",
     "live spatial mechanism": "live_spatial.js",
     "worker": "live_worker.js",
+    "module": "module.js",
 }
-"""Kind of page, and its dimension → main module."""
+"""Kind of page and its dimension, or of another script → main module."""
 KINDS = ("mechanism", "spatial", "structure", "decision")
 """Kinds of payloads."""
 
