@@ -11,9 +11,21 @@ const largest = (/** @type {ArrayLike<number>} */ values) => {
   return most;
 };
 
+/** March that stopped: its reason, the last state, the length of the step from there; the state lies in memory until the next run.
+ * @typedef {{ reason: string, end: number, length: number, x: Float64Array, p: Float64Array }} BrokenMarch */
+
 /** Failure of a run, with the wording of the status. */
 export class RunFailure extends Error {
-  /** @param {string} message @param {{ residual?: number, rows?: number[] }} [details] */
+  name = "RunFailure";
+
+  /** Value of the outcome in Python. */
+  outcome = "cannot be assembled";
+  /** @type {number | undefined} */
+  residual;
+  /** @type {BrokenMarch | undefined} */
+  march;
+
+  /** @param {string} message @param {{ residual?: number, rows?: number[], outcome?: string, march?: BrokenMarch }} [details] */
   constructor(message, details = {}) { super(message); Object.assign(this, details); }
 }
 
@@ -68,7 +80,7 @@ export class LiveRun {
     const { engine, data } = this;
     engine.top = this.base;
     const y = this.assembled(p), [x0] = engine.evaluate("start", [data.start], y, p) ?? [];
-    if (!x0 || !Number.isFinite(largest(x0))) throw new RunFailure("the initial speeds are not determined");
+    if (!x0 || !Number.isFinite(largest(x0))) throw new RunFailure("the initial speeds are not determined", { outcome: "singular position" });
     const [q] = engine.evaluate("values", p) ?? [], values = engine.put(q ?? []);
     return data.steps ? this.fixed(p, y, x0, values) : this.adaptive(p, y, x0, values);
   }
@@ -84,17 +96,17 @@ export class LiveRun {
       const { done } = engine.call("step", length, [states + 8 * size * k, ts + 8 * k, hs + 8 * k, fs + 8 * k, values], new Set([4]), true);
       engine.top = mark;
       const reached = engine.view(states + 8 * size * (k + done), size);
-      if (done < length || !Number.isFinite(largest(reached))) throw new RunFailure(this.failureIn(states, t, k, k + done));
+      if (done === length && Number.isFinite(largest(reached))) continue;
+      let last = k;
+      while (last < k + done && Number.isFinite(largest(engine.view(states + 8 * size * (last + 1), size)))) last++;
+      const reason = last < k + done ? "the state is no longer finite" : "a step failed";
+      throw this.broken(reason, t[last], h[last], engine.view(states + 8 * size * last, size).slice(), p);
     }
     return { count, t, h, flags, states, p, y, values };
   }
 
-  /** Message about the first state that is not finite. @param {number} states @param {Float64Array} t @param {number} from @param {number} to */
-  failureIn(states, t, from, to) {
-    let k = from;
-    while (k < to && Number.isFinite(largest(this.engine.view(states + 8 * this.size * (k + 1), this.size)))) k++;
-    return k < to ? `the state is no longer finite after t = ${t[k]} s` : `a step failed after t = ${t[Math.min(k, t.length - 1)]} s`;
-  }
+  /** Failure of a march. @param {string} reason @param {number} end @param {number} length @param {Float64Array} x @param {Float64Array} p */
+  broken(reason, end, length, x, p) { return new RunFailure(`${reason} after t = ${end} s`, { outcome: "diverged", march: { reason, end, length, x, p } }); }
 
   /** March with error control: attempts that accept or reject their step. @param {Float64Array} p @param {Float64Array} y @param {Float64Array} x0 @param {number} values */
   adaptive(p, y, x0, values) {
@@ -120,9 +132,9 @@ export class LiveRun {
       engine.top = mark;
       const last = states.slice(width * done, width * (done + 1));
       now = last[0];
-      if (!Number.isFinite(largest(last))) throw new RunFailure(`the state is no longer finite after t = ${t.at(-1) ?? data.start} s`);
-      if (done < ATTEMPTS) throw new RunFailure(`a step failed after t = ${now} s`);
-      if (last[1] < SMALLEST_STEP * Math.max(end - data.start, Math.abs(now))) throw new RunFailure(`the step length fell below ${last[1].toExponential(1)} s at t = ${now} s`);
+      const reached = h.length ? t[h.length - 1] + h[h.length - 1] : data.start, short = last[1] < SMALLEST_STEP * Math.max(end - data.start, Math.abs(now));
+      const reason = !Number.isFinite(largest(last)) ? "the state is no longer finite" : done < ATTEMPTS ? "a step failed" : now < end && short ? `the step length fell below ${last[1].toExponential(1).replace(/-(\d)$/, "-0$1")} s` : "";
+      if (reason) throw this.broken(reason, reached, last[1], accepted[accepted.length - 1], p);
       engine.view(chunk, width).set(last);
     }
     const states = engine.room(size * accepted.length);
@@ -150,8 +162,8 @@ export class LiveRun {
       at.set(all.subarray(size * k, size * (k + 1)), size * i);
     }
     if (inside.length) {
-      const m = inside.length, from = engine.room(size * m), begin = engine.view(from, size * m);
-      inside.forEach((i, j) => begin.set(all.subarray(size * steps[i], size * (steps[i] + 1)), size * j));
+      const m = inside.length, from = engine.room(size * m), begin = engine.view(from, size * m), reached = engine.view(march.states, size * (count + 1));
+      inside.forEach((i, j) => begin.set(reached.subarray(size * steps[i], size * (steps[i] + 1)), size * j));
       const arguments_ = [inside.map((i) => t[steps[i]]), inside.map((i) => lengths[i]), inside.map(() => 1)].map((column) => engine.put(column));
       const { to: [result] } = engine.call("step", m, [from, ...arguments_, march.values], new Set([4]));
       const ends = engine.view(result, size * m), target = engine.view(x, size * n);
@@ -170,7 +182,7 @@ export class LiveRun {
     const values = engine.view(result, rows * n), table = new Float64Array(rows * n);
     for (let i = 0; i < n; i++) for (let r = 0; r < rows; r++) table[r * n + i] = values[rows * i + r];
     for (const r of data.relative) for (let i = n - 1; i >= 0; i--) table[r * n + i] -= table[r * n];
-    return { times: places.times, table, rows, march, places };
+    return { times: places.times, table, rows, states: { t: ts, x, p: ps }, march, places };
   }
 
   /** The leading part of states, without the memory of multistep methods. @param {number} x @param {number} n */
@@ -201,10 +213,10 @@ export class LiveRun {
     for (let j = 0; j < m; j++) for (let k = 0; k < p.length; k++) total[k] += gradients[p.length * j + k];
     const [q] = engine.evaluate("adjoint_values", p) ?? [], [rates] = engine.named("step_adjoint").inputs, qs = engine.put(q ?? []);
     const carried = engine.room(rates * (count + 1)), injected = engine.room(size * (count + 1));
-    const inject = engine.view(injected, size * (count + 1)), first = engine.view(carried, rates);
+    const ends = engine.view(xs, width * m).slice(), first = new Float64Array(rates), fromInside = this.pulled(run, active, ends, width, qs, first, rates);
+    const inject = engine.view(injected, size * (count + 1));
     inject.fill(0);
-    first.fill(0);
-    const ends = engine.view(xs, width * m), fromInside = this.pulled(run, active, ends, width, qs, first, rates);
+    engine.view(carried, rates).set(first);
     active.forEach((i, j) => {
       const { steps, lengths } = places, k = steps[i], whole = lengths[i] !== 0 && lengths[i] === march.h[k], state = fromInside.get(j) ?? ends.subarray(width * j, width * (j + 1));
       for (let c = 0; c < state.length; c++) inject[size * (k + (whole ? 1 : 0)) + c] += state[c];
