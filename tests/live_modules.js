@@ -3,7 +3,7 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { inflateSync } from "node:zlib";
 import { LIBRARY } from "./live_engine.js";
-import { LiveRun } from "./live_run.js";
+import { LiveRun, RunFailure } from "./live_run.js";
 import { checkedStatus, failedStatus } from "./live_status.js";
 
 const KINDS = { dynamics: LiveRun };
@@ -12,15 +12,15 @@ const folder = process.argv[2];
 /** Numbers of JSON, which has no infinities. */
 const plain = (values) => Array.from(values, (x) => (Number.isFinite(x) ? x : String(x)));
 
-function outcome({ data, parameters, weights }) {
-  const run = new KINDS[data.kind](new WebAssembly.Module(inflateSync(Buffer.from(data.code, "base64"))), data);
+function outcome({ data: { exact, ...constants }, parameters, weights }) {
+  const data = { ...JSON.parse(inflateSync(Buffer.from(exact, "base64"))), ...constants }, run = new KINDS[data.kind](new WebAssembly.Module(inflateSync(Buffer.from(data.code, "base64"))), data);
   try {
     const result = run.run(parameters), { times, table, rows } = result, status = checkedStatus(run, result);
     const gradients = weights.map((entries) => run.gradient(result, new Map(entries.map(([row, values]) => [row, Float64Array.from(values)]))));
     const again = run.run(parameters).table, same = again.every((value, k) => Object.is(value, table[k]));
     return { times: plain(times), table: plain(table), rows, status, gradients: gradients.map(plain), same };
   } catch (error) {
-    if (error.name === "RunFailure") return { status: failedStatus(run, error) };
+    if (error instanceof RunFailure) return { status: failedStatus(run, error) };
     throw error;
   }
 }

@@ -16,8 +16,7 @@ from spatial_registry import SPATIAL_CASES, any_model_of
 from units import Units
 
 import dalembert as da
-from dalembert.analysis.live.dynamics_module import dynamics_functions, obstacle
-from dalembert.analysis.live.module import Row
+from dalembert.results.live import Row
 from dalembert.sensitivity.samples import take_sample
 
 NAMES = [*CASES, *SPATIAL_CASES]
@@ -66,7 +65,7 @@ def prepare(modules: Modules, name: str, strategy: str) -> Expected | str:
     """Add a run, or return the obstacle."""
     model = any_model_of(name)
     motion = da.solve_dynamics(model, DURATION, **STRATEGIES[strategy])
-    if reason := obstacle(motion):
+    if reason := motion.analysis.live_obstacle(motion):
         return reason
     other = motion.analysis.run(model, changed(model))
     names = scalar_measures(model)
@@ -79,7 +78,7 @@ def prepare(modules: Modules, name: str, strategy: str) -> Expected | str:
     weights[np.searchsorted(times, integral.motion.time)] = integral.weights
     weights = [np.eye(times.size)[-1], weights]
     rows = [Row(model.expression(n).sx) for n in names]
-    data = dynamics_functions(motion, rows, times).page_data()
+    data = motion.analysis.live_functions(motion, rows, times).page_data()
     pairs = [{row: column} for row, column in zip(subjects, weights, strict=True)]
     modules.add(f"{name}, {strategy}", data, other.parameters, pairs)
     gradients = da.sensitivity(other, responses, method="adjoint").values

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from live_modules import Modules, Outcome
 
 import dalembert as da
 from dalembert import planar
-from dalembert.analysis.live.dynamics_module import dynamics_functions
-from dalembert.analysis.live.module import Row
+from dalembert.results.live import Row
 
 GRAVITY = (0.0, -9.81)
 
@@ -86,7 +83,7 @@ def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[da.Sta
         motion.analysis = da.Dynamics(**options)
         body = "crank" if build is four_bar else "stone"
         row = Row(model.expression(f"{body}.x").sx)
-        data = dynamics_functions(motion, [row], motion.time).page_data()
+        data = motion.analysis.live_functions(motion, [row], motion.time).page_data()
         modules.add(name, data, np.array([value]))
         expected[name] = motion.analysis.run(model, np.array([value])).status
     results, _ = modules.run()

@@ -12,15 +12,16 @@ from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.residual_check import DRIFT, held_levels
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.live.checks import check_data, residuals
-from dalembert.analysis.live.module import LiveFunctions, Row
+from dalembert.analysis.live.rows import smooth_rows
 from dalembert.analysis.live.start import closing, violation
 from dalembert.analysis.residual_check import EXACT
 from dalembert.analysis.singular_positions import LOST
 from dalembert.formulations.base import WORK, Level
+from dalembert.integrators.marching.steps import Steps
 from dalembert.model.graph.model import Model
+from dalembert.results.live import LiveFunctions, Row
 from dalembert.results.motion import Motion
 from dalembert.symbolic.evaluation.columns import compiled_form
-from dalembert.symbolic.formulas.expression import Expression, stack
 
 
 def obstacle(motion: Motion) -> str:
@@ -86,10 +87,13 @@ def dynamics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -
         "instant": steps.instant,
         "anchor": {"p": motion.model.closure.anchor[0], "y": motion.model.closure.anchor[1]},
         "relative": [k for k, row in enumerate(rows) if row.relative],
+        "roots": smooth_rows(rows)[1],
         "check": _check(kernel, variant, motion),
     }
     if kernel.adaptive is None:
-        data["steps"] = {"t": steps.t, "h": steps.h, "corrected": steps.corrected.astype(float)}
+        data["steps"] = _prescribed(steps)
+        ends = np.append(steps.t, steps.end)
+        data["times"] = None if np.array_equal(times, ends) else times
     else:
         run: Any = motion.analysis
         first = run.step if run.step else 1e-4 * (steps.end - float(steps.t[0]))
@@ -124,6 +128,16 @@ def _check(kernel: DynamicsKernel, variant: Variant, motion: Motion) -> dict[str
     return check_data(model, levels, **more, **lost)
 
 
+def _prescribed(steps: Steps) -> dict[str, Any]:
+    """Times of steps: of equal ones, start, length, end and number; their corrections."""
+    t, end = steps.t, steps.end
+    equal = np.append(t[0] + steps.h[0] * np.arange(steps.count), end)
+    corrected = np.flatnonzero(~steps.corrected)
+    if not np.array_equal(equal, np.append(t, end)):
+        return {"ends": np.append(t, end), "uncorrected": corrected}
+    return {"length": steps.h[0], "end": end, "count": steps.count, "uncorrected": corrected}
+
+
 def _start(
     kernel: DynamicsKernel, variant: Variant, model: Model
 ) -> tuple[ca.Function, ca.Function]:
@@ -154,7 +168,7 @@ def _start(
 
 def _outputs(variant: Variant, rows: Sequence[Row]) -> tuple[ca.Function, ca.Function]:
     """``(t, x, p) → values`` of the rows, and ``(t, x, p, weights) → x̄, p̄``."""
-    measured = variant.measured(Expression(stack(row.expression for row in rows)))
+    measured = variant.measured(smooth_rows(rows)[0])
     e, count = variant.equations, variant.step.state_size
     at = e.coordinate_count + e.speed_count
     work = ca.DM([row.work for row in rows])
