@@ -156,6 +156,9 @@ export interface LiveData extends LiveCode {
   anchor: { p: number[]; y: number[] };
   /** Rows whose value at the start is subtracted. */
   relative: number[];
+  /** Rows of which the module returns the square. */
+  roots: number[];
+  check: LiveCheck;
   /** Prescribed steps. */
   steps?: { ends?: number[]; length?: number; count?: number; end?: number; uncorrected: number[] };
   /** Places of columns in the payload, numbers of their rows, and divisors of their units. */
@@ -164,6 +167,38 @@ export interface LiveData extends LiveCode {
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
+/** Limits, sizes and names for the check of a result by the model's own equations. */
+export interface LiveCheck {
+  /** Level, limit, and whether residuals are compared with the largest terms. */
+  levels: [number, number, boolean][];
+  /** Names, units and sizes of the constraint equations. */
+  rows: string[];
+  units: string[];
+  sizes: number[];
+  /** Limit for the equations of motion, null where the result has no forces. */
+  motion: number | null;
+  speeds: string[];
+  speed_sizes: number[];
+  effort_units: string[];
+  efforts: number[];
+  /** Natural time [s] and energy [J]. */
+  time: number;
+  energy?: number;
+  /** Upper limit of the number of instants of the complete check. */
+  checked: number;
+  /** Share of the natural speed below which a mechanism counts as at rest. */
+  still: number;
+  /** Limit of approximately enforced constraints. */
+  drift?: number;
+  /** Largest permitted energy error as a share. */
+  balance?: number;
+  /** Violation after the projection at which a run is lost [m]. */
+  lost?: number;
+  /** Message of a completed run, by default the time reached. */
+  reached?: string;
+}
+/** Outcome, message, time and residual of a result, as `Status` in Python. */
+export interface LiveStatus { outcome: string; message: string; time: number; residual: number; success: boolean }
 
 /** Parameter in SI units; `factor` leads to the unit that is shown. */
 export interface LiveParameter extends Bounds { name: string; unit: string; factor: number; description?: string }
