@@ -1,21 +1,23 @@
-"""Functions of an analysis for other parameters, compiled to one WebAssembly module.
+"""Functions of an analysis that a live page evaluates for other parameters.
 
-A module contains all mechanics: assembly, steps, outputs and their adjoints. The loops over steps
-and iterations are those of the script ``report/assets/live_run.js``.
+Their WebAssembly module contains all mechanics: assembly, steps, outputs and their adjoints. The
+loops over steps and iterations are those of the script ``report/assets/live_run.js``.
 """
 
 from __future__ import annotations
 
 import base64
+import json
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
-from dalembert.symbolic.native.webassembly import WebModule, web_module
+if TYPE_CHECKING:
+    from dalembert.symbolic.native.webassembly import WebModule
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,7 @@ class Row:
     ----------
     expression : SX of coordinates, speeds, accelerations, multipliers, time and parameters
     work : factors of the dissipated energy and of the energy input, which are added
-    relative : whether the value at the start is subtracted
+    relative : whether the value at the first output is subtracted
     """
 
     expression: ca.SX
@@ -50,15 +52,17 @@ class LiveFunctions:
     @cached_property
     def module(self) -> WebModule:
         """The compiled functions."""
+        from dalembert.symbolic.native.webassembly import web_module
+
         return web_module(self.functions)
 
-    def page_data(self) -> dict[str, Any]:
-        """Module and constants as plain data."""
+    def page_data(self, **more: Any) -> dict[str, Any]:
+        """Module, constants and more data of the script as plain data."""
         module = self.module
         sizes = {
             name: {"inputs": f.inputs, "outputs": f.outputs, "work": f.work}
             for name, f in module.functions.items()
         }
         code = base64.b64encode(zlib.compress(module.code, 9)).decode("ascii")
-        constants = {"functions": sizes, "memory": module.data_end, "code": code}
-        return {**self.data, **constants}
+        exact = json.dumps({**self.data, **more}, default=lambda array: array.tolist())
+        return {"functions": sizes, "memory": module.data_end, "code": code, "exact": exact}
