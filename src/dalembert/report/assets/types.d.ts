@@ -164,6 +164,11 @@ export interface LiveData extends LiveCode {
   /** Places of columns in the payload, numbers of their rows, and divisors of their units. */
   columns: [(string | number)[], number, number][];
   parameters: LiveParameter[];
+  /** Instants of a driven motion, numbers of the outputs among them, rows without values, limits of steps. */
+  path?: number[];
+  places?: number[];
+  undetermined?: number[];
+  limits?: { regular: number; tolerance: number; turn: number; small: [number, number]; fraction: number };
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
