@@ -168,6 +168,11 @@ export interface LiveData extends LiveCode {
   /** Names of bodies and elements whose picture remains that of the initial parameters. */
   initial: string[];
   parameters: LiveParameter[];
+  /** Instants of a driven motion, numbers of the outputs among them, rows without values, limits of steps. */
+  path?: number[];
+  places?: number[];
+  undetermined?: number[];
+  limits?: { regular: number; tolerance: number; turn: number; small: [number, number]; fraction: number };
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
