@@ -125,8 +125,8 @@ def measured_series(motion: LabelledRecording, keep: np.ndarray) -> list[Series]
             put_all(point, quantity, variable, "points", point=point)
     for joint in data.labels("joint"):
         put_all(joint, "force.{}", "reaction_force", "reactions", joint=joint)
-        force, source = (get("reaction_force", joint=joint) for get in (data.at, motion.source))
-        norm, formula = np.linalg.norm(force[keep], axis=1), _norm(source)
+        norm = np.linalg.norm(data.at("reaction_force", joint=joint)[keep], axis=1)
+        formula = _norm(motion.source("reaction_force", joint=joint))
         add(f"{joint}.force_norm", "N", "reactions", norm, formula)
         put_all(joint, "moment.{}", "reaction_moment", "reactions", joint=joint)
     for driver in data.labels("driver"):
@@ -147,7 +147,7 @@ def measured_series(motion: LabelledRecording, keep: np.ndarray) -> list[Series]
 
 def _norm(vector: Source | None) -> Source | None:
     """Formula of the norm of a vector."""
-    return None if vector is None else ca.sqrt(ca.sumsqr(vector))
+    return ca.sqrt(ca.sumsqr(vector)) if isinstance(vector, ca.SX) else None
 
 
 def _unit(motion: LabelledRecording, unit: str, name: str) -> str:

@@ -9,27 +9,15 @@ from __future__ import annotations
 import base64
 import json
 import zlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 
-from dalembert.errors import AnalysisError
-from dalembert.symbolic.formulas.expression import Expression
-
 if TYPE_CHECKING:
     from dalembert.symbolic.native.webassembly import WebModule
-
-
-WORK_ROWS = {
-    "dissipated_energy": ((1.0, 0.0), False),
-    "input_energy": ((0.0, 1.0), False),
-    "balance_error": ((1.0, -1.0), True),
-}
-"""Energy of a result → factors of the dissipated energy and the energy input, and whether the
-kinetic and potential energy are added."""
 
 
 @dataclass(frozen=True)
@@ -48,25 +36,6 @@ class Row:
     relative: bool = False
 
 
-def measure_row(model: Any, name: str | Expression) -> Row:
-    """Row of a measure or formula, or of an energy of the result.
-
-    Raises
-    ------
-    AnalysisError
-        The measure is a vector.
-    """
-    if isinstance(name, str) and name in WORK_ROWS:
-        work, of_energy = WORK_ROWS[name]
-        total = model.expression("energy").sx if of_energy else ca.SX(0)
-        return Row(total, work, relative=True)
-    expression = model.expression(name)
-    if len(expression) > 1:
-        text = name if isinstance(name, str) else name.name
-        raise AnalysisError(f"measure {text!r} has {len(expression)} components; take one")
-    return Row(expression.sx)
-
-
 @dataclass(frozen=True, eq=False)
 class LiveFunctions:
     """Functions of an analysis and the constants of its script.
@@ -79,6 +48,12 @@ class LiveFunctions:
 
     functions: Mapping[str, ca.Function]
     data: Mapping[str, Any]
+
+    def with_numbers(self, numbers: Sequence[ca.SX], p: ca.SX) -> LiveFunctions:
+        """The same with a function ``numbers(p)`` of parameters, for pictures."""
+        graph = ca.densify(ca.vertcat(*numbers)) if numbers else ca.SX.zeros(1)
+        function = ca.Function("numbers", [p], [graph], {"cse": True})
+        return replace(self, functions={**self.functions, "numbers": function})
 
     @cached_property
     def module(self) -> WebModule:

@@ -12,7 +12,9 @@ import numpy as np
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.files import atomic_path
 from dalembert.results.files.live_responses import PageResponse, page_responses
-from dalembert.results.live import WORK_ROWS, LiveFunctions, Row, measure_row
+from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.sources import WorkBalance
+from dalembert.results.variables import energy_sources
 from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
@@ -131,14 +133,28 @@ def build_module(
         name = measure if isinstance(measure, str) else measure.name
         if not name:
             raise AnalysisError("a measure of a module has no name; give the formula as a text")
-        number_of(name, measure_row(model, measure))
-        units[name] = "J" if name in WORK_ROWS else result.expression(measure).unit
+        row, units[name] = _row(model, measure)
+        number_of(name, row)
     times = np.array(result.time)
     reductions = page_responses(result, responses, times, number_of)
     if not rows:
         raise AnalysisError(f"the module of {model.name!r} has no outputs; give measures=[...]")
     live = result.analysis.live_functions(result, rows, times)
     return Module(model.name, live, _parameters(result), units, reductions)
+
+
+def _row(model: Any, measure: str | Expression) -> tuple[Row, str]:
+    """Row and unit of a measure."""
+    energies = energy_sources(model) if model.kind == "mechanism" else {}
+    source = energies.get(measure) if isinstance(measure, str) else None
+    if isinstance(source, WorkBalance):
+        return Row(source.sx, source.work, source.relative), "J"
+    expression = model.expression(measure)
+    if len(expression) > 1:
+        raise AnalysisError(
+            f"measure {expression.name!r} has {len(expression)} components; take .x, .y or a norm"
+        )
+    return Row(expression.sx), expression.unit
 
 
 def _parameters(result: Any) -> list[dict[str, Any]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
@@ -53,6 +54,7 @@ class SceneCollector:
         self.joints: list[dict] = []
         self.links: list[dict] = []
         self.symbols: list[dict] = []
+        self.places: dict[int, tuple[Point, list[float]]] = {}
         self.time_dependent: list[tuple[dict, tuple[str, ...], ca.SX]] = []
 
     # numbers ---------------------------------------------------------------------------
@@ -60,7 +62,8 @@ class SceneCollector:
         """Components of a formula of parameters, which carry it."""
         column = ca.vec(ca.densify(sx))
         if column.is_constant():
-            return [float(entry) for entry in column.elements()]
+            entries: list[Any] = column.nonzeros()
+            return [float(entry) for entry in entries]
         value = ca.Function("n", [self.parameters], [column])
         return numbers(value(self.motion.parameters).full().ravel(), column)
 
@@ -74,7 +77,16 @@ class SceneCollector:
 
     def local(self, point: Point) -> list[float]:
         """Coordinates of a point in the frame of its body."""
-        return self.number(self.padded(point.local.sx))
+        if id(point) not in self.places:
+            self.locate([point])
+        return list(self.places[id(point)][1])
+
+    def locate(self, points: Sequence[Point]) -> None:
+        """Evaluate the coordinates of points in the frames of their bodies, in one operation."""
+        coordinates = self.number(ca.vertcat(*(self.padded(p.local.sx) for p in points)))
+        for k, point in enumerate(points):
+            own = coordinates[k * self.dimension : (k + 1) * self.dimension]
+            self.places[id(point)] = (point, own)
 
     def point_data(self, point: Point) -> PointData:
         """Data of a point in pages."""
@@ -97,7 +109,8 @@ class SceneCollector:
     def recorded(self, variable: str, **labels: str) -> Track:
         """A recorded variable over time."""
         values = self.data.at(variable, **labels)[self.keep].reshape(len(self.keep), -1)
-        return Track(values, self.motion.source(variable, **labels))
+        source = self.motion.source(variable, **labels)
+        return Track(values, source if isinstance(source, ca.SX) else None)
 
     def load(self, name: str, vector: ca.SX, symbol: PointData) -> None:
         """Record an applied force or moment over time."""

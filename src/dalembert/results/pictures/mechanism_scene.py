@@ -96,8 +96,8 @@ class MechanismScene:
             position, rotation = tracks[2 * k : 2 * k + 2]
             end = np.eye(1, self.primitives.dimension)[0] * length
             bar = {"kind": "bar", "from": [0.0] * len(end), "to": end.tolist()}
-            entries = {"name": f"{body.name}/{k + 1}", "of": body.name}
-            entries |= self.pose(position, rotation) | {"shapes": [bar]}
+            header = {"name": f"{body.name}/{k + 1}", "of": body.name}
+            entries = header | self.pose(position, rotation) | {"shapes": [bar]}
             bodies.append(entries if body.numbers is None else InitialPicture(body.name, entries))
         return bodies
 
@@ -121,15 +121,20 @@ class MechanismScene:
 
     def collect_points(self) -> None:
         """Collect the points of each body, named ones first."""
-        for body in self.model.bodies:
-            for point in body.points.values():
-                self.points[point.body.display_name].append(tuple(self.primitives.local(point)))
-        for element in self.primitives.elements:
-            for point in vars(element).values():
-                if isinstance(point, Point):
-                    coordinates = tuple(self.primitives.local(point))
-                    if coordinates not in self.points[point.body.display_name]:
-                        self.points[point.body.display_name].append(coordinates)
+        named = [point for body in self.model.bodies for point in body.points.values()]
+        attached = [
+            point
+            for element in self.primitives.elements
+            for point in vars(element).values()
+            if isinstance(point, Point)
+        ]
+        self.primitives.locate([*named, *attached])
+        for point in named:
+            self.points[point.body.display_name].append(tuple(self.primitives.local(point)))
+        for point in attached:
+            coordinates = tuple(self.primitives.local(point))
+            if coordinates not in self.points[point.body.display_name]:
+                self.points[point.body.display_name].append(coordinates)
 
     def extent(self) -> float:
         """Size of the mechanism, for symbols of relative size."""
@@ -161,7 +166,7 @@ def segment_poses(body: FloatingFrame, shapes: FloatingShapes) -> list[tuple[ca.
     return poses
 
 
-def _segment_rotation(body: FloatingFrame, direction: ca.SX, rest: np.ndarray) -> ca.SX:
+def _segment_rotation(body: Any, direction: ca.SX, rest: np.ndarray) -> ca.SX:
     """Angle, or Euler parameters (4,), that rotate the x axis into a direction of the frame.
 
     ``rest`` is the direction without deformation; angles are relative to it.

@@ -65,8 +65,8 @@ class SpatialPrimitives(Primitives):
     @draw.register
     def _(self, look: Surface, element: Any) -> None:
         vertices = (float(self.size_of(look.scale)) * look.corners).ravel()
-        shape = {"vertices": vertices.tolist(), "faces": look.triangles.ravel().tolist()}
-        shape = {"kind": "mesh", **shape}
+        faces = look.triangles.ravel().tolist()
+        shape: dict[str, Any] = {"kind": "mesh", "vertices": vertices.tolist(), "faces": faces}
         if not look.scale.is_constant() and vertices.size > MAX_FORMULAS:
             shape = InitialPicture(look.body.name, shape)
         elif not look.scale.is_constant():
@@ -172,11 +172,11 @@ class SpatialScene(MechanismScene):
         squares = 2.5 * (ca.sum1(principal) - 2 * principal) / body.mass.sx
         radii = ca.sqrt(ca.fmax(squares, (MIN_RADIUS * self.size) ** 2))
         radii = radii * ca.fmin(1.0, MAX_RADIUS * self.size / ca.mmax(radii))
-        shape = {"kind": "ellipsoid", "center": center, "size": self.primitives.number(2 * radii)}
-        shape["turn"] = quaternion.tolist()
+        size = self.primitives.number(2 * radii)
+        shape = {"kind": "ellipsoid", "center": center, "size": size, "turn": quaternion.tolist()}
         if inertia.is_constant() or (diagonal and _is_diagonal(inertia)):
             return shape
-        return InitialPicture(body.name, shape | {"size": list(map(float, shape["size"]))})
+        return InitialPicture(body.name, shape | {"size": [float(length) for length in size]})
 
 
 def _is_diagonal(matrix: ca.SX) -> bool:
