@@ -3,15 +3,20 @@
 /** @import { LiveResponse, ModuleData } from "./types.d.ts" */
 
 import { bytesOf, inflated } from "./inflate.js";
+import { LiveKinematics } from "./live_kinematics.js";
 import { responseOf } from "./live_responses.js";
 import { LiveRun, RunFailure } from "./live_run.js";
+import { checkedStatus, failedStatus } from "./live_status.js";
+
+/** Kind of an analysis → its loops. @type {Record<string, typeof LiveRun>} */
+const ANALYSES = { dynamics: LiveRun, kinematics: LiveKinematics };
 
 /** An analysis of a model. */
 class Analysis {
   /** @param {WebAssembly.Module} module @param {ModuleData} data */
   constructor(module, data) {
     this.data = data;
-    this.live = new LiveRun(module, data.live);
+    this.live = new ANALYSES[data.live.kind](module, data.live);
     this.names = data.parameters.map(({ name }) => name);
   }
 
@@ -31,26 +36,29 @@ class Analysis {
     throw new RangeError(`unknown response ${label}; there are ${this.data.responses.map((one) => one.label).join(", ") || "none"}`);
   }
 
+  /** Run of the analysis with its status, which is that of Python. @param {number[]} parameters */
+  run(parameters) {
+    try {
+      const run = this.live.run(parameters);
+      return { run, status: checkedStatus(this.live, run) };
+    } catch (error) {
+      if (error instanceof RunFailure) return { run: null, status: failedStatus(this.live, error) };
+      throw error;
+    }
+  }
+
   /** @param {Record<string, number>} values */
   simulate(values) {
-    const parameters = this.vector(values);
-    /** @type {Record<string, unknown>} */
-    const result = {};
-    try {
-      const { times, table } = this.live.run(parameters), n = times.length;
-      this.data.measures.forEach(([name], k) => { result[name] = table.slice(n * k, n * (k + 1)); });
-      return { ...result, time: times.slice(), status: "completed" };
-    } catch (error) {
-      if (!(error instanceof RunFailure)) throw error;
-      for (const [name] of this.data.measures) result[name] = new Float64Array();
-      const residual = error.residual === undefined ? "" : `; residual ${error.residual.toPrecision(3)}`;
-      return { ...result, time: new Float64Array(), status: `${error.message}${residual}` };
-    }
+    const { run, status } = this.run(this.vector(values)), n = run?.times.length ?? 0;
+    const outputs = this.data.measures.map(([name], k) => [name, run?.table.slice(n * k, n * (k + 1)) ?? new Float64Array()]);
+    return { ...Object.fromEntries(outputs), time: run?.times.slice() ?? new Float64Array(), status: status.outcome, message: status.message };
   }
 
   /** Value and gradient of a response. @param {string} label @param {Record<string, number>} values */
   reduce(label, values) {
-    const response = this.response(label), run = this.live.run(this.vector(values)), n = run.times.length;
+    const response = this.response(label), { run, status } = this.run(this.vector(values));
+    if (!run || !status.success) throw new Error(`${status.outcome}: ${status.message}`);
+    const n = run.times.length;
     return { run, ...responseOf(response, run.times, (row) => run.table.subarray(n * row, n * (row + 1))) };
   }
 

@@ -220,6 +220,15 @@ export interface LiveResult { number: number; times: Float64Array; table: Float6
 export interface LiveSlopes { number: number; slopes: Float64Array | null; jacobian: Float64Array[] | null }
 export interface LiveFailure { number: number; failure: string; residual?: number; loop?: string }
 
+/** Exported module: parameters and measures of a model with their units, in SI units. */
+export interface ModuleData {
+  name: string;
+  live: LiveData;
+  parameters: { name: string; value: number }[];
+  measures: [string, string][];
+  responses: LiveResponse[];
+}
+
 // Parts of a page -----------------------------------------------------------------------------------
 
 export interface Series {

@@ -8,8 +8,10 @@ export interface Outputs {
   /** Instants of the outputs [s]. */
   time: Float64Array;
 {{MEASURES}}
-  /** "completed", or the reason why the outputs are empty. */
+  /** "completed", or the outcome of a run that failed or violates the model's own equations. */
   status: string;
+  /** The end of the run, or the reason of the failure. */
+  message: string;
 }
 
 export type Response = {{RESPONSES}};
