@@ -8,7 +8,6 @@
 /** @import { Scene } from "./scene.js" */
 
 import { byId, el } from "./dom.js";
-import { bytesOf, inflated } from "./inflate.js";
 import { Design } from "./live_design.js";
 import { PathDrag } from "./live_drag.js";
 import { ParameterPanel } from "./live_panel.js";
