@@ -390,7 +390,7 @@ def test_mechanisms_name_their_nodes():
     structure.support(a)
     structure.support(c)
     structure.load(b, fy=1.0)
-    with pytest.raises(da.SingularityError, match="b can move without significant strain"):
+    with pytest.raises(da.SingularityError, match=r"b can move without significant strain \(uy\)"):
         solve_statics(structure.build())
 
 
