@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
+import pickle
 import re
 
 import numpy as np
@@ -9,6 +12,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, structures
+from dalembert.io.strategies import ANALYSES
 
 FORCE = 1.7
 
@@ -109,6 +113,32 @@ def test_options_of_the_other_kind_are_refused(kind, analysis, option):
     many = {"k": np.array([9.0, 10.0])}
     with pytest.raises(da.UnsupportedError, match=text):
         da.solve_equilibrium(model, parameters=many, **{option: getattr(analysis, option)})
+
+
+OF_ONE_KIND = [
+    (cls, option)
+    for cls in ANALYSES.values()
+    if dataclasses.is_dataclass(cls)
+    for option in dataclasses.fields(cls)
+    if "model" in option.metadata
+]
+
+
+@pytest.mark.parametrize(
+    ("cls", "option"), OF_ONE_KIND, ids=[f"{c.__name__}.{o.name}" for c, o in OF_ONE_KIND]
+)
+def test_options_of_the_other_kind_are_refused_with_their_defaults(cls, option):
+    """Stated by a keyword, by a copy of the analysis and through a process; not when left out."""
+    own = option.metadata["model"]
+    other = next(name for name in TWINS if name != own)
+    analysis = cls(**{option.name: option.default})
+    text = rf"{option.name}=.*: {option.name} is an option for {own}s"
+    for stated in (analysis, copy.deepcopy(analysis), pickle.loads(pickle.dumps(analysis))):
+        with pytest.raises(da.UnsupportedError, match=text):
+            stated.for_model(TWINS[other][0]())
+    assert analysis == cls()
+    cls().for_model(TWINS[other][0]())
+    analysis.for_model(TWINS[own][0]())
 
 
 @pytest.mark.parametrize("kind", TWINS)
