@@ -267,3 +267,28 @@ def test_pictures(kind):
     assert ax.get_xlabel() == "time [s]"
     assert ax.get_ylabel().startswith(measure)
     assert motion.draw() is not None
+
+
+@pytest.mark.parametrize("kind", TWINS)
+def test_names_that_a_result_does_not_have_come_with_a_remedy(kind):
+    """Names of other results and misspelt ones; copies and pickles of results are unaffected."""
+    model = TWINS[kind][0]()
+    batch = da.solve_equilibrium(model, parameters={"k": np.array([8.0, 9.0])})
+    for name in ("report", "plot", "animate", "continued", "page"):
+        with pytest.raises(AttributeError, match=rf"has no '{name}'; batch\[k\] returns"):
+            getattr(batch, name)
+    with pytest.raises(AttributeError, match=r"no .succeded. .did you mean .succeeded."):
+        _ = batch.succeded
+    modes = da.solve_modes(model, 1)
+    for name in ("continued", "animate"):
+        with pytest.raises(AttributeError, match=f"has no '{name}'; "):
+            getattr(modes, name)
+    with pytest.raises(AttributeError, match=r"no .frequencys. .did you mean .frequencies."):
+        _ = modes.frequencys
+    np.testing.assert_array_equal(copy.copy(modes).frequencies, modes.frequencies)
+    if kind == "structure":
+        motion = da.solve_transient(model, 0.1, step=0.01)
+        with pytest.raises(
+            AttributeError, match=r"has no 'continued'; a run of dynamics of a mech"
+        ):
+            _ = motion.continued
