@@ -12,7 +12,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, structures
-from dalembert.io.strategies import ANALYSES
+from dalembert.io.strategies import ANALYSES, STRUCTURAL_ANALYSES
 
 FORCE = 1.7
 
@@ -113,6 +113,15 @@ def test_options_of_the_other_kind_are_refused(kind, analysis, option):
     many = {"k": np.array([9.0, 10.0])}
     with pytest.raises(da.UnsupportedError, match=text):
         da.solve_equilibrium(model, parameters=many, **{option: getattr(analysis, option)})
+
+
+@pytest.mark.parametrize(
+    ("kind", "registry"), [("mechanism", ANALYSES), ("structure", STRUCTURAL_ANALYSES)]
+)
+def test_files_name_the_analyses_of_their_kind(kind, registry):
+    """Names without imports, in agreement with what the classes state."""
+    classes = {**ANALYSES, **STRUCTURAL_ANALYSES}
+    assert {*registry} == {name for name, cls in classes.items() if kind in cls.kinds}
 
 
 OF_ONE_KIND = [

@@ -79,7 +79,7 @@ class ParametricModel(CacheOwner, ABC):
         """(n, columns) changes of this vector with some of the parameters."""
         return np.eye(p.size)[:, list(columns)]
 
-    def gathered(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
+    def parameter_gradients(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
         """(rows, np) gradients by the parameters from (rows, n) by the vector."""
         return gradients
 
