@@ -10,8 +10,8 @@ import dalembert as da
 from dalembert import structures
 from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.results.structural.drawing import StructuralDrawing
-from dalembert.results.structural.fields import element_field, smoothed
 from dalembert.results.structural.scene import automatic_scale, load_symbols, support_symbols
+from dalembert.results.structural.states import element_field, smoothed
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt

@@ -10,7 +10,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.analysis.batch.fixed_steps import FixedSteps
+from dalembert.analysis.batch.marches import FixedSteps
 from dalembert.results.status import Outcome
 
 LENGTHS = [0.2, 0.35, 0.5, 0.7, 0.9]

@@ -7,7 +7,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, structures
-from dalembert.sensitivity.checks.replays import Replays
+from dalembert.sensitivity.checks.finite_difference import Replays
 from dalembert.sensitivity.checks.stencils import SCHEMES, best_step, parameter_scale
 
 STENCILS = [pytest.param(s, id=f"{n}-{s.side}") for n, found in SCHEMES.items() for s in found]

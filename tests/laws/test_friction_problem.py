@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 
 import dalembert as da
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.contact.friction_problem import FrictionProblem
+from dalembert.integrators.contact.contacts import FrictionProblem
 
 
 def random_problem(seed: int, count: int, width: int, freedom: int, friction: float):

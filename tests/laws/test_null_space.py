@@ -11,7 +11,7 @@ from thorough import crossed
 import dalembert as da
 from dalembert.formulations.null_space import LARGEST_SVD
 from dalembert.formulations.partition import largest_volume
-from dalembert.symbolic.equations.null_space import NullSpaceBasis
+from dalembert.symbolic.equations.factor import NullSpaceBasis
 
 BASES = ("partitioning", "qr", "gram-schmidt", "svd")
 ORTHONORMAL = ("qr", "gram-schmidt", "svd")

@@ -20,9 +20,9 @@ from dalembert import structures
 from dalembert.analysis.transient.equation import EquationOfMotion, Motions
 from dalembert.elements.fem.attached import GroundSpring
 from dalembert.elements.fem.cells import CELLS
+from dalembert.elements.fem.nodal import spin_map
 from dalembert.elements.fem.registry import ELEMENTS, cell_of
-from dalembert.elements.fem.rotations import spin_map
-from dalembert.model.assembled.loads.load_case import CHANGES
+from dalembert.model.assembled.load_case import CHANGES
 
 NUMBERS = {
     "area": 0.02,

@@ -18,7 +18,7 @@ from dalembert.analysis.transient.equation import Motions
 from dalembert.elements.fem.cells import CELLS
 from dalembert.elements.fem.registry import ELEMENTS, cell_of
 from dalembert.integrators.marching import steps as marching_steps
-from dalembert.sensitivity.checks.replays import Replays
+from dalembert.sensitivity.checks.finite_difference import Replays
 
 INTEGRATORS = {
     "average acceleration": da.Newmark(),

@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 import dalembert as da
 from dalembert import structures
 from dalembert.elements.fem.graphs import ElementGraphs
-from dalembert.elements.fem.rotations import rotation_matrix, rotation_vector
+from dalembert.elements.fem.nodal import rotation_matrix, rotation_vector
 from dalembert.model.assembled.evaluation.block import ElementKind
-from dalembert.model.assembled.loads.load_case import CHANGES
+from dalembert.model.assembled.load_case import CHANGES
 
 SECTION = {
     "area": 2.0,

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.model.assembled.measuring.measures import (
+from dalembert.model.assembled.measures import (
     Compliance,
     ExternalForce,
     Measure,
@@ -19,7 +19,7 @@ from dalembert.model.assembled.measuring.measures import (
 )
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.files.contents import Contents
-from dalembert.results.numbered import Numbered
+from dalembert.results.modes import Numbered
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
 from dalembert.symbolic.formulas.expression import Expression, free_symbols

@@ -13,9 +13,9 @@ import scipy
 from dalembert.elements.coordinates import rate_of, second_rate_of
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.model.assembled.loads.load_case import Temperatures
-from dalembert.model.assembled.measuring.named_measures import MovingState, MovingWeights
+from dalembert.model.assembled.load_case import Temperatures
 from dalembert.model.assembled.model import StructuralModel
+from dalembert.model.assembled.named_measures import MovingState, MovingWeights
 from dalembert.results.files.contents import Contents
 from dalembert.results.recording import Recording
 from dalembert.results.result import Instants
