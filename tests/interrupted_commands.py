@@ -56,7 +56,7 @@ def arguments(case: tuple[str, ...], folder: Path) -> list[str]:
 
 def interrupted_after(wait: float, case: tuple[str, ...], folder: Path) -> Iterator[str]:
     """Violations of the law by a command that gets SIGINT after ``wait`` seconds."""
-    given = [sys.executable, "-m", "dalembert.cli", *arguments(case, folder)]
+    given = [sys.executable, "-m", "dalembert", *arguments(case, folder)]
     process = subprocess.Popen(
         given,
         stdout=subprocess.PIPE,

@@ -245,7 +245,7 @@ def started(*arguments: str, **options) -> subprocess.Popen:
     if os.name != "nt":  # a run in the background of a shell is started deaf to interrupts
         options["preexec_fn"] = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | options
-    return subprocess.Popen([sys.executable, "-m", "dalembert.cli", *arguments], **options)
+    return subprocess.Popen([sys.executable, "-m", "dalembert", *arguments], **options)
 
 
 def test_exit_code_of_the_process(tmp_path):
