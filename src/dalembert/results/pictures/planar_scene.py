@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.elements.base import Look
+from dalembert.elements.base import Element, Look
 from dalembert.elements.look import Block, Segment
 from dalembert.elements.planar.body import Body
 from dalembert.results.pictures.mechanism_scene import MechanismScene
@@ -21,11 +21,11 @@ class PlanarPrimitives(Primitives):
 
     # primitives ------------------------------------------------------------------------
     @singledispatchmethod
-    def draw(self, look: Look, element: Any) -> None:
+    def draw(self, look: Look, element: Element) -> None:
         super().draw(look, element)
 
     @draw.register
-    def _(self, look: Block, element: Any) -> None:
+    def _(self, look: Block, element: Element) -> None:
         x, y = self.number(look.direction)
         width = 0.12 * self.size
         shape: dict[str, Any] = {"kind": "block", "center": self.local(look.point)}

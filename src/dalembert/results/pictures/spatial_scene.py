@@ -12,7 +12,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Look
+from dalembert.elements.base import Element, Look
+from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
 from dalembert.elements.look import Block
 from dalembert.elements.point import AXES, Point
@@ -38,34 +39,34 @@ class SpatialPrimitives(Primitives):
 
     # primitives ------------------------------------------------------------------------
     @singledispatchmethod
-    def draw(self, look: Look, element: Any) -> None:
+    def draw(self, look: Look, element: Element) -> None:
         super().draw(look, element)
 
     @draw.register
-    def _(self, look: Cuboid, element: Any) -> None:
+    def _(self, look: Cuboid, element: Element) -> None:
         shape = {"center": self.local(look.center), "size": self.number(look.size).tolist()}
         self.shapes[look.center.body.display_name].append({"kind": "box", **shape})
 
     @draw.register
-    def _(self, look: Orb, element: Any) -> None:
+    def _(self, look: Orb, element: Element) -> None:
         shape = {"center": self.local(look.center), "radius": self.size_of(look.radius)}
         self.shapes[look.center.body.display_name].append({"kind": "sphere", **shape})
 
     @draw.register(Drum)
     @draw.register(Pill)
-    def _(self, look: Round, element: Any) -> None:
+    def _(self, look: Round, element: Element) -> None:
         shape: dict[str, Any] = {"from": self.local(look.point_i), "to": self.local(look.point_j)}
         shape |= {"kind": ROUND[type(look)], "radius": self.size_of(look.radius)}
         self.shapes[look.point_i.body.display_name].append(shape)
 
     @draw.register
-    def _(self, look: Surface, element: Any) -> None:
+    def _(self, look: Surface, element: Element) -> None:
         corners = self.size_of(look.scale) * look.corners
         shape = {"vertices": corners.ravel().tolist(), "faces": look.triangles.ravel().tolist()}
         self.shapes[look.body.display_name].append({"kind": "mesh", **shape})
 
     @draw.register
-    def _(self, look: Block, element: Any) -> None:
+    def _(self, look: Block, element: Element) -> None:
         axis = self.number(self.padded(look.direction)).tolist()
         shape = {"kind": "block", "center": self.local(look.point), "axis": axis}
         self.shapes[look.point.body.display_name].append(shape)
@@ -87,7 +88,7 @@ class SpatialScene(MechanismScene):
 
     kind = SpatialPrimitives
 
-    def poses(self, body: Any) -> dict[str, list[float]]:
+    def poses(self, body: BodyElement) -> dict[str, list[float]]:
         def at(quantity: str) -> np.ndarray:
             return self.data.at(quantity, body=body.name)[self.keep]
 
@@ -111,7 +112,7 @@ class SpatialScene(MechanismScene):
         columns = [*position.T, *rotation.T]
         return dict(zip((*AXES, *EULER_PARAMETERS), (c.tolist() for c in columns), strict=True))
 
-    def outline(self, body: Any) -> None:
+    def outline(self, body: BodyElement) -> None:
         """Draw the body by its own look, else by its points and inertia."""
         looks, shapes = body.look(), self.primitives.shapes[body.name]
         for look in looks:
@@ -136,7 +137,7 @@ class SpatialScene(MechanismScene):
             if no_shapes:
                 shapes.append(self.inertia_ellipsoid(body, center))
 
-    def center(self, body: Any) -> np.ndarray:
+    def center(self, body: BodyElement) -> np.ndarray:
         """The mass centre in the body frame."""
         return (
             self.primitives.number(body.center_of_mass.sx)
@@ -150,7 +151,7 @@ class SpatialScene(MechanismScene):
         rank = int((spread > 1e-6 * self.size).sum())
         return rank == dimension
 
-    def inertia_ellipsoid(self, body: Any, center: np.ndarray) -> dict[str, Any]:
+    def inertia_ellipsoid(self, body: BodyElement, center: np.ndarray) -> dict[str, Any]:
         """Solid ellipsoid with the inertia of a body; a ball if there is none."""
         mass = self.primitives.size_of(body.mass.sx)
         if not (isinstance(body, Body) and body.rotates and mass > 0):

@@ -27,6 +27,7 @@ from dalembert.symbolic.formulas.expression import Expression, t
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
 
 @dataclass(eq=False, repr=False)
@@ -116,7 +117,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
         """
         return self.labelled(measure, {"time": ("time", self.time, {"units": "s"})})
 
-    def plot(self, *measures: str | Expression, ax: Any = None) -> Any:
+    def plot(self, *measures: str | Expression, ax: Axes | None = None) -> Axes:
         """Draw measures over time with Matplotlib; returns the axes."""
         from dalembert.results.pictures.plot import plot_measures
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from dalembert.results.structural.states import (
     element_field,
     smoothed,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 class StructuralOutputs(StructuralStates):
@@ -30,8 +33,8 @@ class StructuralOutputs(StructuralStates):
         undeformed: bool = True,
         smooth: bool = False,
         mesh: bool | None = None,
-        ax: Any = None,
-    ) -> Any:
+        ax: Axes | None = None,
+    ) -> Axes:
         """Draw the deformed structure with its supports and loads; returns the axes.
 
         Parameters
@@ -139,8 +142,8 @@ def plot_structure(
     loads: np.ndarray | None = None,
     title: str = "",
     mesh: bool | None = None,
-    ax: Any = None,
-) -> Any:
+    ax: Axes | None = None,
+) -> Axes:
     """Draw a structure displaced by ``moved``; used for load cases, modes and buckling.
 
     Parameters
