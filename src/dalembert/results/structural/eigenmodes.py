@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import casadi as ca
 import numpy as np
@@ -24,6 +24,9 @@ from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.formulas.parser import Names
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 EIGENVALUE = ca.SX.sym("eigenvalue")
 
@@ -164,7 +167,7 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
         """Index of a mode, from its number."""
         return self.places(np.array([name]))[0] if isinstance(name, int) else super().case(name)
 
-    def draw(self, field: str | None = None, case: str | int = 1, **options: Any) -> Any:
+    def draw(self, field: str | None = None, case: str | int = 1, **options: Any) -> Axes:
         """Draw the shape of the mode number ``case``; see ``StructuralResult.draw``."""
         return super().draw(field, case, **options)
 
