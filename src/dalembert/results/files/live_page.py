@@ -72,8 +72,10 @@ def _rows(sources: Sources, ground: Any) -> tuple[list[tuple[Place, int]], list[
     numbers: dict[Any, int] = {}
     columns = []
     for place, source in sources.columns:
-        plain = Row(source) if isinstance(source, ca.SX) else None
-        row = plain or Row(source.sx, source.work, source.relative)
+        if isinstance(source, ca.SX):
+            row = Row(source)
+        else:
+            row = Row(source.sx, source.work, source.relative)
         key = (row.expression.element_hash(), row.work, row.relative)
         if key not in rows:
             rows[key] = replace(row, expression=at_ground(ground, row.expression))
