@@ -48,6 +48,40 @@ def robot() -> da.Model:
     return system.build()
 
 
+def hanging_linkage() -> da.Model:
+    system = da.System("hanging linkage", gravity=(0, -9.81))
+    length, stiffness = system.parameter("l", 0.4), system.parameter("k", 60.0)
+    mass = system.parameter("m", 3.0)
+    crank = system.add(planar.Bar("crank", length=length, mass=1.0, angle=-1.0))
+    coupler = system.add(planar.Bar("coupler", length=1.0, mass=mass))
+    rocker = system.add(planar.Bar("rocker", length=0.6, mass=3.0, angle=-1.6))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
+    system.add(planar.Revolute("A", crank.end, coupler.start))
+    system.add(planar.Revolute("B", coupler.end, rocker.start))
+    system.add(planar.Revolute("C", rocker.end, system.ground.point(1.0, 0.1)))
+    top = system.ground.point(0.5, 0.5)
+    system.add(planar.Spring("spring", top, coupler.center, stiffness=stiffness, damping=2.0))
+    return system.build()
+
+
+def hanging_body() -> da.Model:
+    system = da.System("hanging body", gravity=(0, 0, -9.81))
+    reach, stiffness, mass = (
+        system.parameter(n, x) for n, x in (("l", 0.3), ("k", 200.0), ("m", 2.0))
+    )
+    body = spatial.Body("body", mass=mass, inertia=(0.02, 0.03, 0.01), position=(0.1, 0, -0.5))
+    system.add(body)
+    hook, corner = body.point(0.0, 0.05, 0.2), body.point(reach, 0.1, -0.1)
+    system.add(spatial.Spherical("hook", system.ground.point(0, 0, -0.2), hook))
+    posts = (0.5, 0.3, 0.2), (-0.4, 0.5, 0.0), (0.1, -0.6, -0.3)
+    for k, post in enumerate(posts):
+        spring = spatial.Spring(
+            f"s{k}", system.ground.point(*post), corner, stiffness=stiffness, damping=0.5
+        )
+        system.add(spring)
+    return system.build()
+
+
 MODELS = {slider_crank: [0.13, 2.5, 2.0], robot: [0.45, 1.8, 2.5]}
 """Models, and other values of their parameters."""
 RUNS = {
@@ -55,7 +89,17 @@ RUNS = {
     "some outputs": (da.solve_kinematics, {"outputs": 37}, "potential_energy"),
     "inverse dynamics": (da.solve_inverse_dynamics, {"step": 0.02}, "input_power"),
 }
+RESTING = {hanging_linkage: [0.45, 80.0, 2.0], hanging_body: [0.35, 260.0, 2.5]}
 CASES = [(build, name) for build in MODELS for name in RUNS]
+CASES += [(build, "equilibrium") for build in RESTING]
+
+
+def solve(build, name: str) -> tuple[da.Motion, str, np.ndarray]:
+    """The result of a model, a measure, and other parameter values."""
+    if name == "equilibrium":
+        return da.solve_equilibrium(build()), "potential_energy", np.array(RESTING[build])
+    run, options, subject = RUNS[name]
+    return run(build(), 1.0, **options), subject, np.array(MODELS[build])
 
 
 def names_of(motion: da.Motion) -> list[str]:
@@ -68,9 +112,8 @@ def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict:
     """The motion in Python, gradients of weighted sums of a measure, and the outcome in a page."""
     modules, expected = Modules(tmp_path_factory.mktemp("live")), {}
     for build, name in CASES:
-        solve, options, subject = RUNS[name]
-        model, values = build(), np.array(MODELS[build])
-        motion = solve(model, 1.0, **options)
+        motion, subject, values = solve(build, name)
+        model = motion.model
         assert motion.analysis.live_obstacle(motion) == ""
         names, weights = names_of(motion), np.linspace(-1, 2, motion.time.size)
         rows = [Row(model.expression(n).sx) for n in names]

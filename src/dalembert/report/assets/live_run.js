@@ -62,10 +62,13 @@ export class LiveRun {
     this.base = this.engine.top;
     /** Nominal position with its parameters, the start of continuation as in Python. */
     this.anchor = { p: Float64Array.from(data.anchor.p), y: Float64Array.from(data.anchor.y) };
-    this.size = this.engine.named("step").inputs[0];
+    this.size = this.engine.functions.get("step")?.inputs[0] ?? data.anchor.y.length;
     this.grid = prescribed(data);
     this.times = Float64Array.from(data.times ?? this.grid.ends);
   }
+
+  /** Message where Newton's method has no solution. */
+  get unsolved() { return "the mechanism cannot be assembled"; }
 
   /** Newton's method for the assembled position. @param {Float64Array} y @param {Float64Array} p */
   closed(y, p) {
@@ -91,10 +94,10 @@ export class LiveRun {
       const target = Math.min(1, reached + step), between = p0.map((value, k) => value + target * (p[k] - value));
       const solution = this.closed(y, target === 1 ? p : between);
       if (solution.accepted) { [y, reached, step] = [solution.y, target, 2 * step]; continue; }
-      if ((step /= 2) < SHORTEST) throw new RunFailure("the mechanism cannot be assembled", solution.residual);
+      if ((step /= 2) < SHORTEST) throw new RunFailure(this.unsolved, solution.residual);
     }
     const [open] = this.engine.evaluate("violation", [this.data.start], y, p) ?? [[Infinity]], residual = largest(open);
-    if (!(residual <= ACCEPTED)) throw new RunFailure("the mechanism cannot be assembled", residual);
+    if (!(residual <= ACCEPTED)) throw new RunFailure(this.unsolved, residual);
     return y;
   }
 

@@ -66,7 +66,9 @@ class Residuals {
     let worst = 0;
     this.violations.forEach((value, k) => { if (!(value <= this.violations[worst])) worst = k; });
     this.columns = [...chosen.add(worst)].sort((a, b) => a - b);
-    [, , this.rows, this.terms] = at(this.columns);
+    const [, , rows, terms] = at(this.columns);
+    this.rows = rows;
+    this.terms = terms;
   }
 
   /** Largest residual of some rows relative to their sizes. @param {number} first @param {number} count @param {(row: number, term: number) => number} size */
