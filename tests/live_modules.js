@@ -5,10 +5,11 @@ import { inflateSync } from "node:zlib";
 import { LIBRARY } from "./live_engine.js";
 import { LiveEquilibrium } from "./live_equilibrium.js";
 import { LiveKinematics } from "./live_kinematics.js";
+import { LiveModes } from "./live_modes.js";
 import { LiveRun, RunFailure } from "./live_run.js";
 import { checkedStatus, failedStatus } from "./live_status.js";
 
-const KINDS = { dynamics: LiveRun, kinematics: LiveKinematics, equilibrium: LiveEquilibrium };
+const KINDS = { dynamics: LiveRun, kinematics: LiveKinematics, equilibrium: LiveEquilibrium, modes: LiveModes };
 const folder = process.argv[2];
 
 /** Numbers of JSON, which has no infinities. */

@@ -1,4 +1,4 @@
-"""Functions of an equilibrium of a mechanism for other parameters: Newton step, outputs, adjoint."""
+"""Functions of an equilibrium of a mechanism: Newton step, outputs, stiffness, adjoint."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ from dalembert.formulations.base import Level
 from dalembert.model.graph.model import Model
 from dalembert.results.live import LiveFunctions, Row
 from dalembert.results.motion import Motion
+
+NO_EQUILIBRIUM = "no equilibrium was found"
 
 
 def obstacle(motion: Motion) -> str:
@@ -58,8 +60,16 @@ def equilibrium_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray
         "anchor": {"p": motion.parameters[: e.p.numel()], "y": near},
         "relative": [k for k, row in enumerate(rows) if row.relative],
         "roots": roots,
-        "stable": {"curved": CURVED, "skew": SKEW},
-        "check": check_data(model, [Level.POSITION], tolerance, length=model.scales.length),
+        "unsolved": NO_EQUILIBRIUM,
+        "stable": {
+            "curved": CURVED,
+            "skew": SKEW,
+            "rows": e.constraint_count,
+            "columns": e.speed_count,
+            "force": model.scales.force,
+            "unit": "N",
+        },
+        "check": check_data(model, [Level.POSITION], tolerance),
     }
     return LiveFunctions(_functions(kernel, expression), data)
 

@@ -1,6 +1,6 @@
 // Dense matrices by rows: orthogonal factors, least squares, eigenvalues and eigenvectors.
 
-/** @typedef {Float64Array[]} Matrix */
+/** @typedef {Float64Array<ArrayBuffer>[]} Matrix */
 
 /** @param {number} rows @param {number} columns @returns {Matrix} */
 export const zeros = (rows, columns) => Array.from({ length: rows }, () => new Float64Array(columns));
