@@ -9,8 +9,8 @@ from __future__ import annotations
 import base64
 import json
 import zlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -49,6 +49,12 @@ class LiveFunctions:
     functions: Mapping[str, ca.Function]
     data: Mapping[str, Any]
 
+    def with_numbers(self, numbers: Sequence[ca.SX], p: ca.SX) -> LiveFunctions:
+        """The same with a function ``numbers(p)`` of parameters, for pictures."""
+        graph = ca.densify(ca.vertcat(*numbers)) if numbers else ca.SX.zeros(1)
+        function = ca.Function("numbers", [p], [graph], {"cse": True})
+        return replace(self, functions={**self.functions, "numbers": function})
+
     @cached_property
     def module(self) -> WebModule:
         """The compiled functions."""
@@ -64,11 +70,5 @@ class LiveFunctions:
             for name, f in module.functions.items()
         }
         code = base64.b64encode(zlib.compress(module.code, 9)).decode("ascii")
-        constants = {"functions": sizes, "memory": module.data_end, "code": code}
-        return constants | {"exact": exact({**self.data, **more})}
-
-
-def exact(data: Mapping[str, Any]) -> str:
-    """Plain data and arrays as text, with all digits: deflated JSON in base64."""
-    text = json.dumps(data, default=lambda array: array.tolist())
-    return base64.b64encode(zlib.compress(text.encode(), 9)).decode("ascii")
+        exact = json.dumps({**self.data, **more}, default=lambda array: array.tolist())
+        return {"functions": sizes, "memory": module.data_end, "code": code, "exact": exact}

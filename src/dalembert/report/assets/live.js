@@ -13,8 +13,8 @@ import { PathDrag } from "./live_drag.js";
 import { ParameterPanel } from "./live_panel.js";
 import { Solver } from "./live_solver.js";
 import { ResponseTable } from "./live_table.js";
-import { clamp, list, tidy } from "./numbers.js";
-import { bytesOf, inflated, payload } from "./payload.js";
+import { clamp, list } from "./numbers.js";
+import { payload } from "./payload.js";
 
 /** Upper limit of the responses that are listed by default. */
 const MAX_RESPONSES = 6;
@@ -29,21 +29,22 @@ function plottedResponses(live) {
   }).slice(0, MAX_RESPONSES);
 }
 
-/** Put columns into the payload. @param {LiveData} live @param {LiveResult} result */
-function putColumns(live, { table, times }) {
+/** Put columns and numbers into the payload. @param {LiveData} live @param {LiveResult} result */
+function putResult(live, { table, times, numbers }) {
   const n = times.length;
-  for (const [path, row, divisor] of live.columns) {
-    let place = /** @type {any} */ (payload);
-    for (const key of path.slice(0, -1)) place = place[key];
-    const column = table.subarray(n * row, n * (row + 1));
-    place[/** @type {string} */ (path.at(-1))] = divisor === 1 ? column : column.map((value) => value / divisor);
-  }
+  const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => {
+    let owner = /** @type {any} */ (payload);
+    for (const key of place.slice(0, -1)) owner = owner[key];
+    owner[/** @type {string} */ (place.at(-1))] = value;
+  };
+  for (const [place, row] of live.columns) put(place, table.subarray(n * row, n * (row + 1)));
+  live.numbers.forEach((place, k) => put(place, numbers[k]));
   payload.time = times;
 }
 
 /** @param {{ motion: Motion, scene: Scene, player: Player, board: Board | null }} page @param {Dimension} dimension */
-export async function buildLive({ motion, scene, player, board }, dimension) {
-  const code = /** @type {LiveCode} */ (payload.live), numbers = JSON.parse(new TextDecoder().decode(await inflated(bytesOf(code.exact))));
+export function buildLive({ motion, scene, player, board }, dimension) {
+  const code = /** @type {LiveCode} */ (payload.live), numbers = JSON.parse(code.exact);
   /** @type {LiveData} */
   const live = { ...code, ...numbers }, design = new Design(live.parameters), solver = new Solver(live);
   const panel = new ParameterPanel(design), responses = plottedResponses(live), table = new ResponseTable(responses);
@@ -54,7 +55,7 @@ export async function buildLive({ motion, scene, player, board }, dimension) {
   const request = () => solver.request({ parameters: design.values, responses, gradient: responses.length ? table.selected : null, point: drag.request });
   /** @param {LiveResult} result */
   const show = (result) => {
-    putColumns(live, result);
+    putResult(live, result);
     const next = new dimension.Motion(payload, dimension.structure), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name)), { now } = motion;
     for (const point of next.points) point.swatch = motion.points.find(({ name }) => name === point.name)?.swatch;
     motion.replace(next);
@@ -65,7 +66,8 @@ export async function buildLive({ motion, scene, player, board }, dimension) {
   solver.onResult.on((result) => {
     show(result);
     table.show(result.values);
-    panel.say("");
+    const { success, outcome, message } = result.status;
+    panel.say(success ? "" : `${outcome}: ${message}`, "error");
     document.documentElement.dataset.live = String(result.number);
   });
   solver.onSlopes.on((answer) => {
@@ -73,8 +75,8 @@ export async function buildLive({ motion, scene, player, board }, dimension) {
     drag.receive(answer);
   });
   drag.onHold.on(request);
-  solver.onFailure.on(({ number, failure, residual }) => {
-    panel.say(`${failure}${residual === undefined ? "" : `; residual ${tidy(residual, 3)}`}. The picture is that of the last valid design.`, "error");
+  solver.onFailure.on(({ number, failure: { outcome, message } }) => {
+    panel.say(`${outcome}: ${message}. The picture is that of the last valid design.`, "error");
     document.documentElement.dataset.live = String(number);
     drag.retreat();
   });

@@ -139,14 +139,14 @@ export interface LiveFunction { inputs: number[]; outputs: number[]; work: [numb
 export interface LiveCode {
   /** Deflated module in base64. */
   code: string;
-  /** Deflated JSON of `LiveData`, with all digits, in base64. */
+  /** JSON of `LiveData`, with all digits. */
   exact: string;
   functions: Record<string, LiveFunction>;
   /** First byte of memory that the module does not occupy. */
   memory: number;
 }
 export interface LiveData extends LiveCode {
-  kind: string;
+  kind: "dynamics" | "kinematics";
   /** Start of the run and shortest distance of two instants [s]. */
   start: number;
   instant: number;
@@ -161,8 +161,12 @@ export interface LiveData extends LiveCode {
   check?: LiveCheck;
   /** Prescribed steps. */
   steps?: { ends?: number[]; length?: number; count?: number; end?: number; uncorrected: number[] };
-  /** Places of columns in the payload, numbers of their rows, and divisors of their units. */
-  columns: [(string | number)[], number, number][];
+  /** Places of columns in the payload with the numbers of their rows. */
+  columns: [(string | number)[], number][];
+  /** Places of numbers in the payload that follow from parameters. */
+  numbers: (string | number)[][];
+  /** Names of bodies and elements whose picture remains that of the initial parameters. */
+  initial: string[];
   parameters: LiveParameter[];
   /** Instants of a driven motion, numbers of the outputs among them, rows without values, limits of steps. */
   path?: number[];
@@ -216,10 +220,10 @@ export interface LiveParameter extends Bounds { name: string; unit: string; fact
 export interface LiveResponse { kind: "final" | "maximum" | "minimum" | "mean" | "rms" | "integral"; row: number; label: string; unit: string }
 /** Request to the worker: `gradient` is the number of the response that is differentiated. */
 export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradient: number | null; point?: { instant: number; rows: number[] } | null }
-export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; duration: number }
+export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number }
 /** Gradient of the selected response, and of the coordinates of a point. */
 export interface LiveSlopes { number: number; slopes: Float64Array | null; jacobian: Float64Array[] | null }
-export interface LiveFailure { number: number; failure: string; residual?: number; loop?: string }
+export interface LiveFailure { number: number; failure: LiveStatus; loop?: string }
 
 // Parts of a page -----------------------------------------------------------------------------------
 
