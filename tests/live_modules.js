@@ -16,7 +16,7 @@ const folder = process.argv[2];
 const plain = (values) => Array.from(values, (x) => (Number.isFinite(x) ? x : String(x)));
 
 function outcome({ data: { exact, ...constants }, parameters, weights }) {
-  const data = { ...JSON.parse(inflateSync(Buffer.from(exact, "base64"))), ...constants }, run = new KINDS[data.kind](new WebAssembly.Module(inflateSync(Buffer.from(data.code, "base64"))), data);
+  const data = { ...JSON.parse(exact), ...constants }, run = new KINDS[data.kind](new WebAssembly.Module(inflateSync(Buffer.from(data.code, "base64"))), data);
   try {
     const result = run.run(parameters), { times, table, rows } = result, status = checkedStatus(run, result);
     const gradients = weights.map((entries) => run.gradient(result, new Map(entries.map(([row, values]) => [row, Float64Array.from(values)]))));
