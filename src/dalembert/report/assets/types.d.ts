@@ -146,7 +146,7 @@ export interface LiveCode {
   memory: number;
 }
 export interface LiveData extends LiveCode {
-  kind: string;
+  kind: "dynamics" | "kinematics";
   /** Start of the run and shortest distance of two instants [s]. */
   start: number;
   instant: number;
@@ -158,7 +158,7 @@ export interface LiveData extends LiveCode {
   relative: number[];
   /** Rows of which the module returns the square. */
   roots: number[];
-  check: LiveCheck;
+  check?: LiveCheck;
   /** Prescribed steps. */
   steps?: { ends?: number[]; length?: number; count?: number; end?: number; uncorrected: number[] };
   /** Places of columns in the payload with the numbers of their rows. */
@@ -173,6 +173,13 @@ export interface LiveData extends LiveCode {
   places?: number[];
   undetermined?: number[];
   limits?: { regular: number; tolerance: number; turn: number; small: [number, number]; fraction: number };
+  /** Message where Newton's method for the start has no solution. */
+  unsolved?: string;
+  /** Limits of the stiffness of a stable equilibrium, numbers of equations and displacements, natural force. */
+  stable?: { curved: number; skew: number; rows: number; columns: number; force: number; unit: string };
+  /** Natural sizes of the state and the equations of modes, and the name of their analysis. */
+  sizes?: { states: number[]; rows: number[] };
+  name?: string;
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
@@ -203,8 +210,6 @@ export interface LiveCheck {
   balance?: number;
   /** Violation after the projection at which a run is lost [m]. */
   lost?: number;
-  /** Message of a completed run, by default the time reached. */
-  reached?: string;
 }
 /** Outcome, message, time and residual of a result, as `Status` in Python. */
 export interface LiveStatus { outcome: string; message: string; time: number; residual: number; success: boolean }
@@ -215,10 +220,10 @@ export interface LiveParameter extends Bounds { name: string; unit: string; fact
 export interface LiveResponse { kind: "final" | "maximum" | "minimum" | "mean" | "rms" | "integral"; row: number; label: string; unit: string }
 /** Request to the worker: `gradient` is the number of the response that is differentiated. */
 export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradient: number | null; point?: { instant: number; rows: number[] } | null }
-export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; duration: number }
+export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number }
 /** Gradient of the selected response, and of the coordinates of a point. */
 export interface LiveSlopes { number: number; slopes: Float64Array | null; jacobian: Float64Array[] | null }
-export interface LiveFailure { number: number; failure: string; residual?: number; loop?: string }
+export interface LiveFailure { number: number; failure: LiveStatus; loop?: string }
 
 /** Exported module: parameters and measures of a model with their units, in SI units. */
 export interface ModuleData {
