@@ -111,6 +111,44 @@ def test_values_and_gradients_equal_those_of_python(analysis, node, tmp_path):
         assert slopes == pytest.approx(gradient.values[k], rel=1e-6, abs=1e-6)
 
 
+def pendulum(driven: bool) -> da.Model:
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    length = system.parameter("length", 1.0, "m", bounds=(0.5, 2.0))
+    bar = system.add(planar.Bar("bar", length=length, mass=1.0, angle=-1.2 * (not driven)))
+    system.add(planar.Revolute("O", system.ground.center, bar.start))
+    if driven:
+        system.add(planar.RotationalDriver("motor", system.ground, bar, 2 * da.t))
+    else:
+        system.add(planar.TorsionSpring("spring", system.ground, bar, stiffness=2.0))
+    return system.build()
+
+
+@pytest.mark.parametrize(
+    ("analysis", "measure", "rel"),
+    [
+        (da.Kinematics(duration=1.0, outputs=11), "bar.end.vx", 1e-9),
+        (da.InverseDynamics(duration=1.0, outputs=11), "motor.effort", 1e-9),
+        (da.Equilibrium(), "bar.angle", 1e-8),
+    ],
+    ids=["kinematics", "inverse dynamics", "equilibrium"],
+)
+def test_other_analyses_are_modules_too(analysis, measure, rel, tmp_path, node):
+    model, last = pendulum(hasattr(analysis, "duration")), da.final(measure, name="last")
+    file = model.module(analysis, [measure], [last]).export(tmp_path)[0]
+    answer = node(file, {"length": 1.3}, ["last"])
+    result = analysis.run(model, {"length": 1.3})
+    assert answer["status"] == "completed"
+    assert answer["outputs"][measure] == pytest.approx(result.values(measure), rel=rel)
+    slope = da.sensitivity(result, last).item()
+    assert answer["gradients"][0]["length"] == pytest.approx(slope, rel=1e-7)
+
+
+def test_modes_run_in_pages_only(tmp_path):
+    module = pendulum(False).module(da.Modal(equilibrium=True), ["frequency"])
+    with pytest.raises(da.UnsupportedError, match="modes run in pages only"):
+        module.export(tmp_path)
+
+
 def test_a_module_describes_itself(tmp_path, node):
     module = four_bar().module(da.Dynamics(duration=0.1, step=0.01), ["crank.angle"])
     assert module.code.startswith(b"\0asm") and "step" in module.functions

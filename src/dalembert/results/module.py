@@ -133,7 +133,7 @@ def build_module(
         name = measure if isinstance(measure, str) else measure.name
         if not name:
             raise AnalysisError("a measure of a module has no name; give the formula as a text")
-        row, units[name] = _row(model, measure)
+        row, units[name] = _row(result, measure)
         number_of(name, row)
     times = np.array(result.time)
     reductions = page_responses(result, responses, times, number_of)
@@ -143,13 +143,13 @@ def build_module(
     return Module(model.name, live, _parameters(result), units, reductions)
 
 
-def _row(model: Any, measure: str | Expression) -> tuple[Row, str]:
+def _row(result: Any, measure: str | Expression) -> tuple[Row, str]:
     """Row and unit of a measure."""
-    energies = energy_sources(model) if model.kind == "mechanism" else {}
+    energies = energy_sources(result.model) if result.analysis.integrates else {}
     source = energies.get(measure) if isinstance(measure, str) else None
     if isinstance(source, WorkBalance):
         return Row(source.sx, source.work, source.relative), "J"
-    expression = model.expression(measure)
+    expression = result.expression(measure)
     if len(expression) > 1:
         raise AnalysisError(
             f"measure {expression.name!r} has {len(expression)} components; take .x, .y or a norm"

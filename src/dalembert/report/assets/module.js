@@ -3,13 +3,14 @@
 /** @import { LiveResponse, ModuleData } from "./types.d.ts" */
 
 import { bytesOf, inflated } from "./inflate.js";
+import { LiveEquilibrium } from "./live_equilibrium.js";
 import { LiveKinematics } from "./live_kinematics.js";
 import { responseOf } from "./live_responses.js";
 import { LiveRun, RunFailure } from "./live_run.js";
 import { checkedStatus, failedStatus } from "./live_status.js";
 
 /** Kind of an analysis → its loops. @type {Record<string, typeof LiveRun>} */
-const ANALYSES = { dynamics: LiveRun, kinematics: LiveKinematics };
+const ANALYSES = { dynamics: LiveRun, equilibrium: LiveEquilibrium, kinematics: LiveKinematics };
 
 /** An analysis of a model. */
 class Analysis {
