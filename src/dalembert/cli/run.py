@@ -97,6 +97,7 @@ def run(
     from dalembert.io.analyses import make_analysis
     from dalembert.io.report import report_choices
     from dalembert.report.page import write_page
+    from dalembert.report.views import notes
 
     if is_deck(model):
         with wrong_input():
@@ -123,6 +124,8 @@ def run(
         defer_ctrl_c()
         with timing.part("results"):
             page = result.page(**choices) if result.has_page else None
+            if page is not None and (texts := file.document.report.notes):
+                page["views"] = [*page.get("views", ()), notes("Notes", texts)]
             files = result.write_data(base, csv, page, choices.get("units", ()))
         if report and page is not None:
             with timing.part("report"):

@@ -15,7 +15,6 @@ from dalembert.errors import UnsupportedError
 from dalembert.report.scripts import asset, page_script
 from dalembert.text.wording import visible
 
-
 ANALYSES = ("dynamics", "equilibrium", "kinematics")
 """Kinds of analyses whose loops ``module.js`` contains."""
 

@@ -215,6 +215,8 @@ LIVE: Any = Field(
     "if parameters have bounds and the page stays small",
 )
 
+NOTES: Any = Field(default_factory=list, description="texts of a card, such as questions")
+
 
 class StructureReportTable(Record):
     """Units of the report of a structure."""
@@ -224,6 +226,7 @@ class StructureReportTable(Record):
         description='of the page and CSV files, as `["mm", "MPa"]`; each applies to its dimension',
     )
     live: Flag = LIVE
+    notes: Names = NOTES
 
 
 class ReportTable(Record):
@@ -236,3 +239,4 @@ class ReportTable(Record):
         description='of plots and CSV files, as `["mm", "deg"]`; each applies to its dimension',
     )
     live: Flag = LIVE
+    notes: Names = NOTES
