@@ -129,8 +129,9 @@ def pendulum(driven: bool) -> da.Model:
         (da.Kinematics(duration=1.0, outputs=11), "bar.end.vx", 1e-9),
         (da.InverseDynamics(duration=1.0, outputs=11), "motor.effort", 1e-9),
         (da.Equilibrium(), "bar.angle", 1e-8),
+        (da.Modal(equilibrium=True), "frequency", 1e-8),
     ],
-    ids=["kinematics", "inverse dynamics", "equilibrium"],
+    ids=["kinematics", "inverse dynamics", "equilibrium", "modes"],
 )
 def test_other_analyses_are_modules_too(analysis, measure, rel, tmp_path, node):
     model, last = pendulum(hasattr(analysis, "duration")), da.final(measure, name="last")
@@ -141,12 +142,6 @@ def test_other_analyses_are_modules_too(analysis, measure, rel, tmp_path, node):
     assert answer["outputs"][measure] == pytest.approx(result.values(measure), rel=rel)
     slope = da.sensitivity(result, last).item()
     assert answer["gradients"][0]["length"] == pytest.approx(slope, rel=1e-7)
-
-
-def test_modes_run_in_pages_only(tmp_path):
-    module = pendulum(False).module(da.Modal(equilibrium=True), ["frequency"])
-    with pytest.raises(da.UnsupportedError, match="modes run in pages only"):
-        module.export(tmp_path)
 
 
 def test_a_module_describes_itself(tmp_path, node):

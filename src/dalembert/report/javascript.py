@@ -11,13 +11,8 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from dalembert.errors import UnsupportedError
 from dalembert.report.scripts import asset, page_script
 from dalembert.text.wording import visible
-
-ANALYSES = ("dynamics", "equilibrium", "kinematics")
-"""Kinds of analyses whose loops ``module.js`` contains."""
-
 
 def javascript_files(data: Mapping[str, Any], name: str) -> dict[str, str]:
     """File → text of the ES module, its types and an example page.
@@ -26,11 +21,6 @@ def javascript_files(data: Mapping[str, Any], name: str) -> dict[str, str]:
     ----------
     data : of the module, see ``Module.data``
     name : of the files, without suffix
-
-    Raises
-    ------
-    UnsupportedError
-        The script has no loops for this kind of analysis.
     """
     module = _module(data)
     page = asset("export/page.html").replace("{{title}}", html.escape(visible(data["name"])))
@@ -42,9 +32,6 @@ def _module(data: Mapping[str, Any]) -> str:
     """Text of the ES module."""
     live = {key: value for key, value in data["live"].items() if key != "exact"}
     constants = dict(data) | {"live": json.loads(data["live"]["exact"]) | live}
-    if (kind := constants["live"]["kind"]) not in ANALYSES:
-        known = ", ".join(ANALYSES)
-        raise UnsupportedError(f"{data['name']!r}: {kind} run in pages only; exported are {known}")
     parts = (
         f"// {_line(data['name'])}: simulate(parameters), evaluate(response, parameters) and",
         "// gradient(response, parameters), with all mechanics as WebAssembly; SI units.",
@@ -67,7 +54,7 @@ def _types(data: Mapping[str, Any]) -> str:
     ]
     measures = [
         f"  /** {_unit(unit)} */\n  {_key(measure)}: Float64Array;"
-        for measure, unit in data["measures"]
+        for measure, unit, _ in data["measures"]
     ]
     labels = " | ".join(_key(row["label"]) for row in data["responses"]) or "never"
     text = asset("export/types.d.ts")

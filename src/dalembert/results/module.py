@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.files import atomic_path
 from dalembert.results.files.live_responses import PageResponse, page_responses
-from dalembert.results.live import LiveFunctions, Row
-from dalembert.results.sources import WorkBalance
+from dalembert.results.live import LiveFunctions
+from dalembert.results.row_table import RowTable
 from dalembert.results.variables import energy_sources
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -34,7 +35,7 @@ class Module:
     name : of the model
     live : LiveFunctions and the constants of its script
     parameters : rows with name, value, lower, upper, unit and description, in SI units
-    measures : name → unit, in the order of the rows
+    outputs : name, unit and row of each measure
     responses : rows with label, unit and terms
 
     Examples
@@ -58,13 +59,18 @@ class Module:
     name: str
     live: LiveFunctions
     parameters: Sequence[Mapping[str, Any]]
-    measures: Mapping[str, str]
+    outputs: Sequence[tuple[str, str, int]]
     responses: Sequence[Mapping[str, Any]]
 
     @property
     def code(self) -> bytes:
         """The module."""
         return self.live.module.code
+
+    @property
+    def measures(self) -> dict[str, str]:
+        """Name of an output over time → its unit."""
+        return {name: unit for name, unit, _ in self.outputs}
 
     @property
     def functions(self) -> Mapping[str, WebFunction]:
@@ -98,7 +104,7 @@ class Module:
     def data(self) -> dict[str, Any]:
         """The module with its parameters, measures and responses as plain data."""
         rows = {"parameters": self.parameters, "responses": self.responses}
-        names = {"name": self.name, "measures": [*self.measures.items()]}
+        names = {"name": self.name, "measures": self.outputs}
         return names | rows | {"live": self.live.page_data(**rows)}
 
     def __repr__(self) -> str:
@@ -119,42 +125,30 @@ def build_module(
     model = result.model
     if reason := result.analysis.live_obstacle(result):
         raise UnsupportedError(f"{model.name!r} cannot be a module: {reason}")
-    rows: list[Row] = []
-    numbers: dict[str, int] = {}
-
-    def number_of(name: str, row: Row) -> int:
-        if name not in numbers:
-            numbers[name] = len(rows)
-            rows.append(row)
-        return numbers[name]
-
-    units: dict[str, str] = {}
-    for measure in measures:
-        name = measure if isinstance(measure, str) else measure.name
-        if not name:
-            raise AnalysisError("a measure of a module has no name; give the formula as a text")
-        row, units[name] = _row(result, measure)
-        number_of(name, row)
+    table = RowTable(model.ground)
+    outputs = [_output(result, table, measure) for measure in measures]
     times = np.array(result.time)
-    reductions = page_responses(result, responses, times, number_of)
-    if not rows:
+    reductions = page_responses(result, responses, times, table.number)
+    if not table.rows:
         raise AnalysisError(f"the module of {model.name!r} has no outputs; give measures=[...]")
-    live = result.analysis.live_functions(result, rows, times)
-    return Module(model.name, live, _parameters(result), units, reductions)
+    live = result.analysis.live_functions(result, table.rows, times)
+    return Module(model.name, live, _parameters(result), outputs, reductions)
 
 
-def _row(result: Any, measure: str | Expression) -> tuple[Row, str]:
-    """Row and unit of a measure."""
+def _output(result: Any, table: RowTable, measure: str | Expression) -> tuple[str, str, int]:
+    """Name, unit and row of a measure."""
     energies = energy_sources(result.model) if result.analysis.integrates else {}
-    source = energies.get(measure) if isinstance(measure, str) else None
-    if isinstance(source, WorkBalance):
-        return Row(source.sx, source.work, source.relative), "J"
+    if isinstance(measure, str) and measure in energies:
+        return measure, "J", table.number(energies[measure])
     expression = result.expression(measure)
+    name = measure if isinstance(measure, str) else measure.name
+    if not name:
+        raise AnalysisError("a measure of a module has no name; give the formula as a text")
     if len(expression) > 1:
         raise AnalysisError(
-            f"measure {expression.name!r} has {len(expression)} components; take .x, .y or a norm"
+            f"measure {name!r} has {len(expression)} components; take .x, .y or a norm"
         )
-    return Row(expression.sx), expression.unit
+    return name, expression.unit, table.number(ca.SX(expression.sx))
 
 
 def _parameters(result: Any) -> list[dict[str, Any]]:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from dalembert.report.page import InlinePage
+    from dalembert.results.files.live_responses import PageResponse
     from dalembert.results.structural.motion import RecoveredStates
 
 
@@ -171,6 +172,7 @@ class Motion(LabelledRecording):
         units: Units = (),
         views: Views = (),
         live: bool | None = None,
+        responses: Sequence[PageResponse] = (),
     ) -> Path:
         """Write the interactive report, one self-contained HTML file.
 
@@ -185,16 +187,29 @@ class Motion(LabelledRecording):
         views : further cards, from functions of ``dalembert.report.views``
         live : whether the page is live; by default if the model has parameters with bounds and the
             compiled functions have at most 300 kB. A page that is not live states the reason
+        responses : responses that a live page lists with their slopes, such as
+            ``[da.maximum("A.force_norm")]``, reduced over the instants of the page; by default the
+            maxima of the plotted measures
+
+        Raises
+        ------
+        UnsupportedError
+            A page does not compute one of the responses.
         """
         from dalembert.report.page import write_page
 
         page = self.page(plots=plots, trace=trace, units=units, views=views)
-        return write_page(self.live_page(page, live), path)
+        return write_page(self.live_page(page, live, responses), path)
 
-    def live_page(self, page: dict[str, Any], live: bool | None = None) -> dict[str, Any]:
+    def live_page(
+        self,
+        page: dict[str, Any],
+        live: bool | None = None,
+        responses: Sequence[PageResponse] = (),
+    ) -> dict[str, Any]:
         from dalembert.results.files.live_page import live_page
 
-        return live_page(self, page, live)
+        return live_page(self, page, live, responses)
 
     def page(
         self, plots: Groups = None, trace: Names = None, units: Units = (), views: Views = ()

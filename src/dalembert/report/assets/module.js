@@ -3,21 +3,17 @@
 /** @import { LiveResponse, ModuleData } from "./types.d.ts" */
 
 import { bytesOf, inflated } from "./inflate.js";
-import { LiveEquilibrium } from "./live_equilibrium.js";
-import { LiveKinematics } from "./live_kinematics.js";
+import { RUNS } from "./live_kinds.js";
 import { responseOf } from "./live_responses.js";
-import { LiveRun, RunFailure } from "./live_run.js";
+import { RunFailure } from "./live_run.js";
 import { checkedStatus, failedStatus } from "./live_status.js";
-
-/** Kind of an analysis → its loops. @type {Record<string, typeof LiveRun>} */
-const ANALYSES = { dynamics: LiveRun, equilibrium: LiveEquilibrium, kinematics: LiveKinematics };
 
 /** An analysis of a model. */
 class Analysis {
   /** @param {WebAssembly.Module} module @param {ModuleData} data */
   constructor(module, data) {
     this.data = data;
-    this.live = new ANALYSES[data.live.kind](module, data.live);
+    this.live = new RUNS[data.live.kind](module, data.live);
     this.names = data.parameters.map(({ name }) => name);
   }
 
@@ -51,7 +47,7 @@ class Analysis {
   /** @param {Record<string, number>} values */
   simulate(values) {
     const { run, status } = this.run(this.vector(values)), n = run?.times.length ?? 0;
-    const outputs = this.data.measures.map(([name], k) => [name, run?.table.slice(n * k, n * (k + 1)) ?? new Float64Array()]);
+    const outputs = this.data.measures.map(([name, , row]) => [name, run?.table.slice(n * row, n * (row + 1)) ?? new Float64Array()]);
     return { ...Object.fromEntries(outputs), time: run?.times.slice() ?? new Float64Array(), status: status.outcome, message: status.message };
   }
 

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.model.graph.absolute import at_ground
+from dalembert.results.files.live_responses import PageResponse, joint_rows, page_responses
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.live import Row
-from dalembert.results.sources import Place, Sources, payload_sources
+from dalembert.results.row_table import RowTable
+from dalembert.results.sources import payload_sources
 from dalembert.units.unit import shown_in
 
 MAX_BYTES = 300_000
 """Upper limit of the size of a module that a page contains without a request."""
 
 
-def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None) -> dict[str, Any]:
+def live_page(
+    motion: LabelledRecording,
+    page: dict[str, Any],
+    live: bool | None,
+    responses: Sequence[PageResponse] = (),
+) -> dict[str, Any]:
     """A page with its live part, or with the reason why it has none.
 
     Parameters
@@ -28,6 +32,7 @@ def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None
     page : its payload
     live : whether the page computes; by default if the model has parameters with bounds and its
         module is small
+    responses : responses that the page lists, by default the maxima of the plotted series
     """
     model = motion.model
     bounded = any(np.isfinite(parameter.bounds).all() for parameter in model.parameters.values())
@@ -39,9 +44,12 @@ def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None
     if reason:
         return page | {"live": {"reason": reason}}
     sources = payload_sources(page)
-    columns, rows = _rows(sources, model.ground)
+    table = RowTable(model.ground)
+    columns = [(place, table.number(source)) for place, source in sources.columns]
+    times = np.array(page["time"])
+    listed = page_responses(motion, responses, times, table.number)
     try:
-        functions = motion.analysis.live_functions(motion, rows, np.array(page["time"]))
+        functions = motion.analysis.live_functions(motion, table.rows, times)
         functions = functions.with_numbers([sx for _, sx in sources.numbers], model.equations.p)
         module = functions.module
     except UnsupportedError as error:
@@ -52,6 +60,7 @@ def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None
     parameters = _parameters(motion, page["parameters"])
     numbers = [place for place, _ in sources.numbers]
     more = {"columns": columns, "numbers": numbers, "initial": sources.initial}
+    more |= {"responses": listed, "joints": joint_rows(model)}
     return page | {"live": functions.page_data(parameters=parameters, **more)}
 
 
@@ -65,20 +74,3 @@ def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[
         factor, _ = shown_in(parameter.unit, [row["unit"]] if row["unit"] else [])
         rows.append(row | {"value": float(value), "lower": lower, "upper": upper, "factor": factor})
     return rows
-
-
-def _rows(sources: Sources, ground: Any) -> tuple[list[tuple[Place, int]], list[Row]]:
-    """Places of columns in the payload with the numbers of their rows, and the distinct rows."""
-    rows: dict[Any, Row] = {}
-    numbers: dict[Any, int] = {}
-    columns = []
-    for place, source in sources.columns:
-        if isinstance(source, ca.SX):
-            row = Row(source)
-        else:
-            row = Row(source.sx, source.work, source.relative)
-        key = (row.expression.element_hash(), row.work, row.relative)
-        if key not in rows:
-            rows[key] = replace(row, expression=at_ground(ground, row.expression))
-        columns.append((place, numbers.setdefault(key, len(numbers))))
-    return columns, list(rows.values())

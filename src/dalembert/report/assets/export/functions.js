@@ -7,7 +7,7 @@ export const name = DATA.name;
 export const parameters = Object.fromEntries(DATA.parameters.map(({ name, ...about }) => [name, about]));
 
 /** Name of an output over time → its unit. */
-export const measures = Object.fromEntries(DATA.measures);
+export const measures = Object.fromEntries(DATA.measures.map(([name, unit]) => [name, unit]));
 
 /** Name of a response → its unit. */
 export const responses = Object.fromEntries(DATA.responses.map(({ label, unit }) => [label, unit]));
