@@ -49,8 +49,9 @@ def render_page(payload: dict[str, Any]) -> str:
         "worker": "",
         "rights": "",
     }
-    if "code" in payload.get("live", {}):
-        script = INDENT.sub("", page_script("worker"))
+    live = payload.get("live", {})
+    if "code" in live:
+        script = INDENT.sub("", page_script(live["kind"]))
         parts["worker"] = f'<script type="text/plain" id="worker">{script}</script>'
         parts["rights"] = " 'wasm-unsafe-eval' blob:; worker-src blob:"
     # One pass over the template, so that inserted parts are not searched again.
