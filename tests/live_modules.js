@@ -3,10 +3,11 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { inflateSync } from "node:zlib";
 import { LIBRARY } from "./live_engine.js";
+import { LiveKinematics } from "./live_kinematics.js";
 import { LiveRun, RunFailure } from "./live_run.js";
 import { checkedStatus, failedStatus } from "./live_status.js";
 
-const KINDS = { dynamics: LiveRun };
+const KINDS = { dynamics: LiveRun, kinematics: LiveKinematics };
 const folder = process.argv[2];
 
 /** Numbers of JSON, which has no infinities. */

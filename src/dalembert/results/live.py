@@ -9,8 +9,8 @@ from __future__ import annotations
 import base64
 import json
 import zlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -48,6 +48,12 @@ class LiveFunctions:
 
     functions: Mapping[str, ca.Function]
     data: Mapping[str, Any]
+
+    def with_numbers(self, numbers: Sequence[ca.SX], p: ca.SX) -> LiveFunctions:
+        """The same with a function ``numbers(p)`` of parameters, for pictures."""
+        graph = ca.densify(ca.vertcat(*numbers)) if numbers else ca.SX.zeros(1)
+        function = ca.Function("numbers", [p], [graph], {"cse": True})
+        return replace(self, functions={**self.functions, "numbers": function})
 
     @cached_property
     def module(self) -> WebModule:

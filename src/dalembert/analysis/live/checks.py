@@ -82,3 +82,10 @@ def check_data(
         "still": STILL,
         **more,
     }
+
+
+def all_multipliers(model: Model, independent: ca.MX) -> ca.MX:
+    """Multipliers of every equation, zero for redundant ones."""
+    place = np.zeros((len(model.closure.owners), len(model.closure.rows)))
+    place[list(model.closure.rows), np.arange(len(model.closure.rows))] = 1.0
+    return ca.mtimes(ca.sparsify(ca.DM(place)), independent)

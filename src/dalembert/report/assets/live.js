@@ -29,15 +29,16 @@ function plottedResponses(live) {
   }).slice(0, MAX_RESPONSES);
 }
 
-/** Put columns into the payload. @param {LiveData} live @param {LiveResult} result */
-function putColumns(live, { table, times }) {
+/** Put columns and numbers into the payload. @param {LiveData} live @param {LiveResult} result */
+function putResult(live, { table, times, numbers }) {
   const n = times.length;
-  for (const [path, row, divisor] of live.columns) {
-    let place = /** @type {any} */ (payload);
-    for (const key of path.slice(0, -1)) place = place[key];
-    const column = table.subarray(n * row, n * (row + 1));
-    place[/** @type {string} */ (path.at(-1))] = divisor === 1 ? column : column.map((value) => value / divisor);
-  }
+  const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => {
+    let owner = /** @type {any} */ (payload);
+    for (const key of place.slice(0, -1)) owner = owner[key];
+    owner[/** @type {string} */ (place.at(-1))] = value;
+  };
+  for (const [place, row] of live.columns) put(place, table.subarray(n * row, n * (row + 1)));
+  live.numbers.forEach((place, k) => put(place, numbers[k]));
   payload.time = times;
 }
 
@@ -54,7 +55,7 @@ export function buildLive({ motion, scene, player, board }, dimension) {
   const request = () => solver.request({ parameters: design.values, responses, gradient: responses.length ? table.selected : null, point: drag.request });
   /** @param {LiveResult} result */
   const show = (result) => {
-    putColumns(live, result);
+    putResult(live, result);
     const next = new dimension.Motion(payload, dimension.structure), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name)), { now } = motion;
     for (const point of next.points) point.swatch = motion.points.find(({ name }) => name === point.name)?.swatch;
     motion.replace(next);

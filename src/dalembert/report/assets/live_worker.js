@@ -18,7 +18,8 @@ function answer({ number, parameters, responses, gradient, point }) {
     const row = (/** @type {number} */ k) => table.subarray(n * k, n * (k + 1));
     const values = responses.map((response) => valueOf(response, times, row(response.row)));
     const weights = gradient === null ? null : new Map([[responses[gradient].row, samplesWeights(responses[gradient], times, row(responses[gradient].row))]]);
-    postMessage({ number, times, table, rows, values, duration: performance.now() - begin }, { transfer: [table.buffer] });
+    const [numbers] = run.engine.evaluate("numbers", parameters) ?? [];
+    postMessage({ number, times, table, rows, values, numbers, duration: performance.now() - begin }, { transfer: [table.buffer] });
     const at = (/** @type {number} */ k) => new Map([[k, Float64Array.from({ length: n }, (_, i) => Number(i === point?.instant))]]);
     const jacobian = point ? point.rows.map((k) => run.gradient(result, at(k))) : null;
     postMessage({ number, slopes: weights && run.gradient(result, weights), jacobian });

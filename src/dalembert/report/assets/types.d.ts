@@ -161,9 +161,18 @@ export interface LiveData extends LiveCode {
   check: LiveCheck;
   /** Prescribed steps. */
   steps?: { ends?: number[]; length?: number; count?: number; end?: number; uncorrected: number[] };
-  /** Places of columns in the payload, numbers of their rows, and divisors of their units. */
-  columns: [(string | number)[], number, number][];
+  /** Places of columns in the payload with the numbers of their rows. */
+  columns: [(string | number)[], number][];
+  /** Places of numbers in the payload that follow from parameters. */
+  numbers: (string | number)[][];
+  /** Names of bodies and elements whose picture remains that of the initial parameters. */
+  initial: string[];
   parameters: LiveParameter[];
+  /** Instants of a driven motion, numbers of the outputs among them, rows without values, limits of steps. */
+  path?: number[];
+  places?: number[];
+  undetermined?: number[];
+  limits?: { regular: number; tolerance: number; turn: number; small: [number, number]; fraction: number };
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
@@ -206,7 +215,7 @@ export interface LiveParameter extends Bounds { name: string; unit: string; fact
 export interface LiveResponse { kind: "final" | "maximum" | "minimum" | "mean" | "rms" | "integral"; row: number; label: string; unit: string }
 /** Request to the worker: `gradient` is the number of the response that is differentiated. */
 export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradient: number | null; point?: { instant: number; rows: number[] } | null }
-export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; duration: number }
+export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; duration: number }
 /** Gradient of the selected response, and of the coordinates of a point. */
 export interface LiveSlopes { number: number; slopes: Float64Array | null; jacobian: Float64Array[] | null }
 export interface LiveFailure { number: number; failure: string; residual?: number; loop?: string }

@@ -10,6 +10,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.live import Row
+from dalembert.results.sources import Place, Sources, payload_sources
 
 MAX_BYTES = 300_000
 """Upper limit of the size of a module that a page contains without a request."""
@@ -34,9 +35,11 @@ def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None
     reason = motion.analysis.live_obstacle(motion)
     if reason:
         return page | {"live": {"reason": reason}}
-    columns, rows = _rows(motion, page)
+    sources = payload_sources(page)
+    columns, rows = _rows(sources)
     try:
         functions = motion.analysis.live_functions(motion, rows, np.array(page["time"]))
+        functions = functions.with_numbers([sx for _, sx in sources.numbers], model.equations.p)
         module = functions.module
     except UnsupportedError as error:
         return page | {"live": {"reason": str(error)}}
@@ -44,7 +47,9 @@ def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None
         size = f"{len(module.code) / 1e3:.0f} kB"
         return page | {"live": {"reason": f"its module has {size}; request it by live=True"}}
     parameters = _parameters(motion, page["parameters"])
-    return page | {"live": functions.page_data(columns=columns, parameters=parameters)}
+    numbers = [place for place, _ in sources.numbers]
+    more = {"columns": columns, "numbers": numbers, "initial": sources.initial}
+    return page | {"live": functions.page_data(parameters=parameters, **more)}
 
 
 def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -59,35 +64,18 @@ def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[
     return rows
 
 
-def _rows(motion: LabelledRecording, page: dict[str, Any]) -> tuple[list[Any], list[Row]]:
-    """Places of columns in the payload with the numbers of their rows, and the rows."""
-    model = motion.model
-    columns: list[Any] = []
-    rows: list[Row] = []
-    numbers: dict[str, int] = {}
-
-    def put(path: list[Any], name: str, row: Row, factor: float = 1.0) -> None:
-        if name not in numbers:
-            numbers[name] = len(rows)
-            rows.append(row)
-        columns.append([path, numbers[name], factor])
-
-    total = model.expression("kinetic_energy").sx + model.expression("potential_energy").sx
-    zero = ca.SX(0)
-    special = {
-        "energy": Row(total),
-        "dissipated_energy": Row(zero, (1.0, 0.0), True),
-        "input_energy": Row(zero, (0.0, 1.0), True),
-        "balance_error": Row(total, (1.0, -1.0), True),
-    }
-    for k, series in enumerate(page["series"]):
-        name = series["name"]
-        if name.endswith("_violation"):
-            continue
-        row = special[name] if name in special else Row(model.expression(name).sx)
-        put(["series", k, "values"], name, row)
-    for k, body in enumerate(page["scene"]["bodies"]):
-        for coordinate in ("x", "y", "angle"):
-            name = f"{body['name']}.{coordinate}"
-            put(["scene", "bodies", k, coordinate], name, Row(model.expression(name).sx))
-    return columns, rows
+def _rows(sources: Sources) -> tuple[list[tuple[Place, int]], list[Row]]:
+    """Places of columns in the payload with the numbers of their rows, and the distinct rows."""
+    rows: dict[Any, Row] = {}
+    numbers: dict[Any, int] = {}
+    columns = []
+    for place, source in sources.columns:
+        row = (
+            Row(source)
+            if isinstance(source, ca.SX)
+            else Row(source.sx, source.work, source.relative)
+        )
+        key = (row.expression.element_hash(), row.work, row.relative)
+        rows.setdefault(key, row)
+        columns.append((place, numbers.setdefault(key, len(numbers))))
+    return columns, list(rows.values())
