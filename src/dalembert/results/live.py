@@ -35,6 +35,12 @@ class Row:
     work: tuple[float, float] = (0.0, 0.0)
     relative: bool = False
 
+    def __truediv__(self, factor: float) -> Row:
+        """The output in another unit."""
+        dissipated, supplied = self.work
+        work = (dissipated / factor, supplied / factor)
+        return Row(self.expression / factor, work, self.relative)
+
 
 @dataclass(frozen=True, eq=False)
 class LiveFunctions:

@@ -13,6 +13,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.results.live import Row
+
 Place = tuple[str | int, ...]
 """Keys and indices that lead to a value of a payload."""
 
@@ -45,31 +47,8 @@ class Column(list[float]):
         return list, (list(self),)
 
 
-@dataclass(frozen=True, eq=False)
-class WorkBalance:
-    """Energy to which work since the start is added.
-
-    Attributes
-    ----------
-    sx : energy, a scalar SX
-    work : factors of the dissipated energy and of the energy input
-    relative : whether the value at the first output is subtracted
-    """
-
-    sx: ca.SX
-    work: tuple[float, float]
-    relative: bool = False
-
-    def __truediv__(self, factor: float) -> WorkBalance:
-        """The balance in another unit."""
-        dissipated, supplied = self.work
-        return WorkBalance(
-            self.sx / factor, (dissipated / factor, supplied / factor), self.relative
-        )
-
-
-Source = ca.SX | WorkBalance
-"""Formula of a column."""
+Source = ca.SX | Row
+"""Formula of a column: an SX, or a row with work since the start."""
 
 
 class Series(dict[str, Any]):
@@ -133,7 +112,7 @@ class Sources:
     ----------
     numbers : places and formulas of parameters
     columns : places and formulas of time, coordinates, speeds, accelerations, multipliers and
-        parameters, or balances of work
+        parameters, or rows with work since the start
     initial : names of bodies and elements whose picture remains that of the initial parameters
     """
 

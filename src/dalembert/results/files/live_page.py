@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
@@ -70,11 +69,7 @@ def _rows(sources: Sources) -> tuple[list[tuple[Place, int]], list[Row]]:
     numbers: dict[Any, int] = {}
     columns = []
     for place, source in sources.columns:
-        row = (
-            Row(source)
-            if isinstance(source, ca.SX)
-            else Row(source.sx, source.work, source.relative)
-        )
+        row = source if isinstance(source, Row) else Row(source)
         key = (row.expression.element_hash(), row.work, row.relative)
         rows.setdefault(key, row)
         columns.append((place, numbers.setdefault(key, len(numbers))))
