@@ -66,7 +66,7 @@ def test_stroke_scatters_as_the_closed_form(pictures: Path) -> None:
     assert found["std of the samples"] == pytest.approx(found["std"], rel=0.2)
     largest = stroke((1, -1, 1)) - stroke((0, 0, 0))
     assert found["largest"] - found["stroke"] == pytest.approx(largest, rel=5e-3)
-    assert found["allotted"] == pytest.approx(made.LIMIT, rel=1e-3)
+    assert found["allocated"] == pytest.approx(made.LIMIT, rel=1e-3)
     assert found["±link_length"] == 0.5e-3
 
 

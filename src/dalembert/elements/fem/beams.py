@@ -41,6 +41,10 @@ class Bending:
         direct, mixed = 4 + self.softness, 2 - self.softness
         return bend * (direct * first + mixed * second), bend * (mixed * first + direct * second)
 
+    def mean_deflection(self, first: ca.SX, second: ca.SX) -> ca.SX:
+        """Mean distance of the bent axis from the chord, for any shear flexibility."""
+        return self.length / 12 * (first - second)
+
     def bow(self, first: ca.SX, second: ca.SX) -> ca.SX:
         """Length of the bent axis minus that of the chord, ``½ ∫ w'² dx`` to second order."""
         phi = self.softness

@@ -44,6 +44,12 @@ class Line(StructuralElement):
         """Distance of the two nodes."""
         return ca.norm_2(x[1] - x[0])
 
+    @staticmethod
+    def middle(u: list[ca.SX], x: list[ca.SX]) -> ca.SX:
+        """Middle between the displaced nodes."""
+        d = x[0].numel()
+        return (x[0] + u[0][:d] + x[1] + u[1][:d]) / 2
+
     @classmethod
     def elongation(cls, u: list[ca.SX], x: list[ca.SX]) -> ca.SX:
         """Change ``(l² − L²)/(l + L)`` of the distance, without cancellation."""

@@ -13,7 +13,7 @@ import { PathDrag } from "./live_drag.js";
 import { ParameterPanel } from "./live_panel.js";
 import { Solver } from "./live_solver.js";
 import { ResponseTable } from "./live_table.js";
-import { clamp, list, tidy } from "./numbers.js";
+import { clamp, list } from "./numbers.js";
 import { payload } from "./payload.js";
 
 /** Upper limit of the responses that are listed by default. */
@@ -66,7 +66,8 @@ export function buildLive({ motion, scene, player, board }, dimension) {
   solver.onResult.on((result) => {
     show(result);
     table.show(result.values);
-    panel.say("");
+    const { success, outcome, message } = result.status;
+    panel.say(success ? "" : `${outcome}: ${message}`, "error");
     document.documentElement.dataset.live = String(result.number);
   });
   solver.onSlopes.on((answer) => {
@@ -74,8 +75,8 @@ export function buildLive({ motion, scene, player, board }, dimension) {
     drag.receive(answer);
   });
   drag.onHold.on(request);
-  solver.onFailure.on(({ number, failure, residual }) => {
-    panel.say(`${failure}${residual === undefined ? "" : `; residual ${tidy(residual, 3)}`}. The picture is that of the last valid design.`, "error");
+  solver.onFailure.on(({ number, failure: { outcome, message } }) => {
+    panel.say(`${outcome}: ${message}. The picture is that of the last valid design.`, "error");
     document.documentElement.dataset.live = String(number);
     drag.retreat();
   });

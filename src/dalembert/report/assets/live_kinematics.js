@@ -52,7 +52,7 @@ export class LiveKinematics extends LiveRun {
     return last;
   }
 
-  /** Motion with outputs: `table` holds the rows one after the other. @param {ArrayLike<number>} parameters @returns {any} */
+  /** Motion with outputs: `table` holds the rows one after the other. @override @param {ArrayLike<number>} parameters @returns {any} */
   run(parameters) {
     const { engine, data, size, times } = this, p = Float64Array.from(parameters), n = times.length;
     engine.top = this.base;
@@ -66,7 +66,7 @@ export class LiveKinematics extends LiveRun {
   }
 
   /** Gradient of a response by the parameters, each instant by its own adjoint.
-   * @param {any} run the last run @param {Map<number, Float64Array>} samples row → weights of its samples */
+   * @override @param {any} run the last run @param {Map<number, Float64Array>} samples row → weights of its samples */
   gradient(run, samples) {
     const { engine, data } = this, { times, rows, states: { t, x, p } } = run, n = times.length, mark = engine.top, w = engine.room(rows * n);
     const weights = engine.view(w, rows * n), [count] = engine.named("outputs_adjoint").outputs, total = new Float64Array(count);

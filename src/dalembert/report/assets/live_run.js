@@ -5,11 +5,13 @@
 import { Engine } from "./live_engine.js";
 
 const ITERATIONS = 25, CONVERGED = 1e-13, ACCEPTED = 1e-9, SHORTEST = 1e-3, CHUNK = 500, ATTEMPTS = 64, SMALLEST_STEP = 1e-13, GROWTH = 4;
-const largest = (/** @type {ArrayLike<number>} */ values) => {
+
+/** Largest magnitude, infinite where a value is no number. @param {ArrayLike<number>} values */
+export function largest(values) {
   let most = 0;
   for (let k = 0; k < values.length; k++) { const size = Math.abs(values[k]); if (!(size <= most)) most = size === size ? size : Infinity; }
   return most;
-};
+}
 
 /** Ends of prescribed steps, the start included, and whether the steps are corrected. @param {LiveData} data */
 function prescribed({ start, steps }) {

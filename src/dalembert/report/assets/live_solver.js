@@ -41,7 +41,7 @@ export class Solver {
     this.worker = new Worker(this.script);
     this.worker.postMessage({ module: this.module, data });
     this.worker.onmessage = ({ data: answer }) => this.receive(answer);
-    this.worker.onerror = (event) => this.receive({ number: this.number, failure: event.message || "the worker of the page failed" });
+    this.worker.onerror = (event) => this.receive({ number: this.number, failure: { outcome: "failed", message: event.message || "the worker of the page failed", time: NaN, residual: NaN, success: false } });
   }
 
   /** Compute a design; of several waiting ones only the newest. @param {Omit<LiveRequest, "number">} request */

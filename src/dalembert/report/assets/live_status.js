@@ -2,7 +2,7 @@
 
 /** @import { LiveCheck, LiveData, LiveStatus } from "./types.d.ts" */
 
-import { RunFailure } from "./live_run.js";
+import { RunFailure, largest } from "./live_run.js";
 
 const ROUNDING = [1e-9, 1e-6], LEVELS = ["", "/s", "/s²"];
 
@@ -20,13 +20,6 @@ export function general(x, digits) {
 function percent(x) {
   const value = 100 * x, below = Math.floor(value);
   return Number.isFinite(value) ? `${value - below === 0.5 ? below + (below % 2) : Math.round(value)}%` : "inf%";
-}
-
-/** Largest number, infinite where one is none. @param {ArrayLike<number>} values */
-function largest(values) {
-  let most = 0;
-  for (let k = 0; k < values.length; k++) { const size = Math.abs(values[k]); if (!(size <= most)) most = Number.isFinite(size) ? size : Infinity; }
-  return most;
 }
 
 /** Samples of a run as functions of the module see them: addresses of times, states and parameters.
@@ -66,7 +59,9 @@ class Residuals {
     let worst = 0;
     this.violations.forEach((value, k) => { if (!(value <= this.violations[worst])) worst = k; });
     this.columns = [...chosen.add(worst)].sort((a, b) => a - b);
-    [, , this.rows, this.terms] = at(this.columns);
+    const [, , rows, terms] = at(this.columns);
+    this.rows = rows;
+    this.terms = terms;
   }
 
   /** Largest residual of some rows relative to their sizes. @param {number} first @param {number} count @param {(row: number, term: number) => number} size */

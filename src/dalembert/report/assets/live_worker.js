@@ -3,7 +3,12 @@
 /** @import { LiveData, LiveRequest } from "./types.d.ts" */
 
 import { samplesWeights, valueOf } from "./live_responses.js";
+import { LiveKinematics } from "./live_kinematics.js";
 import { LiveRun, RunFailure } from "./live_run.js";
+import { checkedStatus, failedStatus } from "./live_status.js";
+
+/** Kind of an analysis → class of its runs. */
+const RUNS = { dynamics: LiveRun, kinematics: LiveKinematics };
 
 /** @type {LiveRun} */
 let run;
@@ -19,18 +24,19 @@ function answer({ number, parameters, responses, gradient, point }) {
     const values = responses.map((response) => valueOf(response, times, row(response.row)));
     const weights = gradient === null ? null : new Map([[responses[gradient].row, samplesWeights(responses[gradient], times, row(responses[gradient].row))]]);
     const [numbers] = run.engine.evaluate("numbers", parameters) ?? [];
-    postMessage({ number, times, table, rows, values, numbers, duration: performance.now() - begin }, { transfer: [table.buffer] });
+    const status = checkedStatus(run, result);
+    postMessage({ number, times, table, rows, values, numbers, status, duration: performance.now() - begin }, { transfer: [table.buffer] });
     const at = (/** @type {number} */ k) => new Map([[k, Float64Array.from({ length: n }, (_, i) => Number(i === point?.instant))]]);
     const jacobian = point ? point.rows.map((k) => run.gradient(result, at(k))) : null;
     postMessage({ number, slopes: weights && run.gradient(result, weights), jacobian });
   } catch (error) {
     if (!(error instanceof RunFailure)) throw error;
-    postMessage({ number, failure: error.message, residual: error.residual, loop: error.loop });
+    postMessage({ number, failure: failedStatus(run, error), loop: error.loop });
   }
 }
 
 addEventListener("message", ({ data }) => {
-  if (data.module) { run = new LiveRun(data.module, /** @type {LiveData} */ (data.data)); return; }
+  if (data.module) { run = new RUNS[/** @type {LiveData} */ (data.data).kind](data.module, data.data); return; }
   if (!waiting) setTimeout(() => { const request = waiting; waiting = null; if (request) answer(request); });
   waiting = data;  // of several requests only the newest is answered
 });

@@ -146,7 +146,7 @@ export interface LiveCode {
   memory: number;
 }
 export interface LiveData extends LiveCode {
-  kind: string;
+  kind: "dynamics" | "kinematics";
   /** Start of the run and shortest distance of two instants [s]. */
   start: number;
   instant: number;
@@ -215,10 +215,10 @@ export interface LiveParameter extends Bounds { name: string; unit: string; fact
 export interface LiveResponse { kind: "final" | "maximum" | "minimum" | "mean" | "rms" | "integral"; row: number; label: string; unit: string }
 /** Request to the worker: `gradient` is the number of the response that is differentiated. */
 export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradient: number | null; point?: { instant: number; rows: number[] } | null }
-export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; duration: number }
+export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number }
 /** Gradient of the selected response, and of the coordinates of a point. */
 export interface LiveSlopes { number: number; slopes: Float64Array | null; jacobian: Float64Array[] | null }
-export interface LiveFailure { number: number; failure: string; residual?: number; loop?: string }
+export interface LiveFailure { number: number; failure: LiveStatus; loop?: string }
 
 // Parts of a page -----------------------------------------------------------------------------------
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from dalembert.errors import UnsupportedError
+from dalembert.model.graph.absolute import at_ground
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.live import Row
 from dalembert.results.sources import Place, Sources, payload_sources
@@ -35,7 +37,7 @@ def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None
     if reason:
         return page | {"live": {"reason": reason}}
     sources = payload_sources(page)
-    columns, rows = _rows(sources)
+    columns, rows = _rows(sources, model.ground)
     try:
         functions = motion.analysis.live_functions(motion, rows, np.array(page["time"]))
         functions = functions.with_numbers([sx for _, sx in sources.numbers], model.equations.p)
@@ -63,7 +65,7 @@ def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[
     return rows
 
 
-def _rows(sources: Sources) -> tuple[list[tuple[Place, int]], list[Row]]:
+def _rows(sources: Sources, ground: Any) -> tuple[list[tuple[Place, int]], list[Row]]:
     """Places of columns in the payload with the numbers of their rows, and the distinct rows."""
     rows: dict[Any, Row] = {}
     numbers: dict[Any, int] = {}
@@ -71,6 +73,7 @@ def _rows(sources: Sources) -> tuple[list[tuple[Place, int]], list[Row]]:
     for place, source in sources.columns:
         row = source if isinstance(source, Row) else Row(source)
         key = (row.expression.element_hash(), row.work, row.relative)
-        rows.setdefault(key, row)
+        if key not in rows:
+            rows[key] = replace(row, expression=at_ground(ground, row.expression))
         columns.append((place, numbers.setdefault(key, len(numbers))))
     return columns, list(rows.values())
