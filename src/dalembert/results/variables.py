@@ -10,8 +10,8 @@ import casadi as ca
 from dalembert.elements.base import ForceElement
 from dalembert.elements.driver import Driver
 from dalembert.elements.pair import Pair
-from dalembert.model.graph.measures import element_measures
 from dalembert.model.graph.model import Model
+from dalembert.model.graph.parts import element_measures
 from dalembert.results.files.contents import COMPONENTS
 from dalembert.results.live import Row
 from dalembert.results.sources import Source

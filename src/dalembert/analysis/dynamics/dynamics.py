@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.batch.adaptive_steps import AdaptiveSteps
-from dalembert.analysis.batch.fixed_steps import FixedSteps
+from dalembert.analysis.batch.marches import AdaptiveSteps, FixedSteps
 from dalembert.analysis.contact.gap_checks import refuse_overlap
 from dalembert.analysis.dynamics.continuation import ContinuedRun, extended, refuse_ended
 from dalembert.analysis.dynamics.dense_outputs import peak_quadrature

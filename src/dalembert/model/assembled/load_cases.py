@@ -12,13 +12,12 @@ import numpy as np
 from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.attached import AXES, Attached
 from dalembert.elements.fem.element_set import Elements
-from dalembert.elements.fem.nodal import effort, missing_rotation
-from dalembert.elements.fem.rotations import spin_map
+from dalembert.elements.fem.nodal import effort, missing_rotation, spin_map
 from dalembert.errors import ModelError
 from dalembert.model.assembled.evaluation.assembly import Assembly
 from dalembert.model.assembled.evaluation.blocks import BlockMaker, Part
 from dalembert.model.assembled.evaluation.numbering import Numbering
-from dalembert.model.assembled.loads.load_case import (
+from dalembert.model.assembled.load_case import (
     ConfigurationLoad,
     LoadCase,
     MassForce,
