@@ -18,7 +18,7 @@ from typing import Any
 
 from dalembert.errors import FileError
 from dalembert.files import atomic_path
-from dalembert.report.packing import pack
+from dalembert.report.packing import are_numbers, pack
 from dalembert.report.scripts import KINDS, asset, page_kind, page_script
 from dalembert.text.wording import visible
 
@@ -88,8 +88,7 @@ def as_json(value: Any) -> str:
             + "}"
         )
     if isinstance(value, (list, tuple)):
-        kinds = set(map(type, value))
-        if float in kinds and kinds <= {float, int, type(None)}:
+        if any(isinstance(item, float) for item in value) and are_numbers(value):
             return f"[{_numbers(value)}]"
         return "[" + ",".join(map(as_json, value)) + "]"
     raise TypeError(f"a report cannot hold a {type(value).__name__}")
