@@ -33,7 +33,7 @@ def run(model: Path, *options: str) -> str:
 
 
 def is_live(page: str) -> bool:
-    return '"live":{"functions"' in page and 'id="worker"' in page
+    return '"live":{' in page and '"code":"' in page and 'id="worker"' in page
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,17 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from dalembert.report.scripts import asset, page_script
+from dalembert.report.scripts import PAGES, asset, joined
 from dalembert.text.wording import visible
+
+RUNS = {
+    "dynamics": ("live_run.js", "LiveRun"),
+    "kinematics": ("live_kinematics.js", "LiveKinematics"),
+    "equilibrium": ("live_equilibrium.js", "LiveEquilibrium"),
+    "modes": ("live_modes.js", "LiveModes"),
+}
+"""Kind of an analysis → script and class of its runs."""
+
 
 def javascript_files(data: Mapping[str, Any], name: str) -> dict[str, str]:
     """File → text of the ES module, its types and an example page.
@@ -32,12 +41,13 @@ def _module(data: Mapping[str, Any]) -> str:
     """Text of the ES module."""
     live = {key: value for key, value in data["live"].items() if key != "exact"}
     constants = dict(data) | {"live": json.loads(data["live"]["exact"]) | live}
+    script, run = RUNS[constants["live"]["kind"]]
     parts = (
         f"// {_line(data['name'])}: simulate(parameters), evaluate(response, parameters) and",
         "// gradient(response, parameters), with all mechanics as WebAssembly; SI units.",
-        page_script("module"),
+        joined(PAGES["module"], script),
         f"const DATA = {_plain(constants)};\n",
-        asset("export/functions.js"),
+        asset("export/functions.js").replace("{{RUN}}", run),
     )
     return "\n".join(parts)
 

@@ -136,7 +136,7 @@ class Sources:
     ----------
     numbers : places and formulas of parameters
     columns : places and formulas of time, coordinates, speeds, accelerations, multipliers and
-        parameters, or balances of work
+        parameters, or rows with work since the start
     initial : names of bodies and elements whose picture remains that of the initial parameters
     """
 

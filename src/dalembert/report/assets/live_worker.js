@@ -1,14 +1,14 @@
 // Worker of a live page: runs the newest request and reports its result, then gradients.
 
+/** @import { LiveRun } from "./live_run.js" */
 /** @import { LiveData, LiveRequest } from "./types.d.ts" */
 
 import { openJoint } from "./live_failure.js";
-import { RUNS } from "./live_kinds.js";
 import { responseOf } from "./live_responses.js";
 import { RunFailure } from "./live_run.js";
 import { checkedStatus, failedStatus } from "./live_status.js";
 
-/** @type {import("./live_run.js").LiveRun} */
+/** @type {LiveRun} */
 let run;
 /** @type {LiveRequest | null} */
 let waiting = null;
@@ -30,12 +30,15 @@ function answer({ number, parameters, responses, gradients, point }) {
   }
 }
 
-addEventListener("message", ({ data }) => {
-  if (data.module) {
-    run = new RUNS[/** @type {LiveData} */ (data.data).kind](data.module, data.data);
-    postMessage({ ready: true });
-    return;
-  }
-  if (!waiting) setTimeout(() => { const request = waiting; waiting = null; if (request) answer(request); });
-  waiting = data;  // of several requests only the newest is answered
-});
+/** Answer the messages of the page. @param {new (module: WebAssembly.Module, data: LiveData) => LiveRun} Run class of the runs */
+export function serve(Run) {
+  addEventListener("message", ({ data }) => {
+    if (data.module) {
+      run = new Run(data.module, data.data);
+      postMessage({ ready: true });
+      return;
+    }
+    if (!waiting) setTimeout(() => { const request = waiting; waiting = null; if (request) answer(request); });
+    waiting = data;  // of several requests only the newest is answered
+  });
+}

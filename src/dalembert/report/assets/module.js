@@ -1,19 +1,21 @@
 // Functions of an exported module: simulation, responses and gradients for parameter values by name.
 
-/** @import { LiveResponse, ModuleData } from "./types.d.ts" */
+/** @import { LiveRun } from "./live_run.js" */
+/** @import { LiveData, LiveResponse, ModuleData } from "./types.d.ts" */
+
+/** @typedef {new (module: WebAssembly.Module, data: LiveData) => LiveRun} Run */
 
 import { bytesOf, inflated } from "./inflate.js";
-import { RUNS } from "./live_kinds.js";
 import { responseOf } from "./live_responses.js";
 import { RunFailure } from "./live_run.js";
 import { checkedStatus, failedStatus } from "./live_status.js";
 
 /** An analysis of a model. */
 class Analysis {
-  /** @param {WebAssembly.Module} module @param {ModuleData} data */
-  constructor(module, data) {
+  /** @param {Run} Run @param {WebAssembly.Module} module @param {ModuleData} data */
+  constructor(Run, module, data) {
     this.data = data;
-    this.live = new RUNS[data.live.kind](module, data.live);
+    this.live = new Run(module, data.live);
     this.names = data.parameters.map(({ name }) => name);
   }
 
@@ -66,7 +68,7 @@ class Analysis {
   }
 }
 
-/** @param {ModuleData} data */
-export async function loaded(data) {
-  return new Analysis(await WebAssembly.compile(await inflated(bytesOf(data.live.code))), data);
+/** @param {Run} Run class of the runs @param {ModuleData} data */
+export async function loaded(Run, data) {
+  return new Analysis(Run, await WebAssembly.compile(await inflated(bytesOf(data.live.code))), data);
 }

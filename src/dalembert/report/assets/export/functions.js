@@ -1,4 +1,4 @@
-const analysis = await loaded(DATA);
+const analysis = await loaded({{RUN}}, DATA);
 
 /** Name of the model. */
 export const name = DATA.name;
