@@ -95,7 +95,7 @@ def run(
         Print the computing time of building, steps, outputs and report.
     """
     from dalembert.io.analyses import make_analysis
-    from dalembert.io.report import report_choices
+    from dalembert.io.report import live_responses, report_choices
     from dalembert.report.page import write_page
     from dalembert.report.views import notes
 
@@ -129,7 +129,8 @@ def run(
             files = result.write_data(base, csv, page, choices.get("units", ()))
         if report and page is not None:
             with timing.part("report"):
-                page = result.live_page(page, file.document.report.live if live is None else live)
+                choice = file.document.report.live if live is None else live
+                page = result.live_page(page, choice, live_responses(file, built, page))
                 files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
         interrupted_late = signals.pressed and result.status.outcome is not Outcome.INTERRUPTED
     code = INTERRUPTED if interrupted_late else _exit_code(result.status)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.graph.model import Model
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.sources import Source
@@ -28,6 +29,17 @@ class PageResponse(Protocol):
     def terms(self) -> tuple[tuple[float, Any], ...]: ...
     def unit_of(self, source: Any) -> str: ...
     def reduction(self, times: np.ndarray) -> dict[str, Any]: ...
+
+
+def computable(responses: Iterable[PageResponse], times: np.ndarray) -> list[PageResponse]:
+    """The responses that a page with these outputs computes."""
+    chosen = []
+    for response in responses:
+        with suppress(UnsupportedError):
+            for _, term in response.terms:
+                term.reduction(times)
+            chosen.append(response)
+    return chosen
 
 
 def page_responses(
