@@ -18,11 +18,14 @@ from dalembert.text.wording import unknown
 
 def live_responses(file: ModelFile, model: Any, page: dict[str, Any]) -> list[PageResponse]:
     """Responses of the file that its page computes; none if one is invalid, as its tasks report."""
+    times = np.array(page.get("time", ()))
+    if not times.size:
+        return []
     try:
         responses = make_responses(file, model).values()
     except DalembertError:
         return []
-    return computable(responses, np.array(page.get("time", ())))
+    return computable(responses, times)
 
 
 def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:
