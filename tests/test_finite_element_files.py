@@ -132,6 +132,6 @@ WRONG = {
 def test_wrong_files_are_told_in_one_message(old, new, tmp_path, capsys):
     path = written(tmp_path, old, new)
     assert main(["check", str(path)]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith(f"Error: {path}: {WRONG[old, new]}")
-    assert told.count("Error") == 1
+    message = capsys.readouterr().err
+    assert message.startswith(f"Error: {path}: {WRONG[old, new]}")
+    assert message.count("Error") == 1

@@ -18,19 +18,19 @@ from dalembert.results.files.store import report_of
 def test_commands(name: str, tmp_path: Path, capsys) -> None:
     path, folder = EXAMPLES / f"{name}.toml", ["--output", str(tmp_path)]
     assert main(["check", str(path), "--json"]) == 0
-    made = json.loads(capsys.readouterr().out)
-    assert made["nodes"] > 6
+    document = json.loads(capsys.readouterr().out)
+    assert document["nodes"] > 6
     assert main(["run", str(path), *folder, "--csv", "--json"]) == 0
-    made = json.loads(capsys.readouterr().out)
-    assert made["ok"]
-    assert [Path(f).name for f in made["files"]] == [
+    document = json.loads(capsys.readouterr().out)
+    assert document["ok"]
+    assert [Path(f).name for f in document["files"]] == [
         f"{name}.nc",
         f"{name}.csv",
         f"{name}.report.html",
     ]
     model = load_model_file(path).model()
-    for row in made["states"]:
-        case = row["load case"] if len(made["states"]) > 1 else ""
+    for row in document["states"]:
+        case = row["load case"] if len(document["states"]) > 1 else ""
         applied = model.loads[case].values(model.nominal)
         sums = [applied[model.degrees.table[:, axis]].sum() for axis in range(2)]
         reactions = [row["sum of reactions"][f] for f in ("fx", "fy")]
@@ -45,12 +45,12 @@ def test_commands(name: str, tmp_path: Path, capsys) -> None:
 
 def test_settings_reach_the_structure(tmp_path: Path, capsys) -> None:
     path = written(tmp_path, MESH)
-    found = []
+    results = []
     for setting in ([], ["--set", "thickness=0.02"]):
         assert main(["run", str(path), "--output", str(tmp_path), "--json", *setting]) == 0
         states = json.loads(capsys.readouterr().out)["states"]
-        found.append(states[0]["largest displacement"]["value"])
-    assert found[1] == pytest.approx(found[0] / 2)
+        results.append(states[0]["largest displacement"]["value"])
+    assert results[1] == pytest.approx(results[0] / 2)
     assert main(["run", str(path), "--set", "thickness=-1"]) == 2
     assert "parameters.thickness: value -1.0 lies outside its bounds" in capsys.readouterr().err
 

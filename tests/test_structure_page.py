@@ -198,11 +198,11 @@ def test_results_come_back(name: str, tmp_path: Path) -> None:
 
 def test_of_many_cases_some_are_left_out(monkeypatch, tmp_path: Path) -> None:
     monkeypatch.setattr(payload_module, "MOST_NUMBERS", 200)
-    made = payload_module.structural_payload(motion())
-    names = made["states"]["names"]
+    payload = payload_module.structural_payload(motion())
+    names = payload["states"]["names"]
     assert 1 < len(names) < 21
     assert names[-1] == "0.01 s"
-    assert "are left out of this page" in json.dumps(made["diagnosis"])
+    assert "are left out of this page" in json.dumps(payload["diagnosis"])
 
 
 def test_loads_and_members_tell_their_values(show) -> None:
@@ -229,9 +229,9 @@ def test_shapes_have_no_size(show) -> None:
 def test_what_is_clamped_in_space_is_no_pin() -> None:
     structure = da.Structure("mast")
     foot, top = structure.node("foot", 0, 0, 0), structure.node("top", 0, 0, 3)
-    given = {"area": 1e-3, "second_moment_y": 1e-6, "second_moment_z": 1e-6}
-    given |= {"torsion_constant": 1e-6, "modulus": 210e9, "shear_modulus": 80e9}
-    structure.add(structures.SpaceFrame("mast", foot, top, **given))
+    arguments = {"area": 1e-3, "second_moment_y": 1e-6, "second_moment_z": 1e-6}
+    arguments |= {"torsion_constant": 1e-6, "modulus": 210e9, "shear_modulus": 80e9}
+    structure.add(structures.SpaceFrame("mast", foot, top, **arguments))
     structure.support(foot)
     structure.load(top, fx=100.0)
     support, *loads = da.solve_statics(structure.build()).page()["scene"]["symbols"]
@@ -255,8 +255,8 @@ def test_structures_are_filmed(tmp_path: Path, make, frames: int, state: str | N
     page = make().page()
     named = str(page["states"]["names"][1]) if state else None
     short = {"fps": 8, "seconds": 1.0, "width": 160}
-    made = write_film(page, tmp_path / "film.gif", state=named, **short)
-    assert gif_frames(made) == frames
+    film = write_film(page, tmp_path / "film.gif", state=named, **short)
+    assert gif_frames(film) == frames
     with pytest.raises(da.FileError, match="unknown state 'mode 99'"):
         write_film(page, tmp_path / "film.gif", state="mode 99", **short)
 

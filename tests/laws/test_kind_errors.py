@@ -178,9 +178,9 @@ def test_typed_keywords_are_the_fields_of_the_analyses(kind):
 
 def test_no_verb_takes_untyped_options():
     for name in da.__all__:
-        found = getattr(da, name)
-        if inspect.isfunction(found) and name.startswith(("solve_", "linearize")):
-            for one in inspect.signature(found).parameters.values():
+        computed = getattr(da, name)
+        if inspect.isfunction(computed) and name.startswith(("solve_", "linearize")):
+            for one in inspect.signature(computed).parameters.values():
                 if one.kind is one.VAR_KEYWORD and name not in (
                     "solve_dynamics",
                     "solve_equilibrium",

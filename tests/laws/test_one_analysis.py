@@ -69,8 +69,8 @@ def leaning(kind):
         stiffness = system.parameter("stiffness", 0.5)
         bar = system.add(planar.Bar("bar", length=1.0, mass=1.0, angle=np.pi / 2))
         system.add(planar.Revolute("O", system.ground.center, bar.start))
-        given = {"stiffness": stiffness, "free_angle": np.pi / 2}
-        system.add(planar.TorsionSpring("spring", system.ground, bar, **given))
+        arguments = {"stiffness": stiffness, "free_angle": np.pi / 2}
+        system.add(planar.TorsionSpring("spring", system.ground, bar, **arguments))
         system.add(planar.Force("push", bar.end, (0.0, -1.0)))
         return system.build()
     s = da.Structure("bar on its head")
@@ -197,8 +197,8 @@ def massive(kind):
         head = system.add(planar.Particle("head", mass=1.0, position=(0.0, 1.0)))
         system.add(planar.Revolute("O", system.ground.center, bar.start))
         system.add(planar.Revolute("H", bar.end, head.center))
-        given = {"stiffness": stiffness, "free_angle": np.pi / 2}
-        system.add(planar.TorsionSpring("spring", system.ground, bar, **given))
+        arguments = {"stiffness": stiffness, "free_angle": np.pi / 2}
+        system.add(planar.TorsionSpring("spring", system.ground, bar, **arguments))
         system.add(planar.Force("push", bar.end, (0.0, -1.0)))
         return system.build()
     s = da.Structure("bar on its head")

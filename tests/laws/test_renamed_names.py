@@ -11,7 +11,7 @@ from dalembert.formulations.registry import FORMULATIONS
 from dalembert.integrators.registry import INTEGRATORS
 from dalembert.io import load
 from dalembert.io.strategies import RESPONSES
-from dalembert.text.renamed_names import RENAMED
+from dalembert.text.wording import RENAMED
 
 KEYWORDS = {
     "apart": lambda: da.Multistart(apart=1e-2),

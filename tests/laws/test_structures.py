@@ -51,14 +51,14 @@ def truss(structure, name, i, j):
 
 def frame(structure, name, i, j, kind=structures.Frame, **more):
     n = len(structure.elements)
-    given = {"area": 0.5 + 0.1 * n, "modulus": 3.0 + n, "density": 2.0}
+    values = {"area": 0.5 + 0.1 * n, "modulus": 3.0 + n, "density": 2.0}
     if kind.dimensions == (2,):
-        given["second_moment"] = 0.04
+        values["second_moment"] = 0.04
     else:
-        given |= {"second_moment_y": 0.04, "second_moment_z": 0.06, "torsion_constant": 0.03}
-        given["shear_modulus"] = 1.3
+        values |= {"second_moment_y": 0.04, "second_moment_z": 0.06, "torsion_constant": 0.03}
+        values["shear_modulus"] = 1.3
         more["orientation"] = [structure.parameter(f"o{k}_{name}", 0.4 + k * k) for k in range(3)]
-    numbers = {k: structure.parameter(f"{k}_{name}", v) for k, v in given.items()}
+    numbers = {k: structure.parameter(f"{k}_{name}", v) for k, v in values.items()}
     structure.add(kind(name, i, j, **numbers, **more))
 
 
@@ -103,9 +103,9 @@ def cell(cls, **options):
         )
         for k, place in enumerate(places)
     ]
-    given = {"modulus": 3.0, "poisson": 0.3, "density": 2.0, "thickness": 0.5}
-    given |= {"expansion": 0.02, "temperature": 0.0}
-    numbers = {f.name: structure.parameter(f.name, given[f.name]) for f in cls.quantity_fields()}
+    values = {"modulus": 3.0, "poisson": 0.3, "density": 2.0, "thickness": 0.5}
+    values |= {"expansion": 0.02, "temperature": 0.0}
+    numbers = {f.name: structure.parameter(f.name, values[f.name]) for f in cls.quantity_fields()}
     structure.add(cls("cell", nodes, **numbers, **options))
     return structure, nodes
 
@@ -236,8 +236,10 @@ def test_tangents_are_the_slopes_of_forces_wherever_elements_are(name):
             behind[max(which - 1, 0)] = behind[max(which - 1, 0)] - shift
             force = inertia if which else lambda m: model.assembly.internal_forces(m[0], p)
             columns.append((force(ahead) - force(behind)) / 2e-5)
-        found = np.stack(columns, axis=1)
-        np.testing.assert_allclose(exact.toarray(), found, atol=1e-7 * max(1, abs(found).max()))
+        computed = np.stack(columns, axis=1)
+        np.testing.assert_allclose(
+            exact.toarray(), computed, atol=1e-7 * max(1, abs(computed).max())
+        )
 
 
 MATRICES = ["mass", "lumped mass", "tangent", "geometric"]
@@ -316,10 +318,10 @@ def test_geometric_stiffness_is_the_slope_of_the_tangent(name):
     model = model_of(name)
     u = np.random.default_rng(6).standard_normal(len(model.degrees))
     p, h = model.nominal, 1e-4
-    found = model.linearized.assembly.geometric(u, p).toarray()
+    computed = model.linearized.assembly.geometric(u, p).toarray()
     ahead, behind = (model.assembly.stiffness(s * u, p).toarray() for s in (h, -h))
     expected = (ahead - behind) / (2 * h)
-    np.testing.assert_allclose(found, expected, atol=1e-5 * max(np.abs(expected).max(), 1.0))
+    np.testing.assert_allclose(computed, expected, atol=1e-5 * max(np.abs(expected).max(), 1.0))
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import Field, fields
 from functools import partial
-from typing import Any, ClassVar, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
 
@@ -14,6 +14,10 @@ from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import is_stated
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import unknown
+
+if TYPE_CHECKING:
+    from dalembert.results.live import LiveFunctions
+from dalembert.results.sources import Row
 
 ParameterValues = Mapping[str, float] | np.ndarray | None
 """Parameter values: some by name, all in order, or None for those of the model."""
@@ -123,6 +127,14 @@ class Analysis(ABC, Generic[M, R]):
     def over_peaks(self, result: R, measure: str | Expression, sharpness: float, sign: float) -> R:
         """The result at the sampling points of integrals of ``exp(± sharpness m)``, if defined."""
         return result
+
+    def live_obstacle(self, result: R) -> str:
+        """Reason why a page cannot compute the result for other parameters; empty if it can."""
+        return f"{type(self).__name__} does not run in a page"
+
+    def live_functions(self, result: R, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:
+        """Functions with which a page computes the rows at the times for other parameters."""
+        raise UnsupportedError(self.live_obstacle(result))
 
     @classmethod
     def of(cls, verb: str, **options: Any) -> Self:

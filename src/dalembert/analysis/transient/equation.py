@@ -16,7 +16,7 @@ from dalembert.elements.base import Scalar
 from dalembert.errors import ModelError, SingularityError, UnsupportedError
 from dalembert.integrators.newmark.rule import Moving
 from dalembert.model.assembled.evaluation.pattern import combine
-from dalembert.model.assembled.loads.load_case import ConfigurationLoad, Expansion
+from dalembert.model.assembled.load_case import ConfigurationLoad, Expansion
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.sparse.factorise import indefinite_factors, symmetric_factors
 from dalembert.sparse.solver import Factors

@@ -16,9 +16,8 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Scalar, quantity
-from dalembert.elements.fem.beams import Bending, linear_kinetic
 from dalembert.elements.fem.energies import Named
-from dalembert.elements.fem.lines import Line
+from dalembert.elements.fem.lines import Bending, Line, linear_kinetic
 from dalembert.elements.look import Diagram
 from dalembert.errors import ModelError
 

@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 
 from dalembert.elements.fem.energies import Energies
-from dalembert.elements.fem.rotations import in_node_axes, spin_map
+from dalembert.elements.fem.nodal import in_node_axes, spin_map
 from dalembert.symbolic.once import CacheOwner
 
 

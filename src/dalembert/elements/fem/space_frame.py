@@ -15,10 +15,9 @@ from typing import ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Scalar, Vector, quantity
-from dalembert.elements.fem.beams import Bending, linear_kinetic
 from dalembert.elements.fem.energies import Named
-from dalembert.elements.fem.lines import Line
-from dalembert.elements.fem.rotations import rotation_vector, turn_of
+from dalembert.elements.fem.lines import Bending, Line, linear_kinetic
+from dalembert.elements.fem.nodal import rotation_vector, turn_of
 from dalembert.elements.look import Diagram
 from dalembert.errors import ModelError
 

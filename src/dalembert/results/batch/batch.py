@@ -170,13 +170,13 @@ class Batch:
     @property
     def sample_dimension(self) -> str:
         """Dimension of the samples of a design."""
-        first_result: Any = next(iter(self.results.values()), None)
+        first_result = next(iter(self.results.values()), None)
         return "case" if hasattr(first_result, "cases") else "time"
 
     @property
     def coords(self) -> dict[str, Any]:
         """Coordinates of designs and instants."""
-        first_result: Any = next(iter(self.results.values()), None)
+        first_result = next(iter(self.results.values()), None)
         cases = getattr(first_result, "cases", None)
         instants = ("time", self.time, {"units": "s"}) if cases is None else ("case", cases)
         return {**self.designs.coords, self.sample_dimension: instants}

@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.batch.fixed_steps import FixedSteps
+from dalembert.analysis.batch.marches import FixedSteps
 from dalembert.analysis.batch.states import MarchedStates, measured
 from dalembert.responses.base import Response
 from dalembert.results.batch.batch import Batch
