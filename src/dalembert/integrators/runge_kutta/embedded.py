@@ -10,8 +10,7 @@ import numpy as np
 from dalembert.integrators.base import Attempt, Problem
 from dalembert.integrators.error_control import Graph, decide, largest, relative_error
 from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep
-from dalembert.symbolic.evaluation.columns import LONG
-from dalembert.symbolic.evaluation.kernel import condensed
+from dalembert.symbolic.evaluation.kernel import SELDOM, condensed
 
 
 def embedded_attempt(
@@ -31,8 +30,8 @@ def embedded_attempt(
         new = step.advance(t, h, x, slopes, p)
         stiff = _stiffness(problem, step, h, states, slopes)
         out: Any = control(state, fixed, new, ca.horzcat(*slopes), stiff)
-        if kind is ca.SX:  # longer ones are compiled in the form with calls
-            return condensed("attempt", [state, fixed], out, LONG)
+        if kind is ca.SX:  # stages are condensed already and share little
+            return condensed("attempt", [state, fixed], out, SELDOM)
         return ca.Function("attempt", [state, fixed], out)
 
     return Attempt(attempt(ca.SX), (1.0,), attempt(ca.MX))
