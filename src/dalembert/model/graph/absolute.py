@@ -19,7 +19,6 @@ from dalembert.model.graph.manifold import Manifold
 from dalembert.model.graph.rigid_gaps import RigidGap, rigid_gaps
 from dalembert.symbolic.formulas.expression import stack, t
 
-
 _AT_REST = WeakKeyDictionary[Ground, tuple[ca.SX, ca.SX]]()
 """Ground → symbols of its motion and their values."""
 

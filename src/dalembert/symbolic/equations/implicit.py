@@ -122,7 +122,9 @@ class ImplicitFunction(CacheOwner):
     @cached_property
     def function(self) -> ca.Function:
         """inputs → outputs."""
-        return self._compile(self.name, self.inputs, self.outputs)
+        tried = any(stage.trial is not None for stage in self.stages)
+        most = SELDOM if tried else self.most  # trials usually suffice
+        return self._compile(self.name, self.outputs, most)
 
     @cached_property
     def trial(self) -> ca.Function | None:
@@ -131,9 +133,7 @@ class ImplicitFunction(CacheOwner):
         if not trials:
             return None
         excess = ca.densify(sum((trial.excess for trial in trials), ca.SX(0)))
-        return self._compile(
-            f"{self.name}_trial", self.inputs, [*self.outputs, excess], by_trial=True
-        )
+        return self._compile(f"{self.name}_trial", [*self.outputs, excess], self.most, True)
 
     @property
     def tangent(self) -> ca.Function:
@@ -241,12 +241,12 @@ class ImplicitFunction(CacheOwner):
         return ImplicitFunction(f"{self.name}_adjoint", inputs, stages, gradients)
 
     def _compile(
-        self, name: str, inputs: list[ca.SX], outputs: list[ca.SX], by_trial: bool = False
+        self, name: str, outputs: list[ca.SX], most: int, by_trial: bool = False
     ) -> ca.Function:
         for stage in reversed(self.stages):
             value = stage.trial.value if by_trial and stage.trial is not None else stage.value
             outputs = ca.substitute(outputs, [stage.unknown], [ca.densify(value)])
-        return condensed(name, inputs, [ca.densify(o) for o in outputs], self.most)
+        return condensed(name, self.inputs, [ca.densify(o) for o in outputs], most)
 
 
 def _split(column: ca.SX, like: list[ca.SX]) -> list[ca.SX]:

@@ -17,7 +17,6 @@ from dalembert.errors import SolverFailure
 from dalembert.symbolic.evaluation.kernel import NO_SOLUTION, Kernel, flattened
 from dalembert.symbolic.native.toolchain import Call
 
-
 BASE = 4
 """Copies per level of a nested loop that carries a state; with CasADi's 10 a thousand columns take
 several times as long to prepare."""
