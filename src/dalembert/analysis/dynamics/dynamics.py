@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.batch.adaptive_steps import AdaptiveSteps
-from dalembert.analysis.batch.fixed_steps import FixedSteps
+from dalembert.analysis.batch.marches import AdaptiveSteps, FixedSteps
 from dalembert.analysis.contact.gap_checks import refuse_overlap
 from dalembert.analysis.dynamics.continuation import ContinuedRun, extended, refuse_ended
 from dalembert.analysis.dynamics.dense_outputs import peak_quadrature
@@ -38,7 +37,9 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.graph.model import Model
 from dalembert.options import only_for, options
+from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
+from dalembert.results.sources import Row
 from dalembert.symbolic.evaluation.backends import BACKENDS
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -221,6 +222,16 @@ class Dynamics(OverTime[Any]):
             refuse_ended(motion, before=np.inf)
         analysis, step = extended(self, motion, duration, options)
         return ContinuedRun(motion, analysis, step).execute(progress)
+
+    def live_obstacle(self, result: Any) -> str:
+        from dalembert.analysis.live.dynamics_module import obstacle
+
+        return obstacle(result) if isinstance(result, Motion) else super().live_obstacle(result)
+
+    def live_functions(self, result: Any, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:
+        from dalembert.analysis.live.dynamics_module import dynamics_functions
+
+        return dynamics_functions(result, rows, times)
 
     def resample(self, motion: Any, times: np.ndarray) -> Any:
         """The motion at other times within the run.

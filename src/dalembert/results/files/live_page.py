@@ -1,0 +1,98 @@
+"""Live pages: payloads with a module that computes the result for other parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from dalembert.errors import UnsupportedError
+from dalembert.model.graph.absolute import at_ground
+from dalembert.results.files.live_responses import PageResponse, joint_rows, page_responses
+from dalembert.results.labelled import LabelledRecording
+from dalembert.results.sources import Row, Source, as_row, payload_sources
+
+MAX_BYTES = 300_000
+"""Upper limit of the size of a module that a page contains without a request."""
+
+
+def live_page(
+    motion: LabelledRecording,
+    page: dict[str, Any],
+    live: bool | None,
+    responses: Sequence[PageResponse] = (),
+) -> dict[str, Any]:
+    """A page with its live part, or with the reason why it has none.
+
+    Parameters
+    ----------
+    motion : the result
+    page : its payload
+    live : whether the page computes; by default if the model has parameters with bounds and its
+        module is small
+    responses : responses that the page lists, by default the maxima of the plotted series
+    """
+    model = motion.model
+    bounded = any(None not in parameter.bounds for parameter in model.parameters.values())
+    if live is False or not (bounded or live):
+        return page
+    if not model.parameters:
+        return page | {"live": {"reason": "the model has no parameters"}}
+    reason = motion.analysis.live_obstacle(motion)
+    if reason:
+        return page | {"live": {"reason": reason}}
+    sources = payload_sources(page)
+    table = _RowTable(model.ground)
+    columns = [(place, table.number(source)) for place, source in sources.columns]
+    times = np.array(page["time"])
+    listed = page_responses(motion, responses, times, table.number)
+    try:
+        functions = motion.analysis.live_functions(motion, table.rows, times)
+        functions = functions.with_numbers([sx for _, sx in sources.numbers], model.equations.p)
+        module = functions.module
+    except UnsupportedError as error:
+        return page | {"live": {"reason": str(error)}}
+    if live is None and len(module.code) > MAX_BYTES:
+        size = f"{len(module.code) / 1e3:.0f} kB"
+        return page | {"live": {"reason": f"its module has {size}; request it by live=True"}}
+    parameters = _parameters(motion, page["parameters"])
+    numbers = [place for place, _ in sources.numbers]
+    more = {"columns": columns, "numbers": numbers, "initial": sources.initial}
+    more |= {"responses": listed, "joints": joint_rows(model)}
+    return page | {"live": functions.page_data(parameters=parameters, **more)}
+
+
+def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Parameters with values and bounds in SI units, and the factor of the unit that is shown."""
+    rows = []
+    for parameter, value, row in zip(
+        motion.model.parameters.values(), motion.parameters, shown, strict=False
+    ):
+        lower, upper = parameter.bounds
+        factor = parameter.value / row["value"] if row["value"] else 1.0
+        rows.append(row | {"value": float(value), "lower": lower, "upper": upper, "factor": factor})
+    return rows
+
+
+class _RowTable:
+    """Distinct rows of a module.
+
+    Parameters
+    ----------
+    ground : body at rest
+    """
+
+    def __init__(self, ground: Any):
+        self.ground, self.rows = ground, list[Row]()
+        self._numbers: dict[Any, int] = {}
+
+    def number(self, source: Source) -> int:
+        """Number of the row of a formula."""
+        row = as_row(source)
+        key = (row.sx.element_hash(), row.work, row.relative)
+        if key not in self._numbers:
+            self._numbers[key] = len(self.rows)
+            self.rows.append(replace(row, sx=at_ground(self.ground, row.sx)))
+        return self._numbers[key]
