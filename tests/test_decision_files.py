@@ -78,7 +78,7 @@ std = 5e-5
 response = "stress"
 tolerances = { load = 3e3, area = 3e-5 }
 samples = 30
-allot = { limit = 3e6, costs = { load = 1.0, area = 1e-8 } }
+allocate = { limit = 3e6, costs = { load = 1.0, area = 1e-8 } }
 """,
 }
 SYNTHESIS = """
@@ -158,7 +158,7 @@ def test_tolerance(tmp_path, capsys):
     assert result["effects"] == pytest.approx({"load": 3e6, "area": -3e6})
     least, most = (LOAD - 3e3) / 1.03e-3, (LOAD + 3e3) / 0.97e-3
     assert result["worst_case"] == pytest.approx([least, most])
-    spread = np.hypot(result["allotted"]["load"] / 1e-3, result["allotted"]["area"] * 1e11)
+    spread = np.hypot(result["allocated"]["load"] / 1e-3, result["allocated"]["area"] * 1e11)
     assert spread == pytest.approx(3e6)
 
 
@@ -208,7 +208,7 @@ def test_histories(tmp_path, capsys):
         ("tolerance", "load = 3e3", "lod = 3e3", "tolerance.tolerances.lod: unknown parameter"),
         ("tolerance", "load = 3e3", "load = 0", "is 0; a half width is above zero"),
         ("tolerance", "costs = { load = 1.0, ", "costs = { ", "has no cost of load"),
-        ("tolerance", "limit = 3e6", "limit = -1", "tolerance.allot.limit: is -1; it must"),
+        ("tolerance", "limit = 3e6", "limit = -1", "tolerance.allocate.limit: is -1; it must"),
     ],
 )
 def test_slips(task, old, new, words, tmp_path, capsys):

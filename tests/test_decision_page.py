@@ -215,3 +215,48 @@ def test_names_stay_text(show):  # noqa: F811
     page = show(payload)
     assert page.js("document.title") == HOSTILE
     assert page.page.locator("img").count() == 0
+
+
+NAMES = {
+    **{"pressure ripple": "Pa", "peak torque": "N m", "mean friction power": "W"},
+    **{"length of rod": "m", "eccentricity": "m", "mass": "kg", "spring stiffness": "N/m"},
+    **{"radius": "m", "pad clearance": "m", "phase": "rad"},
+}
+OVERLAPS = """(() => {
+    const texts = [...document.querySelectorAll(".chart g.axis text")];
+    const frame = document.querySelector("svg.chart").getBoundingClientRect(), wrong = [];
+    const boxes = texts.map((text) => text.getBoundingClientRect());
+    boxes.forEach((a, i) => {
+        if (a.left < frame.left - 1 || a.right > frame.right + 1 || a.top < frame.top - 1)
+            wrong.push(texts[i].textContent);
+        boxes.slice(0, i).forEach((b, j) => {
+            const beside = a.right <= b.left || b.right <= a.left;
+            if (!beside && a.top < b.bottom - 3 && b.top < a.bottom - 3)
+                wrong.push([texts[i].textContent, texts[j].textContent]);
+        });
+    });
+    return wrong;
+})()"""
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 7, 10])
+@pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
+def test_texts_of_parallel_axes_are_clear_of_each_other(show, count, viewport):  # noqa: F811
+    rng = np.random.default_rng(0)
+    columns = [
+        (
+            name,
+            unit,
+            "parameter" if k > 1 else "aim",
+            rng.uniform(1, 2, 12) * (-10.0) ** (k % 5 - 3),
+        )
+        for k, (name, unit) in enumerate(list(NAMES.items())[:count])
+    ]
+    view = views.of_designs("parallel", "All columns", place="board")
+    page = {
+        **{"format": 1, "kind": "decision", "title": "front", "subtitle": ""},
+        **{"designs": views.designs(columns), "views": [view]},
+    }
+    opened = show(page, viewport=viewport)
+    assert opened.js(OVERLAPS) == []
+    assert opened.page.locator(".chart g.axis .label").count() == count

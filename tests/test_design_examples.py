@@ -69,7 +69,7 @@ def test_stroke_scatters_as_the_closed_form(pictures: Path) -> None:
     assert printed["std of the samples"] == pytest.approx(printed["std"], rel=0.2)
     largest = stroke((1, -1, 1)) - stroke((0, 0, 0))
     assert printed["largest"] - printed["stroke"] == pytest.approx(largest, rel=5e-3)
-    assert printed["allotted"] == pytest.approx(example.LIMIT, rel=1e-3)
+    assert printed["allocated"] == pytest.approx(example.LIMIT, rel=1e-3)
     assert printed["±link_length"] == 0.5e-3
 
 

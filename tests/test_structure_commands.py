@@ -90,3 +90,45 @@ def test_units_of_the_page_are_chosen(tmp_path: Path, capsys) -> None:
     wrong = written(tmp_path, HEAD + '[report]\nunits = ["cmm"]\n', "wrong.toml")
     assert main(["check", str(wrong)]) == 2
     assert "report.units: units: unknown unit 'cmm'" in capsys.readouterr().err
+
+
+MODES = """format = 1
+kind = "structure"
+[nodes]
+root = [0, 0]
+tip = [1, 0]
+[elements.beam]
+type = "Frame"
+connect = ["root", "tip"]
+area = 1e-3
+second_moment = 1e-7
+modulus = 2e11
+density = 7850
+[[supports]]
+nodes = "root"
+[analysis]
+type = "Modal"
+count = 3
+"""
+
+
+@pytest.mark.parametrize("width", [None, 40, 60, 80, 100])
+def test_tables_of_modes_are_complete_at_any_width(width, tmp_path, capsys, monkeypatch) -> None:
+    """Narrow terminals get further columns below, with the names of the modes."""
+    if width is None:
+        monkeypatch.delenv("COLUMNS", raising=False)
+    else:
+        monkeypatch.setenv("COLUMNS", str(width))
+    path = written(tmp_path, MODES)
+    assert main(["run", str(path), "--output", str(tmp_path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    first = next(k for k, line in enumerate(lines) if line.startswith("mode  "))
+    last = next(k for k, line in enumerate(lines) if line.startswith("  written"))
+    table = lines[first:last]
+    assert not any("…" in line for line in table)
+    for heading in ("frequency", "angular frequency", "eigenvalue"):
+        assert sum(f"  {heading}" in line for line in table) >= 1
+    assert max(map(len, table)) <= (width or 1000)
+    blocks = sum(line.startswith("mode  ") for line in table)
+    assert len([line for line in table if line.startswith("mode 3: ")]) == blocks
+    assert (blocks > 1) == (width == 40)

@@ -294,3 +294,72 @@ def truss(area: float):
     structure.support(c)
     structure.load(b, fy=-100.0)
     return structure
+
+
+def test_states_of_a_load_path_are_not_times(show) -> None:
+    """The player shows them one after the other, at multiples of its usual speed."""
+    toggle = da.Structure("toggle")
+    left, top = toggle.node("left", -1, 0), toggle.node("top", 0, 0.2)
+    toggle.add(structures.Truss("bar", left, top, area=1e-4, modulus=1e7))
+    toggle.support(left)
+    toggle.support(top, ux=0)
+    toggle.load(top, fy=-5)
+    path = da.ArcLength(stop=lambda point: point["top.uy"] < -0.2).run(toggle.build())
+    page = show(path)
+    names = page.page.locator("#speed option").all_inner_texts()
+    assert "1×" in names and "Real time" not in names
+    assert page.page.locator("#speed option:checked").inner_text() == "1×"
+    assert "real time" not in page.page.get_attribute("#speed", "title")
+    assert page.page.get_attribute("#scrub", "aria-label") == "State"
+    moving = show(motion())
+    assert "Real time" in moving.page.locator("#speed option").all_inner_texts()
+
+
+RECORD = """
+const write = CanvasRenderingContext2D.prototype.fillText;
+window.written = [];
+CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...more) {
+    const { a, e, f, d } = this.getTransform(), ratio = this.canvas.width / this.canvas.clientWidth;
+    const half = this.measureText(text).width / 2;
+    const middle = this.textAlign === "left" ? x + half : this.textAlign === "right" ? x - half : x;
+    written.push({ text, x: (a * middle + e) / ratio, y: (d * y + f) / ratio, half });
+    return write.call(this, text, x, y, ...more);
+};
+"""
+BESIDE_PANELS = """(() => {
+    const { marks, panels } = dalembert.scene, { w, h } = marks.paper, wrong = [];
+    const touches = (x, y, half) => [...panels].some((p) =>
+        x + half > p.offsetLeft + 1 && x - half < p.offsetLeft + p.offsetWidth - 1
+        && y > p.offsetTop && y < p.offsetTop + p.offsetHeight);
+    for (const half of [8, 30, 60]) for (let x = -50; x <= w + 50; x += 15)
+        for (let y = 0; y <= h; y += 15) {
+            const free = marks.freeAt(x, y, half);
+            const room = () => Array.from({ length: w }, (_, k) => k).some((at) =>
+                at >= half && at <= w - half && !touches(at, y, half));
+            if (touches(free, y, half) && room()) wrong.push([x, y, half, free]);
+            if (!touches(x, y, half) && x >= half && x <= w - half && free !== x
+                && ![...panels].some((p) => y > p.offsetTop - 11
+                    && y < p.offsetTop + p.offsetHeight + 11)) wrong.push(["moved", x, y, half]);
+        }
+    const loads = written.filter(({ text }) => / k?N$/.test(text));
+    return { wrong, covered: loads.filter(({ x, y, half }) => touches(x, y, half)),
+        outside: loads.filter(({ x, half }) => x < half - 1 || x > w - half + 1),
+        panels: panels.length, loads: loads.length };
+})()"""
+
+
+@pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
+@pytest.mark.parametrize("name", list(BUILDERS))
+def test_values_of_loads_are_beside_the_legend_and_the_buttons(show, name: str, viewport) -> None:
+    page = show(solved(name), viewport=viewport, before=RECORD)
+    page.js("written.length = 0")
+    page.js("document.querySelector('#true-scale').click()")
+    page.frames()
+    seen = page.js(BESIDE_PANELS)
+    assert seen["panels"] > 0 and seen["loads"] > 0
+    assert (seen["wrong"], seen["covered"], seen["outside"]) == ([], [], [])
+    for _ in range(3):
+        page.page.keyboard.press("+")
+    page.frames()
+    zoomed = page.js(BESIDE_PANELS)
+    assert (zoomed["covered"], zoomed["outside"]) == ([], [])

@@ -249,7 +249,7 @@ REFUSED = [
     (lambda s, b: s.heat(s.elements["bar"], temperature=1.0), "no thermal expansion"),
     (lambda s, b: s.line_load(s.elements["bar"], qy=1.0), "line_load: is not available in mech"),
     (lambda s, b: s.support(b, rz=0.0), "support b: rz: no element turns this node"),
-    (lambda s, b: s.load(b, mz=1.0), "load b: rz: no element turns this node"),
+    (lambda s, b: s.load(b, mz=1.0), "load b: mz: no element turns this node"),
     (lambda s, b: s.support(b) or s.support(b, ux=0.1), "is fixed, and ux is prescribed as 0.1"),
     (lambda s, b: s.support(b, uz=0.0), "b: unknown direction 'uz'; known: ux, uy, rz"),
     (lambda s, b: s.node("stone", 1.0, 1.0), "stone: the name is already used"),

@@ -1,4 +1,4 @@
-"""Tolerances: scatter and worst case against closed forms, and the cheapest allotment."""
+"""Tolerances: scatter and worst case against closed forms, and the cheapest allocation."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def test_second_order_is_exact_for_a_quadratic(crank):
 
 
 @pytest.mark.parametrize("worst_case", [False, True])
-def test_cheapest_allotment(crank, worst_case):
+def test_cheapest_allocation(crank, worst_case):
     """As a general optimiser finds it, and cheaper than equal tolerances."""
     result = da.tolerance(crank, da.final("slider.x"), HALF, analysis=ANALYSIS)
     costs, limit = {"r": 1.0, "l": 2.0, "off": 0.5}, 0.4e-3
@@ -78,7 +78,7 @@ def test_cheapest_allotment(crank, worst_case):
 
     top = {"r": (0.0, 1.0), "l": (0.0, 0.25e-3), "off": (0.0, 1.0)}
     for bounds in ((0.0, np.inf), top):
-        allocation = result.allot(limit, costs, bounds=bounds, worst_case=worst_case)
+        allocation = result.allocate(limit, costs, bounds=bounds, worst_case=worst_case)
         t = np.array(list(allocation.values()))
         assert size(t) == pytest.approx(limit, rel=1e-9)
         best = minimize(
@@ -99,11 +99,11 @@ def test_cheapest_allotment(crank, worst_case):
         (lambda m, **k: da.tolerance(m, da.final("slider.x"), {"r": -1.0}, **k), "above zero"),
         (lambda m, **k: da.tolerance(m, da.final("slider.x"), {"off": 9.0}, **k), "a run fails"),
         (
-            lambda m, **k: da.tolerance(m, da.final("slider.x"), HALF, **k).allot(1, {"r": 1}),
+            lambda m, **k: da.tolerance(m, da.final("slider.x"), HALF, **k).allocate(1, {"r": 1}),
             "cost above zero for l, off",
         ),
         (
-            lambda m, **k: da.tolerance(m, da.final("slider.x"), HALF, **k).allot(
+            lambda m, **k: da.tolerance(m, da.final("slider.x"), HALF, **k).allocate(
                 1e-6, dict.fromkeys(HALF, 1.0), bounds=(1e-3, 1.0)
             ),
             "already deviate",

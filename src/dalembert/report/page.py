@@ -43,10 +43,16 @@ def render_page(payload: dict[str, Any]) -> str:
         raise FileError("this report was written by an earlier version; run the model again")
     parts = {
         "title": html.escape(title),
-        "style": asset("page.css") + asset("views.css"),
+        "style": asset("page.css") + asset("views.css") + asset("live.css"),
         "data": _embed(payload),
         "script": INDENT.sub("", page_script(page_kind(payload))),
+        "worker": "",
+        "rights": "",
     }
+    if "code" in payload.get("live", {}):
+        script = INDENT.sub("", page_script("worker"))
+        parts["worker"] = f'<script type="text/plain" id="worker">{script}</script>'
+        parts["rights"] = " 'wasm-unsafe-eval' blob:; worker-src blob:"
     # One pass over the template, so that inserted parts are not searched again.
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset("template.html"))
 

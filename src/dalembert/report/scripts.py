@@ -17,6 +17,9 @@ PAGES = {
     "structure": "planar_structure.js",
     "spatial structure": "spatial_structure.js",
     "decision": "decision.js",
+    "live mechanism": "live_planar.js",
+    "live spatial mechanism": "live_spatial.js",
+    "worker": "live_worker.js",
 }
 """Kind of page, and its dimension → main module."""
 KINDS = ("mechanism", "spatial", "structure", "decision")
@@ -37,10 +40,11 @@ def asset(name: str) -> str:
 def page_kind(payload: dict[str, Any]) -> str:
     """Kind of the page of a payload; that of a spatial scene has three dimensions."""
     kind = payload.get("kind", "mechanism")
+    live = "live " if "code" in payload.get("live", {}) else ""
     if kind == "spatial":
-        return "spatial mechanism"
+        return f"{live}spatial mechanism"
     spatial = kind == "structure" and payload["scene"].get("dimension") == 3
-    return f"spatial {kind}" if spatial else str(kind)
+    return f"{live}spatial {kind}" if spatial else f"{live}{kind}"
 
 
 @cache

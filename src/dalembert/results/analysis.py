@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
-from dataclasses import MISSING, Field, fields
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import Field, fields
 from functools import partial
-from typing import Any, ClassVar, Generic, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
 
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.options import is_stated
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import unknown
+
+if TYPE_CHECKING:
+    from dalembert.results.live import LiveFunctions, Row
 
 ParameterValues = Mapping[str, float] | np.ndarray | None
 """Parameter values: some by name, all in order, or None for those of the model."""
@@ -123,6 +127,14 @@ class Analysis(ABC, Generic[M, R]):
         """The result at the sampling points of integrals of ``exp(± sharpness m)``, if defined."""
         return result
 
+    def live_obstacle(self, result: R) -> str:
+        """Reason why a page cannot compute the result for other parameters; empty if it can."""
+        return f"{type(self).__name__} does not run in a page"
+
+    def live_functions(self, result: R, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:
+        """Functions with which a page computes the rows at the times for other parameters."""
+        raise UnsupportedError(self.live_obstacle(result))
+
     @classmethod
     def of(cls, verb: str, **options: Any) -> Self:
         """The analysis from the options of a function.
@@ -140,9 +152,9 @@ class Analysis(ABC, Generic[M, R]):
 
 
 def _refuse_option(analysis: Any, option: Field[Any], model: Any) -> None:
-    """Raise if an option for the other kind of model is set."""
-    value, factory = getattr(analysis, option.name), option.default_factory
-    if value != (option.default if factory is MISSING else factory()):
+    """Raise if an option for the other kind of model is stated, even with its default."""
+    if is_stated(analysis, option.name):
+        value = getattr(analysis, option.name)
         raise UnsupportedError(
             f"{type(analysis).__name__}({option.name}={value!r:.60}): {option.name} is an option "
             f"for {option.metadata['model']}s, and {model.name!r} is a {model.kind}"

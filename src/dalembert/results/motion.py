@@ -170,8 +170,12 @@ class Motion(LabelledRecording):
         trace: Names = None,
         units: Units = (),
         views: Views = (),
+        live: bool | None = None,
     ) -> Path:
         """Write the interactive report, one self-contained HTML file.
+
+        In a live page every parameter is a slider, and the page computes the motion, responses and
+        their gradients again while it moves, without a server.
 
         Parameters
         ----------
@@ -179,8 +183,14 @@ class Motion(LabelledRecording):
         trace : points whose paths are drawn
         units : units of plots, such as ``["mm", "deg"]``; each applies to its dimension
         views : further cards, from functions of ``dalembert.report.views``
+        live : whether the page is live; by default if the model has parameters with bounds and the
+            compiled functions have at most 300 kB. A page that is not live states the reason
         """
-        return super().report(path, plots=plots, trace=trace, units=units, views=views)
+        from dalembert.report.page import write_page
+        from dalembert.results.files.live_page import live_page
+
+        page = self.page(plots=plots, trace=trace, units=units, views=views)
+        return write_page(live_page(self, page, live), path)
 
     def page(
         self, plots: Groups = None, trace: Names = None, units: Units = (), views: Views = ()

@@ -212,7 +212,10 @@ RENAMED: dict[str, str] = {
     "history": "input_history",
     "table": "Interpolation",
     "u": "curves.u",
-    # keywords and keys of files
+    # methods and attributes of results
+    "allotted": "allocated",
+    # keywords, methods and keys of files
+    "allot": "allocate",
     "apart": "minimum_distance",
     "given": "inputs",
     "least_crank": "minimum_crank_ratio",

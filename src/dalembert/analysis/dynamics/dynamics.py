@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -37,6 +37,7 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.graph.model import Model
 from dalembert.options import only_for, options
+from dalembert.results.live import LiveFunctions, Row
 from dalembert.results.motion import Motion
 from dalembert.symbolic.evaluation.backends import BACKENDS
 from dalembert.symbolic.formulas.expression import Expression
@@ -220,6 +221,16 @@ class Dynamics(OverTime[Any]):
             refuse_ended(motion, before=np.inf)
         analysis, step = extended(self, motion, duration, options)
         return ContinuedRun(motion, analysis, step).execute(progress)
+
+    def live_obstacle(self, result: Any) -> str:
+        from dalembert.analysis.live.dynamics_module import obstacle
+
+        return obstacle(result) if isinstance(result, Motion) else super().live_obstacle(result)
+
+    def live_functions(self, result: Any, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:
+        from dalembert.analysis.live.dynamics_module import dynamics_functions
+
+        return dynamics_functions(result, rows, times)
 
     def resample(self, motion: Any, times: np.ndarray) -> Any:
         """The motion at other times within the run.

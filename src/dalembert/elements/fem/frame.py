@@ -156,6 +156,11 @@ class Frame(Line):
         return linear_kinetic(first, second, mass * length) + bending
 
     @classmethod
+    def mass_center(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        deflection = cls.bending(x, q).mean_deflection(*cls.end_turns(u, x))
+        return cls.middle(u, x) + cls.own_axes(u, x, q)[:, 1] * deflection
+
+    @classmethod
     def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         beam, rotations, length = cls.bending(x, q), cls.end_turns(u, x), cls.length(x)
         moment_i, moment_j = beam.moments(*rotations)

@@ -41,6 +41,11 @@ class InertiaGraphs(CacheOwner):
         unit = [ca.vertcat(1, ca.DM.zeros(v.numel() - 1)) for v in self._v]
         return 2 * ca.substitute(self.kinetic, self.v, ca.vertcat(*unit))
 
+    @cached_property
+    def mass_center(self) -> ca.SX | None:
+        """Mass centre of the displaced element; None if it is that of the masses of its nodes."""
+        return self.cls.mass_center(self._u, self._x, self._q)
+
     # mass matrices ------------------------------------------------------------------------
     def _masses(self):
         return [self.data], [ca.vec(ca.hessian(self.kinetic, self.v)[0])]

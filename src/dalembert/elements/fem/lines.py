@@ -49,6 +49,12 @@ class Line(StructuralElement):
         """Distance of the two nodes."""
         return ca.norm_2(x[1] - x[0])
 
+    @staticmethod
+    def middle(u: list[ca.SX], x: list[ca.SX]) -> ca.SX:
+        """Middle between the displaced nodes."""
+        d = x[0].numel()
+        return (x[0] + u[0][:d] + x[1] + u[1][:d]) / 2
+
     @classmethod
     def elongation(cls, u: list[ca.SX], x: list[ca.SX]) -> ca.SX:
         """Change ``(l² − L²)/(l + L)`` of the distance, without cancellation."""
@@ -138,6 +144,10 @@ class Bending:
         bend = self.rigidity / (self.length * (1 + self.softness))
         direct, mixed = 4 + self.softness, 2 - self.softness
         return bend * (direct * first + mixed * second), bend * (mixed * first + direct * second)
+
+    def mean_deflection(self, first: ca.SX, second: ca.SX) -> ca.SX:
+        """Mean distance of the bent axis from the chord, for any shear flexibility."""
+        return self.length / 12 * (first - second)
 
     def bow(self, first: ca.SX, second: ca.SX) -> ca.SX:
         """Length of the bent axis minus that of the chord, ``½ ∫ w'² dx`` to second order."""

@@ -217,6 +217,14 @@ class SpaceFrame(Line):
         total += about_y.kinetic(down, mass, inertia_y)
         return total + about_z.kinetic(side, mass, inertia_z)
 
+    @classmethod
+    def mass_center(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        (about_y, about_z), (first, second) = cls.bending(x, q), cls.end_rotations(u, x, q)
+        along_y = about_z.mean_deflection(first[2], second[2])
+        along_z = -about_y.mean_deflection(first[1], second[1])
+        deflection = ca.mtimes(cls.own_axes(u, x, q)[:, 1:], ca.vertcat(along_y, along_z))
+        return cls.middle(u, x) + deflection
+
     # measures -----------------------------------------------------------------------------
     @classmethod
     def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:

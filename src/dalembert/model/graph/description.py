@@ -137,7 +137,7 @@ class ParameterSpace:
             changes.append(numbers.push(arguments.ravel(), slopes @ changes[0]))
         return np.vstack(changes)
 
-    def gathered(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
+    def parameter_gradients(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
         """(rows, np) gradients by the parameters from (rows, n) by the whole vector."""
         if not self.computed:
             return gradients

@@ -57,6 +57,9 @@ const ICONS = {
   theme: "M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zm0 2.2v13.6a6.8 6.8 0 0 1 0-13.6z",
   print: "M7 4h10v4H7zM5 9h14a2 2 0 0 1 2 2v6h-4v3H7v-3H3v-6a2 2 0 0 1 2-2zm4 6v3h6v-3z",
   cross: "M4 4h2v14h14v2H4zM8 13l4-5 3 3 4-5 1.6 1.2L15 14l-3-3-2.4 3z",
+  lock: "M12 2a5 5 0 0 0-5 5v3H5v12h14V10h-2V7a5 5 0 0 0-5-5zm-3 8V7a3 3 0 0 1 6 0v3z",
+  undo: "M8 4 2.5 9.5 8 15v-4h6a4 4 0 0 1 0 8h-4v2h4a6 6 0 0 0 0-12H8z",
+  redo: "M16 4l5.5 5.5L16 15v-4h-6a4 4 0 0 0 0 8h4v2h-4a6 6 0 0 1 0-12h6z",
   edit: "M4 6h10v2H4zM4 11h10v2H4zM4 16h6v2H4zM17 11h2v3h3v2h-3v3h-2v-3h-3v-2h3z",
 };
 

@@ -19,7 +19,7 @@ import { shareMenu } from "./share.js";
 import { Theme } from "./theme.js";
 import { preferUnits } from "./units.js";
 
-/** Build the page with the view of a dimension, and the tools that only that view has.
+/** Build the page with the view of a dimension, and the tools that only that view has; returns its parts.
  * @param {Dimension} dimension @param {(scene: Scene, toolbar: HTMLElement) => void} [buildTools] */
 export function buildPage(dimension, buildTools = () => {}) {
   Theme.read();
@@ -63,6 +63,7 @@ export function buildPage(dimension, buildTools = () => {}) {
   scene.fit();
   Object.assign(window, { dalembert: { player, motion, scene, board, choice } });
   if (motion.moves && !motion.swings && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
+  return { motion, scene, player, board };
 }
 
 /** Buttons that show and hide parts of the drawing. @param {Motion} motion @param {Scene} scene @returns {Child} */

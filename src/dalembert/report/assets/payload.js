@@ -5,10 +5,10 @@
 import { clamp, list } from "./numbers.js";
 
 /** @param {string} text in base64 */
-const bytesOf = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+export const bytesOf = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
 /** Inflate by the browser; by `inflate` in browsers without deflate. @param {Uint8Array<ArrayBuffer>} bytes */
-async function inflated(bytes) {
+export async function inflated(bytes) {
   if (typeof DecompressionStream === "undefined") return inflate(bytes);
   try {
     return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer());

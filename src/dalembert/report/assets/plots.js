@@ -91,6 +91,13 @@ export class Plot extends PlotPainter {
     this.draw();
   }
 
+  /** Show the same series with other values. @param {Series[]} series */
+  renew(series) {
+    this.series = series;
+    if (this.against) this.against = this.board.motion.seriesByName.get(this.against.name) ?? null;
+    this.draw();
+  }
+
   /** Whether there is an axis for a series; a plot has two. @param {Series} series */
   accepts(series) { return this.units.length < 2 || this.units.includes(series.unit); }
 

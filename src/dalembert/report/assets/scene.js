@@ -34,6 +34,8 @@ export class Scene {
     this.greatest = { force: 0, moment: 0, load: 0, twist: 0 };
     /** Arrows of the last drawing. @type {DrawnArrow[]} */
     this.arrows = [];
+    /** Further drawings over the marks. @type {((paper: Paper) => void)[]} */
+    this.overlays = [];
     /** @type {Pixel | null} */
     this.pointer = null;
     /** @type {Hit | null} */
@@ -101,8 +103,14 @@ export class Scene {
     const { motion, loaded, applied } = this, instants = motion.swings ? [motion.chosen] : [...Array(motion.n).keys()];
     const largest = (/** @type {Item[]} */ items, /** @type {"force" | "moment"} */ key) => {
       let most = 0;
-      for (const item of items) for (const i of item[key] ? instants : []) most = Math.max(most, Math.hypot(...(item[key] ?? []).map((column) => column[i])) || 0);
-      return most;
+      for (const { [key]: columns } of items) {
+        for (const i of columns ? instants : []) {
+          let square = 0;
+          for (const column of columns ?? []) square += column[i] * column[i];
+          if (square > most) most = square;
+        }
+      }
+      return Math.sqrt(most);
     };
     this.greatest = { force: largest(loaded, "force"), moment: largest(loaded, "moment"), load: largest(applied, "force"), twist: largest(applied, "moment") };
   }
@@ -169,6 +177,7 @@ export class Scene {
     this.keepUp();
     const sheet = painter.paint(paper ? { ctx: paper, w: paper.w, h: paper.h } : null);
     this.marks.draw(sheet);
+    for (const draw of this.overlays) draw(sheet);
     if (!paper) this.point();
   }
 

@@ -40,6 +40,7 @@ export interface Payload extends Tables {
   views?: View[];
   verdict?: { success: boolean; text: string };
   columns?: Packed;
+  live?: LiveCode | { reason: string };
 }
 
 /** Columns of a page, packed by `report/packing.py`. */
@@ -130,6 +131,94 @@ export interface DesignView extends Card {
   role?: string;
 }
 export type View = FactsView | RowsView | NotesView | BarsView | HistogramView | CurvesView | EllipsesView | DesignView;
+
+// Live pages: functions of an analysis as a WebAssembly module, see `analysis/live` ------------------
+
+/** Sizes of a function: entries of its arguments and results, lengths of its work vectors. */
+export interface LiveFunction { inputs: number[]; outputs: number[]; work: [number, number, number, number] }
+export interface LiveCode {
+  /** Deflated module in base64. */
+  code: string;
+  /** JSON of `LiveData`, with all digits. */
+  exact: string;
+  functions: Record<string, LiveFunction>;
+  /** First byte of memory that the module does not occupy. */
+  memory: number;
+}
+export interface LiveData extends LiveCode {
+  kind: "dynamics" | "kinematics";
+  /** Start of the run and shortest distance of two instants [s]. */
+  start: number;
+  instant: number;
+  /** Times of the outputs [s]. */
+  times: number[] | null;
+  /** Nominal parameters and the assembled position for them. */
+  anchor: { p: number[]; y: number[] };
+  /** Rows whose value at the start is subtracted. */
+  relative: number[];
+  /** Rows of which the module returns the square. */
+  roots: number[];
+  check: LiveCheck;
+  /** Prescribed steps. */
+  steps?: { ends?: number[]; length?: number; count?: number; end?: number; uncorrected: number[] };
+  /** Places of columns in the payload with the numbers of their rows. */
+  columns: [(string | number)[], number][];
+  /** Places of numbers in the payload that follow from parameters. */
+  numbers: (string | number)[][];
+  /** Names of bodies and elements whose picture remains that of the initial parameters. */
+  initial: string[];
+  parameters: LiveParameter[];
+  /** Instants of a driven motion, numbers of the outputs among them, rows without values, limits of steps. */
+  path?: number[];
+  places?: number[];
+  undetermined?: number[];
+  limits?: { regular: number; tolerance: number; turn: number; small: [number, number]; fraction: number };
+  /** Steps with error control. */
+  adaptive?: { end: number; first: number; longest: number; memory: number[] };
+}
+/** Limits, sizes and names for the check of a result by the model's own equations. */
+export interface LiveCheck {
+  /** Level, limit, and whether residuals are compared with the largest terms. */
+  levels: [number, number, boolean][];
+  /** Names, units and sizes of the constraint equations. */
+  rows: string[];
+  units: string[];
+  sizes: number[];
+  /** Limit for the equations of motion, null where the result has no forces. */
+  motion: number | null;
+  speeds: string[];
+  speed_sizes: number[];
+  effort_units: string[];
+  efforts: number[];
+  /** Natural time [s] and energy [J]. */
+  time: number;
+  energy?: number;
+  /** Upper limit of the number of instants of the complete check. */
+  checked: number;
+  /** Share of the natural speed below which a mechanism counts as at rest. */
+  still: number;
+  /** Limit of approximately enforced constraints. */
+  drift?: number;
+  /** Largest permitted energy error as a share. */
+  balance?: number;
+  /** Violation after the projection at which a run is lost [m]. */
+  lost?: number;
+  /** Message of a completed run, by default the time reached. */
+  reached?: string;
+}
+/** Outcome, message, time and residual of a result, as `Status` in Python. */
+export interface LiveStatus { outcome: string; message: string; time: number; residual: number; success: boolean }
+
+/** Parameter in SI units; `factor` leads to the unit that is shown. */
+export interface LiveParameter extends Bounds { name: string; unit: string; factor: number; description?: string }
+/** Reduction of a row over time. */
+export interface LiveResponse { kind: "final" | "maximum" | "minimum" | "mean" | "rms" | "integral"; row: number; label: string; unit: string }
+/** Request to the worker: `gradient` is the number of the response that is differentiated. */
+export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradient: number | null; point?: { instant: number; rows: number[] } | null }
+export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number }
+/** Gradient of the selected response, and of the coordinates of a point. */
+export interface LiveSlopes { number: number; slopes: Float64Array | null; jacobian: Float64Array[] | null }
+export interface LiveFailure { number: number; failure: LiveStatus; loop?: string }
 
 // Parts of a page -----------------------------------------------------------------------------------
 

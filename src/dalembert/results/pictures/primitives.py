@@ -30,7 +30,7 @@ from dalembert.elements.look import (
 )
 from dalembert.elements.point import Point
 from dalembert.results.pictures.collector import SceneCollector
-from dalembert.symbolic.formulas.expression import Expression
+from dalembert.results.sources import numbers
 
 CURVE_SAMPLES = 181
 NORMAL = [0.0, 0.0, 1.0]
@@ -57,12 +57,10 @@ class Primitives(SceneCollector):
 
     @draw.register
     def _(self, look: Rail, element: Element) -> None:
-        travel = self.motion.values(Expression(look.travel))[self.keep]
-        travel = travel[np.isfinite(travel)]
-        low, high = (float(travel.min()), float(travel.max())) if travel.size else (0.0, 0.0)
-        margin, axis = 0.12 * self.size, self.number(self.padded(look.direction))
-        axis, origin = axis / np.linalg.norm(axis), np.array(self.local(look.point))
-        ends = [(origin + s * axis).tolist() for s in (low - margin, high + margin)]
+        (low, high), margin = self.travel(look), 0.12 * self.size
+        axis, origin = self.padded(look.direction), self.padded(look.point.local.sx)
+        axis = axis / ca.norm_2(axis)
+        ends = [self.number(origin + s * axis) for s in (low - margin, high + margin)]
         shape = {"kind": "line", "from": ends[0], "to": ends[1]}
         self.shapes[look.point.body.display_name].append(shape)
 
@@ -73,7 +71,11 @@ class Primitives(SceneCollector):
         curve = ca.Function("path", [u, self.parameters], [position])
         samples = np.linspace(*look.interval, CURVE_SAMPLES)[None, :]
         parameters = np.tile(self.motion.parameters[:, None], CURVE_SAMPLES)
-        points = curve.map(CURVE_SAMPLES)(samples, parameters).full().T.tolist()
+        values = curve.map(CURVE_SAMPLES)(samples, parameters).full().T
+        points = values.tolist()
+        if ca.depends_on(position, self.parameters):
+            columns = [curve(ca.SX(s), self.parameters) for s in samples.ravel()]
+            points = [numbers(row, sx) for row, sx in zip(values, columns, strict=True)]
         shape = {"kind": "curve", "points": points, "closed": bool(look.closed)}
         self.shapes[look.body.display_name].append(shape)
 
@@ -125,7 +127,7 @@ class Primitives(SceneCollector):
     @draw.register
     def _(self, look: Travel, element: Element) -> None:
         on = look.body.name if look.body is not None else "ground"
-        axis = self.number(self.padded(look.direction)).tolist()
+        axis = self.number(self.padded(look.direction))
         symbol = symbol_header(look, element) | self.point_data(look.point)
         self.symbols.append(symbol | {"on": on, "axis": axis})
 

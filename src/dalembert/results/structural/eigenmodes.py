@@ -24,6 +24,7 @@ from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.formulas.parser import Names
+from dalembert.text.wording import counted, listed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -179,5 +180,5 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
     def __repr__(self) -> str:
         values = self.values(self.main)
         unit = f" {self.named[self.main].unit}".rstrip()
-        rows = ", ".join(f"{v:.6g}{unit}" for v in values)
-        return f"<{type(self).__name__} of {self.model.name!r}: {rows}>"
+        count, rows = counted(len(values), "mode"), listed(f"{v:.6g}{unit}" for v in values)
+        return f"<{type(self).__name__} of {self.model.name!r}: {count}, {rows}>"

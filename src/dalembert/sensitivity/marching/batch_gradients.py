@@ -215,7 +215,7 @@ class BatchAdjoint(BatchGradients):
         gradients = [self._gradient(path, solved, sample) for sample in self.samples]
         pairs = zip(path.p[solved], np.stack(gradients, axis=1), strict=True)
         model: Any = self.model
-        rows = [model.gathered(p, full)[:, self.columns] for p, full in pairs]
+        rows = [model.parameter_gradients(p, full)[:, self.columns] for p, full in pairs]
         return np.array(rows).reshape(solved.size, len(gradients), len(self.columns))
 
     def _gradient(self, path: MarchedStates, solved: np.ndarray, sample: Sample[Any]) -> np.ndarray:

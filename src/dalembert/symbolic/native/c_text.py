@@ -76,8 +76,8 @@ class CText:
                 parsed_text.functions[function.name] = function
         return parsed_text
 
-    def needed(self, entry: str) -> list[CFunction]:
-        """The functions that an entry calls, and the entry, in the order of definition."""
+    def needed(self, *entries: str) -> list[CFunction]:
+        """Entries and the functions that they call, in the order of definition."""
         done: dict[str, CFunction] = {}
 
         def visit(name: str) -> None:
@@ -86,7 +86,8 @@ class CText:
                     visit(used)
                 done[name] = self.functions[name]
 
-        visit(entry)
+        for entry in entries:
+            visit(entry)
         return list(done.values())
 
     def split_for_lanes(self, entry: str) -> tuple[list[CFunction], CText]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from dalembert.errors import UnsupportedError
 from dalembert.symbolic.native.real import LIBRARY
@@ -23,6 +23,9 @@ from dalembert.symbolic.native.toolchain import (
     NotTranslated,
     Toolchain,
 )
+
+if TYPE_CHECKING:
+    from dalembert.symbolic.native.translation import Module
 
 VERSION = 5
 """Incremented when the same text yields other instructions."""
@@ -82,7 +85,9 @@ class Llvm(Toolchain):
         from dalembert.symbolic.native.translation import translate
 
         try:
-            code = _object_code(translate(text, ENTRY, self.lanes, self.short, self.uniform))
+            code = emit_object(
+                translate(text, [ENTRY], self.lanes, self.short, self.uniform), _machine()
+            )
         except NotTranslated:
             raise
         except Exception as error:  # other versions of CasADi may write unknown C
@@ -139,11 +144,13 @@ def _machine() -> Any:
     )
 
 
-def _object_code(module: Any) -> bytes:
+def emit_object(module: Module, machine: Any, triple: str = "") -> bytes:
+    """Object file of a module for a target machine; ``triple`` names another than this one."""
     import llvmlite.binding as llvm
 
-    machine = _machine()
     parsed = llvm.parse_assembly(module.text)
+    if triple:
+        parsed.triple, parsed.data_layout = triple, str(machine.target_data)
     parsed.verify()
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options())
     for name in module.in_memory:
@@ -153,7 +160,7 @@ def _object_code(module: Any) -> bytes:
         passes.add_instruction_combine_pass()
         passes.add_simplify_cfg_pass()
         passes.run(parsed.get_function(name), builder)
-    return machine.emit_object(parsed)
+    return bytes(machine.emit_object(parsed))
 
 
 class _Loaded:

@@ -25,9 +25,9 @@ PIECES = "dalembert_pieces"
 """Name of two numbers in a library of LLVM: pieces of straight-line code, and distinct pieces."""
 SIGNATURE = ctypes.CFUNCTYPE(ctypes.c_longlong, *[ctypes.c_longlong] * 3, *[ctypes.c_void_p] * 8)
 """Type of the loop: three counts and eight addresses."""
-LOOP = f"""
+LOOP = """
 /* how many columns were done: all, or those before the first that fails */
-CASADI_SYMBOL_EXPORT casadi_int {ENTRY}(casadi_int count, casadi_int n_in, casadi_int n_out,
+CASADI_SYMBOL_EXPORT casadi_int {entry}(casadi_int count, casadi_int n_in, casadi_int n_out,
     const casadi_real** from, const casadi_int* from_step, casadi_real** to,
     const casadi_int* to_step, const casadi_real** arg, casadi_real** res, casadi_int* iw,
     casadi_real* w) {{
@@ -35,12 +35,12 @@ CASADI_SYMBOL_EXPORT casadi_int {ENTRY}(casadi_int count, casadi_int n_in, casad
   for (k=0; k<count; ++k) {{
     for (i=0; i<n_in; ++i) arg[i] = from[i]+k*from_step[i];
     for (i=0; i<n_out; ++i) res[i] = to[i]+k*to_step[i];
-    if ({FIRST}(arg, res, iw, w, 0)) return k;
+    if ({function}(arg, res, iw, w, 0)) return k;
   }}
   return count;
 }}
 """
-"""C text of the loop."""
+"""C text of the loop over columns of a function."""
 
 
 class Toolchain(ABC):

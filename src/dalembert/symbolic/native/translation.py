@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from dalembert.symbolic.native.c_functions import function_lines, struct_lines
@@ -44,14 +45,14 @@ class Module:
 
 
 def translate(
-    source: str, entry: str, lanes: int, short: int, uniform: tuple[int, ...] = ()
+    source: str, entries: Sequence[str], lanes: int, short: int, uniform: tuple[int, ...] = ()
 ) -> Module:
-    """The function ``entry`` of a C text and all functions it calls.
+    """The functions ``entries`` of a C text and all functions they call.
 
     Parameters
     ----------
     source : C
-    entry : name of the function
+    entries : names of the functions; one for several lanes
     lanes : sets of arguments evaluated side by side
     short : upper limit of operations of a body that is compiled as a whole
     uniform : indices of arguments that are equal in all lanes
@@ -63,9 +64,10 @@ def translate(
         not straight-line code.
     """
     text = CText.read(source)
-    _check_work(text.needed(entry))
-    parts = [_Part(text, text.needed(entry), Real(), short)]
+    _check_work(text.needed(*entries))
+    parts = [_Part(text, text.needed(*entries), Real(), short)]
     if lanes > 1:
+        (entry,) = entries
         own, scalar = text.split_for_lanes(entry)
         in_lanes = _Part(text, own, Real(lanes), short, uniform)
         parts = [in_lanes, _Part(scalar, list(scalar.functions.values()), Real(), short)]
@@ -81,11 +83,13 @@ def translate(
     lines.append(f"@{PIECES} = constant [2 x i64] [i64 {counts[0]}, i64 {counts[1]}]")
     if sys.platform == "win32":  # required by its linkers for floating-point code
         lines.append("@_fltused = global i32 1")
-    head = f"i64 @{entry}("
     for part in parts:
         declared = set(lines)
         lines += [x for x in part.lines() if x not in declared or not x.startswith("declare ")]
-    body = "\n".join(lines).replace(f"define internal {head}", f"define {head}")
+    body = "\n".join(lines)
+    for entry in entries:
+        head = f"i64 @{entry}("
+        body = body.replace(f"define internal {head}", f"define {head}")
     return Module(body + "\n", tuple(f.name for part in parts for f in part.parsed))
 
 

@@ -1,0 +1,1 @@
+"""Analyses as WebAssembly modules, for pages that compute."""

@@ -1,0 +1,47 @@
+"""Start of a mechanism for other parameters: assembly by Newton's method, consistent speeds."""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from dalembert.model.graph.assembly.closure import Closure
+from dalembert.model.graph.assembly.position import position_stages
+from dalembert.model.graph.model import Model
+
+
+def closing(closure: Closure) -> ca.Function:
+    """``(t, y, p) → (y⁺, r)``: a step of Newton's method and the residual before it.
+
+    The equations are those of ``Recipe.position_equations``, whose root is the assembled position;
+    ``r`` is relative to their natural sizes.
+    """
+    recipe = closure.recipe
+    e = recipe.equations
+    start = ca.SX.sym("y", e.coordinate_count)
+    residual, sizes = recipe.position_equations
+    if not residual.numel():
+        return ca.Function("closing", [e.t, start, e.p], [start, ca.SX.zeros(1)])
+    stage, *retraction = position_stages(e, start, residual, sizes)
+    at_start = [ca.densify(stage.residual), ca.densify(stage.solve(stage.residual))]
+    value, correction = ca.substitute(at_start, [stage.unknown], [ca.densify(stage.value)])
+    new = stage.value - correction
+    for stage_after in retraction:
+        (new,) = ca.substitute([stage_after.value], [stage.unknown], [new])
+    return ca.Function("closing", [e.t, start, e.p], [new, value / sizes], {"cse": True})
+
+
+def violation(closure: Closure) -> ca.Function:
+    """``(t, y, p) → r`` of all constraint rows, relative to their natural sizes."""
+    e = closure.all_equations
+    sizes = e.scales.rows[: e.constraints.numel()]
+    relative = ca.densify(e.constraints / sizes) if sizes.size else ca.SX.zeros(1)
+    return ca.Function("violation", [e.t, e.y, e.p], [relative], {"cse": True})
+
+
+def consistent(model: Model) -> tuple[ca.Function, ca.Function]:
+    """``(t, y, p) → (y, v)`` at an assembled position, and ``(t, y, p, ȳ, v̄) → p̄``."""
+    state = model.initial_state
+    adjoint = state.adjoint
+    inputs = adjoint.sx_in()
+    through_start = ca.Function("start_adjoint", inputs, [adjoint.call(inputs)[2]])
+    return state.function, through_start

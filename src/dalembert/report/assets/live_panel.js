@@ -1,0 +1,118 @@
+// Parameters of a live page: a slider for each, with the slope of the selected response.
+
+/** @import { LiveResponse } from "./types.d.ts" */
+/** @import { Design } from "./live_design.js" */
+
+import { el, icon, iconButton } from "./dom.js";
+import { clamp, tidy } from "./numbers.js";
+import { raised, withUnit } from "./units.js";
+
+/** Steps of a slider. */
+const STEPS = 1000;
+
+/** Row of a parameter. */
+class ParameterRow {
+  /** @param {Design} design @param {number} k */
+  constructor(design, k) {
+    this.design = design;
+    this.k = k;
+    const { name, unit, description, lower, upper } = design.parameters[k], [low, high] = design.range(k);
+    Object.assign(this, { low, high });
+    this.low = low;
+    this.high = high;
+    const id = `parameter-${k}`;
+    this.slider = el("input", { type: "range", min: "0", max: String(STEPS), step: "1", id, "aria-label": labelOf(name, unit) });
+    this.entry = el("input", { type: "text", inputmode: "decimal", class: "entry", "aria-label": `Value of ${labelOf(name, unit)}` });
+    this.lock = el("button", { type: "button", class: "icon tiny lock", "aria-pressed": "false", title: `Keep ${name} fixed when the page improves the design`, "aria-label": `Lock ${name}`, onclick: () => this.toggleLock() }, icon("lock"));
+    this.back = iconButton("back", `Initial value of ${name}`, () => this.change(design.initial[k]), { class: "icon tiny" });
+    this.bar = el("i", { class: "slope-bar" });
+    this.slope = el("span", { class: "slope" }, this.bar);
+    const bounds = [lower, upper].map((bound, end) => (bound === null || bound === undefined ? "no bound" : `${end ? "at most" : "at least"} ${withUnit(tidy(bound / this.factor), unit)}`));
+    this.node = el("div", { class: "parameter", title: [description, bounds.join(", ")].filter(Boolean).join(": ") },
+      el("label", { for: id }, name), el("span", { class: "track" }, this.slider),
+      el("span", { class: "value" }, this.entry, el("small", {}, raised(unit && unit !== "1" ? unit : ""))), el("span", { class: "row-tools" }, this.lock, this.back), this.slope);
+    this.slider.addEventListener("pointerdown", () => design.begin());
+    this.slider.addEventListener("keydown", (event) => { if (!event.repeat && event.key.startsWith("Arrow")) design.begin(); event.stopPropagation(); });
+    this.slider.addEventListener("input", () => design.set(k, low + (Number(this.slider.value) / STEPS) * (high - low)));
+    this.entry.addEventListener("change", () => {
+      const value = Number(this.entry.value.replace("−", "-").replace(",", "."));
+      if (this.entry.value.trim() && Number.isFinite(value)) this.change(value * this.factor); else this.update();
+    });
+    this.entry.addEventListener("keydown", (event) => event.stopPropagation());
+    this.update();
+  }
+
+  get factor() { return this.design.parameters[this.k].factor; }
+
+  /** @param {number} value */
+  change(value) {
+    this.design.begin();
+    this.design.set(this.k, value);
+    this.update();
+  }
+
+  toggleLock() {
+    const on = !this.design.locked[this.k];
+    this.design.locked[this.k] = on;
+    this.lock.setAttribute("aria-pressed", String(on));
+  }
+
+  update() {
+    const value = this.design.values[this.k], share = clamp((value - this.low) / (this.high - this.low || 1), 0, 1), text = tidy(value / this.factor, 6);
+    this.slider.value = String(Math.round(STEPS * share));
+    this.slider.style.setProperty("--p", String(share));
+    this.slider.setAttribute("aria-valuetext", withUnit(text, this.design.parameters[this.k].unit));
+    if (document.activeElement !== this.entry) this.entry.value = text;
+    this.node.classList.toggle("changed", value !== this.design.initial[this.k]);
+  }
+
+  /** Change of a response for one hundredth of the range. @param {number} slope @param {number} most @param {LiveResponse} response */
+  showSlope(slope, most, response) {
+    const { unit, name } = this.design.parameters[this.k], part = (slope * (this.high - this.low)) / 100, share = most > 0 ? clamp(part / most, -1, 1) : 0;
+    this.bar.style.setProperty("--s", String(Math.abs(share)));
+    this.bar.classList.toggle("negative", share < 0);
+    const per = `${response.unit && response.unit !== "1" ? raised(response.unit) : ""}${unit && unit !== "1" ? ` / ${raised(unit)}` : ""}`;
+    this.slope.title = `∂(${response.label}) / ∂${name} = ${tidy(slope * this.factor, 5)} ${per}; one hundredth of the range changes it by ${withUnit(tidy(part, 4), response.unit)}`;
+    this.slope.setAttribute("aria-label", this.slope.title);
+  }
+}
+
+/** @param {string} name @param {string} unit */
+const labelOf = (name, unit) => (unit && unit !== "1" ? `${name} in ${unit}` : name);
+
+export class ParameterPanel {
+  /** @param {Design} design */
+  constructor(design) {
+    this.design = design;
+    this.rows = design.parameters.map((_, k) => new ParameterRow(design, k));
+    this.undo = iconButton("undo", "Undo", () => design.undo(), { id: "undo" });
+    this.redo = iconButton("redo", "Redo", () => design.redo(), { id: "redo" });
+    this.reset = el("button", { type: "button", class: "button", id: "reset-design", onclick: () => design.reset() }, icon("back"), "Reset");
+    this.status = el("p", { class: "live-status", role: "status", "aria-live": "polite" });
+    this.tools = el("div", { class: "live-tools" }, this.undo, this.redo, this.reset);
+    this.node = el("div", {}, el("div", { class: "plot-head" }, el("h2", {}, "Parameters"), this.tools), el("div", { class: "parameters" }, this.rows.map(({ node }) => node)), this.status);
+    design.onChange.on(() => this.update());
+    this.update();
+  }
+
+  update() {
+    for (const row of this.rows) row.update();
+    this.undo.toggleAttribute("disabled", !this.design.past.length);
+    this.redo.toggleAttribute("disabled", !this.design.future.length);
+    this.reset.toggleAttribute("disabled", !this.design.changed);
+  }
+
+  /** @param {ArrayLike<number> | null} slopes @param {LiveResponse | null} response */
+  showSlopes(slopes, response) {
+    this.node.classList.toggle("with-slopes", Boolean(slopes && response));
+    if (!slopes || !response) return;
+    const most = Math.max(...this.rows.map(({ low, high }, k) => Math.abs(slopes[k] * (high - low)) / 100));
+    this.rows.forEach((row, k) => row.showSlope(slopes[k], most, response));
+  }
+
+  /** @param {string} text @param {string} [kind] */
+  say(text, kind = "") {
+    this.status.textContent = text;
+    this.status.className = `live-status ${kind}`;
+  }
+}

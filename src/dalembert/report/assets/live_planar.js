@@ -1,0 +1,10 @@
+// Live page of a planar mechanism.
+
+import { buildLive } from "./live.js";
+import { buildPage } from "./page.js";
+import { PlanarMotion } from "./planar_motion.js";
+import { PlanarPainter } from "./planar_painter.js";
+import { PlanarView } from "./planar_view.js";
+
+const dimension = { Motion: PlanarMotion, View: PlanarView, Painter: PlanarPainter };
+buildLive(buildPage(dimension), dimension);

@@ -1,0 +1,74 @@
+"""Functions of an analysis that a live page evaluates for other parameters.
+
+Their WebAssembly module contains all mechanics: assembly, steps, outputs and their adjoints. The
+loops over steps and iterations are those of the script ``report/assets/live_run.js``.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+
+if TYPE_CHECKING:
+    from dalembert.symbolic.native.webassembly import WebModule
+
+
+@dataclass(frozen=True)
+class Row:
+    """Scalar output over time.
+
+    Attributes
+    ----------
+    expression : SX of coordinates, speeds, accelerations, multipliers, time and parameters
+    work : factors of the dissipated energy and of the energy input, which are added
+    relative : whether the value at the first output is subtracted
+    """
+
+    expression: ca.SX
+    work: tuple[float, float] = (0.0, 0.0)
+    relative: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class LiveFunctions:
+    """Functions of an analysis and the constants of its script.
+
+    Attributes
+    ----------
+    functions : name → function
+    data : kind of the analysis, times, tolerances; plain data
+    """
+
+    functions: Mapping[str, ca.Function]
+    data: Mapping[str, Any]
+
+    def with_numbers(self, numbers: Sequence[ca.SX], p: ca.SX) -> LiveFunctions:
+        """The same with a function ``numbers(p)`` of parameters, for pictures."""
+        graph = ca.densify(ca.vertcat(*numbers)) if numbers else ca.SX.zeros(1)
+        function = ca.Function("numbers", [p], [graph], {"cse": True})
+        return replace(self, functions={**self.functions, "numbers": function})
+
+    @cached_property
+    def module(self) -> WebModule:
+        """The compiled functions."""
+        from dalembert.symbolic.native.webassembly import web_module
+
+        return web_module(self.functions)
+
+    def page_data(self, **more: Any) -> dict[str, Any]:
+        """Module, constants and more data of the script as plain data."""
+        module = self.module
+        sizes = {
+            name: {"inputs": f.inputs, "outputs": f.outputs, "work": f.work}
+            for name, f in module.functions.items()
+        }
+        code = base64.b64encode(zlib.compress(module.code, 9)).decode("ascii")
+        exact = json.dumps({**self.data, **more}, default=lambda array: array.tolist())
+        return {"functions": sizes, "memory": module.data_end, "code": code, "exact": exact}
