@@ -3,18 +3,20 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { inflateSync } from "node:zlib";
 import { LIBRARY } from "./live_engine.js";
+import { LiveEquilibrium } from "./live_equilibrium.js";
 import { LiveKinematics } from "./live_kinematics.js";
+import { LiveModes } from "./live_modes.js";
 import { LiveRun, RunFailure } from "./live_run.js";
 import { checkedStatus, failedStatus } from "./live_status.js";
 
-const KINDS = { dynamics: LiveRun, kinematics: LiveKinematics };
+const KINDS = { dynamics: LiveRun, kinematics: LiveKinematics, equilibrium: LiveEquilibrium, modes: LiveModes };
 const folder = process.argv[2];
 
 /** Numbers of JSON, which has no infinities. */
 const plain = (values) => Array.from(values, (x) => (Number.isFinite(x) ? x : String(x)));
 
 function outcome({ data: { exact, ...constants }, parameters, weights }) {
-  const data = { ...JSON.parse(inflateSync(Buffer.from(exact, "base64"))), ...constants }, run = new KINDS[data.kind](new WebAssembly.Module(inflateSync(Buffer.from(data.code, "base64"))), data);
+  const data = { ...JSON.parse(exact), ...constants }, run = new KINDS[data.kind](new WebAssembly.Module(inflateSync(Buffer.from(data.code, "base64"))), data);
   try {
     const result = run.run(parameters), { times, table, rows } = result, status = checkedStatus(run, result);
     const gradients = weights.map((entries) => run.gradient(result, new Map(entries.map(([row, values]) => [row, Float64Array.from(values)]))));

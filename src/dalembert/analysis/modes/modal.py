@@ -8,6 +8,7 @@ damping has ``K φ = ω² M φ``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from dalembert.model.graph.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.graph.model import Model
 from dalembert.options import only_for, options
 from dalembert.results.analysis import ParameterValues
+from dalembert.results.live import LiveFunctions, Row
 from dalembert.results.mechanism_modes import MechanismModes
 from dalembert.results.modes import Modes
 from dalembert.results.motion import Motion
@@ -142,6 +144,21 @@ class Modal(SpectralAnalysis[Any, Modes]):
         if isinstance(model, StructuralModel):
             return vibration(self, model, p, about)
         return linearized(self, model, p, about, near)
+
+    def live_obstacle(self, result: Modes) -> str:
+        from dalembert.analysis.live.modes_module import obstacle
+
+        if not isinstance(result, MechanismModes):
+            return super().live_obstacle(result)
+        return obstacle(result)
+
+    def live_functions(
+        self, result: Modes, rows: Sequence[Row], times: np.ndarray
+    ) -> LiveFunctions:
+        from dalembert.analysis.live.modes_module import modes_functions
+
+        assert isinstance(result, MechanismModes)
+        return modes_functions(result, rows, times)
 
     def again(self, result: Modes, p: np.ndarray) -> Any:
         at_equilibrium = isinstance(result.model, Model) and self.equilibrium and not self.about

@@ -2,12 +2,13 @@
 
 /** @import { LiveData } from "./types.d.ts" */
 
-import { LiveRun, RunFailure, smoothWeights, tabulated } from "./live_run.js";
+import { LiveInstants } from "./live_instants.js";
+import { RunFailure } from "./live_run.js";
 
 const CHUNK = 200;
 
 /** Motions of one driven mechanism, one after the other. */
-export class LiveKinematics extends LiveRun {
+export class LiveKinematics extends LiveInstants {
   /** Positions, speeds, accelerations and multipliers at all instants of the path. @param {Float64Array} p @returns address of the columns */
   travelled(p) {
     const { engine, size, data } = this, path = Float64Array.from(data.path ?? []), y = this.assembled(p), columns = engine.room(size * path.length);
@@ -52,37 +53,12 @@ export class LiveKinematics extends LiveRun {
     return last;
   }
 
-  /** Motion with outputs: `table` holds the rows one after the other. @override @param {ArrayLike<number>} parameters @returns {any} */
+  /** Motion with outputs. @override @param {ArrayLike<number>} parameters */
   run(parameters) {
     const { engine, data, size, times } = this, p = Float64Array.from(parameters), n = times.length;
     engine.top = this.base;
-    const columns = this.travelled(p), [rows] = engine.named("outputs").outputs, [t, ps, x] = [engine.put(times), engine.put(p), engine.room(size * n)];
+    const columns = this.travelled(p), [t, ps, x] = [engine.put(times), engine.put(p), engine.room(size * n)];
     (data.places ?? []).forEach((k, i) => engine.view(x + 8 * size * i, size).set(engine.view(columns + 8 * size * k, size)));
-    const { done, to: [result] } = engine.call("outputs", n, [t, x, ps], new Set([2]));
-    if (done < n) throw new RunFailure(`the outputs cannot be computed at t = ${times[done]} s`);
-    const table = tabulated(engine.view(result, rows * n), rows, data);
-    for (const r of data.undetermined ?? []) table.fill(NaN, r * n, (r + 1) * n);
-    return { times, table, rows, states: { t, x, p: ps } };
-  }
-
-  /** Gradient of a response by the parameters, each instant by its own adjoint.
-   * @override @param {any} run the last run @param {Map<number, Float64Array>} samples row → weights of its samples */
-  gradient(run, samples) {
-    const { engine, data } = this, { times, rows, states: { t, x, p } } = run, n = times.length, mark = engine.top, w = engine.room(rows * n);
-    const weights = engine.view(w, rows * n), [count] = engine.named("outputs_adjoint").outputs, total = new Float64Array(count);
-    weights.fill(0);
-    for (const [r, values] of smoothWeights(run, samples, data)) {
-      for (let i = 0; i < n; i++) weights[rows * i + r] = values[i];
-      if (data.relative.includes(r)) weights[r] -= values.reduce((a, b) => a + b, 0);
-      if (data.undetermined?.includes(r)) total.fill(NaN);
-    }
-    const active = Array.from({ length: n }, (_, i) => i).filter((i) => weights.subarray(rows * i, rows * (i + 1)).some((value) => value !== 0));
-    for (const i of active) {
-      const { done, to: [slope] } = engine.call("outputs_adjoint", 1, [t + 8 * i, x + 8 * this.size * i, p, w + 8 * rows * i]);
-      const part = engine.view(slope, count);
-      for (let k = 0; k < count; k++) total[k] += done ? part[k] : NaN;
-    }
-    engine.top = mark;
-    return total;
+    return this.sampled(t, x, ps);
   }
 }

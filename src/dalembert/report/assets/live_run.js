@@ -64,15 +64,21 @@ export class LiveRun {
     this.base = this.engine.top;
     /** Nominal position with its parameters, the start of continuation as in Python. */
     this.anchor = { p: Float64Array.from(data.anchor.p), y: Float64Array.from(data.anchor.y) };
-    this.size = this.engine.named("step").inputs[0];
+    this.size = this.engine.functions.get("step")?.inputs[0] ?? data.anchor.y.length;
     this.grid = prescribed(data);
+    /** Number of Newton's iterations of the last start. */
+    this.iterations = 0;
     this.times = Float64Array.from(data.times ?? this.grid.ends);
   }
+
+  /** Message where Newton's method has no solution. */
+  get unsolved() { return this.data.unsolved ?? "the mechanism cannot be assembled"; }
 
   /** Newton's method for the assembled position. @param {Float64Array} y @param {Float64Array} p */
   closed(y, p) {
     let position = y, smallest = Infinity, last = Infinity;
     for (let k = 0; k <= ITERATIONS; k++) {
+      this.iterations++;
       const step = this.engine.evaluate("closing", [this.data.start], position, p);
       if (!step) return { y: position, residual: last, accepted: false };
       const [next, open] = step, size = largest(open);
@@ -89,14 +95,15 @@ export class LiveRun {
     const { p: p0 } = this.anchor;
     /** @type {[Float64Array, number, number]} */
     let [y, reached, step] = [this.anchor.y, 0, 1];
+    this.iterations = 0;
     while (reached < 1) {
       const target = Math.min(1, reached + step), between = p0.map((value, k) => value + target * (p[k] - value));
       const solution = this.closed(y, target === 1 ? p : between);
       if (solution.accepted) { [y, reached, step] = [solution.y, target, 2 * step]; continue; }
-      if ((step /= 2) < SHORTEST) throw new RunFailure("the mechanism cannot be assembled", solution.residual);
+      if ((step /= 2) < SHORTEST) throw new RunFailure(this.unsolved, solution.residual);
     }
     const [open] = this.engine.evaluate("violation", [this.data.start], y, p) ?? [[Infinity]], residual = largest(open);
-    if (!(residual <= ACCEPTED)) throw new RunFailure("the mechanism cannot be assembled", residual);
+    if (!(residual <= ACCEPTED)) throw new RunFailure(this.unsolved, residual);
     return y;
   }
 

@@ -24,7 +24,7 @@ function percent(x) {
 
 /** Samples of a run as functions of the module see them: addresses of times, states and parameters.
  * @typedef {{ engine: import("./live_engine.js").Engine, data: LiveData }} Live
- * @typedef {{ times: Float64Array, states: { t: number, x: number, p: number } }} Sampled */
+ * @typedef {{ times: Float64Array, states: { t: number, x: number, p: number }, status?: LiveStatus, message?: string }} Sampled */
 
 /** Residuals of the equations of a model at instants. */
 class Residuals {
@@ -121,7 +121,9 @@ class Residuals {
 /** Status of a completed run, checked by the model's own equations.
  * @param {Live} live @param {Sampled} run the last run @returns {LiveStatus} */
 export function checkedStatus(live, run) {
-  const { check } = live.data, time = run.times[run.times.length - 1];
+  const { check } = live.data;
+  if (run.status || !check) return run.status ?? { outcome: "completed", message: "", time: 0, residual: 0, success: true };
+  const time = run.times[run.times.length - 1];
   const residuals = new Residuals(live, check, run), residual = largest(residuals.violations);
   /** @param {string} outcome @param {string} message */
   const ends = (outcome, message) => ({ outcome, message, time, residual, success: outcome === "completed" });
@@ -134,7 +136,7 @@ export function checkedStatus(live, run) {
     if (!(share <= limit)) return ends("violates the model's equations", `${text}, ${general(share, 2)} of the size of its terms${check.drift === undefined ? "" : `; use a shorter step${limit === check.drift ? ", or stabilization=Projection()" : ""}`}`);
   const unbalanced = check.balance === undefined ? null : residuals.balance(check.balance, check.energy ?? 0);
   if (unbalanced) return ends("energy not balanced", unbalanced);
-  return ends("completed", check.reached ?? `reached t = ${general(time, 6)} s`);
+  return ends("completed", run.message ?? `reached t = ${general(time, 6)} s`);
 }
 
 /** Status of a failed run. @param {Live} live @param {RunFailure} failure @returns {LiveStatus} */
@@ -142,6 +144,7 @@ export function failedStatus(live, failure) {
   const { engine, data } = live, { check, start } = data, { march } = failure;
   if (!march) return { outcome: failure.outcome, message: failure.message, time: start, residual: failure.residual ?? NaN, success: false };
   const { reason, end, length, x, p } = march, width = engine.named("residuals").inputs[1];
+  if (!check) return { outcome: "diverged", message: failure.message, time: end, residual: NaN, success: false };
   const [sums, rates] = engine.evaluate("residuals", [end], x.subarray(0, width), p) ?? [[NaN], []], residual = sums[0];
   /** @param {string} outcome @param {string} message */
   const ends = (outcome, message) => ({ outcome, message, time: end, residual, success: false });

@@ -158,7 +158,7 @@ export interface LiveData extends LiveCode {
   relative: number[];
   /** Rows of which the module returns the square. */
   roots: number[];
-  check: LiveCheck;
+  check?: LiveCheck;
   /** Prescribed steps. */
   steps?: { ends?: number[]; length?: number; count?: number; end?: number; uncorrected: number[] };
   /** Places of columns in the payload with the numbers of their rows. */
@@ -173,6 +173,13 @@ export interface LiveData extends LiveCode {
   places?: number[];
   undetermined?: number[];
   limits?: { regular: number; tolerance: number; turn: number; small: [number, number]; fraction: number };
+  /** Message where Newton's method for the start has no solution. */
+  unsolved?: string;
+  /** Limits of the stiffness of a stable equilibrium, numbers of equations and displacements, natural force. */
+  stable?: { curved: number; skew: number; rows: number; columns: number; force: number; unit: string };
+  /** Natural sizes of the state and the equations of modes, and the name of their analysis. */
+  sizes?: { states: number[]; rows: number[] };
+  name?: string;
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
@@ -203,8 +210,6 @@ export interface LiveCheck {
   balance?: number;
   /** Violation after the projection at which a run is lost [m]. */
   lost?: number;
-  /** Message of a completed run, by default the time reached. */
-  reached?: string;
 }
 /** Outcome, message, time and residual of a result, as `Status` in Python. */
 export interface LiveStatus { outcome: string; message: string; time: number; residual: number; success: boolean }
