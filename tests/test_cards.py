@@ -62,7 +62,7 @@ def test_things_show_themselves(things: dict[str, Any], name: str) -> None:
     assert "img" not in Tags(text).tags
 
 
-def test_what_is_shown_is_what_matters(things: dict[str, Any]) -> None:
+def test_cards_show_the_main_results(things: dict[str, Any]) -> None:
     assert "1 degree of freedom" in things["model"]._repr_html_()
     assert "0.5 … " in things["system"]._repr_html_()
     assert "completed" in things["motion"]._repr_html_()

@@ -110,6 +110,6 @@ def test_cheapest_allocation(crank, worst_case):
         ),
     ],
 )
-def test_what_cannot_be_is_told(crank, call, tells):
+def test_invalid_arguments_are_refused(crank, call, tells):
     with pytest.raises(da.DalembertError, match=tells):
         call(crank, analysis=ANALYSIS)
