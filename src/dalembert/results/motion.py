@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from dalembert.report.page import InlinePage
+    from dalembert.results.pictures.animation import Film
     from dalembert.results.structural.motion import RecoveredStates
 
 
@@ -157,7 +158,7 @@ class Motion(LabelledRecording):
 
         return still(self, time, ax)
 
-    def animate(self, **options: Any) -> Any:
+    def animate(self, **options: Any) -> Film:
         """Animation of the mechanism (Matplotlib); shown by notebooks."""
         from dalembert.results.pictures.animation import animate
 
