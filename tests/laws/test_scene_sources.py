@@ -14,7 +14,7 @@ from dalembert import planar, spatial
 from dalembert.results.files.payload import report_payload
 from dalembert.results.pictures.collector import SceneCollector
 from dalembert.results.pictures.mechanism_scene import MechanismScene
-from dalembert.results.sources import InitialPicture, Sources, WorkBalance, payload_sources
+from dalembert.results.sources import InitialPicture, Row, Sources, payload_sources
 
 TOLERANCE = 1e-9
 """Of numbers and columns, relative to the largest of a column."""
@@ -147,10 +147,10 @@ def close(one, other, scale: float = 1.0) -> bool:
 def columns(sources: Sources, motion) -> list[np.ndarray]:
     """The columns of a page for another motion."""
     forms = [source for _, source in sources.columns]
-    graphs = [f.sx if isinstance(f, WorkBalance) else f for f in forms]
+    graphs = [f.sx if isinstance(f, Row) else f for f in forms]
     table = motion.table([da.Expression(sx) for sx in graphs])
     for row, form in zip(table, forms, strict=True):
-        if isinstance(form, WorkBalance):
+        if isinstance(form, Row):
             row += form.work @ motion.trajectory.work
             row -= row[0] if form.relative else 0.0
     return list(table)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -107,6 +108,12 @@ class Maximum(Response):
         return self._smooth(
             Weighted(self.measure, self.label, rule=rule_over(sampled), over_span=True)
         )
+
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        if self.smooth is None:
+            return {"kind": "maximum" if self.sign > 0 else "minimum"}
+        width = {"smooth": float(self.smooth), "relative": self.relative}
+        return {"kind": "smooth", "sign": self.sign} | width
 
     def _smooth(self, mean: Weighted | None = None) -> SmoothExtreme:
         return SmoothExtreme(

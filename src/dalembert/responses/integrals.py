@@ -8,6 +8,7 @@ and load cases are discrete; sums replace integrals there.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -73,6 +74,9 @@ class Integral(OverRun):
     2.0
     """
 
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        return {"kind": "integral"}
+
     def by(self, rule: Rule) -> Response:
         return Weighted(self.measure, self.label, rule=rule)
 
@@ -94,6 +98,9 @@ class Mean(OverRun):
     >>> round(da.evaluate(motion, da.Mean("crank.end.y**2")), 6)  # l²/2
     2.0
     """
+
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        return {"kind": "mean"}
 
     def by(self, rule: Rule) -> Response:
         rule = rule if rule.weights.size > 1 else Count(1)  # the mean of one sample is its value
@@ -118,6 +125,9 @@ class RMS(OverRun):
     2.0
     """
 
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        return {"kind": "rms"}
+
     def by(self, rule: Rule) -> Response:
         rule = rule if rule.weights.size > 1 else Count(1)
         mean = Weighted(self.measure, self.label, rule=rule, over_span=True)
@@ -141,6 +151,9 @@ class Total(Response):
     >>> round(da.evaluate(motion, da.Total("crank.end.y**2 + crank.end.x**2")), 6)  # 101 of l²
     404.0
     """
+
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        return {"kind": "sum"}
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
         return float(samples.sum())

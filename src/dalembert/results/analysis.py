@@ -16,7 +16,8 @@ from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import unknown
 
 if TYPE_CHECKING:
-    from dalembert.results.live import LiveFunctions, Row
+    from dalembert.results.live import LiveFunctions
+from dalembert.results.sources import Row
 
 ParameterValues = Mapping[str, float] | np.ndarray | None
 """Parameter values: some by name, all in order, or None for those of the model."""

@@ -20,22 +20,6 @@ if TYPE_CHECKING:
     from dalembert.symbolic.native.webassembly import WebModule
 
 
-@dataclass(frozen=True)
-class Row:
-    """Scalar output over time.
-
-    Attributes
-    ----------
-    expression : SX of coordinates, speeds, accelerations, multipliers, time and parameters
-    work : factors of the dissipated energy and of the energy input, which are added
-    relative : whether the value at the first output is subtracted
-    """
-
-    expression: ca.SX
-    work: tuple[float, float] = (0.0, 0.0)
-    relative: bool = False
-
-
 @dataclass(frozen=True, eq=False)
 class LiveFunctions:
     """Functions of an analysis and the constants of its script.

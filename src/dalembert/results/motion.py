@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from dalembert.report.page import InlinePage
+    from dalembert.results.files.live_responses import PageResponse
     from dalembert.results.pictures.animation import Film
     from dalembert.results.structural.motion import RecoveredStates
 
@@ -172,6 +173,7 @@ class Motion(LabelledRecording):
         units: Units = (),
         views: Views = (),
         live: bool | None = None,
+        responses: Sequence[PageResponse] = (),
     ) -> Path:
         """Write the interactive report, one self-contained HTML file.
 
@@ -186,12 +188,20 @@ class Motion(LabelledRecording):
         views : further cards, from functions of ``dalembert.report.views``
         live : whether the page is live; by default if the model has parameters with bounds and the
             compiled functions have at most 300 kB. A page that is not live states the reason
+        responses : responses that a live page lists with their slopes, such as
+            ``[da.maximum("A.force_norm")]``, reduced over the instants of the page; by default the
+            maxima of the plotted measures
+
+        Raises
+        ------
+        UnsupportedError
+            A page does not compute one of the responses.
         """
         from dalembert.report.page import write_page
         from dalembert.results.files.live_page import live_page
 
         page = self.page(plots=plots, trace=trace, units=units, views=views)
-        return write_page(live_page(self, page, live), path)
+        return write_page(live_page(self, page, live, responses), path)
 
     def page(
         self, plots: Groups = None, trace: Names = None, units: Units = (), views: Views = ()

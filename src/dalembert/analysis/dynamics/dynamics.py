@@ -37,8 +37,9 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.graph.model import Model
 from dalembert.options import only_for, options
-from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
+from dalembert.results.sources import Row
 from dalembert.symbolic.evaluation.backends import BACKENDS
 from dalembert.symbolic.formulas.expression import Expression
 

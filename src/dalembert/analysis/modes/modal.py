@@ -24,11 +24,12 @@ from dalembert.model.graph.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.graph.model import Model
 from dalembert.options import only_for, options
 from dalembert.results.analysis import ParameterValues
-from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.live import LiveFunctions
 from dalembert.results.mechanism_modes import MechanismModes
 from dalembert.results.modes import Modes
 from dalembert.results.motion import Motion
 from dalembert.results.result import Result
+from dalembert.results.sources import Row
 from dalembert.results.structural.modes import VibrationModes
 from dalembert.results.structural.result import StructuralResult
 

@@ -3,11 +3,10 @@
 /** @import { Matrix } from "./live_matrix.js" */
 
 import { eigenvalues, eigenvector } from "./live_eigenvalues.js";
-import { matrixOf, product, solved, spaces, transposed } from "./live_matrix.js";
+import { dot, matrixOf, product, solved, spaces, transposed } from "./live_matrix.js";
 import { LiveRun, RunFailure } from "./live_run.js";
 
 const CONJUGATE = 1e-12, CONVERGED = 1e-6, COINCIDE = 1e-8;
-const dot = (/** @type {Float64Array} */ a, /** @type {Float64Array} */ b) => a.reduce((sum, x, k) => sum + x * b[k], 0);
 /** Product of a matrix and a vector. @param {Matrix} a @param {Float64Array} x */
 const times = (a, x) => Float64Array.from(a, (row) => dot(row, x));
 
