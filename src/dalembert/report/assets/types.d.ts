@@ -180,6 +180,9 @@ export interface LiveData extends LiveCode {
   /** Natural sizes of the state and the equations of modes, and the name of their analysis. */
   sizes?: { states: number[]; rows: number[] };
   name?: string;
+  /** Number of free displacements of a structure, and the message of its status. */
+  free?: number;
+  message?: string;
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
