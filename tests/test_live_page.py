@@ -21,7 +21,7 @@ INITIAL = {"l1": 0.3, "l2": 1.0, "m": 1.5}
 
 def four_bar() -> da.Model:
     system = da.System("four-bar", gravity=(0.0, -9.81))
-    l1 = system.parameter("l1", 0.3, bounds=(0.05, 0.9), unit="m", description="crank length")
+    l1 = system.parameter("l1", 0.3, bounds=(0.05, 1.2), unit="m", description="crank length")
     l2 = system.parameter("l2", 1000, bounds=(800, 1500), unit="mm")
     m = system.parameter("m", 1.5, bounds=(1, 3), unit="kg")
     crank = system.add(planar.Bar("crank", length=l1, mass=m, angle=1.5708, angular_velocity=1.0))
@@ -44,6 +44,7 @@ RESPONSES = [
     da.rms("A.force_norm"),
     da.integral("kinetic_energy"),
     da.total("coupler.end.y"),
+    da.maximum("crank.end.x**2 + crank.end.y**2", name="reach"),
     da.maximum("kinetic_energy") - 2 * da.mean("kinetic_energy") + 1,
 ]
 
@@ -180,3 +181,103 @@ def test_series_in_preferred_units(browser: Any, motion: Any, tmp_path: Path) ->
         shown = found.js("Math.max(...dalembert.motion.seriesByName.get('coupler.x').values)")
         assert shown == pytest.approx(highest, rel=1e-9)
         assert json.dumps(found.js("dalembert.table.responses[0].unit")) == '"mm"'
+
+
+# Improvement --------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def improving(live: Visit) -> Iterator[Visit]:
+    live.page.click("#improve")
+    yield live
+    live.js(
+        """{ const { improvement, design } = dalembert;
+            improvement.stop();
+            improvement.goals.goals.clear();
+            design.locked.fill(false); }"""
+    )
+    live.until("!dalembert.improvement.running")
+    live.page.click("#improve")
+
+
+def improved(page: Visit, goals: dict[str, tuple[Any, ...]], locked: str = "") -> str:
+    """Message at the end of an improvement."""
+    page.js(
+        f"""{{ const {{ design, improvement, table }} = dalembert;
+            design.locked = design.parameters.map(({{ name }}) => {json.dumps(locked)}.includes(name));
+            for (const [label, goal] of Object.entries({json.dumps(goals)}))
+                improvement.goals.set(table.responses.find((r) => r.label === label), ...goal); }}"""
+    )
+    page.page.click("#improve-start")
+    page.until("!dalembert.improvement.running")
+    settle(page)
+    return page.page.inner_text("#improve-status")
+
+
+def present(page: Visit) -> dict[str, float]:
+    return page.js(
+        "Object.fromEntries(dalembert.design.parameters.map(({ name }, k) => "
+        "[name, dalembert.design.values[k]]))"
+    )
+
+
+def test_improvement_ends_at_an_optimum_within_bounds_and_limits(
+    improving: Visit, motion: Any
+) -> None:
+    energy, angle = da.integral("kinetic_energy"), da.final("crank.angle")
+    limit = 1.01 * da.evaluate(motion, angle)
+    goals = {energy.label: ("minimise",), angle.label: ("atLeast", limit)}
+    message = improved(improving, goals, locked="m")
+    assert message.startswith("Converged after")
+    values = present(improving)
+    assert values["m"] == INITIAL["m"]
+    again = motion.analysis.run(motion.model, values)
+    assert da.evaluate(again, angle) >= limit * (1 - 1e-6)
+    gradients = da.sensitivity(again, [energy, angle]).values
+    lower, upper = np.array([[0.05, 0.8, 1], [1.2, 1.5, 3]])
+    now, ranges = np.array(list(values.values())), upper - lower
+    free = (now > lower + 1e-9) & (now < upper - 1e-9) & np.array([True, True, False])
+    objective, constraint = (gradients * ranges)[:, free]
+    price = max(0.0, objective @ constraint / (constraint @ constraint))
+    assert np.abs(objective - price * constraint).max() < 1e-3 * np.abs(gradients[0] * ranges).max()
+
+
+def test_improvement_stops_beside_designs_that_cannot_be_assembled(improving: Visit) -> None:
+    change(improving, l2=0.8)
+    message = improved(improving, {"reach": ("maximise",)}, locked="l2 m")
+    assert message.startswith("Ended beside designs that cannot be computed after")
+    assert "could not be computed." in message
+    last = present(improving)["l1"]
+    assert 0.9 < last < np.sqrt(1.4**2 - 1) + 1e-6
+    assert improving.js("dalembert.table.values.every(Number.isFinite)")
+
+
+def test_history_of_an_improvement(improving: Visit) -> None:
+    energy = da.integral("kinetic_energy").label
+    improved(improving, {energy: ("minimise",)})
+    count = improving.js("dalembert.improvement.history.length")
+    assert count > 3
+    slider = improving.page.locator("#improve-history")
+    slider.focus()
+    improving.page.keyboard.press("Home")
+    settle(improving)
+    assert present(improving) == INITIAL
+    assert slider.get_attribute("aria-valuetext").startswith("iteration 0: ")
+    box = improving.page.locator(".improve-chart").bounding_box()
+    improving.page.mouse.click(box["x"] + box["width"] - 6, box["y"] + box["height"] / 2)
+    settle(improving)
+    assert slider.input_value() == str(count - 1)
+    last = improving.js("dalembert.improvement.history.at(-1).values")
+    assert list(present(improving).values()) == last
+    improving.page.click("#undo")
+    settle(improving)
+    assert present(improving) == INITIAL
+
+
+def test_improvement_is_stopped(improving: Visit) -> None:
+    improving.js("dalembert.improvement.goals.set(dalembert.table.responses[0], 'minimise')")
+    improving.page.click("#improve-start")
+    improving.until("dalembert.improvement.history.length > 1")
+    improving.page.click("#improve-start")
+    improving.until("!dalembert.improvement.running")
+    assert improving.page.inner_text("#improve-status").startswith("Stopped after")
