@@ -5,6 +5,7 @@ from benchmarks.cases import (
     cold_start,
     flexible_bar,
     gradients,
+    live_pages,
     machine_code,
     memory,
     motions,
@@ -22,4 +23,5 @@ CASES = [
     machine_code.CASE,
     cold_start.CASE,
     memory.CASE,
+    live_pages.CASE,
 ]

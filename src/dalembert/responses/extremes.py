@@ -12,8 +12,7 @@ from dalembert.analysis.events import Occurrence
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.base import Response, scalar_measure
-from dalembert.responses.integrals import Weighted
-from dalembert.responses.quadrature import rule_over
+from dalembert.responses.quadrature import Weighted, rule_over
 from dalembert.responses.smooth_extreme import SmoothExtreme
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression

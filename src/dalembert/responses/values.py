@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import options
 from dalembert.responses.base import Response
-from dalembert.results.numbered import Numbered
+from dalembert.results.modes import Numbered
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.arguments import check_arguments

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import casadi as ca
 import numpy as np
 
 from dalembert.results.files.contents import COMPONENTS, Contents
 from dalembert.results.recording import Recording
+from dalembert.results.sources import Series, Source
 from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
@@ -62,6 +64,12 @@ class LabelledRecording(Recording):
 
         return motion_contents(self)
 
+    def source(self, variable: str, **labels: str) -> Source | None:
+        """Formula of a variable of ``contents`` at labels of its dimensions, if it has one."""
+        from dalembert.results.variables import variable_source
+
+        return variable_source(self.model, variable, **labels)
+
 
 BODY_SERIES = (
     ("{}", "position", "position"),
@@ -83,19 +91,20 @@ ENERGIES = (
 )
 
 
-def measured_series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[str, Any]]:
+def measured_series(motion: LabelledRecording, keep: np.ndarray) -> list[Series]:
     """All scalar quantities by their measure names, with unit, group and values at some outputs."""
     data = motion.contents
-    series: list[dict[str, Any]] = []
+    series: list[Series] = []
 
     def put(name: str, variable: str, group: str, **where: Any) -> None:
         if variable in data:
             unit = _unit(motion, str(data.attributes_of(variable).get("units", "")), name)
-            add(name, unit, group, data.at(variable, **where)[keep])
+            values = data.at(variable, **where)[keep]
+            add(name, unit, group, values, motion.source(variable, **where))
 
-    def add(name: str, unit: str, group: str, values: np.ndarray) -> None:
+    def add(name: str, unit: str, group: str, values: np.ndarray, source: Source | None) -> None:
         if not np.all(np.isnan(values)):
-            series.append({"name": name, "unit": unit, "group": group, "values": values})
+            series.append(Series(source, name=name, unit=unit, group=group, values=values))
 
     def put_all(owner: str, quantity: str, variable: str, group: str, **where: Any) -> None:
         """Add a scalar, or one series for each axis of a vector."""
@@ -116,8 +125,9 @@ def measured_series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[st
             put_all(point, quantity, variable, "points", point=point)
     for joint in data.labels("joint"):
         put_all(joint, "force.{}", "reaction_force", "reactions", joint=joint)
-        force = data.at("reaction_force", joint=joint)[keep]
-        add(f"{joint}.force_norm", "N", "reactions", np.linalg.norm(force, axis=1))
+        norm = np.linalg.norm(data.at("reaction_force", joint=joint)[keep], axis=1)
+        formula = _norm(motion.source("reaction_force", joint=joint))
+        add(f"{joint}.force_norm", "N", "reactions", norm, formula)
         put_all(joint, "moment.{}", "reaction_moment", "reactions", joint=joint)
     for driver in data.labels("driver"):
         put(f"{driver}.effort", "effort", "drivers", driver=driver)
@@ -133,6 +143,11 @@ def measured_series(motion: LabelledRecording, keep: np.ndarray) -> list[dict[st
     for variable in ("position_violation", "velocity_violation"):
         put(variable, variable, "violations")
     return series
+
+
+def _norm(vector: Source | None) -> Source | None:
+    """Formula of the norm of a vector."""
+    return ca.sqrt(ca.sumsqr(vector)) if isinstance(vector, ca.SX) else None
 
 
 def _unit(motion: LabelledRecording, unit: str, name: str) -> str:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import base64
 import json
 import zlib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -18,22 +18,6 @@ import casadi as ca
 
 if TYPE_CHECKING:
     from dalembert.symbolic.native.webassembly import WebModule
-
-
-@dataclass(frozen=True)
-class Row:
-    """Scalar output over time.
-
-    Attributes
-    ----------
-    expression : SX of coordinates, speeds, accelerations, multipliers, time and parameters
-    work : factors of the dissipated energy and of the energy input, which are added
-    relative : whether the value at the first output is subtracted
-    """
-
-    expression: ca.SX
-    work: tuple[float, float] = (0.0, 0.0)
-    relative: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +32,12 @@ class LiveFunctions:
 
     functions: Mapping[str, ca.Function]
     data: Mapping[str, Any]
+
+    def with_numbers(self, numbers: Sequence[ca.SX], p: ca.SX) -> LiveFunctions:
+        """The same with a function ``numbers(p)`` of parameters, for pictures."""
+        graph = ca.densify(ca.vertcat(*numbers)) if numbers else ca.SX.zeros(1)
+        function = ca.Function("numbers", [p], [graph], {"cse": True})
+        return replace(self, functions={**self.functions, "numbers": function})
 
     @cached_property
     def module(self) -> WebModule:

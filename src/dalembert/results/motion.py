@@ -14,6 +14,7 @@ from dalembert.text.wording import card, folded, messages, table
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
 
     from dalembert.report.page import InlinePage
     from dalembert.results.files.live_responses import PageResponse
@@ -145,13 +146,13 @@ class Motion(LabelledRecording):
 
         return series_table(self, measures)
 
-    def plot(self, *measures: str | Expression, ax: Any = None) -> Any:
+    def plot(self, *measures: str | Expression, ax: Axes | None = None) -> Axes:
         """Draw measures over time with Matplotlib; returns the axes."""
         from dalembert.results.pictures.plot import plot_measures
 
         return plot_measures(self, measures, ax)
 
-    def draw(self, time: float = 0.0, ax: Any = None) -> Any:
+    def draw(self, time: float = 0.0, ax: Axes | None = None) -> Axes:
         """Draw the mechanism at the output nearest to a time [s] (Matplotlib); returns the axes."""
         from dalembert.results.pictures.animation import still
 

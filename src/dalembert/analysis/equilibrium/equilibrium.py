@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
@@ -20,7 +20,9 @@ from dalembert.model.graph.model import Model
 from dalembert.options import only_for, options
 from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.batch.batch import Batch
+from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
+from dalembert.results.sources import Row
 from dalembert.results.structural.result import StructuralResult
 from dalembert.text.arguments import check_arguments
 
@@ -108,6 +110,16 @@ class Equilibrium(Analysis[Any, Any]):
         if isinstance(model, StructuralModel):
             return structure_equilibrium(self, model, p, progress)
         return mechanism_equilibrium(self, model, p, start)
+
+    def live_obstacle(self, result: Any) -> str:
+        from dalembert.analysis.live.equilibrium_module import obstacle
+
+        return obstacle(result) if isinstance(result, Motion) else super().live_obstacle(result)
+
+    def live_functions(self, result: Any, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:
+        from dalembert.analysis.live.equilibrium_module import equilibrium_functions
+
+        return equilibrium_functions(result, rows, times)
 
     def replay(self, result: Any, p: np.ndarray) -> Any:
         """The equilibrium at other parameter values; of a mechanism, starting from this one."""

@@ -7,7 +7,7 @@ that Newton's corrections remain small relative to the motion, which stays on it
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack, overload
 
@@ -24,8 +24,10 @@ from dalembert.errors import AnalysisError
 from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
+from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
+from dalembert.results.sources import Row
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 from dalembert.text.arguments import check_arguments
@@ -67,6 +69,18 @@ class Kinematics(OverTime[Motion]):
     def efforts(self) -> bool:
         """Whether multipliers are part of the result."""
         return False
+
+    def live_obstacle(self, result: Motion) -> str:
+        from dalembert.analysis.live.kinematics_module import obstacle
+
+        return obstacle(result)
+
+    def live_functions(
+        self, result: Motion, rows: Sequence[Row], times: np.ndarray
+    ) -> LiveFunctions:
+        from dalembert.analysis.live.kinematics_module import kinematics_functions
+
+        return kinematics_functions(result, rows, times)
 
     def resample(self, motion: Motion, times: np.ndarray) -> Motion:
         """The motion at other times, each computed from the nearest position of the run.

@@ -9,15 +9,20 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.residual_check import DRIFT, held_levels
 from dalembert.analysis.dynamics.variant import Variant
+from dalembert.analysis.live.checks import check_data, residuals
+from dalembert.analysis.live.rows import smooth_rows
 from dalembert.analysis.live.start import closing, violation
-from dalembert.formulations.base import WORK
+from dalembert.analysis.residual_check import EXACT
+from dalembert.analysis.singular_positions import LOST
+from dalembert.formulations.base import WORK, Level
 from dalembert.integrators.marching.steps import Steps
 from dalembert.model.graph.model import Model
-from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
+from dalembert.results.sources import Row
 from dalembert.symbolic.evaluation.columns import compiled_form
-from dalembert.symbolic.formulas.expression import Expression, stack
 
 
 def obstacle(motion: Motion) -> str:
@@ -67,12 +72,15 @@ def dynamics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -
         "values": marched.forms.values,
         "step": compiled_form(marched.forms.function, marched.forms.called),
         "outputs": outputs,
+        "residuals": residuals(motion.model, _bodies(variant)),
         "start_adjoint": start_adjoint,
         "adjoint_values": marched.prelude.values,
         "step_adjoint": marched.adjoint(True),
         "values_adjoint": marched.prelude.adjoint,
         "outputs_adjoint": outputs_adjoint,
     }
+    if (unsolved := variant.step.residual) is not None:
+        functions["step_residual"] = unsolved
     data: dict[str, Any] = {
         "kind": "dynamics",
         "start": float(steps.t[0]),
@@ -80,6 +88,8 @@ def dynamics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -
         "instant": steps.instant,
         "anchor": {"p": motion.model.closure.anchor[0], "y": motion.model.closure.anchor[1]},
         "relative": [k for k, row in enumerate(rows) if row.relative],
+        "roots": smooth_rows(rows)[1],
+        "check": _check(kernel, variant, motion),
     }
     if kernel.adaptive is None:
         data["steps"] = _prescribed(steps)
@@ -98,6 +108,25 @@ def dynamics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -
             "memory": memory,
         }
     return LiveFunctions(functions, data)
+
+
+def _bodies(variant: Variant) -> ca.Function:
+    """``(t, x, p) → y, v, v̇, λ, work`` of a state without the memory of multistep methods."""
+    e, inputs = variant.equations, variant.bodies
+    t, p, x = ca.MX.sym("t"), ca.MX.sym("p", e.p.numel()), ca.MX.sym("x", variant.step.state_size)
+    at = e.coordinate_count + e.speed_count
+    parts = inputs(t, x[: inputs.numel_in(1)], p)
+    return ca.Function("bodies", [t, x, p], [*parts, x[at : at + WORK.numel()]])
+
+
+def _check(kernel: DynamicsKernel, variant: Variant, motion: Motion) -> dict[str, Any]:
+    """Limits of the residual check of a run."""
+    held, model = held_levels(kernel), motion.model
+    levels = {n: (EXACT[n], False) if n in held else (DRIFT, True) for n in Level}
+    lost = {"lost": LOST * model.scales.length} if variant.step.corrects else {}
+    analysis: Any = motion.analysis
+    more = {"balance": analysis.balance, "energy": model.scales.energy, "drift": DRIFT}
+    return check_data(model, levels, **more, **lost)
 
 
 def _prescribed(steps: Steps) -> dict[str, Any]:
@@ -140,7 +169,7 @@ def _start(
 
 def _outputs(variant: Variant, rows: Sequence[Row]) -> tuple[ca.Function, ca.Function]:
     """``(t, x, p) → values`` of the rows, and ``(t, x, p, weights) → x̄, p̄``."""
-    measured = variant.measured(Expression(stack(row.expression for row in rows)))
+    measured = variant.measured(smooth_rows(rows)[0])
     e, count = variant.equations, variant.step.state_size
     at = e.coordinate_count + e.speed_count
     work = ca.DM([row.work for row in rows])

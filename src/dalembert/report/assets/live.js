@@ -25,9 +25,9 @@ import { withUnit } from "./units.js";
 const WRITING = 300;
 
 /** Text about a design that cannot be computed. @param {LiveFailure} failure */
-function failureText({ failure, residual, open }) {
-  const gap = open ? `: ${open.name} stays open by ${withUnit(tidy(open.gap, 3), open.unit)}` : residual === undefined ? "" : `; residual ${tidy(residual, 3)}`;
-  return `${failure}${gap}`.replace(/^./, (c) => c.toUpperCase()) + ". The picture is that of the last valid design.";
+function failureText({ failure: { outcome, message }, open }) {
+  const gap = open ? `: ${open.name} stays open by ${withUnit(tidy(open.gap, 3), open.unit)}` : "";
+  return `${outcome}: ${message}${gap}`.replace(/^./, (c) => c.toUpperCase()) + ". The picture is that of the last valid design.";
 }
 
 /** @param {{ motion: Motion, scene: Scene, player: Player, board: Board | null }} page @param {Dimension} dimension */
@@ -46,7 +46,8 @@ export function buildLive(page, dimension) {
     solver.onResult.on((/** @type {LiveResult} */ result) => {
       picture.show(result, design.changed);
       table.show(result.values);
-      panel.say("");
+      const { success, outcome, message } = result.status;
+      panel.say(success ? "" : `${outcome}: ${message}`, "error");
       document.documentElement.dataset.live = String(result.number);
     });
     solver.onSlopes.on((answer) => {

@@ -12,19 +12,19 @@ const MAX_RESPONSES = 6;
 /** Reductions and their names in a label. @type {[LiveTerm["kind"], string][]} */
 const REDUCTIONS = [["maximum", "maximum"], ["minimum", "minimum"], ["final", "final value"], ["mean", "mean"], ["rms", "rms"], ["integral", "integral"]];
 
-/** Series with a row: name, unit, group, number of the row and divisor of its unit. @param {LiveData} live */
+/** Series with a row: name, unit, group and number of the row. @param {LiveData} live */
 function measuredSeries(live) {
   const series = list(payload.series);
-  return live.columns.filter(([path]) => path[0] === "series").map(([[, k], row, divisor]) => {
+  return live.columns.filter(([path]) => path[0] === "series").map(([[, k], row]) => {
     const { name = "", unit = "", group = "other" } = series[Number(k)] ?? {};
-    return { name: String(name), unit: unit === "1" ? "" : String(unit), group: String(group || "other"), row, divisor };
+    return { name: String(name), unit: unit === "1" ? "" : String(unit), group: String(group || "other"), row };
   });
 }
 
 /** @param {ReturnType<typeof measuredSeries>[number]} series @param {LiveTerm["kind"]} kind @returns {LiveResponse} */
-function responseOfSeries({ name, unit, row, divisor }, kind) {
+function responseOfSeries({ name, unit, row }, kind) {
   const text = REDUCTIONS.find(([key]) => key === kind)?.[1], integral = kind === "integral" ? (unit ? `${unit} s` : "s") : unit;
-  return { label: `${text} of ${name}`, unit: integral, terms: [{ kind, row, weight: 1 / divisor }] };
+  return { label: `${text} of ${name}`, unit: integral, terms: [{ kind, row, weight: 1 }] };
 }
 
 /** Responses of the page, by default the maxima of the plotted series. @param {LiveData} live */

@@ -8,13 +8,13 @@ const PAGE = 65536, STACK = 262144;
 function erf(x) {
   const a = Math.abs(x), gauss = Math.exp(-a * a);
   if (!(a < 6)) return a >= 6 ? Math.sign(x) : x;
-  if (a < 2.5) {
+  if (a < 1) {
     let term = a, sum = a;
     for (let n = 1; term > 1e-18 * sum; n++) sum += term *= (2 * a * a) / (2 * n + 1);
     return Math.sign(x) * (2 / Math.sqrt(Math.PI)) * gauss * sum;
   }
   let fraction = a;
-  for (let n = 120; n > 0; n--) fraction = a + n / 2 / fraction;
+  for (let n = 250; n > 0; n--) fraction = a + n / 2 / fraction;
   return Math.sign(x) * (1 - gauss / (Math.sqrt(Math.PI) * fraction));
 }
 
@@ -26,7 +26,7 @@ function remainder(x, y) {
 }
 
 /** Functions of the C library by their names; a maximum ignores NaN. @type {Record<string, (x: number, y: number) => number>} */
-const LIBRARY = {
+export const LIBRARY = {
   ...Object.fromEntries(["sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "exp", "expm1", "log", "log1p", "pow", "hypot"].map((name) => [name, /** @type {any} */ (Math)[name]])),
   erf, remainder,
   fmod: (x, y) => x % y,

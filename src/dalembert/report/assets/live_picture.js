@@ -31,14 +31,15 @@ export class LivePicture {
   }
 
   /** Show a result. @param {LiveResult} result @param {boolean} changed whether its design differs from the initial one */
-  show({ table, times }, changed) {
-    const n = times.length;
-    for (const [path, row, divisor] of this.live.columns) {
-      let place = /** @type {any} */ (payload);
-      for (const key of path.slice(0, -1)) place = place[key];
-      const column = table.subarray(n * row, n * (row + 1));
-      place[/** @type {string} */ (path.at(-1))] = divisor === 1 ? column : column.map((value) => value / divisor);
-    }
+  show({ table, times, numbers }, changed) {
+    const n = times.length, { columns, numbers: places } = this.live;
+    const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => {
+      let owner = /** @type {any} */ (payload);
+      for (const key of place.slice(0, -1)) owner = owner[key];
+      owner[/** @type {string} */ (place.at(-1))] = value;
+    };
+    for (const [place, row] of columns) put(place, table.subarray(n * row, n * (row + 1)));
+    places.forEach((place, k) => put(place, numbers[k]));
     payload.time = times;
     this.changed = changed;
     this.renew();

@@ -2,6 +2,8 @@
 
 /** @import { LiveResponse, LiveTerm } from "./types.d.ts" */
 
+import { dot } from "./live_matrix.js";
+
 /** Threshold for joining the last interval to the one before, relative to its length. */
 const SHORT_INTERVAL = 1e-3;
 /** Spread of samples that is round-off, relative to the largest one; squared range of a uniform distribution divided by its variance. */
@@ -44,13 +46,6 @@ function peak(samples, sign) {
   let most = 0;
   for (let i = 1; i < samples.length; i++) if (sign * samples[i] > sign * samples[most]) most = i;
   return most;
-}
-
-/** @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
-function dot(a, b) {
-  let sum = 0;
-  for (let i = 0; i < a.length; i++) sum += a[i] * b[i];
-  return sum;
 }
 
 /** Value and derivatives by the samples of the function of Kreisselmeier and Steinhauser, as `SmoothExtreme`.

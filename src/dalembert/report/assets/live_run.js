@@ -5,11 +5,13 @@
 import { Engine } from "./live_engine.js";
 
 const ITERATIONS = 25, CONVERGED = 1e-13, ACCEPTED = 1e-9, SHORTEST = 1e-3, CHUNK = 500, ATTEMPTS = 64, SMALLEST_STEP = 1e-13, GROWTH = 4;
-const largest = (/** @type {ArrayLike<number>} */ values) => {
+
+/** Largest magnitude, infinite where a value is no number. @param {ArrayLike<number>} values */
+export function largest(values) {
   let most = 0;
   for (let k = 0; k < values.length; k++) { const size = Math.abs(values[k]); if (!(size <= most)) most = size === size ? size : Infinity; }
   return most;
-};
+}
 
 /** Ends of prescribed steps, the start included, and whether the steps are corrected. @param {LiveData} data */
 function prescribed({ start, steps }) {
@@ -20,14 +22,34 @@ function prescribed({ start, steps }) {
   return { ends, flags };
 }
 
-/** Failure of a run, with the wording of the status. */
+/** March that stopped: its reason, the last state, and the length of the step from there.
+ * @typedef {{ reason: string, end: number, length: number, x: Float64Array, p: Float64Array }} BrokenMarch */
+
+/** Failure of a run; `outcome` as in Python. */
 export class RunFailure extends Error {
-  /** @param {string} message @param {number} [residual] @param {string} [loop] joint that remains open */
-  constructor(message, residual, loop) {
+  /** @param {string} message @param {number} [residual] @param {string} [loop] joint that remains open @param {string} [outcome] @param {BrokenMarch} [march] */
+  constructor(message, residual, loop, outcome = "cannot be assembled", march) {
     super(message);
     this.residual = residual;
     this.loop = loop;
+    this.outcome = outcome;
+    this.march = march;
   }
+}
+
+/** Rows one after the other from columns of outputs, with their roots and relative to the start. @param {Float64Array} values @param {number} rows @param {LiveData} data */
+export function tabulated(values, rows, { roots, relative }) {
+  const n = values.length / rows, table = new Float64Array(rows * n);
+  for (let i = 0; i < n; i++) for (let r = 0; r < rows; r++) table[r * n + i] = values[rows * i + r];
+  for (const r of roots) for (let i = 0; i < n; i++) table[r * n + i] = Math.sqrt(table[r * n + i]);
+  for (const r of relative) for (let i = n - 1; i >= 0; i--) table[r * n + i] -= table[r * n];
+  return table;
+}
+
+/** Weights of the columns of outputs; a root has none at zero.
+ * @param {{ table: Float64Array, times: Float64Array }} run @param {Map<number, Float64Array>} weights @param {LiveData} data */
+export function smoothWeights({ table, times: { length: n } }, weights, { roots }) {
+  return new Map([...weights].map(([r, values]) => [r, roots.includes(r) ? values.map((w, i) => (w && table[r * n + i] ? w / (2 * table[r * n + i]) : 0)) : values]));
 }
 
 /** States of a run at the ends of its steps.
@@ -42,15 +64,21 @@ export class LiveRun {
     this.base = this.engine.top;
     /** Nominal position with its parameters, the start of continuation as in Python. */
     this.anchor = { p: Float64Array.from(data.anchor.p), y: Float64Array.from(data.anchor.y) };
-    this.size = this.engine.named("step").inputs[0];
+    this.size = this.engine.functions.get("step")?.inputs[0] ?? data.anchor.y.length;
     this.grid = prescribed(data);
+    /** Number of Newton's iterations of the last start. */
+    this.iterations = 0;
     this.times = Float64Array.from(data.times ?? this.grid.ends);
   }
+
+  /** Message where Newton's method has no solution. */
+  get unsolved() { return this.data.unsolved ?? "the mechanism cannot be assembled"; }
 
   /** Newton's method for the assembled position. @param {Float64Array} y @param {Float64Array} p */
   closed(y, p) {
     let position = y, smallest = Infinity, last = Infinity;
     for (let k = 0; k <= ITERATIONS; k++) {
+      this.iterations++;
       const step = this.engine.evaluate("closing", [this.data.start], position, p);
       if (!step) return { y: position, residual: last, accepted: false };
       const [next, open] = step, size = largest(open);
@@ -67,14 +95,15 @@ export class LiveRun {
     const { p: p0 } = this.anchor;
     /** @type {[Float64Array, number, number]} */
     let [y, reached, step] = [this.anchor.y, 0, 1];
+    this.iterations = 0;
     while (reached < 1) {
       const target = Math.min(1, reached + step), between = p0.map((value, k) => value + target * (p[k] - value));
       const solution = this.closed(y, target === 1 ? p : between);
       if (solution.accepted) { [y, reached, step] = [solution.y, target, 2 * step]; continue; }
-      if ((step /= 2) < SHORTEST) throw new RunFailure("the mechanism cannot be assembled", solution.residual);
+      if ((step /= 2) < SHORTEST) throw new RunFailure(this.unsolved, solution.residual);
     }
     const [open] = this.engine.evaluate("violation", [this.data.start], y, p) ?? [[Infinity]], residual = largest(open);
-    if (!(residual <= ACCEPTED)) throw new RunFailure("the mechanism cannot be assembled", residual);
+    if (!(residual <= ACCEPTED)) throw new RunFailure(this.unsolved, residual);
     return y;
   }
 
@@ -83,7 +112,7 @@ export class LiveRun {
     const { engine, data } = this;
     engine.top = this.base;
     const y = this.assembled(p), [x0] = engine.evaluate("start", [data.start], y, p) ?? [];
-    if (!x0 || !Number.isFinite(largest(x0))) throw new RunFailure("the initial speeds are not determined");
+    if (!x0 || !Number.isFinite(largest(x0))) throw new RunFailure("the initial speeds are not determined", undefined, undefined, "singular position");
     const [q] = engine.evaluate("values", p) ?? [], values = engine.put(q ?? []);
     return data.steps ? this.fixed(p, y, x0, values) : this.adaptive(p, y, x0, values);
   }
@@ -98,17 +127,17 @@ export class LiveRun {
       const { done } = engine.call("step", length, [states + 8 * size * k, ts + 8 * k, hs + 8 * k, fs + 8 * k, values], new Set([4]), true);
       engine.top = mark;
       const reached = engine.view(states + 8 * size * (k + done), size);
-      if (done < length || !Number.isFinite(largest(reached))) throw new RunFailure(this.failureIn(states, t, k, k + done));
+      if (done === length && Number.isFinite(largest(reached))) continue;
+      let last = k;
+      while (last < k + done && Number.isFinite(largest(engine.view(states + 8 * size * (last + 1), size)))) last++;
+      const reason = last < k + done ? "the state is no longer finite" : "a step failed";
+      throw this.broken(reason, t[last], h[last], engine.view(states + 8 * size * last, size).slice(), p);
     }
     return { count, t, h, flags, states, p, y, values };
   }
 
-  /** Message about the first state that is not finite. @param {number} states @param {Float64Array} t @param {number} from @param {number} to */
-  failureIn(states, t, from, to) {
-    let k = from;
-    while (k < to && Number.isFinite(largest(this.engine.view(states + 8 * this.size * (k + 1), this.size)))) k++;
-    return k < to ? `the state is no longer finite after t = ${t[k]} s` : `a step failed after t = ${t[Math.min(k, t.length - 1)]} s`;
-  }
+  /** Failure of a march. @param {string} reason @param {number} end @param {number} length @param {Float64Array} x @param {Float64Array} p */
+  broken(reason, end, length, x, p) { return new RunFailure(`${reason} after t = ${end} s`, undefined, undefined, "diverged", { reason, end, length, x, p }); }
 
   /** March with error control: attempts that accept or reject their step. @param {Float64Array} p @param {Float64Array} y @param {Float64Array} x0 @param {number} values */
   adaptive(p, y, x0, values) {
@@ -134,9 +163,9 @@ export class LiveRun {
       engine.top = mark;
       const last = states.slice(width * done, width * (done + 1));
       now = last[0];
-      if (!Number.isFinite(largest(last))) throw new RunFailure(`the state is no longer finite after t = ${t.at(-1) ?? data.start} s`);
-      if (done < ATTEMPTS) throw new RunFailure(`a step failed after t = ${now} s`);
-      if (last[1] < SMALLEST_STEP * Math.max(end - data.start, Math.abs(now))) throw new RunFailure(`the step length fell below ${last[1].toExponential(1)} s at t = ${now} s`);
+      const reached = h.length ? t[h.length - 1] + h[h.length - 1] : data.start, short = last[1] < SMALLEST_STEP * Math.max(end - data.start, Math.abs(now));
+      const reason = !Number.isFinite(largest(last)) ? "the state is no longer finite" : done < ATTEMPTS ? "a step failed" : now < end && short ? `the step length fell below ${last[1].toExponential(1).replace(/-(\d)$/, "-0$1")} s` : "";
+      if (reason) throw this.broken(reason, reached, last[1], accepted[accepted.length - 1], p);
       engine.view(chunk, width).set(last);
     }
     const states = engine.room(size * accepted.length);
@@ -164,8 +193,8 @@ export class LiveRun {
       at.set(all.subarray(size * k, size * (k + 1)), size * i);
     }
     if (inside.length) {
-      const m = inside.length, from = engine.room(size * m), begin = engine.view(from, size * m);
-      inside.forEach((i, j) => begin.set(all.subarray(size * steps[i], size * (steps[i] + 1)), size * j));
+      const m = inside.length, from = engine.room(size * m), begin = engine.view(from, size * m), reached = engine.view(march.states, size * (count + 1));
+      inside.forEach((i, j) => begin.set(reached.subarray(size * steps[i], size * (steps[i] + 1)), size * j));
       const arguments_ = [inside.map((i) => t[steps[i]]), inside.map((i) => lengths[i]), inside.map(() => 1)].map((column) => engine.put(column));
       const { to: [result] } = engine.call("step", m, [from, ...arguments_, march.values], new Set([4]));
       const ends = engine.view(result, size * m), target = engine.view(x, size * n);
@@ -181,10 +210,8 @@ export class LiveRun {
     const [rows] = engine.named("outputs").outputs, ps = engine.put(p), ts = engine.put(places.times);
     const x = this.leading(places.x, n), { done, to: [result] } = engine.call("outputs", n, [ts, x, ps], new Set([2]));
     if (done < n) throw new RunFailure(`the outputs cannot be computed at t = ${places.times[done]} s`);
-    const values = engine.view(result, rows * n), table = new Float64Array(rows * n);
-    for (let i = 0; i < n; i++) for (let r = 0; r < rows; r++) table[r * n + i] = values[rows * i + r];
-    for (const r of data.relative) for (let i = n - 1; i >= 0; i--) table[r * n + i] -= table[r * n];
-    return { times: places.times, table, rows, march, places };
+    const table = tabulated(engine.view(result, rows * n), rows, data);
+    return { times: places.times, table, rows, states: { t: ts, x, p: ps }, march, places };
   }
 
   /** The leading part of states, without the memory of multistep methods. @param {number} x @param {number} n */
@@ -198,8 +225,9 @@ export class LiveRun {
 
   /** Gradient of a response by the parameters: backward march from the weights of its samples.
    * @param {ReturnType<LiveRun["run"]>} run the last run
-   * @param {Map<number, Float64Array>} weights row → weights of its samples */
-  gradient(run, weights) {
+   * @param {Map<number, Float64Array>} of_samples row → weights of its samples */
+  gradient(run, of_samples) {
+    const weights = smoothWeights(run, of_samples, this.data);
     const { engine, size, data } = this, { march, places, rows } = run, { count, p } = march, n = places.times.length, mark = engine.top;
     const width = engine.named("outputs").inputs[1], total = new Float64Array(p.length);
     const active = Array.from({ length: n }, (_, i) => i).filter((i) => i === 0 ? [...weights.keys()].some((r) => data.relative.includes(r)) || [...weights.values()].some((w) => w[0] !== 0) : [...weights.values()].some((w) => w[i] !== 0));
@@ -215,10 +243,10 @@ export class LiveRun {
     for (let j = 0; j < m; j++) for (let k = 0; k < p.length; k++) total[k] += gradients[p.length * j + k];
     const [q] = engine.evaluate("adjoint_values", p) ?? [], [rates] = engine.named("step_adjoint").inputs, qs = engine.put(q ?? []);
     const carried = engine.room(rates * (count + 1)), injected = engine.room(size * (count + 1));
-    const inject = engine.view(injected, size * (count + 1)), first = engine.view(carried, rates);
+    const ends = engine.view(xs, width * m).slice(), first = new Float64Array(rates), fromInside = this.pulled(run, active, ends, width, qs, first, rates);
+    const inject = engine.view(injected, size * (count + 1));
     inject.fill(0);
-    first.fill(0);
-    const ends = engine.view(xs, width * m), fromInside = this.pulled(run, active, ends, width, qs, first, rates);
+    engine.view(carried, rates).set(first);
     active.forEach((i, j) => {
       const { steps, lengths } = places, k = steps[i], whole = lengths[i] !== 0 && lengths[i] === march.h[k], state = fromInside.get(j) ?? ends.subarray(width * j, width * (j + 1));
       for (let c = 0; c < state.length; c++) inject[size * (k + (whole ? 1 : 0)) + c] += state[c];

@@ -51,7 +51,7 @@ export class Solver {
       worker.onerror = (event) => {
         event.preventDefault();
         reject(new Error(event.message || "its worker cannot start"));
-        if (worker === this.worker && this.running) this.receive({ number: this.running.request.number, failure: event.message || "the worker of the page failed" });
+        if (worker === this.worker && this.running) this.receive({ number: this.running.request.number, failure: { outcome: "failed", message: event.message || "the worker of the page failed", time: NaN, residual: NaN, success: false } });
       };
       worker.postMessage({ module: this.module, data });
     });

@@ -2,9 +2,16 @@
 
 /** @import { LiveData, LiveRequest } from "./types.d.ts" */
 
+import { LiveEquilibrium } from "./live_equilibrium.js";
 import { openJoint } from "./live_failure.js";
+import { LiveKinematics } from "./live_kinematics.js";
+import { LiveModes } from "./live_modes.js";
 import { responseOf } from "./live_responses.js";
 import { LiveRun, RunFailure } from "./live_run.js";
+import { checkedStatus, failedStatus } from "./live_status.js";
+
+/** Kind of an analysis → class of its runs. */
+const RUNS = { dynamics: LiveRun, kinematics: LiveKinematics, equilibrium: LiveEquilibrium, modes: LiveModes };
 
 /** @type {LiveRun} */
 let run;
@@ -17,19 +24,20 @@ function answer({ number, parameters, responses, gradients, point }) {
   try {
     const result = run.run(parameters), { times, table, rows } = result, n = times.length;
     const reduced = responses.map((response) => responseOf(response, times, (row) => table.subarray(n * row, n * (row + 1))));
-    postMessage({ number, times, table, rows, values: reduced.map(({ value }) => value), duration: performance.now() - begin }, { transfer: [table.buffer] });
+    const [numbers] = run.engine.evaluate("numbers", parameters) ?? [], status = checkedStatus(run, result);
+    postMessage({ number, times, table, rows, values: reduced.map(({ value }) => value), numbers, status, duration: performance.now() - begin }, { transfer: [table.buffer] });
     const slopes = reduced.map(({ weights }, k) => (gradients.includes(k) ? run.gradient(result, weights) : null));
     const at = (/** @type {number} */ k) => new Map([[k, Float64Array.from({ length: n }, (_, i) => Number(i === point?.instant))]]);
     postMessage({ number, slopes, jacobian: point ? point.rows.map((k) => run.gradient(result, at(k))) : null });
   } catch (error) {
     if (!(error instanceof RunFailure)) throw error;
-    postMessage({ number, failure: error.message, residual: error.residual, open: openJoint(run, parameters) });
+    postMessage({ number, failure: failedStatus(run, error), open: openJoint(run, parameters) });
   }
 }
 
 addEventListener("message", ({ data }) => {
   if (data.module) {
-    run = new LiveRun(data.module, /** @type {LiveData} */ (data.data));
+    run = new RUNS[/** @type {LiveData} */ (data.data).kind](data.module, data.data);
     postMessage({ ready: true });
     return;
   }

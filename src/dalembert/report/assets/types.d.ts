@@ -146,7 +146,7 @@ export interface LiveCode {
   memory: number;
 }
 export interface LiveData extends LiveCode {
-  kind: string;
+  kind: "dynamics" | "kinematics" | "equilibrium" | "modes";
   /** Start of the run and shortest distance of two instants [s]. */
   start: number;
   instant: number;
@@ -156,11 +156,30 @@ export interface LiveData extends LiveCode {
   anchor: { p: number[]; y: number[] };
   /** Rows whose value at the start is subtracted. */
   relative: number[];
+  /** Rows of which the module returns the square. */
+  roots: number[];
+  check?: LiveCheck;
   /** Prescribed steps. */
   steps?: { ends?: number[]; length?: number; count?: number; end?: number; uncorrected: number[] };
-  /** Places of columns in the payload, numbers of their rows, and divisors of their units. */
-  columns: [(string | number)[], number, number][];
+  /** Places of columns in the payload with the numbers of their rows. */
+  columns: [(string | number)[], number][];
+  /** Places of numbers in the payload that follow from parameters. */
+  numbers: (string | number)[][];
+  /** Names of bodies and elements whose picture remains that of the initial parameters. */
+  initial: string[];
   parameters: LiveParameter[];
+  /** Instants of a driven motion, numbers of the outputs among them, rows without values, limits of steps. */
+  path?: number[];
+  places?: number[];
+  undetermined?: number[];
+  limits?: { regular: number; tolerance: number; turn: number; small: [number, number]; fraction: number };
+  /** Message where Newton's method for the start has no solution. */
+  unsolved?: string;
+  /** Limits of the stiffness of a stable equilibrium, numbers of equations and displacements, natural force. */
+  stable?: { curved: number; skew: number; rows: number; columns: number; force: number; unit: string };
+  /** Natural sizes of the state and the equations of modes, and the name of their analysis. */
+  sizes?: { states: number[]; rows: number[] };
+  name?: string;
   /** Responses that are shown first, those of the plots by default. */
   responses?: LiveResponse[];
   /** Constraint equations in the order of `violation`. */
@@ -168,6 +187,36 @@ export interface LiveData extends LiveCode {
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
+/** Limits, sizes and names for the check of a result by the model's own equations. */
+export interface LiveCheck {
+  /** Level, limit, and whether residuals are compared with the largest terms. */
+  levels: [number, number, boolean][];
+  /** Names, units and sizes of the constraint equations. */
+  rows: string[];
+  units: string[];
+  sizes: number[];
+  /** Limit for the equations of motion, null where the result has no forces. */
+  motion: number | null;
+  speeds: string[];
+  speed_sizes: number[];
+  effort_units: string[];
+  efforts: number[];
+  /** Natural time [s] and energy [J]. */
+  time: number;
+  energy?: number;
+  /** Upper limit of the number of instants of the complete check. */
+  checked: number;
+  /** Share of the natural speed below which a mechanism counts as at rest. */
+  still: number;
+  /** Limit of approximately enforced constraints. */
+  drift?: number;
+  /** Largest permitted energy error as a share. */
+  balance?: number;
+  /** Violation after the projection at which a run is lost [m]. */
+  lost?: number;
+}
+/** Outcome, message, time and residual of a result, as `Status` in Python. */
+export interface LiveStatus { outcome: string; message: string; time: number; residual: number; success: boolean }
 
 /** Parameter in SI units; `factor` leads to the unit that is shown. */
 export interface LiveParameter extends Bounds { name: string; unit: string; factor: number; description?: string }
@@ -187,13 +236,13 @@ export interface LiveTerm {
 export interface LiveResponse { label: string; unit: string; terms: LiveTerm[]; constant?: number }
 /** Request to the worker: `gradients` are the numbers of the responses that are differentiated, `point` the rows of coordinates at an instant. */
 export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradients: number[]; point?: { instant: number; rows: number[] } | null }
-export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; duration: number }
+export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number }
 /** Gradients by the parameters, in SI units, null for responses that are not differentiated; and of the coordinates of a point. */
 export interface LiveSlopes { number: number; slopes: (Float64Array | null)[]; jacobian: Float64Array[] | null }
 /** Constraint equation of a joint: name, natural size and unit. */
 export interface JointRow { name: string; size: number; unit: string }
 export interface OpenJoint extends JointRow { gap: number }
-export interface LiveFailure { number: number; failure: string; residual?: number; open?: OpenJoint | null }
+export interface LiveFailure { number: number; failure: LiveStatus; open?: OpenJoint | null }
 /** Answer to a request: the result with its gradients, or a failure. */
 export type LiveAnswer = { result: LiveResult; slopes: LiveSlopes["slopes"] } | { failure: LiveFailure };
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from dalembert.budget import check_budget
 from dalembert.model.graph.model import Model
-from dalembert.results.dataset import variables
 from dalembert.results.files.contents import COMPONENTS
 from dalembert.results.result import Result
+from dalembert.results.variables import variables
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
 

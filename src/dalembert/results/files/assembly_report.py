@@ -122,6 +122,9 @@ class _PositionRecording:
             table[:] = np.pad(values, ((0, 0), (0, size - values.shape[1])))
         return table if size > 1 else table[:, 0]
 
+    def source(self, variable: str, **labels: str) -> None:
+        """No variable has a formula: the picture is that of one design."""
+
     def columns(self, measures: list[Expression]) -> list[np.ndarray]:
         """``values`` of several measures."""
         return [self.values(measure) for measure in measures]

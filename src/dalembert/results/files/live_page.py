@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
+from dalembert.model.graph.absolute import at_ground
 from dalembert.results.files.live_responses import PageResponse, joint_rows, page_responses
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.live import Row
-from dalembert.units.unit import shown_in
+from dalembert.results.sources import Row, Source, as_row, payload_sources
 
 MAX_BYTES = 300_000
 """Upper limit of the size of a module that a page contains without a request."""
@@ -43,18 +43,14 @@ def live_page(
     reason = motion.analysis.live_obstacle(motion)
     if reason:
         return page | {"live": {"reason": reason}}
-    columns, rows, numbers = _rows(motion, page)
-
-    def row_of(name: str, row: Row) -> int:
-        if name not in numbers:
-            numbers[name] = len(rows)
-            rows.append(row)
-        return numbers[name]
-
+    sources = payload_sources(page)
+    table = _RowTable(model.ground)
+    columns = [(place, table.number(source)) for place, source in sources.columns]
     times = np.array(page["time"])
-    listed = page_responses(motion, responses, times, row_of)
+    listed = page_responses(motion, responses, times, table.number)
     try:
-        functions = motion.analysis.live_functions(motion, rows, times)
+        functions = motion.analysis.live_functions(motion, table.rows, times)
+        functions = functions.with_numbers([sx for _, sx in sources.numbers], model.equations.p)
         module = functions.module
     except UnsupportedError as error:
         return page | {"live": {"reason": str(error)}}
@@ -62,8 +58,10 @@ def live_page(
         size = f"{len(module.code) / 1e3:.0f} kB"
         return page | {"live": {"reason": f"its module has {size}; request it by live=True"}}
     parameters = _parameters(motion, page["parameters"])
-    more = {"responses": listed, "joints": joint_rows(model)}
-    return page | {"live": functions.page_data(columns=columns, parameters=parameters, **more)}
+    numbers = [place for place, _ in sources.numbers]
+    more = {"columns": columns, "numbers": numbers, "initial": sources.initial}
+    more |= {"responses": listed, "joints": joint_rows(model)}
+    return page | {"live": functions.page_data(parameters=parameters, **more)}
 
 
 def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -78,38 +76,23 @@ def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[
     return rows
 
 
-def _rows(
-    motion: LabelledRecording, page: dict[str, Any]
-) -> tuple[list[Any], list[Row], dict[str, int]]:
-    """Places of columns in the payload with the numbers of their rows; rows; numbers by name."""
-    model = motion.model
-    columns: list[Any] = []
-    rows: list[Row] = []
-    numbers: dict[str, int] = {}
+class _RowTable:
+    """Distinct rows of a module.
 
-    def put(path: list[Any], name: str, row: Row, factor: float = 1.0) -> None:
-        if name not in numbers:
-            numbers[name] = len(rows)
-            rows.append(row)
-        columns.append([path, numbers[name], factor])
+    Parameters
+    ----------
+    ground : body at rest
+    """
 
-    total = model.expression("kinetic_energy").sx + model.expression("potential_energy").sx
-    zero = ca.SX(0)
-    special = {
-        "energy": Row(total),
-        "dissipated_energy": Row(zero, (1.0, 0.0), True),
-        "input_energy": Row(zero, (0.0, 1.0), True),
-        "balance_error": Row(total, (1.0, -1.0), True),
-    }
-    for k, series in enumerate(page["series"]):
-        name = series["name"]
-        if name.endswith("_violation"):
-            continue
-        row = special[name] if name in special else Row(model.expression(name).sx)
-        unit = "J" if name in special else model.expression(name).unit
-        put(["series", k, "values"], name, row, shown_in(unit, [series["unit"]])[0])
-    for k, body in enumerate(page["scene"]["bodies"]):
-        for coordinate in ("x", "y", "angle"):
-            name = f"{body['name']}.{coordinate}"
-            put(["scene", "bodies", k, coordinate], name, Row(model.expression(name).sx))
-    return columns, rows, numbers
+    def __init__(self, ground: Any):
+        self.ground, self.rows = ground, list[Row]()
+        self._numbers: dict[Any, int] = {}
+
+    def number(self, source: Source) -> int:
+        """Number of the row of a formula."""
+        row = as_row(source)
+        key = (row.sx.element_hash(), row.work, row.relative)
+        if key not in self._numbers:
+            self._numbers[key] = len(self.rows)
+            self.rows.append(replace(row, sx=at_ground(self.ground, row.sx)))
+        return self._numbers[key]

@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.model.graph.model import Model
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.live import Row
+from dalembert.results.sources import Source
 from dalembert.symbolic.formulas.expression import Expression
 
 
@@ -34,14 +34,14 @@ def page_responses(
     motion: LabelledRecording,
     responses: Iterable[PageResponse],
     times: np.ndarray,
-    row_of: Callable[[str, Row], int],
+    row_of: Callable[[Source], int],
 ) -> list[dict[str, Any]]:
     """Responses with the rows of their measures.
 
     Parameters
     ----------
     times : outputs of the page
-    row_of : (name, row) → number of the row in the module
+    row_of : formula → number of its row in the module
 
     Raises
     ------
@@ -64,8 +64,7 @@ def page_responses(
                     f"response {term.label}: the measure has {len(measure)} components; "
                     "take .x, .y or a norm"
                 )
-            name = term.measure if isinstance(term.measure, str) else f"expression {id(measure)}"
-            row = row_of(name, Row(ca.SX(measure.sx)))
+            row = row_of(ca.SX(measure.sx))
             terms.append({"row": row, "weight": weight} | term.reduction(times))
         unit = response.unit_of(motion)
         texts = {"label": response.label, "unit": "" if unit == "1" else unit}

@@ -15,8 +15,9 @@ from dalembert.results.files.tables import (
     preferred_units,
     statistics,
 )
-from dalembert.results.labelled import LabelledRecording, measured_series
+from dalembert.results.labelled import DATA_ONLY, LabelledRecording, measured_series
 from dalembert.results.pictures.scene import is_spatial, motion_scene
+from dalembert.results.sources import Series
 from dalembert.units.unit import shown_in
 
 MAX_FRAMES = 20_000
@@ -52,6 +53,7 @@ def report_payload(
     for entry in series if units else ():
         factor, entry["unit"] = shown_in(str(entry["unit"]), checked_units(units))
         entry["values"] = entry["values"] / factor
+        entry.source = None if entry.source is None else entry.source / factor
     groups = [list(group) for group in plots] if plots else None
     payload = {
         "format": 1,
@@ -75,7 +77,7 @@ def report_payload(
     return payload
 
 
-def _without_rounding(series: list[dict[str, Any]]) -> None:
+def _without_rounding(series: Sequence[dict[str, Any]]) -> None:
     """Set values at round-off level to zero, except errors and violations."""
     largest: dict[str, float] = {}
     errors = ("violation", "_error")
@@ -112,7 +114,7 @@ def _subtitle(motion: LabelledRecording) -> str:
     return ", ".join([motion.analysis.display_name, listed]).rstrip(", ")
 
 
-def _extra_series(motion: LabelledRecording, name: str, keep: np.ndarray) -> dict[str, Any]:
+def _extra_series(motion: LabelledRecording, name: str, keep: np.ndarray) -> Series:
     """Series of a measure or formula that is not among the default ones.
 
     Raises
@@ -125,12 +127,9 @@ def _extra_series(motion: LabelledRecording, name: str, keep: np.ndarray) -> dic
         raise AnalysisError(
             f"plot {name!r}: the measure has {measure.shape[1]} components; take one"
         )
-    return {
-        "name": name,
-        "unit": str(measure.attrs.get("units", "")),
-        "group": "formulas",
-        "values": measure.values[keep],
-    }
+    unit, values = str(measure.attrs.get("units", "")), measure.values[keep]
+    source = motion.source(name) if name in DATA_ONLY else motion.expression(name).sx
+    return Series(source, name=name, unit=unit, group="formulas", values=values)
 
 
 def _default_plots(motion: LabelledRecording, names: set[str]) -> list[list[str]]:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.base import Element
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.flexible.floating import FloatingFrame
-from dalembert.elements.look import Belt
+from dalembert.elements.look import Belt, Rail
 from dalembert.elements.point import AXES, Point
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pictures.pivots import Pivots
+from dalembert.results.sources import Track, numbers
 from dalembert.symbolic.formulas.expression import Expression
 
 PointData = dict[str, Any]
@@ -52,17 +55,22 @@ class SceneCollector:
         self.joints: list[dict] = []
         self.links: list[dict] = []
         self.symbols: list[dict] = []
+        self.places: dict[int, tuple[Point, list[float]]] = {}
         self.time_dependent: list[tuple[dict, tuple[str, ...], ca.SX]] = []
 
     # numbers ---------------------------------------------------------------------------
-    def number(self, sx: ca.SX) -> np.ndarray:
-        """Value of a formula of parameters."""
-        value = ca.Function("n", [self.parameters], [ca.densify(sx)])
-        return np.asarray(value(self.motion.parameters).full()).ravel()
+    def number(self, sx: ca.SX) -> list[float]:
+        """Components of a formula of parameters, which carry it."""
+        column = ca.vec(ca.densify(sx))
+        if column.is_constant():
+            entries: list[Any] = column.nonzeros()
+            return [float(entry) for entry in entries]
+        value = ca.Function("n", [self.parameters], [column])
+        return numbers(value(self.motion.parameters).full().ravel(), column)
 
     def size_of(self, sx: ca.SX) -> float:
-        """Value of a scalar formula of parameters."""
-        return float(self.number(sx)[0])
+        """Value of a scalar formula of parameters, which carries it."""
+        return self.number(sx)[0]
 
     def padded(self, sx: ca.SX) -> ca.SX:
         """A vector padded to the dimension of the drawing."""
@@ -70,7 +78,16 @@ class SceneCollector:
 
     def local(self, point: Point) -> list[float]:
         """Coordinates of a point in the frame of its body."""
-        return self.number(self.padded(point.local.sx)).tolist()
+        if id(point) not in self.places:
+            self.locate([point])
+        return list(self.places[id(point)][1])
+
+    def locate(self, points: Sequence[Point]) -> None:
+        """Evaluate the coordinates of points in the frames of their bodies, in one operation."""
+        coordinates = self.number(ca.vertcat(*(self.padded(p.local.sx) for p in points)))
+        for k, point in enumerate(points):
+            own = coordinates[k * self.dimension : (k + 1) * self.dimension]
+            self.places[id(point)] = (point, own)
 
     def point_data(self, point: Point) -> PointData:
         """Data of a point in pages."""
@@ -86,9 +103,15 @@ class SceneCollector:
         if not self.time_dependent:
             return
         columns = self.motion.columns([Expression(sx) for _, _, sx in self.time_dependent])
-        for (symbol, names, _), values in zip(self.time_dependent, columns, strict=True):
-            rows = values[self.keep].reshape(len(self.keep), len(names)).T
-            symbol |= dict(zip(names, rows.tolist(), strict=True))
+        for (symbol, names, sx), values in zip(self.time_dependent, columns, strict=True):
+            table = values[self.keep].reshape(len(self.keep), len(names))
+            symbol |= Track(table, sx).named(names)
+
+    def recorded(self, variable: str, **labels: str) -> Track:
+        """A recorded variable over time."""
+        values = self.data.at(variable, **labels)[self.keep].reshape(len(self.keep), -1)
+        source = self.motion.source(variable, **labels)
+        return Track(values, source if isinstance(source, ca.SX) else None)
 
     def load(self, name: str, vector: ca.SX, symbol: PointData) -> None:
         """Record an applied force or moment over time."""
@@ -99,13 +122,23 @@ class SceneCollector:
     def wheels(self, look: Belt) -> tuple[list[PointData], bool]:
         """Wheels of a belt, with radii in its ratio, and whether it is crossed."""
         pivots = [self.pivots.between(look.carrier, b) for b in (look.body_i, look.body_j)]
-        ratio, (p, q) = self.size_of(look.ratio), [self.start(pivot) for pivot in pivots]
-        unit = 0.3 * float(np.linalg.norm(p - q)) / (abs(ratio) + 1)
+        ratio, turns = self.size_of(look.ratio), ca.fabs(look.ratio)
+        unit = 0.3 * self.distance(*pivots) / (turns + 1)
         wheels = [
-            self.anchor(pivot) | {"radius": unit * turns}
-            for pivot, turns in zip(pivots, (abs(ratio), 1.0), strict=True)
+            self.anchor(pivot) | {"radius": self.size_of(radius)}
+            for pivot, radius in zip(pivots, (unit * turns, unit), strict=True)
         ]
         return wheels, ratio < 0
+
+    def distance(self, point_i: Point, point_j: Point) -> float:
+        """Distance of two points at the first instant."""
+        return float(np.linalg.norm(self.start(point_i) - self.start(point_j)))
+
+    def travel(self, look: Rail) -> tuple[float, float]:
+        """Lower and upper limit of the travel along a rail; zero if there is none."""
+        travel = self.motion.values(Expression(look.travel))[self.keep]
+        travel = travel[np.isfinite(travel)]
+        return (float(travel.min()), float(travel.max())) if travel.size else (0.0, 0.0)
 
     def start(self, point: Point) -> np.ndarray:
         """Position of a point at the first instant."""
@@ -129,19 +162,18 @@ class SceneCollector:
         """A moment, padded to the rotation axes of the drawing."""
         return sx
 
-    def reaction(self, joint: Any) -> dict[str, list[float]]:
+    def reaction(self, joint: Element) -> dict[str, list[float]]:
         """Columns of the reaction force and moment of a joint."""
         if joint.name not in self.data.labels("joint"):
             return {}
         force, moment = (
-            self.data.at(f"reaction_{k}", joint=joint.name)[self.keep] for k in ("force", "moment")
+            self.recorded(f"reaction_{kind}", joint=joint.name) for kind in ("force", "moment")
         )
-        if not np.isfinite(force).any():
+        if not np.isfinite(force.values).any():
             return {}
-        threshold = 1e-9 * self.size * np.nanmax(np.abs(force))
-        moment = np.where(np.abs(moment) > threshold, moment, 0.0)
-        columns_by_name: dict[str, list[float]] = {}
-        for name, table in (("force", force), ("moment", moment.reshape(len(self.keep), -1))):
-            columns = self.components(name, ca.SX(table.shape[1], 1))
-            columns_by_name |= dict(zip(columns, table.T.tolist(), strict=True))
-        return columns_by_name
+        threshold = 1e-9 * self.size * np.nanmax(np.abs(force.values))
+        large = np.where(np.abs(moment.values) > threshold, moment.values, 0.0)
+        columns: dict[str, list[float]] = {}
+        for name, track in (("force", force), ("moment", Track(large, moment.sx))):
+            columns |= track.named(self.components(name, ca.SX(track.values.shape[1], 1)))
+        return columns

@@ -9,10 +9,12 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.flexible.floating import FloatingFrame
+from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.elements.look import Bars, Beams, Coils
 from dalembert.elements.point import Point
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pictures.primitives import Primitives
+from dalembert.results.sources import InitialPicture, Track
 from dalembert.results.structural.drawing import StructuralDrawing
 from dalembert.symbolic.formulas.expression import Expression
 
@@ -48,7 +50,7 @@ class MechanismScene:
         primitives.fill_in()
         gravity = self.model.parts.gravity
         return {
-            "gravity": None if gravity is None else primitives.number(gravity.sx).tolist(),
+            "gravity": None if gravity is None else primitives.number(gravity.sx),
             "bodies": [
                 {
                     "name": b.name,
@@ -74,22 +76,38 @@ class MechanismScene:
         """Sections and segments of flexible bodies, as bodies of the scene."""
         primitives, bodies = self.primitives, []
         for section in primitives.sections:
-            pose = section_poses(primitives.motion, self.keep, section)
+            rotation = section.pose_angle if section.dimension == 2 else section.orientation
+            pose = self.tracks([section.place, rotation])
             header = {"name": section.display_name, "of": section.name, **self.pose(*pose)}
             bodies.append(header | {"shapes": primitives.shapes[section.display_name]})
         for body in self.model.bodies:
             if isinstance(body, FloatingFrame):
-                for k, (pose, length) in enumerate(
-                    segment_poses(primitives.motion, self.keep, body)
-                ):
-                    ends = np.zeros((2, primitives.dimension))
-                    ends[1, 0] = length
-                    bar = {"kind": "bar", "from": ends[0].tolist(), "to": ends[1].tolist()}
-                    header = {"name": f"{body.name}/{k + 1}", "of": body.name}
-                    bodies.append(header | self.pose(*pose) | {"shapes": [bar]})
+                bodies += self.segments(body)
         return bodies
 
-    def pose(self, position: np.ndarray, angle: np.ndarray) -> dict[str, list[float]]:
+    def segments(self, body: FloatingFrame) -> list[dict[str, Any]]:
+        """Segments of a flexible body as bars, with x along them."""
+        shapes = self.model.shapes(body, self.primitives.motion.parameters)
+        poses, bodies = segment_poses(body, shapes), []
+        tracks = self.tracks([sx for position, rotation, _ in poses for sx in (position, rotation)])
+        if body.numbers is not None:
+            tracks = [Track(track.values, None) for track in tracks]
+        for k, (_, _, length) in enumerate(poses):
+            position, rotation = tracks[2 * k : 2 * k + 2]
+            end = np.eye(1, self.primitives.dimension)[0] * length
+            bar = {"kind": "bar", "from": [0.0] * len(end), "to": end.tolist()}
+            header = {"name": f"{body.name}/{k + 1}", "of": body.name}
+            entries = header | self.pose(position, rotation) | {"shapes": [bar]}
+            bodies.append(entries if body.numbers is None else InitialPicture(body.name, entries))
+        return bodies
+
+    def tracks(self, formulas: list[ca.SX]) -> list[Track]:
+        """Formulas over time, in one pass over the states."""
+        columns = self.primitives.motion.columns([Expression(sx) for sx in formulas])
+        tables = (values[self.keep].reshape(len(self.keep), -1) for values in columns)
+        return [Track(table, sx) for table, sx in zip(tables, formulas, strict=True)]
+
+    def pose(self, position: Track, rotation: Track) -> dict[str, list[float]]:
         """Columns of positions and rotations."""
         raise NotImplementedError
 
@@ -103,15 +121,20 @@ class MechanismScene:
 
     def collect_points(self) -> None:
         """Collect the points of each body, named ones first."""
-        for body in self.model.bodies:
-            for point in body.points.values():
-                self.points[point.body.display_name].append(tuple(self.primitives.local(point)))
-        for element in self.primitives.elements:
-            for point in vars(element).values():
-                if isinstance(point, Point):
-                    coordinates = tuple(self.primitives.local(point))
-                    if coordinates not in self.points[point.body.display_name]:
-                        self.points[point.body.display_name].append(coordinates)
+        named = [point for body in self.model.bodies for point in body.points.values()]
+        attached = [
+            point
+            for element in self.primitives.elements
+            for point in vars(element).values()
+            if isinstance(point, Point)
+        ]
+        self.primitives.locate([*named, *attached])
+        for point in named:
+            self.points[point.body.display_name].append(tuple(self.primitives.local(point)))
+        for point in attached:
+            coordinates = tuple(self.primitives.local(point))
+            if coordinates not in self.points[point.body.display_name]:
+                self.points[point.body.display_name].append(coordinates)
 
     def extent(self) -> float:
         """Size of the mechanism, for symbols of relative size."""
@@ -124,55 +147,38 @@ class MechanismScene:
 
 MAX_PIECES = 12
 """Upper limit of the segments between two corners."""
-Pose = tuple[np.ndarray, np.ndarray]
-"""(K, d) positions and (K,) angles, or (K, 4) Euler parameters."""
 
 
-def section_poses(motion: LabelledRecording, keep: np.ndarray, section: Any) -> Pose:
-    """Poses of a section."""
-    rotation = section.pose_angle if section.dimension == 2 else section.orientation
-    position, rotations = motion.columns([Expression(section.place), Expression(rotation)])
-    return position[keep], rotations[keep]
+def segment_poses(body: FloatingFrame, shapes: FloatingShapes) -> list[tuple[ca.SX, ca.SX, float]]:
+    """Positions, angles or Euler parameters with x along the segment, and lengths of segments."""
+    drawing, d = StructuralDrawing(shapes.structure, shapes.p), body.dimension
+    origin, table = body.locate(ca.SX.zeros(d)), shapes.structure.degrees.table[:, :d]
 
+    def place(node: int) -> ca.SX:
+        displacements = ca.DM(shapes.displacements[table[node]])
+        return drawing.rest[node, :d] - shapes.origin + ca.mtimes(displacements, body.amplitudes)
 
-def segment_poses(
-    motion: LabelledRecording, keep: np.ndarray, body: FloatingFrame
-) -> list[tuple[Pose, float]]:
-    """Poses of the segments, with x along the segment, and their lengths."""
-    shapes, d = motion.model.shapes(body, motion.parameters), body.dimension
-    drawing = StructuralDrawing(shapes.structure, shapes.p)
-    edges = _edges(drawing)
-    axes = np.stack(
-        [motion.values(Expression(body.turned(ca.SX(e))))[keep] for e in np.eye(d)], axis=2
-    )
-    origin, amplitudes = motion.columns(
-        [Expression(body.locate(ca.SX.zeros(d))), Expression(body.amplitudes)]
-    )
-    amplitudes = amplitudes[keep].reshape(len(keep), -1)
-    table = shapes.structure.degrees.table[:, :d]
     poses = []
-    for i, j in edges:
-        ends = []
-        for node in (i, j):
-            local = drawing.rest[node, :d] - shapes.origin
-            local = local + amplitudes @ shapes.displacements[table[node]].T
-            ends.append(origin[keep] + np.einsum("kij,kj->ki", axes, local))
-        length = float(np.linalg.norm(drawing.rest[j] - drawing.rest[i]))
-        poses.append(((ends[0], _axis_rotation(ends[1] - ends[0])), length))
+    for i, j in _edges(drawing):
+        start, rest = place(i), drawing.rest[j, :d] - drawing.rest[i, :d]
+        rotation = _segment_rotation(body, place(j) - start, rest)
+        poses.append((origin + body.turned(start), rotation, float(np.linalg.norm(rest))))
     return poses
 
 
-def _axis_rotation(direction: np.ndarray) -> np.ndarray:
-    """Angles (K,), or Euler parameters (K, 4), that rotate the x axis into a direction."""
-    if direction.shape[1] == 2:
-        return np.unwrap(np.arctan2(direction[:, 1], direction[:, 0]))
-    unit = direction / np.linalg.norm(direction, axis=1, keepdims=True)
-    half = np.column_stack([1 + unit[:, 0], 0 * unit[:, 0], -unit[:, 2], unit[:, 1]])
-    backwards = half[:, 0] < 1e-12
-    half[backwards] = (0.0, 0.0, 0.0, 1.0)
-    from scipy.spatial.transform import Rotation
+def _segment_rotation(body: Any, direction: ca.SX, rest: np.ndarray) -> ca.SX:
+    """Angle, or Euler parameters (4,), that rotate the x axis into a direction of the frame.
 
-    return Rotation.from_quat(half, scalar_first=True).as_quat(scalar_first=True)
+    ``rest`` is the direction without deformation; angles are relative to it.
+    """
+    if body.dimension == 2:
+        across = rest[0] * direction[1] - rest[1] * direction[0]
+        bend = ca.atan2(across, ca.dot(ca.DM(rest), direction))
+        return body.pose_angle + float(np.arctan2(rest[1], rest[0])) + bend
+    unit = body.turned(direction / ca.norm_2(direction))
+    half = ca.vertcat(1 + unit[0], 0, -unit[2], unit[1])
+    half = ca.if_else(half[0] < 1e-12, ca.vertcat(0, 0, 0, 1), half)
+    return half / ca.norm_2(half)
 
 
 def _edges(drawing: StructuralDrawing) -> list[tuple[int, int]]:

@@ -5,13 +5,15 @@ from __future__ import annotations
 from functools import singledispatchmethod
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Look
+from dalembert.elements.base import Element, Look
 from dalembert.elements.look import Block, Segment
 from dalembert.elements.planar.body import Body
 from dalembert.results.pictures.mechanism_scene import MechanismScene
 from dalembert.results.pictures.primitives import Primitives
+from dalembert.results.sources import Track
 
 
 class PlanarPrimitives(Primitives):
@@ -21,15 +23,15 @@ class PlanarPrimitives(Primitives):
 
     # primitives ------------------------------------------------------------------------
     @singledispatchmethod
-    def draw(self, look: Look, element: Any) -> None:
+    def draw(self, look: Look, element: Element) -> None:
         super().draw(look, element)
 
     @draw.register
     def _(self, look: Block, element: Any) -> None:
-        x, y = self.number(look.direction)
+        x, y = ca.vertsplit(look.direction)
         width = 0.12 * self.size
         shape: dict[str, Any] = {"kind": "block", "center": self.local(look.point)}
-        shape |= {"width": width, "height": 0.6 * width, "angle": float(np.arctan2(y, x))}
+        shape |= {"width": width, "height": 0.6 * width, "angle": self.size_of(ca.atan2(y, x))}
         self.shapes[look.point.body.display_name].append(shape)
 
 
@@ -56,18 +58,16 @@ class PlanarScene(MechanismScene):
             shapes.append({"kind": "particle", "center": [0.0, 0.0]})
 
     def poses(self, body: Body) -> dict[str, list[float]]:
-        position, angle = (
-            self.data.at(q, body=body.name)[self.keep] for q in ("position", "angle")
-        )
-        return self.pose(position, angle)
+        recorded = self.primitives.recorded
+        return self.pose(*(recorded(q, body=body.name) for q in ("position", "angle")))
 
-    def pose(self, position: np.ndarray, angle: np.ndarray) -> dict[str, list[float]]:
-        return {"x": position[:, 0].tolist(), "y": position[:, 1].tolist(), "angle": angle.tolist()}
+    def pose(self, position: Track, rotation: Track) -> dict[str, list[float]]:
+        return position.named("xy") | rotation.named(["angle"])
 
 
 def _hull(points: list[list[float]]) -> list[list[float]]:
     """Corners of the convex hull, anticlockwise; two end points if the points are collinear."""
-    ordered = sorted({(float(x), float(y)) for x, y in points})
+    ordered = sorted({(x, y) for x, y in points})
     size = max(np.ptp(np.array(ordered), axis=0).max(), 1e-300)
 
     def chain(path: list) -> list:

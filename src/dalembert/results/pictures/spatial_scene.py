@@ -6,13 +6,15 @@ of the plane. Other points have no axis.
 
 from __future__ import annotations
 
+import math
 from functools import singledispatchmethod
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Look
+from dalembert.elements.base import Element, Look
+from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
 from dalembert.elements.look import Block
 from dalembert.elements.point import AXES, Point
@@ -21,8 +23,11 @@ from dalembert.elements.spatial.inertia_tensor import tensor
 from dalembert.elements.spatial.shape import Cuboid, Drum, Orb, Pill, Round, Surface
 from dalembert.results.pictures.mechanism_scene import MechanismScene
 from dalembert.results.pictures.primitives import Primitives
+from dalembert.results.sources import InitialPicture, Track, numbers
 from dalembert.symbolic.rotation import EULER_PARAMETERS
 
+MAX_FORMULAS = 3000
+"""Upper limit of coordinates of a surface with a formula each."""
 ROUND = {Drum: "cylinder", Pill: "capsule"}
 
 
@@ -33,40 +38,45 @@ class SpatialPrimitives(Primitives):
 
     def axis(self, point: Point) -> list[float] | None:
         if isinstance(point, Frame):
-            return self.number(point.local_axes[:, 2]).tolist()
+            return self.number(point.local_axes[:, 2])
         return None if point.body.dimension == 3 else [0.0, 0.0, 1.0]
 
     # primitives ------------------------------------------------------------------------
     @singledispatchmethod
-    def draw(self, look: Look, element: Any) -> None:
+    def draw(self, look: Look, element: Element) -> None:
         super().draw(look, element)
 
     @draw.register
     def _(self, look: Cuboid, element: Any) -> None:
-        shape = {"center": self.local(look.center), "size": self.number(look.size).tolist()}
+        shape = {"center": self.local(look.center), "size": self.number(look.size)}
         self.shapes[look.center.body.display_name].append({"kind": "box", **shape})
 
     @draw.register
-    def _(self, look: Orb, element: Any) -> None:
+    def _(self, look: Orb, element: Element) -> None:
         shape = {"center": self.local(look.center), "radius": self.size_of(look.radius)}
         self.shapes[look.center.body.display_name].append({"kind": "sphere", **shape})
 
     @draw.register(Drum)
     @draw.register(Pill)
-    def _(self, look: Round, element: Any) -> None:
+    def _(self, look: Round, element: Element) -> None:
         shape: dict[str, Any] = {"from": self.local(look.point_i), "to": self.local(look.point_j)}
         shape |= {"kind": ROUND[type(look)], "radius": self.size_of(look.radius)}
         self.shapes[look.point_i.body.display_name].append(shape)
 
     @draw.register
     def _(self, look: Surface, element: Any) -> None:
-        corners = self.size_of(look.scale) * look.corners
-        shape = {"vertices": corners.ravel().tolist(), "faces": look.triangles.ravel().tolist()}
-        self.shapes[look.body.display_name].append({"kind": "mesh", **shape})
+        vertices = (float(self.size_of(look.scale)) * look.corners).ravel()
+        faces = look.triangles.ravel().tolist()
+        shape: dict[str, Any] = {"kind": "mesh", "vertices": vertices.tolist(), "faces": faces}
+        if not look.scale.is_constant() and vertices.size > MAX_FORMULAS:
+            shape = InitialPicture(look.body.name, shape)
+        elif not look.scale.is_constant():
+            shape["vertices"] = numbers(vertices, look.scale * ca.DM(look.corners.ravel()))
+        self.shapes[look.body.display_name].append(shape)
 
     @draw.register
     def _(self, look: Block, element: Any) -> None:
-        axis = self.number(self.padded(look.direction)).tolist()
+        axis = self.number(self.padded(look.direction))
         shape = {"kind": "block", "center": self.local(look.point), "axis": axis}
         self.shapes[look.point.body.display_name].append(shape)
 
@@ -88,30 +98,23 @@ class SpatialScene(MechanismScene):
     kind = SpatialPrimitives
 
     def poses(self, body: Any) -> dict[str, list[float]]:
-        def at(quantity: str) -> np.ndarray:
-            return self.data.at(quantity, body=body.name)[self.keep]
-
-        position, rotation = at("position"), np.full((len(self.keep), 4), np.nan)
-        if "euler_parameters" in self.data:
-            rotation = at("euler_parameters")
+        position = self.primitives.recorded("position", body=body.name)
         if not body.rotates:
-            rotation = np.tile([1.0, 0.0, 0.0, 0.0], (len(self.keep), 1))
+            rotation = Track(np.tile([1.0, 0.0, 0.0, 0.0], (len(self.keep), 1)), None)
         elif body.dimension == 2:
-            half_angle = at("angle") / 2
-            rotation = np.stack(
-                [np.cos(half_angle), 0 * half_angle, 0 * half_angle, np.sin(half_angle)], axis=1
-            )
+            rotation = _about_z(self.primitives.recorded("angle", body=body.name))
+        else:
+            rotation = self.primitives.recorded("euler_parameters", body=body.name)
         return self.pose(position, rotation)
 
-    def pose(self, position: np.ndarray, rotation: np.ndarray) -> dict[str, list[float]]:
-        if position.shape[1] == 2:  # planar motion
-            half_angle, zeros = rotation / 2, np.zeros(len(rotation))
-            position = np.column_stack([position, zeros])
-            rotation = np.column_stack([np.cos(half_angle), zeros, zeros, np.sin(half_angle)])
-        columns = [*position.T, *rotation.T]
-        return dict(zip((*AXES, *EULER_PARAMETERS), (c.tolist() for c in columns), strict=True))
+    def pose(self, position: Track, rotation: Track) -> dict[str, list[float]]:
+        if position.values.shape[1] == 2:  # planar motion
+            values = np.pad(position.values, ((0, 0), (0, 1)))
+            sx = None if position.sx is None else ca.vertcat(position.sx, 0)
+            position, rotation = Track(values, sx), _about_z(rotation)
+        return position.named(AXES) | rotation.named(EULER_PARAMETERS)
 
-    def outline(self, body: Any) -> None:
+    def outline(self, body: BodyElement) -> None:
         """Draw the body by its own look, else by its points and inertia."""
         looks, shapes = body.look(), self.primitives.shapes[body.name]
         for look in looks:
@@ -119,58 +122,80 @@ class SpatialScene(MechanismScene):
         if looks:
             return
         no_shapes = not shapes
-        center, points = self.center(body), [np.array(p) for p in self.points[body.name]]
-        distant = [p for p in points if np.linalg.norm(p - center) > 1e-6 * self.size]
+        center, points = self.center(body), [list(p) for p in self.points[body.name]]
+        distant = [p for p in points if math.dist(p, center) > 1e-6 * self.size]
         if len(points) > 2 and self.flat(points):
-            shapes.append({"kind": "plate", "points": [p.tolist() for p in points]})
+            shapes.append({"kind": "plate", "points": points})
         elif len(points) > 1 and self.flat([*points, center], 1):
             first, last = _ends(points)
-            shapes.append({"kind": "bar", "from": first.tolist(), "to": last.tolist()})
+            shapes.append({"kind": "bar", "from": first, "to": last})
             ellipsoid = self.inertia_ellipsoid(body, center)
             thickness = sorted(ellipsoid.get("size", [0.0, 0.0]))[-2]
-            if no_shapes and thickness > MIN_THICKNESS * np.linalg.norm(last - first):
+            if no_shapes and thickness > MIN_THICKNESS * math.dist(first, last):
                 shapes.append(ellipsoid)
         else:
             for p in distant:
-                shapes.append({"kind": "bar", "from": center.tolist(), "to": p.tolist()})
+                shapes.append({"kind": "bar", "from": center, "to": p})
             if no_shapes:
                 shapes.append(self.inertia_ellipsoid(body, center))
 
-    def center(self, body: Any) -> np.ndarray:
+    def center(self, body: Any) -> list[float]:
         """The mass centre in the body frame."""
-        return (
-            self.primitives.number(body.center_of_mass.sx)
-            if isinstance(body, Body)
-            else np.zeros(3)
-        )
+        if isinstance(body, Body):
+            return self.primitives.number(body.center_of_mass.sx)
+        return [0.0, 0.0, 0.0]
 
-    def flat(self, points: list[np.ndarray], dimension: int = 2) -> bool:
+    def flat(self, points: list[list[float]], dimension: int = 2) -> bool:
         """Whether points span exactly a plane (2) or a line (1)."""
         spread = np.linalg.svd(np.array(points) - np.mean(points, axis=0), compute_uv=False)
         rank = int((spread > 1e-6 * self.size).sum())
         return rank == dimension
 
-    def inertia_ellipsoid(self, body: Any, center: np.ndarray) -> dict[str, Any]:
-        """Solid ellipsoid with the inertia of a body; a ball if there is none."""
+    def inertia_ellipsoid(self, body: Any, center: list[float]) -> dict[str, Any]:
+        """Solid ellipsoid with the inertia of a body; a ball if there is none.
+
+        Its axes have no formula: their directions, and radii about directions that depend on
+        parameters, remain those of the initial ones.
+        """
         mass = self.primitives.size_of(body.mass.sx)
         if not (isinstance(body, Body) and body.rotates and mass > 0):
-            return {"kind": "particle", "center": center.tolist()}
-        moments, axes = np.linalg.eigh(
-            self.primitives.number(tensor(body.inertia.sx)).reshape(3, 3)
-        )
-        squares = 2.5 * (moments.sum() - 2 * moments) / mass
-        radii = np.sqrt(np.maximum(squares, (MIN_RADIUS * self.size) ** 2))
-        radii *= min(1.0, MAX_RADIUS * self.size / radii.max())
+            return {"kind": "particle", "center": center}
+        inertia = tensor(body.inertia.sx)
+        moments, axes = np.linalg.eigh(np.reshape(self.primitives.number(inertia), (3, 3)))
         if np.linalg.det(axes) < 0:
             axes[:, 0] *= -1
         from scipy.spatial.transform import Rotation
 
         quaternion = Rotation.from_matrix(axes).as_quat(scalar_first=True)
-        shape = {"kind": "ellipsoid", "center": center.tolist(), "size": (2 * radii).tolist()}
-        return shape | {"turn": quaternion.tolist()}
+        along = ca.mtimes([ca.DM(axes).T, inertia, ca.DM(axes)])
+        diagonal = np.count_nonzero(np.abs(axes) > 0) == 3  # products of inertia are zero
+        principal = ca.diag(along) if diagonal else ca.DM(moments)
+        squares = 2.5 * (ca.sum1(principal) - 2 * principal) / body.mass.sx
+        radii = ca.sqrt(ca.fmax(squares, (MIN_RADIUS * self.size) ** 2))
+        radii = radii * ca.fmin(1.0, MAX_RADIUS * self.size / ca.mmax(radii))
+        size = self.primitives.number(2 * radii)
+        shape = {"kind": "ellipsoid", "center": center, "size": size, "turn": quaternion.tolist()}
+        if inertia.is_constant() or (diagonal and _is_diagonal(inertia)):
+            return shape
+        return InitialPicture(body.name, shape | {"size": [float(length) for length in size]})
 
 
-def _ends(points: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _is_diagonal(matrix: ca.SX) -> bool:
+    """Whether the entries beside the diagonal are zero for all parameters."""
+    return bool((matrix - ca.diag(ca.diag(matrix))).is_zero())
+
+
+def _about_z(angle: Track) -> Track:
+    """Euler parameters of rotations about the z axis."""
+    half = angle.values[:, 0] / 2
+    values = np.column_stack([np.cos(half), 0 * half, 0 * half, np.sin(half)])
+    if angle.sx is None:
+        return Track(values, None)
+    return Track(values, ca.vertcat(ca.cos(angle.sx / 2), 0, 0, ca.sin(angle.sx / 2)))
+
+
+def _ends(points: list[list[float]]) -> tuple[list[float], list[float]]:
     """End points of collinear points."""
-    coordinates = [float((p - points[0]) @ (points[1] - points[0])) for p in points]
+    table = np.array(points)
+    coordinates = (table - table[0]) @ (table[1] - table[0])
     return points[int(np.argmin(coordinates))], points[int(np.argmax(coordinates))]

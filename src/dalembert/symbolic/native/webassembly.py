@@ -20,7 +20,7 @@ from dalembert.symbolic.native.toolchain import NotTranslated
 from dalembert.symbolic.native.translation import translate
 
 TRIPLE = "wasm32-unknown-unknown"
-OPTIMISED = 2
+OPTIMISED = 0
 """Optimisation level of code generation."""
 MAGIC = b"\0asm\1\0\0\0"
 CUSTOM, IMPORT, EXPORT, ELEMENT, DATA = 0, 2, 7, 9, 11

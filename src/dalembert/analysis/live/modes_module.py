@@ -1,0 +1,90 @@
+"""Functions of modes of a mechanism for other parameters: state, linearisation, derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.equilibrium.static_balance import statics_kernel
+from dalembert.analysis.live.equilibrium_module import NO_EQUILIBRIUM, following
+from dalembert.analysis.live.start import closing, violation
+from dalembert.analysis.modes.linearization_kernel import Linearized
+from dalembert.results.live import LiveFunctions
+from dalembert.results.mechanism_modes import IMAG, REAL, MechanismModes
+from dalembert.results.sources import Row
+from dalembert.symbolic.formulas.expression import stack
+
+
+def obstacle(modes: MechanismModes) -> str:
+    """Reason why modes cannot be computed outside of Python; empty if they can."""
+    state: Linearized = modes.record
+    model = state.model
+    if not modes.status.success:
+        return f"the modes were not computed ({modes.status.outcome.value})"
+    if state.origin is None:
+        return "the modes are about the end of a motion"
+    if model.equations.contacts:
+        return "the mechanism has rigid contacts"
+    if model.equations.slips:
+        return "the equilibrium of rolling bodies depends on the path"
+    if model.parts.space.computed:
+        return "shapes of flexible bodies are computed by finite elements"
+    return ""
+
+
+def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:
+    """Functions and constants of modes.
+
+    Parameters
+    ----------
+    modes : the modes that are repeated, without an ``obstacle``
+    rows : outputs, expressions of eigenvalues and parameters
+    times : (K,) numbers of the modes
+    """
+    state: Linearized = modes.record
+    kernel, model = state.kernel, state.model
+    e, origin = model.equations, state.origin
+    assert origin is not None and state.near is not None
+    rest = state.near.size > e.coordinate_count or origin is not kernel.assembled
+    start = (
+        following(statics_kernel(model))
+        if rest
+        else {"closing": closing(model.closure), "violation": violation(model.closure)}
+    )
+    t, p = ca.MX.sym("t"), ca.MX.sym("p", e.p.numel())
+    near, weights = ca.MX.sym("near", state.near.size), ca.MX.sym("w", state.x.size)
+    system, x, q = kernel.system, ca.MX.sym("x", state.x.size), ca.MX.sym("q", state.x.size)
+    still, outputs = ca.MX.zeros(p.numel()), system.output_sizes
+    a, b = ca.MX.sym("a", outputs[0]), ca.MX.sym("b", outputs[1])
+    first = origin.function(t, near, p)
+    pulled = origin.adjoint(t, near, p, weights)[2]
+    slopes = system.forward.adjoint(t, x, p, 0, q, still, a, b)[1:3]
+    pushed = system.tangent(t, x, p, 0, q, still)
+    number, parts, bars = ca.SX.sym("number"), ca.vertcat(REAL, IMAG), ca.SX.sym("w", len(rows))
+    column = ca.densify(stack(row.sx for row in rows))
+    back = [ca.densify(ca.jtimes(column, of, bars, True)) for of in (parts, e.p)]
+    functions = {
+        **start,
+        "state": ca.Function("state", [t, near, p], [first]),
+        "state_adjoint": ca.Function("state_adjoint", [t, near, p, weights], [pulled]),
+        "tangent": ca.Function("tangent", [t, x, p, q], list(pushed)),
+        "tangent_adjoint": ca.Function("tangent_adjoint", [t, x, p, q, a, b], list(slopes)),
+        "outputs": ca.Function("outputs", [number, parts, e.p], [column]),
+        "outputs_adjoint": ca.Function("outputs_adjoint", [number, parts, e.p, bars], back),
+    }
+    anchor = (state.p, state.near) if rest else model.closure.anchor[:2]
+    states, levels = state.sizes
+    data: dict[str, Any] = {
+        "kind": "modes",
+        "start": state.time,
+        "times": times,
+        "anchor": {"p": anchor[0][: e.p.numel()], "y": anchor[1]},
+        "relative": [],
+        "roots": [],
+        "sizes": {"states": states, "rows": levels},
+        "name": modes.analysis.display_name,
+    }
+    return LiveFunctions(functions, data | ({"unsolved": NO_EQUILIBRIUM} if rest else {}))

@@ -1,0 +1,103 @@
+// Modes of a mechanism in a live page: linearisation in the module, eigenvalues here.
+
+/** @import { Matrix } from "./live_matrix.js" */
+
+import { eigenvalues, eigenvector } from "./live_eigenvalues.js";
+import { dot, matrixOf, product, solved, spaces, transposed } from "./live_matrix.js";
+import { LiveRun, RunFailure } from "./live_run.js";
+
+const CONJUGATE = 1e-12, CONVERGED = 1e-6, COINCIDE = 1e-8;
+/** Product of a matrix and a vector. @param {Matrix} a @param {Float64Array} x */
+const times = (a, x) => Float64Array.from(a, (row) => dot(row, x));
+
+/** Modes of one mechanism at one design after the other; outputs have the numbers of modes instead of times. */
+export class LiveModes extends LiveRun {
+  /** Matrices of small motions: `J` and `G` in natural sizes. @param {Float64Array} x @param {Float64Array} p @returns {Matrix[]} */
+  matrices(x, p) {
+    const { engine, data } = this, { states, rows } = /** @type {{ states: number[], rows: number[] }} */ (data.sizes), n = x.length, mark = engine.top;
+    const unit = new Float64Array(n * n);
+    for (let k = 0; k < n; k++) unit[(n + 1) * k] = states[k];
+    const from = [[data.start], x, p, unit].map((values) => engine.put(values)), { done, to } = engine.call("tangent", n, from, new Set([0, 1, 2]));
+    const [j, g] = to.map((at, k) => matrixOf(engine.view(at, [n, rows.length][k] * n), [n, rows.length][k]));
+    engine.top = mark;
+    j.forEach((row, i) => row.forEach((value, k) => { row[k] = value / states[i]; }));
+    g.forEach((row, i) => row.forEach((value, k) => { row[k] = value / rows[i]; }));
+    if (done < n || ![...j, ...g].every((row) => row.every(Number.isFinite))) throw new RunFailure("the mechanism cannot be linearised", undefined, undefined, "singular position");
+    return [j, g];
+  }
+
+  /** Modes with outputs: `table` holds the rows one after the other. @override @param {ArrayLike<number>} parameters @returns {any} */
+  run(parameters) {
+    const { engine, data } = this, p = Float64Array.from(parameters), n = this.times.length;
+    engine.top = this.base;
+    const near = this.assembled(p), [x] = engine.evaluate("state", [data.start], near, p) ?? [];
+    if (!x) throw new RunFailure("the initial speeds are not determined", undefined, undefined, "singular position");
+    const [j, g] = this.matrices(x, p), { free, bound } = spaces(g, x.length), basis = free, a = product(transposed(basis, basis[0]?.length ?? 0), product(j, basis));
+    const values = eigenvalues(a);
+    if (!values) throw new RunFailure("the eigenvalues do not converge", undefined, undefined, "not converged");
+    const wanted = ordered(values).slice(0, n), [rows] = engine.named("outputs").outputs, table = new Float64Array(rows * n).fill(NaN);
+    wanted.forEach((value, k) => engine.evaluate("outputs", [k + 1], value, p)?.[0].forEach((output, r) => { table[n * r + k] = output; }));
+    const size = Math.max(...a.map((row) => Math.max(...row.map(Math.abs))), Number.MIN_VALUE);
+    const left = Math.max(0, ...wanted.map((value) => open(a, value) / size)), count = wanted.length;
+    const success = left < CONVERGED, message = success ? `${data.name}: ${count} mode(s)` : `residual ${left.toExponential(2)}`;
+    const status = { outcome: success ? "completed" : "not converged", message, time: data.start, residual: left, success };
+    return { times: this.times, table, rows, status, modes: { p, near, x, j, g, basis, bound, a, wanted, values } };
+  }
+
+  /** Gradient of a response by the parameters; NaN where eigenvalues coincide.
+   * @override @param {any} run the last run @param {Map<number, Float64Array>} weights row → weights of the modes */
+  gradient(run, weights) {
+    const { engine, data } = this, { states, rows: levels } = /** @type {{ states: number[], rows: number[] }} */ (data.sizes), { rows, modes: { p, near, x, j, g, basis, bound, a, wanted, values } } = run, n = this.times.length;
+    const total = new Float64Array(p.length), state = new Float64Array(x.length);
+    for (let k = 0; k < n; k++) {
+      const bars = Float64Array.from({ length: rows }, (_, r) => weights.get(r)?.[k] ?? 0);
+      if (!bars.some((value) => value !== 0)) continue;
+      if (!wanted[k] || coincides(wanted[k], values)) return total.fill(NaN);
+      const [slope, own] = engine.evaluate("outputs_adjoint", [k + 1], wanted[k], p, bars) ?? [[NaN, NaN], total];
+      own.forEach((value, i) => { total[i] += value; });
+      for (const [q, top, bottom] of probes(a, wanted[k], slope, j, g, basis, bound)) {
+        const [x_bar, p_bar] = engine.evaluate("tangent_adjoint", [data.start], x, p, q.map((value, i) => value * states[i]), top.map((value, i) => value / states[i]), bottom.map((value, i) => value / levels[i])) ?? [state.map(() => NaN), total];
+        x_bar.forEach((value, i) => { state[i] += value; });
+        p_bar.forEach((value, i) => { total[i] += value; });
+      }
+    }
+    engine.evaluate("state_adjoint", [data.start], near, p, state)?.[0].forEach((value, i) => { total[i] += value; });
+    return total;
+  }
+}
+
+/** One eigenvalue of each conjugate pair, by increasing size. @param {[number, number][]} values */
+function ordered(values) {
+  const unit = Math.max(...values.map(([re, im]) => Math.hypot(re, im)), 0) || 1;
+  const key = (/** @type {[number, number]} */ [re, im]) => Math.round((Math.hypot(re, im) / unit) * 1e12);
+  return values.filter(([, im]) => im >= -CONJUGATE * unit).sort((a, b) => key(a) - key(b) || Math.abs(a[1]) - Math.abs(b[1]));
+}
+
+/** Whether another eigenvalue is equal but for rounding. @param {[number, number]} value @param {[number, number][]} values */
+function coincides(value, values) {
+  const unit = Math.max(...values.map(([re, im]) => Math.hypot(re, im)), 0) || 1;
+  return values.filter(([re, im]) => Math.hypot(re - value[0], im - value[1]) <= COINCIDE * unit).length > 1;
+}
+
+/** Residual of an eigenvalue with its vector. @param {Matrix} a @param {[number, number]} value */
+function open(a, [re, im]) {
+  const [x, y] = eigenvector(a, [re, im]), [ax, ay] = [times(a, x), times(a, y)];
+  return Math.max(0, ...ax.map((value, i) => Math.hypot(value - re * x[i] + im * y[i], ay[i] - re * y[i] - im * x[i])));
+}
+
+/** Terms `q, a, b` of the derivative `Σ aᵀ dJ q + bᵀ dG q` of an eigenvalue, weighted by `slope`: see `sensitivity/eigenvalues`.
+ * @param {Matrix} a @param {[number, number]} value @param {ArrayLike<number>} slope @param {Matrix} j @param {Matrix} g @param {Matrix} basis @param {Matrix} bound
+ * @returns {[Float64Array, Float64Array, Float64Array][]} */
+function probes(a, [re, im], slope, j, g, basis, bound) {
+  const [x, y] = eigenvector(a, [re, im]), [u, v] = eigenvector(transposed(a, a.length), [re, -im]);
+  // (u + iv)ᴴ (x + iy) = 1, and the weight slope₀ − i slope₁ of the right vector
+  const [c, d] = [dot(u, x) + dot(v, y), dot(u, y) - dot(v, x)], size = c * c + d * d, [f, h] = [(slope[0] * c - slope[1] * d) / size, (-slope[1] * c - slope[0] * d) / size];
+  const right = [x.map((value, i) => f * value - h * y[i]), x.map((value, i) => f * y[i] + h * value)].map((part) => times(basis, part));
+  const left = [u, v].map((part) => times(basis, part)), square = transposed(product(g, bound), g.length), columns = transposed(bound, g.length), back = transposed(j, j.length);
+  /** `−G⁺ᵀ x` @param {Float64Array} vector */
+  const across = (vector) => (g.length ? Float64Array.from(solved(square, Array.from(times(columns, vector), (value) => Float64Array.of(-value))), ([value]) => value) : new Float64Array(0));
+  return [0, 1].flatMap((k) => /** @type {[Float64Array, Float64Array, Float64Array][]} */ ([
+    [right[k], left[k], across(times(back, left[k]))],
+    [left[k], new Float64Array(left[k].length), across(times(j, right[k]))],
+  ]));
+}

@@ -1,0 +1,180 @@
+"""Driven motions, equilibria and modes in a page equal those of Python, with gradients."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from live_modules import Modules
+
+import dalembert as da
+from dalembert import planar, spatial
+from dalembert.results.mechanism_modes import MEASURES
+from dalembert.results.sources import Row
+from dalembert.sensitivity.gradient import history_gradients
+
+VALUES, GRADIENTS = 1e-9, 1e-8
+"""Largest differences, relative to the size of a measure and to the largest derivative."""
+
+
+def slider_crank() -> da.Model:
+    system = da.System("slider-crank", gravity=(0, -9.81))
+    length, speed, mass = (system.parameter(n, x) for n, x in (("l", 0.1), ("w", 2.0), ("m", 3.0)))
+    crank = system.add(planar.Bar("crank", length=length, mass=1.0, angle=0.3))
+    rod = system.add(planar.Bar("rod", length=0.3, mass=mass))
+    system.add(planar.Revolute("O", system.ground.center, crank.start))
+    system.add(planar.Revolute("A", crank.end, rod.start))
+    system.add(planar.PinInSlot("rail", system.ground.center, rod.end))
+    drive = planar.RotationalDriver("motor", system.ground, crank, speed * da.t + 0.3)
+    system.add(drive)
+    return system.build()
+
+
+def robot() -> da.Model:
+    system = da.System("robot", gravity=(0, 0, -9.81))
+    reach, speed, mass = (system.parameter(n, x) for n, x in (("l", 0.4), ("w", 1.5), ("m", 2.0)))
+    inertia = (0.02, 0.03, 0.01)
+    column = spatial.Body("column", mass=3.0, inertia=inertia)
+    arm = spatial.Body("arm", mass=mass, inertia=inertia, position=(0.2, 0, 0.5))
+    system.add(column)
+    system.add(arm)
+    base = system.ground.frame((0, 0, 0), axis=(0, 0, 1))
+    turn = system.add(spatial.Revolute("turn", base, column.frame((0, 0, 0), axis=(0, 0, 1))))
+    shoulder, end = (
+        column.frame((0, 0, 0.5), axis=(0, 1, 0)),
+        arm.frame((-reach / 2, 0, 0), axis=(0, 1, 0)),
+    )
+    lift = system.add(spatial.Revolute("lift", shoulder, end))
+    system.add(spatial.RotationalDriver("a", turn, speed * da.t))
+    system.add(spatial.RotationalDriver("b", lift, 0.3 * da.sin(2 * speed * da.t)))
+    return system.build()
+
+
+def hanging_linkage() -> da.Model:
+    system = da.System("hanging linkage", gravity=(0, -9.81))
+    length, stiffness = system.parameter("l", 0.4), system.parameter("k", 60.0)
+    mass = system.parameter("m", 3.0)
+    crank = system.add(planar.Bar("crank", length=length, mass=1.0, angle=-1.0))
+    coupler = system.add(planar.Bar("coupler", length=1.0, mass=mass))
+    rocker = system.add(planar.Bar("rocker", length=0.6, mass=3.0, angle=-1.6))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), crank.start))
+    system.add(planar.Revolute("A", crank.end, coupler.start))
+    system.add(planar.Revolute("B", coupler.end, rocker.start))
+    system.add(planar.Revolute("C", rocker.end, system.ground.point(1.0, 0.1)))
+    top = system.ground.point(0.5, 0.5)
+    system.add(planar.Spring("spring", top, coupler.center, stiffness=stiffness, damping=2.0))
+    return system.build()
+
+
+def hanging_body() -> da.Model:
+    system = da.System("hanging body", gravity=(0, 0, -9.81))
+    reach, stiffness, mass = (
+        system.parameter(n, x) for n, x in (("l", 0.3), ("k", 200.0), ("m", 2.0))
+    )
+    body = spatial.Body("body", mass=mass, inertia=(0.02, 0.03, 0.01), position=(0.1, 0, -0.5))
+    system.add(body)
+    hook, corner = body.point(0.0, 0.05, 0.2), body.point(reach, 0.1, -0.1)
+    system.add(spatial.Spherical("hook", system.ground.point(0, 0, -0.2), hook))
+    posts = (0.5, 0.3, 0.2), (-0.4, 0.5, 0.0), (0.1, -0.6, -0.3)
+    for k, post in enumerate(posts):
+        spring = spatial.Spring(
+            f"s{k}", system.ground.point(*post), corner, stiffness=stiffness, damping=0.5
+        )
+        system.add(spring)
+    return system.build()
+
+
+MODELS = {slider_crank: [0.13, 2.5, 2.0], robot: [0.45, 1.8, 2.5]}
+"""Models, and other values of their parameters."""
+RUNS = {
+    "kinematics": (da.solve_kinematics, {"step": 0.02}, "kinetic_energy"),
+    "some outputs": (da.solve_kinematics, {"outputs": 37}, "potential_energy"),
+    "inverse dynamics": (da.solve_inverse_dynamics, {"step": 0.02}, "input_power"),
+}
+RESTING = {hanging_linkage: [0.45, 80.0, 2.0], hanging_body: [0.35, 260.0, 2.5]}
+CASES = [(build, name) for build in MODELS for name in RUNS]
+CASES += [(build, "equilibrium") for build in RESTING]
+
+
+def solve(build, name: str) -> tuple[da.Motion, str, np.ndarray]:
+    """The result of a model, a measure, and other parameter values."""
+    if name == "equilibrium":
+        return da.solve_equilibrium(build()), "potential_energy", np.array(RESTING[build])
+    run, options, subject = RUNS[name]
+    return run(build(), 1.0, **options), subject, np.array(MODELS[build])
+
+
+def names_of(motion: da.Motion) -> list[str]:
+    model = motion.model
+    return [name for name in model.measure_names if model.expression(name).sx.numel() == 1]
+
+
+@pytest.fixture(scope="module")
+def outcomes(tmp_path_factory: pytest.TempPathFactory) -> dict:
+    """The motion in Python, gradients of weighted sums of a measure, and the outcome in a page."""
+    modules, expected = Modules(tmp_path_factory.mktemp("live")), {}
+    for build, name in CASES:
+        motion, subject, values = solve(build, name)
+        model = motion.model
+        assert motion.analysis.live_obstacle(motion) == ""
+        names, weights = names_of(motion), np.linspace(-1, 2, motion.time.size)
+        rows = [Row(model.expression(n).sx) for n in names]
+        data = motion.analysis.live_functions(motion, rows, motion.time).page_data()
+        label = f"{build.__name__}, {name}"
+        modules.add(label, data, values, [{names.index(subject): weights}])
+        other = motion.analysis.run(model, values)
+        (slopes,) = history_gradients(other, [subject], list(model.parameters))
+        expected[build, name] = label, other, weights @ slopes
+    results, _ = modules.run()
+    return {key: (other, slope, results[n]) for key, (n, other, slope) in expected.items()}
+
+
+@pytest.mark.parametrize(("build", "name"), CASES)
+def test_motion_equals_that_of_python(build, name: str, outcomes) -> None:
+    other, slope, outcome = outcomes[build, name]
+    assert outcome.same
+    for measure, values in zip(names_of(other), outcome.table, strict=True):
+        expected = other.values(measure)
+        size = np.fmax(1.0, np.abs(expected).max())
+        np.testing.assert_allclose(values, expected, rtol=0, atol=VALUES * size, err_msg=measure)
+    np.testing.assert_allclose(
+        outcome.gradients[0], slope, rtol=0, atol=GRADIENTS * np.abs(slope).max()
+    )
+
+
+@pytest.mark.parametrize(("build", "name"), CASES)
+def test_status_equals_that_of_python(build, name: str, outcomes) -> None:
+    other, _, outcome = outcomes[build, name]
+    wanted = {"outcome": other.status.outcome.value, "message": other.status.message}
+    values = {key: outcome.status[key] for key in wanted}
+    assert without_numbers(values) == without_numbers(wanted)
+
+
+def without_numbers(texts: dict[str, str]) -> dict[str, str]:
+    """Texts without residuals and numbers of iterations, which rounding changes."""
+    return {key: re.sub(r"residual \S+ N after \d+ iterations?", "", texts[key]) for key in texts}
+
+
+@pytest.mark.parametrize("equilibrium", [True, False])
+@pytest.mark.parametrize("build", RESTING)
+def test_modes_equal_those_of_python(build, equilibrium: bool, tmp_path: Path) -> None:
+    """Frequencies, damping and eigenvalues about an equilibrium and an assembled position."""
+    analysis, model, values = da.Modal(equilibrium=equilibrium), build(), np.array(RESTING[build])
+    modes = analysis.run(model)
+    assert analysis.live_obstacle(modes) == ""
+    rows = [Row(measure.sx) for measure in MEASURES.values()]
+    data = analysis.live_functions(modes, rows, modes.numbers).page_data()
+    other, modules = analysis.run(model, values), Modules(tmp_path)
+    first, last = np.eye(modes.numbers.size)[[0, -1]]
+    modules.add("modes", data, values, [{0: first}, {2: last}])
+    outcome = modules.run()[0]["modes"]
+    responses = [da.at(1, "frequency"), da.at(int(modes.numbers[-1]), "damping_ratio")]
+    slopes = da.sensitivity(other, responses, method="adjoint").values
+    size = np.abs(other.values("angular_frequency")).max()
+    expected = [other.values(name) for name in MEASURES]
+    np.testing.assert_allclose(outcome.table, expected, rtol=0, atol=VALUES * size)
+    for values, wanted in zip(outcome.gradients, slopes, strict=True):
+        np.testing.assert_allclose(values, wanted, rtol=0, atol=GRADIENTS * np.abs(wanted).max())
+    assert outcome.status["message"] == other.status.message
