@@ -11,9 +11,11 @@ import { byId, el } from "./dom.js";
 import { addMenu, firstResponses } from "./live_add.js";
 import { Design } from "./live_design.js";
 import { PathDrag } from "./live_drag.js";
+import { KeptDesigns } from "./live_kept.js";
 import { Improvement } from "./live_improve.js";
 import { ParameterPanel } from "./live_panel.js";
 import { LivePicture } from "./live_picture.js";
+import { designMenu } from "./live_share.js";
 import { Solver } from "./live_solver.js";
 import { ResponseTable } from "./live_table.js";
 import { tidy } from "./numbers.js";
@@ -39,12 +41,14 @@ export function buildLive(page, dimension) {
   const improvement = new Improvement(design, table, solver), add = addMenu(live, (response) => table.add(response));
   const card = el("section", { class: "card live", id: "live", "aria-label": "Parameters and responses" },
     panel.node, el("div", { class: "plot-head" }, el("h2", {}, "Responses"), el("div", { class: "live-tools" }, improvement.toggle, add)), table.node, improvement.node);
-  byId("board").prepend(card);
+  const kept = new KeptDesigns(design, table, picture);
+  panel.tools.append(kept.button, designMenu(design, (text) => panel.say(text)));
+  byId("board").prepend(card, kept.node);
 
   const request = () => solver.request({ parameters: design.values, responses: table.responses, gradients: table.responses.length ? [table.selected] : [], point: drag.request });
   const connect = () => {
     solver.onResult.on((/** @type {LiveResult} */ result) => {
-      picture.show(result, design.changed);
+      picture.show(result);
       table.show(result.values);
       const { success, outcome, message } = result.status;
       panel.say(success ? "" : `${outcome}: ${message}`, "error");
@@ -76,5 +80,5 @@ export function buildLive(page, dimension) {
     card.classList.add("unavailable");
     document.documentElement.dataset.live = "unavailable";
   });
-  Object.assign(/** @type {any} */ (window).dalembert, { design, solver, table, drag, picture, improvement });
+  Object.assign(/** @type {any} */ (window).dalembert, { design, solver, table, drag, picture, improvement, kept });
 }

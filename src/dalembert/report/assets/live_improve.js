@@ -103,7 +103,7 @@ export class Improvement {
     const evaluate = async (x) => {
       const values = valuesAt(x), answer = await solver.request({ parameters: values, responses, gradients }, true);
       if (!answer) this.stop();
-      if (!answer || "failure" in answer) return null;
+      if (!answer || "failure" in answer || !answer.result.status.success) return null;
       const { result: { values: r }, slopes } = answer, of = (/** @type {number} */ k) => slopes[k] ?? new Float64Array(values.length);
       const signs = limits.map(({ kind }) => (kind === "atMost" ? 1 : -1));
       const at = { f: sign * r[objective.k], df: scaled(of(objective.k), sign), c: limits.map(({ k, limit }, j) => signs[j] * (r[k] - limit)), dc: limits.map(({ k }, j) => scaled(of(k), signs[j])) };

@@ -1,5 +1,7 @@
 // Sequential quadratic programming with bounds and limits, in a trust region, on exact gradients.
 
+import { dot } from "./live_matrix.js";
+
 /** Objective and limits `c ≤ 0` at a point, with their gradients.
  * @typedef {{ f: number, df: number[], c: number[], dc: number[][] }} Evaluated */
 /** Iterate of an optimisation. @typedef {{ x: number[], at: Evaluated }} Iterate */
@@ -13,7 +15,6 @@ const GAIN = 1e-9, SATISFIED = 1e-6;
 /** First and largest penalty of violated limits. */
 const PENALTY = 10, HEAVIEST = 1e7;
 
-const product = (/** @type {number[]} */ a, /** @type {number[]} */ b) => a.reduce((sum, v, k) => sum + v * b[k], 0);
 const violation = (/** @type {number[]} */ c) => c.reduce((sum, v) => sum + Math.max(0, v), 0);
 const span = (/** @type {number[]} */ d) => d.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
 
@@ -34,9 +35,9 @@ function inverse(matrix) {
 /** Minimum of gᵀd + dᵀBd/2 + ρ Σ max(0, c + J d) for lower ≤ d ≤ upper, by ascent in the multipliers (Hildreth).
  * @param {number[][]} hessian @param {Evaluated} at @param {number[]} lower @param {number[]} upper @param {number} penalty */
 export function quadraticStep(hessian, { df, c, dc }, lower, upper, penalty) {
-  const n = df.length, h = inverse(hessian), times = (/** @type {number[]} */ v) => h.map((row) => product(row, v));
+  const n = df.length, h = inverse(hessian), times = (/** @type {number[]} */ v) => h.map((row) => dot(row, v));
   const d = times(df).map((v) => -v), bounds = new Float64Array(n), prices = new Float64Array(c.length);
-  const ways = dc.map(times), sizes = dc.map((row, j) => product(row, ways[j]));
+  const ways = dc.map(times), sizes = dc.map((row, j) => dot(row, ways[j]));
   for (let sweep = 0; sweep < SWEEPS; sweep++) {
     let moved = 0;
     for (let k = 0; k < n; k++) {  // multiplier of both bounds: positive at the upper one
@@ -48,7 +49,7 @@ export function quadraticStep(hessian, { df, c, dc }, lower, upper, penalty) {
     }
     for (let j = 0; j < c.length; j++) {
       if (!(sizes[j] > 0)) continue;
-      const price = Math.min(penalty, Math.max(0, prices[j] + (c[j] + product(dc[j], d)) / sizes[j])), change = price - prices[j];
+      const price = Math.min(penalty, Math.max(0, prices[j] + (c[j] + dot(dc[j], d)) / sizes[j])), change = price - prices[j];
       if (!change) continue;
       prices[j] = price;
       for (let i = 0; i < n; i++) d[i] -= change * ways[j][i];
@@ -61,9 +62,9 @@ export function quadraticStep(hessian, { df, c, dc }, lower, upper, penalty) {
 
 /** Damped update of a Hessian (Powell). @param {number[][]} hessian @param {number[]} s step @param {number[]} y change of the gradient */
 function updated(hessian, s, y) {
-  const bs = hessian.map((row) => product(row, s)), sbs = product(s, bs), sy = product(s, y);
+  const bs = hessian.map((row) => dot(row, s)), sbs = dot(s, bs), sy = dot(s, y);
   if (!(sbs > 0)) return hessian;
-  const share = sy >= 0.2 * sbs ? 1 : (0.8 * sbs) / (sbs - sy), r = y.map((v, k) => share * v + (1 - share) * bs[k]), sr = product(s, r);
+  const share = sy >= 0.2 * sbs ? 1 : (0.8 * sbs) / (sbs - sy), r = y.map((v, k) => share * v + (1 - share) * bs[k]), sr = dot(s, r);
   return hessian.map((row, i) => row.map((v, k) => v - (bs[i] * bs[k]) / sbs + (r[i] * r[k]) / sr));
 }
 
@@ -87,8 +88,8 @@ export async function minimised(start, evaluate, onIterate, stopped) {
   while (iterations < ITERATIONS) {
     if (stopped()) return ends("stopped");
     const lower = x.map((v) => Math.max(-v, -radius)), upper = x.map((v) => Math.min(1 - v, radius));
-    const { d, prices } = quadraticStep(hessian, at, lower, upper, penalty), model = at.c.map((v, j) => v + product(at.dc[j], d));
-    const curved = product(d, hessian.map((row) => product(row, d))), gain = -product(at.df, d) - curved / 2 + penalty * (violation(at.c) - violation(model));
+    const { d, prices } = quadraticStep(hessian, at, lower, upper, penalty), model = at.c.map((v, j) => v + dot(at.dc[j], d));
+    const curved = dot(d, hessian.map((row) => dot(row, d))), gain = -dot(at.df, d) - curved / 2 + penalty * (violation(at.c) - violation(model));
     if (violation(model) > SATISFIED && penalty < HEAVIEST && violation(at.c) - violation(model) <= 0.5 * violation(at.c)) { penalty *= 10; continue; }
     if (!(gain > GAIN)) return ends(violation(at.c) > SATISFIED ? "infeasible" : span(d) >= 0.99 * radius || (narrowed === "failed designs" && radius < FIRST * 1e-2) ? narrowed : "converged");
     const next = x.map((v, k) => Math.min(1, Math.max(0, v + d[k]))), answer = await evaluate(next);
