@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -11,7 +13,10 @@ from spatial_registry import SPATIAL_CASES, any_model_of
 
 import dalembert as da
 from dalembert import planar, spatial
+from dalembert.report.packing import pack
+from dalembert.report.page import as_json
 from dalembert.results.files.payload import report_payload
+from dalembert.results.live import Row
 from dalembert.results.pictures.collector import SceneCollector
 from dalembert.results.pictures.mechanism_scene import MechanismScene
 from dalembert.results.sources import InitialPicture, Row, Sources, payload_sources
@@ -180,3 +185,13 @@ def test_pages_state_what_follows_from_parameters(name, monkeypatch):
     for part in ("scene", "series"):
         differences = set(differing(page[part], expected[part], (part,)))
         assert {p for p in differences if not {p, p[:-1]} & stated} == set()
+
+
+def test_formulas_do_not_change_the_page():
+    motion = da.solve_dynamics(plates().build(), 0.3, step=STEP * 10)
+    page = report_payload(motion, None, None)
+    assert payload_sources(page).numbers
+    plain = copy.deepcopy(page)
+    assert not payload_sources(plain).numbers
+    assert as_json(page) == as_json(plain)
+    assert as_json(pack(page)) == as_json(pack(plain))

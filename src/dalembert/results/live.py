@@ -55,4 +55,5 @@ class LiveFunctions:
         }
         code = base64.b64encode(zlib.compress(module.code, 9)).decode("ascii")
         exact = json.dumps({**self.data, **more}, default=lambda array: array.tolist())
-        return {"functions": sizes, "memory": module.data_end, "code": code, "exact": exact}
+        constants = {"kind": self.data["kind"], "memory": module.data_end, "functions": sizes}
+        return constants | {"code": code, "exact": exact}

@@ -13,6 +13,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.results.live import Row
+
 Place = tuple[str | int, ...]
 """Keys and indices that lead to a value of a payload."""
 
@@ -136,7 +138,7 @@ class Sources:
     ----------
     numbers : places and formulas of parameters
     columns : places and formulas of time, coordinates, speeds, accelerations, multipliers and
-        parameters, or balances of work
+        parameters, or rows with work since the start
     initial : names of bodies and elements whose picture remains that of the initial parameters
     """
 

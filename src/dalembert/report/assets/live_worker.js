@@ -1,17 +1,12 @@
 // Worker of a live page: runs the newest request and reports its result, then gradients.
 
+/** @import { LiveRun } from "./live_run.js" */
 /** @import { LiveData, LiveRequest } from "./types.d.ts" */
 
-import { LiveEquilibrium } from "./live_equilibrium.js";
 import { openJoint } from "./live_failure.js";
-import { LiveKinematics } from "./live_kinematics.js";
-import { LiveModes } from "./live_modes.js";
 import { responseOf } from "./live_responses.js";
-import { LiveRun, RunFailure } from "./live_run.js";
+import { RunFailure } from "./live_run.js";
 import { checkedStatus, failedStatus } from "./live_status.js";
-
-/** Kind of an analysis → class of its runs. */
-const RUNS = { dynamics: LiveRun, kinematics: LiveKinematics, equilibrium: LiveEquilibrium, modes: LiveModes };
 
 /** @type {LiveRun} */
 let run;
@@ -35,12 +30,15 @@ function answer({ number, parameters, responses, gradients, point }) {
   }
 }
 
-addEventListener("message", ({ data }) => {
-  if (data.module) {
-    run = new RUNS[/** @type {LiveData} */ (data.data).kind](data.module, data.data);
-    postMessage({ ready: true });
-    return;
-  }
-  if (!waiting) setTimeout(() => { const request = waiting; waiting = null; if (request) answer(request); });
-  waiting = data;  // of several requests only the newest is answered
-});
+/** Answer the messages of the page. @param {new (module: WebAssembly.Module, data: LiveData) => LiveRun} Run class of the runs */
+export function serve(Run) {
+  addEventListener("message", ({ data }) => {
+    if (data.module) {
+      run = new Run(data.module, data.data);
+      postMessage({ ready: true });
+      return;
+    }
+    if (!waiting) setTimeout(() => { const request = waiting; waiting = null; if (request) answer(request); });
+    waiting = data;  // of several requests only the newest is answered
+  });
+}

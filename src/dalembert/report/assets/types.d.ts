@@ -137,6 +137,7 @@ export type View = FactsView | RowsView | NotesView | BarsView | HistogramView |
 /** Sizes of a function: entries of its arguments and results, lengths of its work vectors. */
 export interface LiveFunction { inputs: number[]; outputs: number[]; work: [number, number, number, number] }
 export interface LiveCode {
+  kind: "dynamics" | "kinematics" | "equilibrium" | "modes";
   /** Deflated module in base64. */
   code: string;
   /** JSON of `LiveData`, with all digits. */
@@ -146,7 +147,6 @@ export interface LiveCode {
   memory: number;
 }
 export interface LiveData extends LiveCode {
-  kind: "dynamics" | "kinematics" | "equilibrium" | "modes";
   /** Start of the run and shortest distance of two instants [s]. */
   start: number;
   instant: number;
