@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -281,3 +282,109 @@ def test_improvement_is_stopped(improving: Visit) -> None:
     improving.page.click("#improve-start")
     improving.until("!dalembert.improvement.running")
     assert improving.page.inner_text("#improve-status").startswith("Stopped after")
+
+
+# Kept designs, texts, address ---------------------------------------------------------------------
+
+
+def test_kept_designs_are_compared_and_recalled(live: Visit, motion: Any) -> None:
+    change(live, l1=0.35, l2=1.1)
+    live.page.click("#keep")
+    change(live, l1=0.4)
+    live.page.click("#keep")
+    heads = live.page.locator(".kept thead th")
+    assert [text for text in heads.all_inner_texts() if text] == ["Initial", "A", "B", "Unit"]
+    rows = live.page.locator(".kept tbody tr")
+    assert rows.nth(1).locator("td").all_inner_texts() == ["1000", "1100", "1000", "mm"]
+    again = motion.analysis.run(motion.model, {"l1": 0.35, "l2": 1.1})
+    force = rows.filter(has_text="maximum(A.force_norm)").locator("td").all_inner_texts()
+    expected = [da.evaluate(run, RESPONSES[0]) for run in (motion, again)]
+    assert [float(text) for text in force[:2]] == pytest.approx(expected, rel=1e-4)
+    live.page.click("[aria-label='Show design A in the drawing']")
+    assert live.js("dalembert.motion.ghosts.length") == 6  # with the initial design
+    live.page.get_by_title("Return to design A").click()
+    settle(live)
+    assert present(live) == INITIAL | {"l1": 0.35, "l2": 1.1}
+    assert live.page.locator(".kept [aria-current]").inner_text().startswith("A")
+    for letter in "AB":
+        live.page.click(f"[aria-label='Remove design {letter}']")
+    assert live.page.locator("#kept").is_hidden()
+    live.page.click("#reset-design")
+    settle(live)
+    assert live.js("dalembert.motion.ghosts.length") == 0
+
+
+def test_texts_of_a_design(live: Visit) -> None:
+    change(live, l1=0.1 + 0.2, l2=1.1)
+    live.js(
+        "navigator.clipboard && (navigator.clipboard.writeText = (t) => { window.copied = t; })"
+    )
+
+    def copied(item: str) -> str:
+        live.page.click("#use-design > summary")
+        live.page.click(item)
+        live.until("document.querySelector('.live-status').textContent.endsWith('copied')")
+        return live.js("window.copied")
+
+    assert tomllib.loads(copied("#copy-toml")) == {
+        "parameters": {
+            "l1": {
+                "value": 0.1 + 0.2,
+                "unit": "m",
+                "bounds": [0.05, 1.2],
+                "description": "crank length",
+            },
+            "l2": {"value": 1100, "unit": "mm", "bounds": [800, 1500]},
+            "m": {"value": 1.5, "unit": "kg", "bounds": [1, 3]},
+        }
+    }
+    assert copied("#copy-python") == f'parameters={{"l1": {0.1 + 0.2}, "l2": 1.1, "m": 1.5}}'
+    assert copied("#copy-address").endswith("live.html#p=l1:0.30000000000000004,l2:1.1")
+
+
+def test_a_page_saved_as_shown_opens_with_its_design(
+    browser: Any, live: Visit, tmp_path: Path
+) -> None:
+    change(live, l1=0.35, l2=1.1)
+    with live.page.expect_download() as saving:
+        live.page.click("#use-design > summary")
+        live.page.click("#save-page")
+    saved = tmp_path / "saved.html"
+    saving.value.save_as(saved)
+    with visit(browser, saved) as found:
+        settle(found)
+        assert present(found) == INITIAL | {"l1": 0.35, "l2": 1.1}
+        assert found.js("dalembert.motion.ghosts.length") == 3
+        assert found.page.locator(".parameter").count() == 3
+        assert found.js("dalembert.table.values") == live.js("dalembert.table.values")
+        assert (found.requests, found.console) == ([], [])
+
+
+HOSTILE = {
+    "#p=l1:0.35,l2:1.1": {"l1": 0.35, "l2": 1.1},
+    "#p=l1:99": {"l1": 1.2},
+    "#p=l1:1e999,l2:NaN,m:Infinity": {},
+    "#p=l1:0x20,l2:1_0,m:2;alert(1)": {},
+    "#p=__proto__:1,constructor:2,toString:3": {},
+    "#p=%3Cimg%20src=x%20onerror=alert(1)%3E:1,l1": {},
+    "#p=l1:-+e..,,,:::,l2:": {},
+    "#p=": {},
+    "#p=l1:0.35&m=2": {},
+    "#parameters": {},
+}
+
+
+@pytest.mark.parametrize("address", HOSTILE)
+def test_addresses_without_effect_and_with_one(
+    browser: Any, page_path: Path, tmp_path: Path, address: str
+) -> None:
+    path = tmp_path / "page.html"
+    path.write_text(page_path.read_text())
+    with visit(browser, path) as found:
+        found.page.goto(path.resolve().as_uri() + address)
+        found.page.reload()
+        found.until("window.dalembert !== undefined")
+        settle(found)
+        assert present(found) == INITIAL | HOSTILE[address]
+        assert found.console == []
+        assert found.js("dalembert.table.values.every(Number.isFinite)")

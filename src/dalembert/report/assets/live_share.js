@@ -49,7 +49,7 @@ async function copy(text) {
 export function designMenu(design, say) {
   const item = (/** @type {string} */ text, /** @type {string} */ id, /** @type {() => void} */ onclick) => el("button", { type: "button", class: "menu-item", id, onclick }, text);
   const copies = (/** @type {(design: Design) => string} */ textOf, /** @type {string} */ what) => async () => { await copy(textOf(design)); say(`${what} copied`); };
-  return menu([icon("save"), "Use"], [
+  return menu([icon("save"), "Share"], [
     item("Copy as TOML", "copy-toml", copies(tomlText, "Lines of a model file")),
     item("Copy as Python", "copy-python", copies(pythonText, "Argument in Python")),
     item("Copy the address", "copy-address", copies(() => location.href.replace(/#.*/, "") + design.hash, "Address")),
