@@ -249,6 +249,16 @@ export interface LiveFailure { number: number; failure: LiveStatus; open?: OpenJ
 /** Answer to a request: the result with its gradients, or a failure. */
 export type LiveAnswer = { result: LiveResult; slopes: LiveSlopes["slopes"] } | { failure: LiveFailure };
 
+/** Exported module: parameters and measures of a model with their units, in SI units. */
+export interface ModuleData {
+  name: string;
+  live: LiveData;
+  parameters: { name: string; value: number }[];
+  /** Name, unit and row. */
+  measures: [string, string, number][];
+  responses: LiveResponse[];
+}
+
 // Parts of a page -----------------------------------------------------------------------------------
 
 export interface Series {
