@@ -23,6 +23,8 @@ PAGES = {
     "kinematics": "live_kinematics_worker.js",
     "equilibrium": "live_equilibrium_worker.js",
     "modes": "live_modes_worker.js",
+    "statics": "live_statics_worker.js",
+    "vibration": "live_vibration_worker.js",
     "module": "module.js",
 }
 """Kind of page, and its dimension, or of a worker or an exported module → main module."""

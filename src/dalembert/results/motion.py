@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from dalembert.report.page import InlinePage
     from dalembert.results.files.live_responses import PageResponse
+    from dalembert.results.pictures.animation import Film
     from dalembert.results.structural.motion import RecoveredStates
 
 
@@ -158,7 +159,7 @@ class Motion(LabelledRecording):
 
         return still(self, time, ax)
 
-    def animate(self, **options: Any) -> Any:
+    def animate(self, **options: Any) -> Film:
         """Animation of the mechanism (Matplotlib); shown by notebooks."""
         from dalembert.results.pictures.animation import animate
 

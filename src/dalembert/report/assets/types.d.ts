@@ -137,7 +137,7 @@ export type View = FactsView | RowsView | NotesView | BarsView | HistogramView |
 /** Sizes of a function: entries of its arguments and results, lengths of its work vectors. */
 export interface LiveFunction { inputs: number[]; outputs: number[]; work: [number, number, number, number] }
 export interface LiveCode {
-  kind: "dynamics" | "kinematics" | "equilibrium" | "modes";
+  kind: "dynamics" | "kinematics" | "equilibrium" | "modes" | "statics" | "vibration";
   /** Deflated module in base64. */
   code: string;
   /** JSON of `LiveData`, with all digits. */
@@ -184,6 +184,9 @@ export interface LiveData extends LiveCode {
   responses?: LiveResponse[];
   /** Constraint equations in the order of `violation`. */
   joints?: JointRow[];
+  /** Number of free displacements of a structure, and the message of its status. */
+  free?: number;
+  message?: string;
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
@@ -236,7 +239,7 @@ export interface LiveTerm {
 export interface LiveResponse { label: string; unit: string; terms: LiveTerm[]; constant?: number }
 /** Request to the worker: `gradients` are the numbers of the responses that are differentiated, `point` the rows of coordinates at an instant. */
 export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradients: number[]; point?: { instant: number; rows: number[] } | null }
-export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number }
+export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number; parameters: ArrayLike<number> }
 /** Gradients by the parameters, in SI units, null for responses that are not differentiated; and of the coordinates of a point. */
 export interface LiveSlopes { number: number; slopes: (Float64Array | null)[]; jacobian: Float64Array[] | null }
 /** Constraint equation of a joint: name, natural size and unit. */
