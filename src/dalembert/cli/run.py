@@ -125,7 +125,7 @@ def run(
         with timing.part("results"):
             page = result.page(**choices) if result.has_page else None
             if page is not None and (texts := file.document.report.notes):
-                page["views"] = [*page.get("views", ()), notes("Notes", texts)]
+                page["views"] = [notes("Notes", texts) | {"place": "board"}, *page.get("views", ())]
             files = result.write_data(base, csv, page, choices.get("units", ()))
         if report and page is not None:
             with timing.part("report"):
