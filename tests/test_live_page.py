@@ -205,9 +205,11 @@ def improved(page: Visit, goals: dict[str, tuple[Any, ...]], locked: str = "") -
     """Message at the end of an improvement."""
     page.js(
         f"""{{ const {{ design, improvement, table }} = dalembert;
-            design.locked = design.parameters.map(({{ name }}) => {json.dumps(locked)}.includes(name));
-            for (const [label, goal] of Object.entries({json.dumps(goals)}))
-                improvement.goals.set(table.responses.find((r) => r.label === label), ...goal); }}"""
+            const locked = {json.dumps(locked)}, goals = {json.dumps(goals)};
+            design.locked = design.parameters.map(({{ name }}) => locked.includes(name));
+            const find = (label) => table.responses.find((r) => r.label === label);
+            for (const label of Object.keys(goals))
+                improvement.goals.set(find(label), ...goals[label]); }}"""
     )
     page.page.click("#improve-start")
     page.until("!dalembert.improvement.running")
