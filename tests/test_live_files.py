@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from dalembert.cli import main
+from dalembert.io import load_model_file
 from dalembert.symbolic.native import code_cache, webassembly
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "four_bar.toml"
@@ -78,6 +79,17 @@ def test_stored_pages_are_not_live(model):
     assert main(["report", str(model.with_suffix(".nc"))]) == 0
     page = model.with_suffix(".report.html").read_text(encoding="utf-8")
     assert not is_live(page) and '"reason"' not in page
+
+
+@pytest.mark.parametrize(
+    "path", sorted(EXAMPLE.parent.glob("teaching/*.toml")), ids=lambda path: path.stem
+)
+def test_teaching_models_are_live_and_ask_something(path, tmp_path):
+    page = run(Path(shutil.copy(path, tmp_path)))
+    assert is_live(page)
+    assert '"kind":"notes"' in page and "?" in page.partition('"texts":')[2].partition("]")[0]
+    names = load_model_file(path).document.responses
+    assert all(f'"label": "{name}"' in page.replace("\\", "") for name in names) and names
 
 
 def test_wrong_values_are_refused_with_their_place(model, capsys):
