@@ -65,13 +65,12 @@ def test_without_bounds_a_page_is_live_if_requested(model):
     assert is_live(run(model, "--live"))
 
 
-def test_a_page_that_cannot_be_live_states_the_reason_if_requested(model):
-    shutil.copy(EXAMPLE.with_name("truss.toml"), model.parent)
-    structure = model.with_name("truss.toml")
-    page = run(structure, "--live")
-    assert not is_live(page)
-    assert '"reason":"' in page
-    assert '"reason":"' not in run(structure)
+def test_a_page_that_cannot_be_live_states_the_reason_unless_declined(model):
+    text = model.read_text(encoding="utf-8").replace("step = 0.005\n", "")
+    model.write_text(text.replace('integrator = "RK4"', 'integrator = "Radau"'), encoding="utf-8")
+    page = run(model, "--live")
+    assert not is_live(page) and '"reason":"the run is stiff' in page
+    assert '"reason"' not in run(model, "--no-live")
 
 
 def test_stored_pages_are_not_live(model):
