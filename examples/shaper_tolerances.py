@@ -25,7 +25,7 @@ def main(folder=None) -> dict[str, float]:
     analysis = da.Kinematics(2 * math.pi / 6, outputs=361)
     stroke = da.integral("abs(ram.vx)/2", name="stroke [m]")  # forth and back
     found = da.tolerance(model, stroke, HALF, analysis=analysis, samples=150)
-    chosen = found.allot(LIMIT, COSTS, bounds=(0.02e-3, 0.5e-3))
+    chosen = found.allocate(LIMIT, COSTS, bounds=(0.02e-3, 0.5e-3))
     again = da.tolerance(
         model, stroke, chosen, analysis=analysis, second_order=False, worst_case=False
     )
@@ -38,7 +38,7 @@ def main(folder=None) -> dict[str, float]:
         "std of the samples": float(np.std(found.sampled, ddof=1)),
         "least": found.worst[0],
         "largest": found.worst[1],
-        "allotted": again.sigmas * again.std,
+        "allocated": again.sigmas * again.std,
         "cost": sum(c / chosen[n] for n, c in COSTS.items()) * 1e-3,
         "cost before": sum(c / HALF[n] for n, c in COSTS.items()) * 1e-3,
     }

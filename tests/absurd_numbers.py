@@ -48,12 +48,14 @@ def driven() -> Any:
 
 
 def beam() -> Any:
-    made = da.Structure("beam")
-    ends = [made.node("a", 0.0, 0.0), made.node("b", 1.0, 0.0)]
-    made.add(structures.Frame("f", *ends, modulus=1e9, area=1e-3, second_moment=1e-8, density=1e3))
-    made.support(ends[0])
-    made.load(ends[1], fx=-1.0, fy=1e-3)
-    return made.build()
+    structure = da.Structure("beam")
+    ends = [structure.node("a", 0.0, 0.0), structure.node("b", 1.0, 0.0)]
+    structure.add(
+        structures.Frame("f", *ends, modulus=1e9, area=1e-3, second_moment=1e-8, density=1e3)
+    )
+    structure.support(ends[0])
+    structure.load(ends[1], fx=-1.0, fy=1e-3)
+    return structure.build()
 
 
 BASE: dict[str, dict[str, Any]] = {
@@ -76,8 +78,8 @@ def fields(cls: type) -> list[str]:
     return [f.name for f in fields_of(cls) if f.holds in plain and f.name != "name"]
 
 
-def with_number(make: Callable[..., Any], given: dict, name: str, value: Any) -> Callable[[], Any]:
-    return lambda: make(**given | {name: value})
+def with_number(make: Callable[..., Any], fields: dict, name: str, value: Any) -> Callable[[], Any]:
+    return lambda: make(**fields | {name: value})
 
 
 def analyses() -> Iterator[Case]:
@@ -88,9 +90,9 @@ def analyses() -> Iterator[Case]:
         (strategies.STRUCTURAL_ANALYSES, structure),
     ):
         for kind, cls in registry.items():
-            model, given = models.get(kind, usual), BASE.get(kind, {})
+            model, arguments = models.get(kind, usual), BASE.get(kind, {})
             for name, value in some(fields(cls)):
-                here = {k: v for k, v in given.items() if (k, name) != ("duration", "t_span")}
+                here = {k: v for k, v in arguments.items() if (k, name) != ("duration", "t_span")}
                 make = with_number(cls, here, name, value)
                 yield f"{kind}({name}={value!r:.20})", lambda m=make, s=model: m().run(s)
 
@@ -112,9 +114,9 @@ def choices() -> Iterator[Case]:
 def responses() -> Iterator[Case]:
     motion = da.solve_dynamics(pendulum(), 0.2, step=0.01)
     for kind, cls in strategies.RESPONSES.items():
-        given = {"measure": "bar.angle"} | ({"event": "e"} if kind == "AtEvent" else {})
+        arguments = {"measure": "bar.angle"} | ({"event": "e"} if kind == "AtEvent" else {})
         for name, value in some(fields(cls)):
-            make = with_number(cls, given, name, value)
+            make = with_number(cls, arguments, name, value)
             yield f"{kind}({name}={value!r:.20})", lambda m=make: da.evaluate(motion, m())
 
 
@@ -166,11 +168,11 @@ def leaves(data: Any, keys: tuple = (), kind: tuple = ()) -> Iterator[tuple[tupl
     for key, child in data.items() if isinstance(data, dict) else enumerate(data):
         where = (*keys, key)
         named = len(keys) == 1 and isinstance(child, dict)
-        told = (*kind, child.get("type", "") if named else "" if isinstance(key, int) else key)
+        place = (*kind, child.get("type", "") if named else "" if isinstance(key, int) else key)
         if isinstance(child, (dict, list)):
-            yield from leaves(child, where, told)
+            yield from leaves(child, where, place)
         elif isinstance(child, (int, float)) or key in ("stiffness", "mass", "length"):
-            yield where, told
+            yield where, place
 
 
 PARTS = {f.__name__: f for f in (analyses, choices, responses, meshes, tables)}

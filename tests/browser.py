@@ -127,21 +127,21 @@ def visit(
     try:
         page.add_init_script(before)
         url = path.resolve().as_uri()
-        found = Visit(page)
+        visit = Visit(page)
         page.on(
             "request",
             lambda r: (
                 None
                 if r.url == url or r.url.startswith(("data:", "blob:"))
-                else found.requests.append(r.url)
+                else visit.requests.append(r.url)
             ),
         )
-        page.on("console", lambda m: DRIVER in m.text or found.console.append(m.text))
-        page.on("pageerror", lambda e: (found.console.append(str(e)), found.errors.append(str(e))))
+        page.on("console", lambda m: DRIVER in m.text or visit.console.append(m.text))
+        page.on("pageerror", lambda e: (visit.console.append(str(e)), visit.errors.append(str(e))))
         page.goto(url)
-        found.until("window.dalembert !== undefined")
-        found.frames(3)
-        yield found
+        visit.until("window.dalembert !== undefined")
+        visit.frames(3)
+        yield visit
     finally:
         page.close()
 
@@ -169,7 +169,7 @@ def show(browser: Any, tmp_path: Path) -> Iterator[Any]:
         return pages[-1][1]
 
     yield opened
-    seen = [(found.requests, found.console) for _, found in pages]
+    seen = [(visit.requests, visit.console) for _, visit in pages]
     for manager, _ in pages:
         manager.__exit__(None, None, None)
     assert seen == [([], [])] * len(seen)

@@ -44,9 +44,9 @@ def unit_mesh(shape: str, count: int) -> tuple[np.ndarray, np.ndarray]:
 def with_middles(shape: str, points: np.ndarray, cells: np.ndarray):
     """A quadratic mesh with straight edges from one of corners."""
     edges = np.sort(np.stack([cells[:, [i, j]] for i, j in middles_of(shape)], axis=1), axis=2)
-    known, place = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True)
+    expected, place = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True)
     more = len(points) + place.reshape(edges.shape[:2])
-    return np.vstack([points, points[known].mean(axis=1)]), np.hstack([cells, more])
+    return np.vstack([points, points[expected].mean(axis=1)]), np.hstack([cells, more])
 
 
 def middles_of(shape: str) -> list[tuple[int, int]]:
@@ -54,23 +54,23 @@ def middles_of(shape: str) -> list[tuple[int, int]]:
     nodes = np.array(REFERENCE_CELLS[shape].nodes)
     corners = len(REFERENCE_CELLS[CORNERS[shape]].nodes)
     pairs = list(combinations(range(corners), 2))
-    found = []
+    edges = []
     for middle in nodes[corners:]:  # diagonals meet in centres, which are no nodes
-        found += [(i, j) for i, j in pairs if np.allclose((nodes[i] + nodes[j]) / 2, middle)]
-    return found
+        edges += [(i, j) for i, j in pairs if np.allclose((nodes[i] + nodes[j]) / 2, middle)]
+    return edges
 
 
 def _tetrahedra() -> list[list[int]]:
     """Six tetrahedra of a hexahedron, along its diagonal (Kuhn)."""
     numbers = {(0, 0, 0): 0, (1, 0, 0): 1, (1, 1, 0): 2, (0, 1, 0): 3}
     numbers |= {(x, y, 1): k + 4 for (x, y, _), k in list(numbers.items())}
-    found = []
+    results = []
     for order in permutations(range(3)):
         steps = np.cumsum(np.vstack([np.zeros(3, int), np.eye(3, dtype=int)[list(order)]]), axis=0)
         cell = [numbers[tuple(int(c) for c in step)] for step in steps]
         odd = np.linalg.det(np.eye(3)[list(order)]) < 0
-        found.append([cell[0], cell[2], cell[1], cell[3]] if odd else cell)
-    return found
+        results.append([cell[0], cell[2], cell[1], cell[3]] if odd else cell)
+    return results
 
 
 def shape_values(shape: str, natural) -> np.ndarray:
@@ -84,9 +84,9 @@ def shape_values(shape: str, natural) -> np.ndarray:
 def places_of(cell: Cell) -> np.ndarray:
     """(nodes, 3) corners somewhat out of place, and middles of edges."""
     corners = np.array(PLACES[cell.dimension, cell.corners], dtype=float)
-    found = np.zeros((cell.nodes, 3))
-    found[: cell.corners] = corners + np.random.default_rng(1).uniform(-0.1, 0.1, corners.shape)
+    computed = np.zeros((cell.nodes, 3))
+    computed[: cell.corners] = corners + np.random.default_rng(1).uniform(-0.1, 0.1, corners.shape)
     for outline in cell.faces if cell.nodes > cell.corners else ():
         ends, middles = list(outline[::2]), list(outline[1::2])
-        found[middles] = (found[ends] + found[np.roll(ends, -1)]) / 2
-    return found
+        computed[middles] = (computed[ends] + computed[np.roll(ends, -1)]) / 2
+    return computed

@@ -51,9 +51,9 @@ settings.load_profile("dalembert")
 def schema():
     """The schema of model files, itself checked, as a validator."""
     jsonschema = pytest.importorskip("jsonschema")
-    made = json_schema()
-    jsonschema.Draft202012Validator.check_schema(made)
-    return jsonschema.Draft202012Validator(made)
+    schema = json_schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
 
 
 @pytest.fixture(scope="session")

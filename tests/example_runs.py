@@ -53,7 +53,7 @@ def script(name: str):
 @cache
 def numbers(name: str, folder: Path) -> dict[str, float]:
     """What the script prints; it draws its picture too."""
-    found = script(name).main(folder)
-    assert all(math.isfinite(number) for number in found.values())
+    results = script(name).main(folder)
+    assert all(math.isfinite(number) for number in results.values())
     assert (folder / f"{name}.png").stat().st_size > 10_000
-    return found
+    return results

@@ -83,8 +83,8 @@ def flexible(dimension: int, structure=None, **options):
 def tapered(dimension: int, count: int = 4):
     """A beam whose thickness, length, modulus and density are parameters; nothing is symmetric."""
     structure = da.Structure("beam")
-    given = {"h": 0.03, "L": 1.0, "E": 2e9, "rho": 1000.0}
-    h, length, modulus, density = (structure.parameter(*pair) for pair in given.items())
+    parameters = {"h": 0.03, "L": 1.0, "E": 2e9, "rho": 1000.0}
+    h, length, modulus, density = (structure.parameter(*pair) for pair in parameters.items())
     nodes = []
     for k in range(count + 1):
         s = k / count

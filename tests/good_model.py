@@ -65,10 +65,10 @@ def load_or_refuse(path: Path) -> None:
     try:
         load_model_file(path).model()
     except DalembertError as error:
-        told = str(error)
+        message = str(error)
     else:
         return
-    assert str(path) in told
+    assert str(path) in message
 
 
 def added(head: str, **keys: str) -> str:

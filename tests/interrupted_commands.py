@@ -56,9 +56,9 @@ def arguments(case: tuple[str, ...], folder: Path) -> list[str]:
 
 def interrupted_after(wait: float, case: tuple[str, ...], folder: Path) -> Iterator[str]:
     """Violations of the law by a command that gets SIGINT after ``wait`` seconds."""
-    given = [sys.executable, "-m", "dalembert.cli", *arguments(case, folder)]
+    command = [sys.executable, "-m", "dalembert", *arguments(case, folder)]
     process = subprocess.Popen(
-        given,
+        command,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

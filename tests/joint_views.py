@@ -18,7 +18,7 @@ def accelerations(view, formulation=None) -> list[np.ndarray]:
     return [x.full().ravel() for x in function(0.0, np.concatenate([q, u, [0, 0]]), p)]
 
 
-def assert_same(found, expected, tolerance=1e-9) -> None:
-    for one, other in zip(found, expected, strict=True):
+def assert_same(computed, expected, tolerance=1e-9) -> None:
+    for one, other in zip(computed, expected, strict=True):
         limit = tolerance * (1 + np.abs(other).max(initial=0))
         np.testing.assert_allclose(one, other, atol=limit, rtol=0)

@@ -121,9 +121,9 @@ def _run(arguments: list[str], folder: Path, kill: int | None) -> None:
         count = 0
         place = (f"{folder}/o/", "o/")
 
-        def watch(event: str, given: tuple) -> None:
+        def watch(event: str, arguments: tuple) -> None:
             nonlocal count
-            if event in OPERATIONS and given and str(given[0]).startswith(place):
+            if event in OPERATIONS and arguments and str(arguments[0]).startswith(place):
                 count += 1
                 if count == kill:
                     os.kill(os.getpid(), signal.SIGKILL)
@@ -173,38 +173,38 @@ def torn(path: Path, earlier: Path) -> str:
     return ""
 
 
-def violations(folder: Path, known: Path, again: bool) -> Iterator[str]:
+def violations(folder: Path, complete: Path, again: bool) -> Iterator[str]:
     """What breaks the law in a folder; ``again``: every file has to be there, nothing hidden."""
-    found, reference = shown(folder), shown(known)
-    for name in found.keys() - reference.keys():
+    computed, reference = shown(folder), shown(complete)
+    for name in computed.keys() - reference.keys():
         yield f"{name} is no file of this command"
-    for name in found.keys() & reference.keys():
-        wrong = torn(found[name], reference[name])
+    for name in computed.keys() & reference.keys():
+        wrong = torn(computed[name], reference[name])
         if wrong:
             yield f"{name}: {wrong}"
     if again:
-        yield from (f"{name} is missing" for name in reference.keys() - found.keys())
+        yield from (f"{name} is missing" for name in reference.keys() - computed.keys())
         yield from (f"{name} is left behind" for name in hidden(folder))
 
 
 def trial(
-    arguments: list[str], start: Path, known: Path, earlier: bool, **moment: float
+    arguments: list[str], start: Path, complete: Path, earlier: bool, **moment: float
 ) -> Iterator[str]:
     """One kill, and the run after it."""
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place) / "f"
-        shutil.copytree(known if earlier else start, folder)
+        shutil.copytree(complete if earlier else start, folder)
         code = ended(arguments, folder, **moment)  # type: ignore[arg-type]
         if code not in (0, -signal.SIGKILL):
             yield f"exit code {code}: {(folder / 'log').read_text()[-300:]}"
-        yield from violations(folder, known, again=False)
+        yield from violations(folder, complete, again=False)
         if earlier:
-            missing = shown(known).keys() - shown(folder).keys()
+            missing = shown(complete).keys() - shown(folder).keys()
             yield from (f"{name} of the earlier run is missing" for name in missing)
         code = ended(arguments, folder)
         if code:
             yield f"exit code {code} afterwards: {(folder / 'log').read_text()[-300:]}"
-        yield from violations(folder, known, again=True)
+        yield from violations(folder, complete, again=True)
 
 
 def prepared(folder: Path) -> Path:
@@ -218,26 +218,26 @@ def prepared(folder: Path) -> Path:
 
 
 def main() -> int:
-    given = sys.argv[1:]
-    repetitions, seed = (int(a) for a in [*given[:2], "8", "0"][:2])
+    options = sys.argv[1:]
+    repetitions, seed = (int(a) for a in [*options[:2], "8", "0"][:2])
     chance, broken = random.Random(seed), 0
     with tempfile.TemporaryDirectory() as place:
         start = prepared(Path(place) / "start")
-        for name in given[2:] or COMMANDS:
-            known = Path(place) / name
-            shutil.copytree(start, known)
+        for name in options[2:] or COMMANDS:
+            expected = Path(place) / name
+            shutil.copytree(start, expected)
             begin = time.monotonic()
-            code = ended(COMMANDS[name], known)
+            code = ended(COMMANDS[name], expected)
             whole = time.monotonic() - begin
-            assert code == 0, f"{name}: {code} {(known / 'log').read_text()[-500:]}"
-            count = int((known / "count").read_text())
+            assert code == 0, f"{name}: {code} {(expected / 'log').read_text()[-500:]}"
+            count = int((expected / "count").read_text())
             for k in range(repetitions):
                 moment = (
                     {"wait": chance.uniform(0.0, whole)}
                     if k % 2
                     else {"kill": chance.randint(1, count)}
                 )
-                for text in trial(COMMANDS[name], start, known, k % 4 > 1, **moment):
+                for text in trial(COMMANDS[name], start, expected, k % 4 > 1, **moment):
                     broken += 1
                     print(f"{name}, {moment} of {count}, {whole:.2f} s: {text}", flush=True)
             print(f"{name}: {repetitions} kills, {count} operations, {whole:.1f} s", flush=True)

@@ -72,23 +72,23 @@ class MechanismTwin:
         speeds = {} if massless else {"angular_velocity": rng.uniform(-1, 1)}
         if not massless:
             speeds["velocity"] = tuple(rng.uniform(-1, 1, 2))
-        made = planar.Body(
+        body = planar.Body(
             name, mass=mass, inertia=inertia, position=tuple(pose[:2]), angle=pose[2], **speeds
         )
-        self._grow(name, made, np.asarray(pose), [mass, mass, inertia])
+        self._grow(name, body, np.asarray(pose), [mass, mass, inertia])
         return name
 
     def particle(self) -> str:
         rng, name = self.rng, f"b{len(self.bodies) - 1}"
         pose, mass = rng.uniform(-1, 1, 2), rng.uniform(0.5, 2)
-        made = planar.Particle(
+        particle = planar.Particle(
             name, mass=mass, position=tuple(pose), velocity=tuple(rng.uniform(-1, 1, 2))
         )
-        self._grow(name, made, np.append(pose, 0.0), [mass, mass])
+        self._grow(name, particle, np.append(pose, 0.0), [mass, mass])
         return name
 
-    def _grow(self, name: str, made: planar.Body, pose: np.ndarray, masses: list[float]) -> None:
-        self.bodies[name] = self.system.add(made)
+    def _grow(self, name: str, body: planar.Body, pose: np.ndarray, masses: list[float]) -> None:
+        self.bodies[name] = self.system.add(body)
         self.poses[name] = pose
         self.masses += masses
 
@@ -123,25 +123,25 @@ class MechanismTwin:
         """Angle of body j relative to i."""
         return self.poses[j][2] - self.poses[i][2]
 
-    def add(self, kind: type, *given, **more):
+    def add(self, kind: type, *arguments, **more):
         """An element of a kind, with a name of its own."""
         self.kinds.append(kind.__name__)
-        return self.system.add(kind(f"{kind.__name__}{len(self.kinds)}", *given, **more))
+        return self.system.add(kind(f"{kind.__name__}{len(self.kinds)}", *arguments, **more))
 
     # twin ------------------------------------------------------------------------------
     def frames(self, y: np.ndarray) -> dict[str, Frame]:
         """Of all bodies and nodes; and the parameters of curves."""
-        found, k = {"ground": GROUND}, 0
+        results, k = {"ground": GROUND}, 0
         for name in self.bodies:
             if name != "ground":
                 n = 3 if self.turns(name) else 2
-                found[name] = Frame(y[k : k + n])
+                results[name] = Frame(y[k : k + n])
                 k += n
         for name, n in sorted(self.own, key=lambda one: -one[1]):  # nodes before curves
-            found[name] = Frame(y[k : k + n]) if n > 1 else y[k]
+            results[name] = Frame(y[k : k + n]) if n > 1 else y[k]
             k += n
         assert k == y.size
-        return found
+        return results
 
     def constraints(self, y: np.ndarray, t) -> np.ndarray:
         f = self.frames(y)

@@ -115,8 +115,8 @@ class Snapshot:
 
     def loads(self) -> list[tuple]:
         """All forces but weight: of joints and drivers, then applied ones."""
-        found = [load for joint in self.model.constraints for load in self.reaction(joint)]
-        return found + (self.case.loads(self.seen) if self.case.loads else [])
+        computed = [load for joint in self.model.constraints for load in self.reaction(joint)]
+        return computed + (self.case.loads(self.seen) if self.case.loads else [])
 
     def imbalance(self, gravity=(0.0, 0.0)) -> float:
         """Largest ``m (r̈ − g) − Σ F`` or ``J φ̈ − Σ (M + (r_P − r) × F)`` of all bodies."""

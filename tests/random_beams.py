@@ -43,7 +43,7 @@ class BeamTwin(JointTwin):
         rigid, mass = rng.uniform((3, 3, 0.1), (10, 10, 0.4)), rng.uniform(0.5, 1.5)
         rotary, lead = rng.uniform(0.05, 0.1), 0.003 * float(rng.integers(2))
         curved = float(rng.choice([0.0, rng.uniform(-0.5, 0.5)]))
-        made = self.add(
+        element = self.add(
             planar.Beam,
             p,
             None if free else q,
@@ -60,7 +60,7 @@ class BeamTwin(JointTwin):
             angle_i=angles[0] - self.poses[i][2],
             angle_j=0.0 if free else angles[1] - self.poses[j][2],
         )
-        own = [f"{made.name}.{k}" for k in range(1, count if free else count - 1)]
+        own = [f"{element.name}.{k}" for k in range(1, count if free else count - 1)]
         self.own += [(name, 3) for name in own]
 
         def nodes(f) -> np.ndarray:

@@ -84,8 +84,8 @@ class Mechanism(BeamTwin):
             measure, along, now = self.bodies[j].y, lambda f: f[j].r[1], self.poses[j][1]
         limit, k, c = now + sense * rng.uniform(-0.02, 0.05), *rng.uniform((20, 0), (200, 1))
         c, power = c * rng.integers(2), float(rng.choice([1.0, 1.5]))
-        given = {"upper" if sense > 0 else "lower": limit}
-        self.add(planar.Stop, measure, stiffness=k, damping=c, exponent=power, **given)
+        arguments = {"upper" if sense > 0 else "lower": limit}
+        self.add(planar.Stop, measure, stiffness=k, damping=c, exponent=power, **arguments)
 
         def depth(f):
             return sense * (along(f) - limit)

@@ -24,9 +24,9 @@ class JointTwin(MechanismTwin):
         return self.add(kind, p, q, **more)
 
     def revolute(self, i: str, j: str, place) -> None:
-        made = self.join(planar.Revolute, i, j, lambda f, p, q: q - p, place, place)
+        joint = self.join(planar.Revolute, i, j, lambda f, p, q: q - p, place, place)
         if self.turns(i) and self.turns(j):
-            self.work_in(made, {"angle": lambda f: f[j].phi - f[i].phi})
+            self.work_in(joint, {"angle": lambda f: f[j].phi - f[i].phi})
 
     def weld(self, i: str, j: str, place) -> None:
         angle = self.turned(i, j)
@@ -44,8 +44,8 @@ class JointTwin(MechanismTwin):
             offset = left(f[i].vector(axis)) @ (q - p)
             return np.array([offset, f[j].phi - f[i].phi - angle])
 
-        made = self.join(planar.Prismatic, i, j, residual, a, b, axis=tuple(axis), angle=angle)
-        self.work_in(made, {"displacement": self._travel(i, j, a, b, axis)})
+        joint = self.join(planar.Prismatic, i, j, residual, a, b, axis=tuple(axis), angle=angle)
+        self.work_in(joint, {"displacement": self._travel(i, j, a, b, axis)})
 
     def slot(self, i: str, j: str, a, b) -> None:
         axis = self.axis(i, a, b)
@@ -53,9 +53,9 @@ class JointTwin(MechanismTwin):
         def residual(f, p, q):
             return np.array([left(f[i].vector(axis)) @ (q - p)])
 
-        made = self.join(planar.PinInSlot, i, j, residual, a, b, axis=tuple(axis))
+        joint = self.join(planar.PinInSlot, i, j, residual, a, b, axis=tuple(axis))
         free = {"displacement": self._travel(i, j, a, b, axis)}
-        self.work_in(made, free | {"angle": lambda f: f[j].phi - f[i].phi})
+        self.work_in(joint, free | {"angle": lambda f: f[j].phi - f[i].phi})
 
     def _travel(self, i: str, j: str, a, b, axis) -> Callable:
         (_, at_p), (_, at_q) = self.point(i, a), self.point(j, b)
@@ -103,10 +103,12 @@ class JointTwin(MechanismTwin):
             FormulaCurve(x + major * cos(u), y + minor * sin(u)),
             self.point(j, place),
         )
-        made = self.add(planar.PointOnCurve, self.bodies[i], q, curve, radius=roller, parameter=at)
-        self.own.append((made.name, 1))
+        element = self.add(
+            planar.PointOnCurve, self.bodies[i], q, curve, radius=roller, parameter=at
+        )
+        self.own.append((element.name, 1))
         self.residuals.append(
-            lambda f, t: turn(-f[i].phi, at_q(f) - f[i].r) - (x, y) - round_(f[made.name])
+            lambda f, t: turn(-f[i].phi, at_q(f) - f[i].r) - (x, y) - round_(f[element.name])
         )
 
     # without slip ----------------------------------------------------------------------
@@ -192,24 +194,24 @@ class JointTwin(MechanismTwin):
         (p, at_p), (q, at_q) = self.point(i, a), self.point(j, b)
         if pick == 0 and self.turns(i) and self.turns(j):
             start = self.turned(i, j)
-            given = planar.RotationalDriver, self.bodies[i], self.bodies[j], moved(start, da.t)
+            arguments = planar.RotationalDriver, self.bodies[i], self.bodies[j], moved(start, da.t)
             more, coordinate = {}, lambda f: f[j].phi - f[i].phi
         elif pick == 1 and self.turns(i):
             axis, start = self.axis(i, a, b), np.linalg.norm(b - a)
-            given, more = (planar.TranslationalDriver, p, q), {"axis": tuple(axis)}
+            arguments, more = (planar.TranslationalDriver, p, q), {"axis": tuple(axis)}
             more["law"] = moved(start, da.t)
             coordinate = self._travel(i, j, a, b, axis)
         elif pick == 2:
             start = np.linalg.norm(b - a)
-            given, more = (planar.DistanceDriver, p, q, moved(start, da.t)), {}
+            arguments, more = (planar.DistanceDriver, p, q, moved(start, da.t)), {}
             coordinate = lambda f: length(at_q(f) - at_p(f))  # noqa: E731
         else:
             along = direction_of(self.rng)
             start = along @ b
-            given, more = (planar.CoordinateDriver, q, moved(start, da.t)), {}
+            arguments, more = (planar.CoordinateDriver, q, moved(start, da.t)), {}
             more["direction"] = tuple(along)
             coordinate = lambda f: along @ at_q(f)  # noqa: E731
-        self.add(*given, **more)
+        self.add(*arguments, **more)
         self.residuals.append(lambda f, t: np.array([coordinate(f) - moved(start, t)]))
 
     # any -------------------------------------------------------------------------------

@@ -91,7 +91,7 @@ def judged_mechanism(seed: int, kind: str, m: Mechanism, tries: int = 20) -> Jud
 
 def faults(m: Mechanism, motion) -> list[str]:
     """What the twin says against a motion."""
-    found, s = [], motion.trajectory
+    results, s = [], motion.trajectory
     table = [terms_of(m, motion, k) for k in range(s.t.size)]
     for n, (name, limit) in enumerate(zip(EQUATIONS, limits(motion), strict=True)):
         residuals, sizes = (np.array([row[n][part] for row in table]) for part in (0, 1))
@@ -101,17 +101,17 @@ def faults(m: Mechanism, motion) -> list[str]:
         shares = np.where(np.isfinite(shares), shares, np.inf).max(axis=1, initial=0.0)
         k = int(np.argmax(shares))
         if not shares[k] <= limit:
-            found.append(f"{name} open by {shares[k]:.2g} at {s.t[k]:g} s")
-    return found + gap_faults(m, motion) + energy_faults(m, motion)
+            results.append(f"{name} open by {shares[k]:.2g} at {s.t[k]:g} s")
+    return results + gap_faults(m, motion) + energy_faults(m, motion)
 
 
 def limits(motion) -> tuple[float, ...]:
     """How far positions, speeds, accelerations, those as fed back, and forces may be open."""
-    a, made = motion.analysis, motion.model.diagnosis.redundancies
+    a, redundancies = motion.analysis, motion.model.diagnosis.redundancies
     projected = isinstance(a.stabilization, da.Projection)
     soft = isinstance(a.formulation, da.Penalty)
     fed_back = isinstance(a.stabilization, da.Baumgarte)
-    redundant = bool(made) and not projected
+    redundant = bool(redundancies) and not projected
     drifts = EXACT if projected else NEARLY
     sharp = NEARLY if soft or redundant else 1e2 * EXACT
     return drifts, drifts, NEARLY if fed_back else sharp, sharp, EXACT
@@ -132,18 +132,18 @@ def gap_faults(m: Mechanism, motion) -> list[str]:
 
 
 def energy_faults(m: Mechanism, motion) -> list[str]:
-    found, s = [], motion.trajectory
+    results, s = [], motion.trajectory
     states = list(zip(s.y.T, s.v.T, strict=True))
     energy = np.array([m.kinetic(y, v) + m.potential(y) for y, v in states])
-    told = motion.values("kinetic_energy") + motion.values("potential_energy")
-    if not np.allclose(energy, told, rtol=1e-9, atol=1e-9):
-        found.append(f"energy is {energy - told} off")
+    stored = motion.values("kinetic_energy") + motion.values("potential_energy")
+    if not np.allclose(energy, stored, rtol=1e-9, atol=1e-9):
+        results.append(f"energy is {energy - stored} off")
     total = energy - energy[0] + s.work[0] - s.work[1]
     kinetic = max(m.kinetic(y, v) for y, v in states)
     moved = kinetic + np.abs(energy - energy[0]).max() + np.abs(s.work).sum(axis=0).max()
     if not np.abs(total).max() <= 0.5 * moved + 1e-6:
-        found.append(f"energy balance open by {np.abs(total).max():.2g} of {moved:.2g} J")
-    return found
+        results.append(f"energy balance open by {np.abs(total).max():.2g} of {moved:.2g} J")
+    return results
 
 
 def terms_of(m: Mechanism, motion, k: int) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -173,8 +173,8 @@ TWINS = {
 
 def _between(kind: type, complete: bool, **numbers):
     def build(q):
-        given = {name: q.number(name, value) for name, value in numbers.items()}
-        return q.add(kind("J", *q.holds(complete), **given))
+        arguments = {name: q.number(name, value) for name, value in numbers.items()}
+        return q.add(kind("J", *q.holds(complete), **arguments))
 
     return build
 
@@ -231,8 +231,8 @@ def _spot_on(kind: type, **numbers):
     def build(q):
         a, b = q.solids()
         hold = q.hold(a, "P", (0.31, 0.12, -0.2), (0.3, -0.2, 1.2), (1.1, 0.2, 0.3))
-        given = {name: q.number(name, value) for name, value in numbers.items()}
-        q.add(kind("J", hold, q.spot(b, "Q", (-0.22, 0.17, 0.1)), **given))
+        arguments = {name: q.number(name, value) for name, value in numbers.items()}
+        q.add(kind("J", hold, q.spot(b, "Q", (-0.22, 0.17, 0.1)), **arguments))
 
     return build
 
@@ -322,8 +322,8 @@ def _on_ground(first: type, second: type, kind: type, **numbers):
         on_a = q.hold(a, "P", (0.1, 0.12, -0.1), (0.3, -0.2, 1.2), (1.1, 0.2, 0.3))
         on_b = q.hold(b, "Q", (-0.12, 0.1, 0.1), (0.2, 0.4, 1.1), (0.9, 0.3, 0.1))
         joints = q.add(first("A", i, on_a)), q.add(second("B", j, on_b))
-        given = {n: q.number(n, v) if isinstance(v, float) else v for n, v in numbers.items()}
-        q.add(kind("J", *joints, **given))
+        arguments = {n: q.number(n, v) if isinstance(v, float) else v for n, v in numbers.items()}
+        q.add(kind("J", *joints, **arguments))
 
     return build
 
@@ -393,8 +393,8 @@ def _ahead(c, turn):
 
 def _driven(joint: type, driver: type, motion, twin, mean: float, axes=()):
     def build(q):
-        made = q.add(joint("J", *q.holds(True, *axes)))
-        q.add(driver("D", made, _wave(q, mean), motion=motion))
+        element = q.add(joint("J", *q.holds(True, *axes)))
+        q.add(driver("D", element, _wave(q, mean), motion=motion))
 
     return build
 

@@ -98,8 +98,8 @@ class SpatialTree:
         self.sprung: list[tuple] = []
 
     def number(self, name: str, value: float):
-        known = name in self.parameters
-        return self.system.parameter(name, float(value)) if known else float(value)
+        expected = name in self.parameters
+        return self.system.parameter(name, float(value)) if expected else float(value)
 
     def body(self) -> int:
         """A body somewhere near, moving; its index."""
@@ -111,7 +111,7 @@ class SpatialTree:
         mass, centre = rng.uniform(0.5, 2.0), rng.uniform(-0.2, 0.2, 3)
         inertia = np.trace(spread) * np.eye(3) - spread
         self.solids.append((mass, centre, inertia))
-        made = spatial.Body(
+        body = spatial.Body(
             f"b{k}",
             mass=self.number(f"m{k}", mass),
             inertia=inertia.tolist(),
@@ -121,7 +121,7 @@ class SpatialTree:
             velocity=tuple(rng.uniform(-1, 1, 3)),
             angular_velocity=tuple(rng.uniform(-2, 2, 3)),
         )
-        self.places.append((self.system.add(made), place, axes))
+        self.places.append((self.system.add(body), place, axes))
         return k
 
     def joint(self, kind: str, i: int, j: int, name: str = "") -> None:

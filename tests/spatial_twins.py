@@ -99,14 +99,14 @@ def chosen(z) -> np.ndarray:
 
 def moved(model, y, step) -> np.ndarray:
     """The position a displacement leads to, by adding it or turning the Euler parameters."""
-    found, i, j = [], 0, 0
+    solutions, i, j = [], 0, 0
     for group in model.coordinates:
         n, m = group.pose.numel(), group.twist.numel()
         pose, short = y[i : i + n], step[j : j + m]
         if n == m:
-            found.append(pose + short)
+            solutions.append(pose + short)
         else:
             turned = product(pose[3:], np.concatenate([[1.0], short[3:] / 2]))
-            found += [pose[:3] + short[:3], unit(turned)]
+            solutions += [pose[:3] + short[:3], unit(turned)]
         i, j = i + n, j + m
-    return np.concatenate(found) if found else y
+    return np.concatenate(solutions) if solutions else y

@@ -25,11 +25,11 @@ def triangle(kind: type, dimension: int, numbers: dict[str, float]) -> Structura
     for i in range(count):
         for j in range(i):
             factor = 1.0 + 0.2 * len(structure.elements)
-            given = {
+            arguments = {
                 name: structure.parameter(f"{name}{j}{i}", factor * value)
                 for name, value in numbers.items()
             }
-            structure.add(kind(f"e{j}{i}", nodes[j], nodes[i], **given))
+            structure.add(kind(f"e{j}{i}", nodes[j], nodes[i], **arguments))
     structure.support(nodes[0])
     for k, node in enumerate(nodes[1:dimension], 1):
         structure.support(node, **{f"u{'xyz'[i]}": 0.0 for i in range(k, dimension)})
@@ -51,10 +51,10 @@ def cell(kind: type) -> StructuralModel:
         structure.node(f"n{k}", stretch * place[0] + shear * place[1], *map(float, place[1:]))
         for k, place in enumerate(places)
     ]
-    given = {"modulus": 3.0, "poisson": 0.3, "density": 2.0}
+    inputs = {"modulus": 3.0, "poisson": 0.3, "density": 2.0}
     if kind.cell.dimension == 2:
-        given["thickness"] = 0.4
-    numbers = {name: structure.parameter(name, value) for name, value in given.items()}
+        inputs["thickness"] = 0.4
+    numbers = {name: structure.parameter(name, value) for name, value in inputs.items()}
     structure.add(kind("cell", nodes, **numbers))
     natural = np.array(kind.cell.nodes)
     low, high = (natural[:, 0] == end for end in (natural[:, 0].min(), natural[:, 0].max()))
@@ -73,7 +73,7 @@ def cell(kind: type) -> StructuralModel:
 def corner(kind: type, **more) -> StructuralModel:
     """Two beams of space round a corner."""
     structure = da.Structure(kind.__name__)
-    given = {
+    inputs = {
         "area": 0.5,
         "second_moment_y": 0.03,
         "second_moment_z": 0.05,
@@ -82,7 +82,7 @@ def corner(kind: type, **more) -> StructuralModel:
         "shear_modulus": 1.2,
         "density": 2.0,
     } | more
-    numbers = {name: structure.parameter(name, value) for name, value in given.items()}
+    numbers = {name: structure.parameter(name, value) for name, value in inputs.items()}
     length = structure.parameter("L", 1.4)
     nodes = [
         structure.node(f"n{k}", *place)
@@ -101,8 +101,8 @@ def attached() -> StructuralModel:
     structure = da.Structure("attached")
     length = structure.parameter("L", 1.4)
     nodes = [structure.node("n0", 0, 0), structure.node("n1", length, 0.3)]
-    given = {"area": 0.5, "second_moment": 0.04, "modulus": 3.0}
-    structure.add(structures.Frame("e", *nodes, **given))
+    arguments = {"area": 0.5, "second_moment": 0.04, "modulus": 3.0}
+    structure.add(structures.Frame("e", *nodes, **arguments))
     tip = nodes[1]
     stiffness = {"stiffness_x": structure.parameter("k", 0.2), "stiffness_y": 0.1}
     structure.add(structures.GroundSpring("spring", tip, **stiffness))
@@ -155,6 +155,6 @@ def floating(count: int = 4) -> da.Structure:
     length = structure.parameter("L", 3.0)
     nodes = [structure.node(f"n{k}", length * k / count, 0.0) for k in range(count + 1)]
     for k in range(count):
-        given = {"area": 0.5, "second_moment": 0.04, "modulus": 3.0, "density": rho}
-        structure.add(structures.Frame(f"e{k}", nodes[k], nodes[k + 1], **given))
+        arguments = {"area": 0.5, "second_moment": 0.04, "modulus": 3.0, "density": rho}
+        structure.add(structures.Frame(f"e{k}", nodes[k], nodes[k + 1], **arguments))
     return structure

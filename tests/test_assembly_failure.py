@@ -102,8 +102,8 @@ def test_bodies_and_the_loop_are_told():
 
 def test_the_other_joints_are_closed():
     """The drawing shows one gap: at the best position only the joint that is told is open."""
-    found = failure(blocked).position
-    poses = dict(zip(("crank", "rod", "piston"), found.y.reshape(-1, 3), strict=True))
+    position = failure(blocked).position
+    poses = dict(zip(("crank", "rod", "piston"), position.y.reshape(-1, 3), strict=True))
     x, y, angle = poses["crank"]
     assert math.hypot(x - 0.25 * math.cos(angle), y - 0.25 * math.sin(angle)) < 1e-6
     assert abs(poses["piston"][1] - 1.0) < 1e-6 and abs(poses["piston"][2]) < 1e-6
@@ -159,8 +159,8 @@ def test_commands_draw_it(command, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("short.toml").write_text(FILE, encoding="utf-8")
     assert main([command, "short.toml"]) == 2
-    told = capsys.readouterr().err
-    assert "0.2 m apart" in told and "drawn in short.assembly.html" in told
+    message = capsys.readouterr().err
+    assert "0.2 m apart" in message and "drawn in short.assembly.html" in message
     assert sorted(path.name for path in Path().iterdir()) == ["short.assembly.html", "short.toml"]
 
 

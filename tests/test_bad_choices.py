@@ -137,12 +137,12 @@ def test_choices_that_cannot_work(case, command, tmp_path, capsys):
     source, out = tmp_path / "wrong.toml", tmp_path / "out"
     source.write_text(edited("step = 0.01", f"step = 0.01\n{keys}"), encoding="utf-8")
     assert main([command, str(source), *(["--output", str(out)] if command == "run" else [])]) == 2
-    told = capsys.readouterr()
-    assert told.err.startswith(f"Error: {source}: ")
+    output = capsys.readouterr()
+    assert output.err.startswith(f"Error: {source}: ")
     for word in words:
-        assert word in told.err, told.err
-    assert len(told.err.splitlines()) == 1
-    assert not told.out
+        assert word in output.err, output.err
+    assert len(output.err.splitlines()) == 1
+    assert not output.out
     assert not out.exists()
 
 
@@ -160,9 +160,9 @@ def test_null_space_by_svd_is_for_few_bodies(tmp_path, capsys):
         encoding="utf-8",
     )
     assert main(["check", str(source)]) == 2
-    told = capsys.readouterr().err
+    message = capsys.readouterr().err
     for word in (str(source), "analysis.formulation", "15 speeds", "up to 12", "basis='qr'"):
-        assert word in told, told
+        assert word in message, message
 
 
 def test_a_run_that_cannot_begin_is_told_with_its_place(tmp_path, capsys):
@@ -178,7 +178,7 @@ def test_a_run_that_cannot_begin_is_told_with_its_place(tmp_path, capsys):
     assert main(["check", str(source)]) == 0  # another start would do
     capsys.readouterr()
     assert main(["run", str(source), "--output", str(out)]) == 1
-    told = capsys.readouterr().err
+    message = capsys.readouterr().err
     for word in (f"Error: {source}: analysis", "bar.x", "name other coordinates"):
-        assert word in told, told
+        assert word in message, message
     assert not list(out.iterdir())

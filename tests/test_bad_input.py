@@ -21,15 +21,15 @@ def test_one_message(case, tmp_path, capsys):
     source, out = tmp_path / "wrong.toml", tmp_path / "out"
     source.write_text(text, encoding="utf-8")
     code = main(["run", str(source), "--output", str(out)])
-    told = capsys.readouterr()
-    assert code == 2, told
-    assert told.err.startswith("Error: ")
-    assert told.err.count(str(source)) == 1, told.err
+    output = capsys.readouterr()
+    assert code == 2, output
+    assert output.err.startswith("Error: ")
+    assert output.err.count(str(source)) == 1, output.err
     for word in words:
-        assert word in told.err, told.err
-    assert len(told.err) < 900
-    assert "Traceback" not in told.err
-    assert not told.out
+        assert word in output.err, output.err
+    assert len(output.err) < 900
+    assert "Traceback" not in output.err
+    assert not output.out
     assert sorted(p.name for p in tmp_path.iterdir() if p != out) == ["wrong.toml"]
     drawn = ["wrong.assembly.html"] if case == "not to be assembled" else []
     assert [p.name for p in out.iterdir()] == drawn if out.exists() else not drawn
@@ -39,18 +39,18 @@ def test_response_with_unknown_measure(tmp_path, capsys):
     source = tmp_path / "wrong.toml"
     source.write_text(edited('"A.force_norm"', '"A.force_nrm"'), encoding="utf-8")
     assert main(["check", str(source)]) == 2
-    told = capsys.readouterr().err
-    assert "responses.peak.measure" in told
-    assert "no measure 'A.force_nrm'; nearest: A.force_norm" in told
+    message = capsys.readouterr().err
+    assert "responses.peak.measure" in message
+    assert "no measure 'A.force_nrm'; nearest: A.force_norm" in message
 
 
 def test_several_slips_are_listed(tmp_path, capsys):
     source = tmp_path / "wrong.toml"
     source.write_text(edited(MASS, "mass = nan").replace(K, "stiffness = true"), encoding="utf-8")
     assert main(["check", str(source)]) == 2
-    told = capsys.readouterr().err
-    assert "bodies.crank.mass" in told
-    assert "forces.spring.stiffness" in told
+    message = capsys.readouterr().err
+    assert "bodies.crank.mass" in message
+    assert "forces.spring.stiffness" in message
 
 
 @pytest.mark.parametrize(
@@ -68,10 +68,10 @@ def test_json(text, words, tmp_path, capsys):
     source = tmp_path / "wrong.json"
     source.write_text(text, encoding="utf-8")
     assert main(["check", str(source)]) == 2
-    told = capsys.readouterr().err
-    assert str(source) in told
+    message = capsys.readouterr().err
+    assert str(source) in message
     for word in words:
-        assert word in told, told
+        assert word in message, message
 
 
 def test_files_that_are_none(tmp_path, capsys):
@@ -90,9 +90,9 @@ def test_files_that_are_none(tmp_path, capsys):
         "a\0b": "null",
     }.items():
         assert main(["check", str(tmp_path / name)]) == 2
-        told = capsys.readouterr().err
-        assert word in told, told
-        assert "Traceback" not in told
+        message = capsys.readouterr().err
+        assert word in message, message
+        assert "Traceback" not in message
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
@@ -106,9 +106,9 @@ def test_output_that_cannot_be_written(tmp_path, capsys):
     source = tmp_path / "good.toml"
     source.write_text(GOOD, encoding="utf-8")
     assert main(["run", str(source), "--output", str(source / "inside")]) == 2
-    told = capsys.readouterr().err
-    assert str(source / "inside") in told
-    assert "--output" in told
+    message = capsys.readouterr().err
+    assert str(source / "inside") in message
+    assert "--output" in message
 
 
 @pytest.mark.parametrize(
@@ -125,17 +125,17 @@ def test_settings(setting, words, tmp_path, capsys):
     source = tmp_path / "good.toml"
     source.write_text(GOOD, encoding="utf-8")
     assert main(["check", str(source), "--set", setting]) == 2
-    told = capsys.readouterr().err
+    message = capsys.readouterr().err
     for word in words:
-        assert word in told, told
+        assert word in message, message
 
 
 def test_errors_as_json(tmp_path, capsys):
     assert main(["check", str(tmp_path / "no.toml"), "--json"]) == 2
-    told = json.loads(capsys.readouterr().out)
-    assert not told["ok"]
-    assert told["error"]["kind"] == "FileError"
-    assert "no.toml" in told["error"]["message"]
+    document = json.loads(capsys.readouterr().out)
+    assert not document["ok"]
+    assert document["error"]["kind"] == "FileError"
+    assert "no.toml" in document["error"]["message"]
 
 
 @pytest.mark.parametrize(
@@ -143,6 +143,6 @@ def test_errors_as_json(tmp_path, capsys):
 )
 def test_wrong_arguments(arguments, capsys):
     assert main(arguments) == 2
-    told = capsys.readouterr()
-    assert "Traceback" not in told.err + told.out
-    assert "--help" in told.err + told.out
+    output = capsys.readouterr()
+    assert "Traceback" not in output.err + output.out
+    assert "--help" in output.err + output.out

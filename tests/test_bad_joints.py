@@ -9,8 +9,8 @@ from dalembert import planar, spatial
 
 
 def body(system: da.System, name: str, **more) -> spatial.Body:
-    given = {"rotation": da.rotation.identity(), "mass": 1.0, "inertia": (0.1, 0.2, 0.15)}
-    return system.add(spatial.Body(name, **given, **more))
+    arguments = {"rotation": da.rotation.identity(), "mass": 1.0, "inertia": (0.1, 0.2, 0.15)}
+    return system.add(spatial.Body(name, **arguments, **more))
 
 
 def two(other: tuple = (0, 1, 0)):
@@ -96,10 +96,10 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize("told", WRONG)
-def test_joints_that_cannot_be_are_refused(told):
-    with pytest.raises(da.ModelError, match=told):
-        WRONG[told]()
+@pytest.mark.parametrize("message", WRONG)
+def test_joints_that_cannot_be_are_refused(message):
+    with pytest.raises(da.ModelError, match=message):
+        WRONG[message]()
 
 
 PLANE_WRONG = {
@@ -122,14 +122,14 @@ PLANE_WRONG = {
 }
 
 
-@pytest.mark.parametrize("told", PLANE_WRONG)
-def test_drivers_of_the_plane_that_cannot_be_are_refused(told):
+@pytest.mark.parametrize("message", PLANE_WRONG)
+def test_drivers_of_the_plane_that_cannot_be_are_refused(message):
     system = da.System("s")
     bodies = [system.add(planar.Body(name, mass=1.0, inertia=1.0)) for name in "ab"]
     weld = system.add(planar.Weld("W", system.ground.center, bodies[0].center))
     revolute = system.add(planar.Revolute("R", system.ground.center, bodies[1].center))
-    with pytest.raises(da.ModelError, match=told):
-        PLANE_WRONG[told](system, weld, revolute)
+    with pytest.raises(da.ModelError, match=message):
+        PLANE_WRONG[message](system, weld, revolute)
 
 
 def test_a_driver_of_the_plane_takes_no_joint_of_space():

@@ -15,8 +15,8 @@ from benchmarks.table import BEGIN, END, markdown, update
 
 def test_a_quick_run_makes_a_table_and_a_picture(tmp_path, capsys, monkeypatch):
     monkeypatch.setenv("DALEMBERT_CACHE", str(tmp_path))  # the command sets it for its process
-    given = ["pendulum", "--quick", "--rounds", "1", "--output", str(tmp_path)]
-    assert command.main(given) == 0
+    inputs = ["pendulum", "--quick", "--rounds", "1", "--output", str(tmp_path)]
+    assert command.main(inputs) == 0
     table = (tmp_path / "table.md").read_text(encoding="utf-8")
     assert "| pendulum | time to an error of 1e-04 m |" in table
     assert "only" not in table  # everyone has reached the error

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from test_decision_files import DENSITY, LENGTH, ROD, run, told, written
+from test_decision_files import DENSITY, LENGTH, ROD, json_output, run, written
 
 from dalembert.cli import main
 
@@ -45,14 +45,14 @@ def test_several_analyses(tmp_path, capsys):
     """The bearing's force m ω² r/2 loads a rod, whose mass is traded for the reach of the crank."""
     written(tmp_path, ROD, "rod.toml")
     path = written(tmp_path, CASES)
-    found = run(capsys, "optimize", path)
-    force = 2.0 * 100 * found["x"]["radius"] / 2
-    assert found["active"] == ["stress"]
-    assert force / found["x"]["area"] == pytest.approx(4e4, rel=1e-5)
-    cost = DENSITY * LENGTH * found["x"]["area"] - 60 * found["x"]["radius"]
-    assert found["fun"] == pytest.approx(cost)
+    result = run(capsys, "optimize", path)
+    force = 2.0 * 100 * result["x"]["radius"] / 2
+    assert result["active"] == ["stress"]
+    assert force / result["x"]["area"] == pytest.approx(4e4, rel=1e-5)
+    cost = DENSITY * LENGTH * result["x"]["area"] - 60 * result["x"]["radius"]
+    assert result["fun"] == pytest.approx(cost)
     assert main(["optimize", str(path), "--vary", "area", "--minimize", "mass", "--json"]) == 0
-    assert list(told(capsys)["x"]) == ["area"]
+    assert list(json_output(capsys)["x"]) == ["area"]
 
 
 def test_an_event_of_a_case_is_one_of_its_own_analysis(tmp_path, capsys):
@@ -72,8 +72,8 @@ def test_an_event_of_a_case_is_one_of_its_own_analysis(tmp_path, capsys):
         line for line in text.splitlines() if not line.startswith(("reach", "subject_to"))
     )
     text = text.replace("mass - 60*reach", "mass")
-    found = run(capsys, "optimize", written(tmp_path, text))
-    assert found["fun"] == pytest.approx(0.05, rel=1e-6)
+    result = run(capsys, "optimize", written(tmp_path, text))
+    assert result["fun"] == pytest.approx(0.05, rel=1e-6)
 
 
 @pytest.mark.parametrize(

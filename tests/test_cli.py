@@ -32,7 +32,7 @@ def model(tmp_path) -> Path:
     return path
 
 
-def told(capsys) -> dict:
+def json_output(capsys) -> dict:
     return json.loads(capsys.readouterr().out)
 
 
@@ -61,11 +61,11 @@ def test_check_explains(model, capsys):
 
 def test_check_as_json(model, capsys):
     assert main(["check", str(model), "--json", "--set", "l1=0.25"]) == 0
-    made = told(capsys)
-    assert made["diagnosis"]["degrees_of_freedom"] == 1
-    assert made["diagnosis"]["joints"] == ["O1", "A", "B", "O2"]
-    assert made["parameters"]["l1"]["value"] == 0.25
-    assert made["derived"]["links"]["value"] == pytest.approx(1.85)
+    output = json_output(capsys)
+    assert output["diagnosis"]["degrees_of_freedom"] == 1
+    assert output["diagnosis"]["joints"] == ["O1", "A", "B", "O2"]
+    assert output["parameters"]["l1"]["value"] == 0.25
+    assert output["derived"]["links"]["value"] == pytest.approx(1.85)
 
 
 def test_check_names_redundant_joints(tmp_path, capsys):
@@ -99,10 +99,10 @@ def test_profile_tells_where_the_time_went(model, tmp_path, capsys):
     """Parts add up to the whole, and what is inside of them is no more than they are."""
     run = ["run", str(model), "--output", str(tmp_path / "out"), "--profile"]
     assert main([*run, "--json"]) == 0
-    found = told(capsys)["profile"]
-    parts = found["parts"]
+    output = json_output(capsys)["profile"]
+    parts = output["parts"]
     assert list(parts) == ["model", "analysis", "results", "report"]
-    assert sum(part["seconds"] for part in parts.values()) == pytest.approx(found["seconds"])
+    assert sum(part["seconds"] for part in parts.values()) == pytest.approx(output["seconds"])
     assert "build" in parts["model"]["inside"]
     inside = parts["analysis"]["inside"]
     assert {"assembly", "compile", "integration", "outputs", "checks"} <= set(inside)
@@ -110,7 +110,7 @@ def test_profile_tells_where_the_time_went(model, tmp_path, capsys):
     for part in parts.values():
         shares = [v for name, v in part["inside"].items() if not name.startswith("projection")]
         assert sum(shares) <= part["seconds"] + 1e-5
-    counts = found["counts"]
+    counts = output["counts"]
     assert counts["evaluations of accelerations"] == 4 * counts["steps"] > 0
     assert counts["projections"] == counts["steps"]
     assert main(run) == 0
@@ -132,11 +132,11 @@ def test_run_as_json(model, tmp_path, capsys):
         main(["run", str(model), "--output", str(tmp_path / "o"), "--json", "--set", "l1=0.25"])
         == 0
     )
-    made = told(capsys)
-    assert made["ok"]
-    assert made["time"] == pytest.approx(0.5)
-    assert made["maxima"]["position_violation"] < 1e-10
-    assert all(Path(f).exists() for f in made["files"])
+    output = json_output(capsys)
+    assert output["ok"]
+    assert output["time"] == pytest.approx(0.5)
+    assert output["maxima"]["position_violation"] < 1e-10
+    assert all(Path(f).exists() for f in output["files"])
 
 
 @pytest.mark.parametrize("kind", ["Equilibrium", "Modal"])
@@ -177,7 +177,7 @@ def test_methods_of_sensitivity_agree(model, tmp_path, capsys):
     gradients = {}
     for method in ("adjoint", "direct", "finite-difference"):
         assert main(["sensitivity", str(model), "--method", method, "--json"]) == 0
-        gradients[method] = told(capsys)["responses"]["angle"]["gradient"]
+        gradients[method] = json_output(capsys)["responses"]["angle"]["gradient"]
     for name in ("l1", "l2", "l3"):
         exact = gradients["adjoint"][name]
         assert gradients["direct"][name] == pytest.approx(exact, rel=1e-9)
@@ -191,12 +191,12 @@ def test_methods_of_sensitivity_agree(model, tmp_path, capsys):
 def test_optimize(model, tmp_path, capsys):
     out = tmp_path / "o"
     assert main(["optimize", str(model), "--json", "--output", str(out)]) == 0
-    made = told(capsys)
-    assert made["fun"] < made["start_fun"]
-    assert set(made["x"]) == {"l2", "l3"}
+    output = json_output(capsys)
+    assert output["fun"] < output["start_fun"]
+    assert set(output["x"]) == {"l2", "l3"}
     page = (out / "four_bar.optimum.report.html").read_text(encoding="utf-8")
     assert '"optimum":{"label":"peak","unit":"N"' in page and '"ghosts":[{' in page
-    assert made["objective"] == "peak" and made["stationarity"] < 1e-3
+    assert output["objective"] == "peak" and output["stationarity"] < 1e-3
     assert main(["optimize", str(model), "--quiet"]) == 0
     assert "objective" in capsys.readouterr().out
 
@@ -210,8 +210,12 @@ def test_cache(tmp_path, monkeypatch, capsys):
     (folder / "one.o").write_bytes(bytes(2_000_000))
     (folder / "one.sha256").write_text("…")
     assert main(["cache", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["functions"] == 1 and told["bytes"] == 2_000_000 and told["folder"] == str(folder)
+    document = json.loads(capsys.readouterr().out)
+    assert (
+        document["functions"] == 1
+        and document["bytes"] == 2_000_000
+        and document["folder"] == str(folder)
+    )
     assert main(["cache", "--clear"]) == 0
     assert "1 compiled functions, 2.0 MB, deleted from" in capsys.readouterr().out
     assert not list(folder.iterdir())
@@ -219,16 +223,16 @@ def test_cache(tmp_path, monkeypatch, capsys):
 
 def test_schema(tmp_path, capsys):
     assert main(["schema"]) == 0
-    made = told(capsys)
-    assert "joints" in made["$defs"]["PlanarDocument"]["properties"]
-    assert "supports" in made["$defs"]["StructureDocument"]["properties"]
+    output = json_output(capsys)
+    assert "joints" in output["$defs"]["PlanarDocument"]["properties"]
+    assert "supports" in output["$defs"]["StructureDocument"]["properties"]
     assert main(["schema", "--output", str(tmp_path / "s.json")]) == 0
-    assert json.loads((tmp_path / "s.json").read_text(encoding="utf-8")) == made
+    assert json.loads((tmp_path / "s.json").read_text(encoding="utf-8")) == output
 
 
 def test_examples(tmp_path, capsys):
     assert main(["examples", "--json"]) == 0
-    assert "four_bar" in told(capsys)["examples"]
+    assert "four_bar" in json_output(capsys)["examples"]
     assert main(["examples", "four_bar", "--output", str(tmp_path)]) == 0
     assert (tmp_path / "four_bar.toml").read_text(encoding="utf-8") == FOUR_BAR.read_text(
         encoding="utf-8"
@@ -245,7 +249,7 @@ def started(*arguments: str, **options) -> subprocess.Popen:
     if os.name != "nt":  # a run in the background of a shell is started deaf to interrupts
         options["preexec_fn"] = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | options
-    return subprocess.Popen([sys.executable, "-m", "dalembert.cli", *arguments], **options)
+    return subprocess.Popen([sys.executable, "-m", "dalembert", *arguments], **options)
 
 
 def test_exit_code_of_the_process(tmp_path):
@@ -261,17 +265,17 @@ def test_interrupt_keeps_the_results(model, tmp_path):
     text = model.read_text(encoding="utf-8").replace("duration = 0.5", "duration = 20000")
     model.write_text(text, encoding="utf-8")
     shown, terminal = os.openpty()
-    asked = ("run", str(model), "--output", str(tmp_path / "o"), "--no-report")
-    process = started(*asked, stderr=terminal)
+    arguments = ("run", str(model), "--output", str(tmp_path / "o"), "--no-report")
+    process = started(*arguments, stderr=terminal)
     os.close(terminal)
-    told = b""
-    while b"integrating four-bar" not in told:
-        told += os.read(shown, 4096)
+    screen = b""
+    while b"integrating four-bar" not in screen:
+        screen += os.read(shown, 4096)
     process.send_signal(signal.SIGINT)
     out, _ = process.communicate()
     assert process.returncode == 130, out
     assert "interrupted" in out
-    assert b"Traceback" not in told
+    assert b"Traceback" not in screen
     assert (tmp_path / "o" / "four_bar.nc").exists()
 
 
@@ -279,11 +283,11 @@ def interrupts(monkeypatch, owner, name: str, call: int) -> None:
     """Ctrl-C in the call of this number."""
     honest, calls = getattr(owner, name), [0]
 
-    def stopped(*given, **named):
+    def stopped(*arguments, **named):
         calls[0] += 1
         if calls[0] == call:
             raise KeyboardInterrupt
-        return honest(*given, **named)
+        return honest(*arguments, **named)
 
     monkeypatch.setattr(owner, name, stopped)
 
@@ -292,25 +296,25 @@ def interrupts(monkeypatch, owner, name: str, call: int) -> None:
 def test_interrupted_gradients(model, tmp_path, capsys, monkeypatch, owner, name):
     """In the run and in the sweep back: nothing is written, and no traceback."""
     interrupts(monkeypatch, owner, name, 1)
-    asked = ["sensitivity", str(model), "--method", "adjoint", "--output", str(tmp_path / "o")]
-    assert main(asked) == 130
+    arguments = ["sensitivity", str(model), "--method", "adjoint", "--output", str(tmp_path / "o")]
+    assert main(arguments) == 130
     assert capsys.readouterr().err == "Error: interrupted\n"
     assert not list((tmp_path / "o").glob("*"))
 
 
-@pytest.mark.parametrize(("call", "kept"), [(1, False), (2, True)])
-def test_interrupted_optimisations(model, tmp_path, capsys, monkeypatch, call, kept):
+@pytest.mark.parametrize(("call", "saved"), [(1, False), (2, True)])
+def test_interrupted_optimisations(model, tmp_path, capsys, monkeypatch, call, saved):
     """The design reached is told and written, where there is one."""
     interrupts(monkeypatch, DesignProblem, "_run", call)
     assert main(["optimize", str(model), "--output", str(tmp_path / "o")]) == 130
-    told = capsys.readouterr()
-    assert "interrupted" in (told.out if kept else told.err) and "Traceback" not in told.err
-    assert (tmp_path / "o" / "four_bar.optimum.nc").exists() == kept
+    output = capsys.readouterr()
+    assert "interrupted" in (output.out if saved else output.err) and "Traceback" not in output.err
+    assert (tmp_path / "o" / "four_bar.optimum.nc").exists() == saved
 
 
 def test_all_examples_are_listed_and_bring_what_they_need(tmp_path, capsys):
     assert main(["examples", "--json"]) == 0
-    listed = told(capsys)["examples"]
+    listed = json_output(capsys)["examples"]
     folder = FOUR_BAR.parent
     wanted = {p.stem for p in folder.glob("*.toml")} | {p.name for p in folder.glob("*.ipynb")}
     wanted |= {p.name for p in folder.glob("*.py")} - {"style.py"}
@@ -331,8 +335,8 @@ def test_two_runs_are_reported_together_and_filmed(model, tmp_path, capsys, monk
     seen: list[str] = []
     monkeypatch.setattr("webbrowser.open", seen.append)
     for name, setting in (("a", "l1=0.3"), ("b", "l1=0.28")):
-        made = ["--output", str(tmp_path / name), "--set", setting, "--no-report", "--quiet"]
-        assert main(["run", str(model), *made]) == 0
+        options = ["--output", str(tmp_path / name), "--set", setting, "--no-report", "--quiet"]
+        assert main(["run", str(model), *options]) == 0
     one, other = (tmp_path / name / "four_bar.nc" for name in "ab")
     assert main(["report", str(one), str(other), "--open"]) == 0
     page = one.with_suffix(".report.html")

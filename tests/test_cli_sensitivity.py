@@ -33,14 +33,14 @@ def bridge() -> Path:
     return EXAMPLES / "bridge.dat"
 
 
-def told(capsys) -> dict:
+def json_output(capsys) -> dict:
     return json.loads(capsys.readouterr().out)
 
 
 def rows(text: str, name: str) -> list[list[str]]:
     """Cells of the lines that begin with a name."""
-    found = (line.split() for line in text.splitlines())
-    return [cells for cells in found if cells[:1] == [name]]
+    computed = (line.split() for line in text.splitlines())
+    return [cells for cells in computed if cells[:1] == [name]]
 
 
 def test_tables_are_sorted_by_influence(model, capsys):
@@ -50,15 +50,15 @@ def test_tables_are_sorted_by_influence(model, capsys):
     assert "percent of the response per percent of the parameter" in text
     assert "note: m_rod, m_piston, gas: no influence on piston_speed (exactly zero)" in text
     assert main(["sensitivity", str(model), "--json"]) == 0
-    made = told(capsys)
-    order = [text.index(f"\n{name} ") for name in made["by_influence"]]
+    output = json_output(capsys)
+    order = [text.index(f"\n{name} ") for name in output["by_influence"]]
     assert order == sorted(order)
-    speed = made["responses"]["piston_speed"]
-    derivative, value = speed["gradient"]["r"], made["parameters"]["r"]["value"]
+    speed = output["responses"]["piston_speed"]
+    derivative, value = speed["gradient"]["r"], output["parameters"]["r"]["value"]
     assert speed["relative"]["r"] == pytest.approx(derivative * value / speed["value"], rel=1e-12)
     assert rows(text, "r")[1][-1] == f"{speed['relative']['r']:+.4g}"
-    assert made["notes"]
-    assert made["parameters"]["r"]["unit"] == "m"
+    assert output["notes"]
+    assert output["parameters"]["r"]["unit"] == "m"
 
 
 def test_few_parameters_are_columns(model, capsys):
@@ -71,9 +71,9 @@ def test_few_parameters_are_columns(model, capsys):
 def test_chosen_responses_and_parameters(model, capsys):
     command = ["sensitivity", str(model), "--response", "bearing", "--wrt", "m_rod", "--json"]
     assert main(command) == 0
-    made = told(capsys)
-    assert list(made["responses"]) == ["bearing"]
-    assert list(made["responses"]["bearing"]["gradient"]) == ["m_rod"]
+    output = json_output(capsys)
+    assert list(output["responses"]) == ["bearing"]
+    assert list(output["responses"]["bearing"]["gradient"]) == ["m_rod"]
 
 
 def test_certificate(model, capsys):
@@ -83,7 +83,7 @@ def test_certificate(model, capsys):
     assert re.search(r"Taylor test of bearing: slope 2\.\d\d, confirmed", text)
     assert "d bearing / d m_rod" in text
     assert main([*command, "--json"]) == 0
-    certificate = told(capsys)["certificate"]
+    certificate = json_output(capsys)["certificate"]
     assert certificate["passed"]
     assert {entry["verdict"] for entry in certificate["entries"]} <= {"confirmed", "no influence"}
     assert certificate["taylor"][0]["taylor_slope"] == pytest.approx(2.0, abs=0.1)
@@ -95,9 +95,9 @@ def test_a_certificate_that_fails_is_a_failure(model, capsys, monkeypatch):
     true = PointwiseEngine.adjoint
     monkeypatch.setattr(PointwiseEngine, "adjoint", lambda self: 1.001 * true(self))
     assert main(["sensitivity", str(model), "--certificate", "--json"]) == 1
-    made = told(capsys)
-    assert not made["ok"]
-    assert not made["certificate"]["passed"]
+    output = json_output(capsys)
+    assert not output["ok"]
+    assert not output["certificate"]["passed"]
 
 
 def test_files(model, tmp_path, capsys):
@@ -110,8 +110,8 @@ def test_files(model, tmp_path, capsys):
     with table.open(encoding="utf-8", newline="") as file:
         lines = list(csv.DictReader(file))
     assert len(lines) == 3 * 6
-    found = {(x["response"], x["parameter"]): x for x in lines}
-    entry = {name: float(found["bearing", "r"][name]) for name in NUMBERS}
+    results = {(x["response"], x["parameter"]): x for x in lines}
+    entry = {name: float(results["bearing", "r"][name]) for name in NUMBERS}
     change = entry["derivative"] * entry["parameter_value"] / entry["response_value"]
     assert entry["relative"] == pytest.approx(change, rel=1e-12)
     assert chart.read_bytes()[:4] == b"\x89PNG"
@@ -120,7 +120,7 @@ def test_files(model, tmp_path, capsys):
 def test_chart_alone(model, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["sensitivity", str(model), "--plot", "--svg", "--json"]) == 0
-    assert told(capsys)["files"] == ["slider_crank.sensitivity.svg"]
+    assert json_output(capsys)["files"] == ["slider_crank.sensitivity.svg"]
     picture = (tmp_path / "slider_crank.sensitivity.svg").read_text(encoding="utf-8")
     assert "<svg" in picture
     assert sorted(p.suffix for p in tmp_path.iterdir()) == [".svg", ".toml"]
@@ -129,8 +129,8 @@ def test_chart_alone(model, tmp_path, capsys, monkeypatch):
 def test_deck_with_parameters(bridge, capsys):
     """Example 8.13: ∇Θ = (−9, −1), and ∂U1/∂k1 = −3 where U1 = 3/k1."""
     assert main(["sensitivity", str(bridge), "--json"]) == 0
-    made = told(capsys)
-    assert made["responses"]["compliance"]["gradient"] == {
+    output = json_output(capsys)
+    assert output["responses"]["compliance"]["gradient"] == {
         "d1": pytest.approx(-9.0, abs=1e-12),
         "d2": pytest.approx(-1.0, abs=1e-12),
     }
@@ -140,7 +140,7 @@ def test_deck_with_parameters(bridge, capsys):
     assert rows(text, "d1")[0][-2:] == ["-3", "0"]
     assert "d1, d2: no influence on n3.fx (exactly zero)" in text
     assert main(["sensitivity", str(bridge), "--set", "d1=2", "--json"]) == 0
-    assert told(capsys)["responses"]["compliance"]["gradient"]["d1"] == pytest.approx(-9 / 4)
+    assert json_output(capsys)["responses"]["compliance"]["gradient"]["d1"] == pytest.approx(-9 / 4)
 
 
 @pytest.mark.parametrize(

@@ -57,8 +57,8 @@ def comparison() -> da.Comparison:
     )
 
 
-def only(made: da.Comparison) -> dict:
-    (row,) = made.table().to_dict("records")
+def only(comparison: da.Comparison) -> dict:
+    (row,) = comparison.table().to_dict("records")
     return row
 
 
@@ -108,18 +108,18 @@ def test_orders_are_seen():
 
 
 def test_what_cannot_work_is_told_once():
-    made = comparison()
-    refused = made.sel(formulation="Refusing")
+    result = comparison()
+    refused = result.sel(formulation="Refusing")
     assert refused.data.sizes["run"] == 3  # one per integrator, not per step
     assert set(refused.data["outcome"].values) == {"UnsupportedError"}
     assert np.isnan(refused.data["error_position"]).all()
-    assert notes(made).count("Refusing() never works; use formulation=RangeSpace()") == 1
-    assert made.complete and made.finished.sum() == 8
-    columns, rows = cells(made)
+    assert notes(result).count("Refusing() never works; use formulation=RangeSpace()") == 1
+    assert result.complete and result.finished.sum() == 8
+    columns, rows = cells(result)
     status = [c.heading for c in columns].index("status")
-    told = [row[status].partition(" [")[0] for row in rows]
-    assert told == ["ok"] * 8 + ["unsupported"] * 3
-    assert "3 of 11 runs did not finish" in made.summary()
+    messages = [row[status].partition(" [")[0] for row in rows]
+    assert messages == ["ok"] * 8 + ["unsupported"] * 3
+    assert "3 of 11 runs did not finish" in result.summary()
 
 
 def test_a_run_that_diverges_keeps_its_status():
@@ -130,17 +130,17 @@ def test_a_run_that_diverges_keeps_its_status():
     ground = system.ground.point(0, 0)
     system.add(planar.Spring("spring", ground, centre, stiffness=1e7, free_length=0.999))
     options = {"formulations": "RangeSpace", "integrators": "Euler", "steps": 0.002, "outputs": 11}
-    made = da.compare(system.build(), 0.5, **options)
-    row = only(made)
+    comparison = da.compare(system.build(), 0.5, **options)
+    row = only(comparison)
     assert row["outcome"] == "diverged" and "finite" in row["message"]
     assert np.isnan(row["error_position"]) and row["steps"] < 250
     with pytest.raises(da.AnalysisError, match="no run finished"):
-        made.plot()
+        comparison.plot()
 
 
 def test_a_doubtful_choice_is_marked():
     """A gain of 5700 1/s with steps of 1 ms makes violations grow: RK4 bears ``hs = −2.8``."""
-    made = da.compare(
+    comparison = da.compare(
         pendulum(),
         0.003,
         formulations="RangeSpace",
@@ -149,33 +149,33 @@ def test_a_doubtful_choice_is_marked():
         stabilizations=da.Baumgarte(alpha=5700.0),
         outputs=3,
     )
-    long, short = made.table().to_dict("records")
+    long, short = comparison.table().to_dict("records")
     single = da.solve_dynamics(
         pendulum(), 0.003, step=0.001, stabilization=da.Baumgarte(alpha=5700.0), outputs=3
     )
     assert [long["warnings"]] == single.warnings and "use steps below" in long["warnings"]
-    assert short["warnings"] == "" and notes(made) == single.warnings
-    columns, rows = cells(made)
+    assert short["warnings"] == "" and notes(comparison) == single.warnings
+    columns, rows = cells(comparison)
     status = [c.heading for c in columns].index("status")
     assert [row[status] for row in rows] == ["ok [1]", "ok"]
 
 
 def test_choices_that_nobody_made_are_combined_where_they_can_work():
-    made = da.compare(pendulum(), 0.1, steps=0.01, tolerances=1e-4, outputs=3)
-    runs = made.table()
-    assert made.finished.all()
+    result = da.compare(pendulum(), 0.1, steps=0.01, tolerances=1e-4, outputs=3)
+    runs = result.table()
+    assert result.finished.all()
     assert set(runs["integrator"][runs["formulation"] == "DAE"]) == {"Radau"}
     joint = runs[runs["coordinates"] == "JointCoordinates"]
     assert set(joint["formulation"]) == {"RangeSpace"}
-    asked = da.compare(
+    comparison = da.compare(
         pendulum(), 0.1, formulations=["DAE"], integrators="RK4", steps=0.01, outputs=3
     )
-    assert only(asked)["outcome"] == "UnsupportedError"  # who asks is answered
+    assert only(comparison)["outcome"] == "UnsupportedError"  # who asks is answered
 
 
 def test_errors_below_the_uncertainty_are_marked():
     same = da.DormandPrince853(max_step=SPAN / 200)  # as the reference
-    made = da.compare(
+    comparison = da.compare(
         pendulum(),
         SPAN,
         formulations=da.RangeSpace(),
@@ -184,17 +184,17 @@ def test_errors_below_the_uncertainty_are_marked():
         steps=0.02,
         outputs=11,
     )
-    reference, rk4 = made.table().to_dict("records")
+    reference, rk4 = comparison.table().to_dict("records")
     assert reference["error_position"] == 0.0 and reference["below_uncertainty"]
     assert not rk4["below_uncertainty"]
-    columns, rows = cells(made)
+    columns, rows = cells(comparison)
     error = [c.heading for c in columns].index("error")
     assert rows[0][error].startswith("≤") and not rows[1][error].startswith("≤")
 
 
 def test_a_given_motion_is_the_reference():
     loose = da.solve_dynamics(pendulum(), SPAN, step=0.04)
-    made = da.compare(
+    comparison = da.compare(
         pendulum(),
         SPAN,
         formulations="RangeSpace",
@@ -203,9 +203,11 @@ def test_a_given_motion_is_the_reference():
         reference=loose,
         outputs=26,
     )
-    same, better = made.data["error_position"].values
+    same, better = comparison.data["error_position"].values
     assert same < 1e-14
-    assert made.uncertainty == pytest.approx(better, rel=0.02)  # both see the error of the motion
+    assert comparison.uncertainty == pytest.approx(
+        better, rel=0.02
+    )  # both see the error of the motion
 
 
 def test_parameters_change_the_run_not_the_model():
@@ -238,32 +240,32 @@ def test_wrong_input(options, message):
 
 # files and pictures ------------------------------------------------------------------
 def test_saved_and_loaded(tmp_path):
-    made = comparison()
-    again = da.Comparison(da.load_results(made.save(tmp_path / "c.nc")))
-    assert again.summary() == made.summary()
-    assert again.table().equals(made.table())
-    with made.to_csv(tmp_path / "c.csv").open(encoding="utf-8") as file:
+    result = comparison()
+    again = da.Comparison(da.load_results(result.save(tmp_path / "c.nc")))
+    assert again.summary() == result.summary()
+    assert again.table().equals(result.table())
+    with result.to_csv(tmp_path / "c.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert [row["integrator"] for row in rows] == list(made.data["integrator"].values)
-    assert float(rows[0]["error_position"]) == made.data["error_position"].values[0]
-    assert "Refusing() never works" in made._repr_html_()
+    assert [row["integrator"] for row in rows] == list(result.data["integrator"].values)
+    assert float(rows[0]["error_position"]) == result.data["error_position"].values[0]
+    assert "Refusing() never works" in result._repr_html_()
 
 
 @pytest.mark.parametrize("kind", ["work-precision", "violations", "energy"])
 def test_pictures(kind):
     import matplotlib.pyplot as plt
 
-    made = comparison()
-    axes = np.atleast_1d(made.plot(kind))
+    result = comparison()
+    axes = np.atleast_1d(result.plot(kind))
     texts = [t.get_text() for t in axes[0].texts]
     assert {"Heun", "RK4", "DormandPrince"} <= set(texts)
     assert len(axes) == (2 if kind == "violations" else 1)
     line = axes[0].lines[0]
-    rows = made.sel(integrator="Heun", outcome="completed").data
+    rows = result.sel(integrator="Heun", outcome="completed").data
     assert np.allclose(line.get_xdata(), 1e3 * rows["time"].values)
     plt.close(axes[0].figure)
     with pytest.raises(da.AnalysisError, match="work-precision"):
-        made.plot("pie")
+        result.plot("pie")
 
 
 # the command ---------------------------------------------------------------------------
@@ -308,18 +310,18 @@ def test_command_as_json(model, tmp_path, capsys):
     arguments = ["compare", str(model), "--output", str(tmp_path), "--json", "--svg"]
     arguments += ["--integrators", "RK4,Heun", "--steps", "0.01", "--duration", "0.2"]
     assert main([*arguments, "--set", "l2=0.9"]) == 0
-    made = json.loads(capsys.readouterr().out)
-    assert made["ok"] and made["complete"] and made["end"] == 0.2
-    assert [(r["integrator"], r["stabilization"]) for r in made["runs"]] == [
+    document = json.loads(capsys.readouterr().out)
+    assert document["ok"] and document["complete"] and document["end"] == 0.2
+    assert [(r["integrator"], r["stabilization"]) for r in document["runs"]] == [
         ("RK4", "Projection"),
         ("Heun", "Projection"),
         ("RK4", "Baumgarte(alpha=20)"),
         ("Heun", "Baumgarte(alpha=20)"),
     ]
-    assert all(r["steps"] == 20 and r["tolerance"] is None for r in made["runs"])
-    assert made["reference"]["uncertainty"]["position"] < 1e-9
-    assert made["files"][1].endswith("four_bar.compare.svg")
-    assert all(Path(f).exists() for f in made["files"])
+    assert all(r["steps"] == 20 and r["tolerance"] is None for r in document["runs"])
+    assert document["reference"]["uncertainty"]["position"] < 1e-9
+    assert document["files"][1].endswith("four_bar.compare.svg")
+    assert all(Path(f).exists() for f in document["files"])
 
 
 @pytest.mark.parametrize(
@@ -400,8 +402,8 @@ def test_an_interruption_keeps_the_rows_so_far(model, tmp_path, capsys, monkeypa
 
     monkeypatch.setattr(da.Dynamics, "run", run)
     assert main(["compare", str(model), "--json", "--output", str(tmp_path)]) == 130
-    made = json.loads(capsys.readouterr().out)
-    assert not made["ok"] and not made["complete"] and len(made["runs"]) == 2
+    document = json.loads(capsys.readouterr().out)
+    assert not document["ok"] and not document["complete"] and len(document["runs"]) == 2
     assert len((tmp_path / "four_bar.compare.csv").read_text(encoding="utf-8").splitlines()) == 3
 
 

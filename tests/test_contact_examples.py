@@ -26,11 +26,11 @@ def test_cam_lifts_by_its_law(pictures: Path) -> None:
         (240, 0.0075),
         (330, 0.0),
     ):
-        found = float(run.at([degrees / 3600])["follower.y"][0])
-        assert found - 0.042 == pytest.approx(lift, abs=1e-7)
+        computed = float(run.at([degrees / 3600])["follower.y"][0])
+        assert computed - 0.042 == pytest.approx(lift, abs=1e-7)
     x = 30 / 120
-    found = float(run.at([30 / 3600])["follower.y"][0])
-    assert found - 0.042 == pytest.approx(0.015 * (10 * x**3 - 15 * x**4 + 6 * x**5), abs=1e-7)
+    computed = float(run.at([30 / 3600])["follower.y"][0])
+    assert computed - 0.042 == pytest.approx(0.015 * (10 * x**3 - 15 * x**4 + 6 * x**5), abs=1e-7)
     at_rest = (
         4000 * (0.075 - (0.16 - 0.06 - 0.057)) + 0.4 * G
     )  # spring and weight on the upper dwell
@@ -40,60 +40,60 @@ def test_cam_lifts_by_its_law(pictures: Path) -> None:
 
 def test_cam_loses_its_follower_where_a_joint_would_have_to_pull(pictures: Path) -> None:
     """At low speed the contact bears what the joint bears, and it flies once that would pull."""
-    found, speeds = numbers("cam_lift_off", pictures), script("cam_lift_off").SPEEDS
+    printed, speeds = numbers("cam_lift_off", pictures), script("cam_lift_off").SPEEDS
     for speed in speeds:
         run = da.solve_inverse_dynamics(
             model("cam_follower"), 2 * math.pi / speed, outputs=721, parameters={"speed": speed}
         )
         pushes = run["contact.force"].values[:, 1]
-        flown = found[f"share of the turn in flight at {speed:.0f} rad/s"]
+        flown = printed[f"share of the turn in flight at {speed:.0f} rad/s"]
         assert (flown > 0) == (pushes.min() < 0)
         if not flown:
-            largest = found[f"largest force at {speed:.0f} rad/s"]
+            largest = printed[f"largest force at {speed:.0f} rad/s"]
             assert largest == pytest.approx(pushes.max(), rel=0.01)
 
 
 def test_play_in_a_pin_shakes_the_slider(pictures: Path) -> None:
-    found, made = numbers("slider_crank_with_play", pictures), script("slider_crank_with_play")
-    ideal = made.SPEED**2 * 0.05 * (1 + 0.05 / 0.12)  # in the outer dead centre
-    assert found["largest without play [m/s^2]"] == pytest.approx(ideal, rel=1e-6)
-    assert found["largest acceleration [m/s^2]"] > 2 * ideal
-    assert found["slider off its place [mm]"] < 1e3 * made.PLAY * 1.3 * (1 + 0.05 / 0.12)
-    assert 0.01 < found["share of time in flight"] < 0.5
+    printed, example = numbers("slider_crank_with_play", pictures), script("slider_crank_with_play")
+    ideal = example.SPEED**2 * 0.05 * (1 + 0.05 / 0.12)  # in the outer dead centre
+    assert printed["largest without play [m/s^2]"] == pytest.approx(ideal, rel=1e-6)
+    assert printed["largest acceleration [m/s^2]"] > 2 * ideal
+    assert printed["slider off its place [mm]"] < 1e3 * example.PLAY * 1.3 * (1 + 0.05 / 0.12)
+    assert 0.01 < printed["share of time in flight"] < 0.5
 
 
 def test_geneva_wheel_goes_on_by_quarters(pictures: Path) -> None:
     """By 90° at each turn, off the course of a wheel without play by no more than that allows."""
-    found = numbers("geneva_wheel", pictures)
+    printed = numbers("geneva_wheel", pictures)
     play = 5e-5 / (0.1 - 0.1 / math.sqrt(2))  # of the pin, where it is next to the axle
-    assert found["turned"] == pytest.approx(-180, abs=0.2)
-    assert found["off"] < 2 * play
+    assert printed["turned"] == pytest.approx(-180, abs=0.2)
+    assert printed["off"] < 2 * play
 
 
 def test_chain_drive_keeps_the_ratio_of_its_teeth(pictures: Path) -> None:
     """Mean speeds and torques of rigid links; the polygon's effect but for what vibrates."""
-    found = numbers("chain_drive", pictures)
-    assert found["ratio"] == pytest.approx(9 / 14, rel=1e-3)
-    assert found["torque"] == pytest.approx(3.0, rel=0.03)
-    assert found["motor"] == pytest.approx(3.0 * 9 / 14, rel=0.01)
-    assert found["ripple"] == pytest.approx(1 - math.cos(math.pi / 9), abs=0.01)
+    printed = numbers("chain_drive", pictures)
+    assert printed["ratio"] == pytest.approx(9 / 14, rel=1e-3)
+    assert printed["torque"] == pytest.approx(3.0, rel=0.03)
+    assert printed["motor"] == pytest.approx(3.0 * 9 / 14, rel=0.01)
+    assert printed["ripple"] == pytest.approx(1 - math.cos(math.pi / 9), abs=0.01)
 
 
 def test_woodpecker_by_published_states(pictures: Path) -> None:
     """Its start is the published one but for 0.15 mrad, by which that stands inside the pole."""
-    found = numbers("woodpecker", pictures)
-    assert found["angle of the bird after 0.02 s [rad]"] == pytest.approx(-0.452309979, abs=1e-4)
-    assert found["pecks"] == 3
-    assert found["way down by friction [m]"] < 0
-    assert found["energy not accounted for [J]"] < 1e-9
+    printed = numbers("woodpecker", pictures)
+    assert printed["angle of the bird after 0.02 s [rad]"] == pytest.approx(-0.452309979, abs=1e-4)
+    assert printed["pecks"] == 3
+    assert printed["way down by friction [m]"] < 0
+    assert printed["energy not accounted for [J]"] < 1e-9
 
 
 def test_discs_in_a_box(pictures: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Fewer of them here: nothing passes through anything, and no energy comes from contacts."""
     discs = script("discs_in_a_box")
     monkeypatch.setattr(discs.main, "__defaults__", (None, 12))
-    found = numbers("discs_in_a_box", pictures)
-    assert found["finished"] == 1
-    assert found["deepest penetration [radii]"] <= 1e-6
-    assert found["largest gain of energy [share]"] <= 1e-12
-    assert 0.2 < found["energy left [share]"] < 0.9
+    printed = numbers("discs_in_a_box", pictures)
+    assert printed["finished"] == 1
+    assert printed["deepest penetration [radii]"] <= 1e-6
+    assert printed["largest gain of energy [share]"] <= 1e-12
+    assert 0.2 < printed["energy left [share]"] < 0.9

@@ -59,10 +59,10 @@ def test_any_formula_is_read_or_refused(text):
         return Expression(2.0) if name in ("l1", "t", "crank.angle") else None
 
     try:
-        made = parse_formula(text, lookup)
+        formula = parse_formula(text, lookup)
     except DalembertError:
         return
-    assert isinstance(made, Expression)
+    assert isinstance(formula, Expression)
 
 
 @settings(

@@ -78,7 +78,7 @@ std = 5e-5
 response = "stress"
 tolerances = { load = 3e3, area = 3e-5 }
 samples = 30
-allot = { limit = 3e6, costs = { load = 1.0, area = 1e-8 } }
+allocate = { limit = 3e6, costs = { load = 1.0, area = 1e-8 } }
 """,
 }
 SYNTHESIS = """
@@ -117,7 +117,7 @@ smoothing = 1e-9
 """
 
 
-def told(capsys) -> dict:
+def json_output(capsys) -> dict:
     return json.loads(capsys.readouterr().out)
 
 
@@ -129,43 +129,43 @@ def written(tmp_path: Path, text: str, name: str = "model.toml") -> Path:
 
 def run(capsys, *arguments) -> dict:
     assert main([*map(str, arguments), "--json"]) == 0
-    return told(capsys)
+    return json_output(capsys)
 
 
 # what is found -------------------------------------------------------------------------
 def test_front(tmp_path, capsys):
     """Stress times mass is the same at every design of a rod: F ρ L."""
-    found = run(capsys, "pareto", written(tmp_path, ROD + TASKS["pareto"]))
-    products = [p["aims"]["stress"] * p["aims"]["mass"] for p in found["points"]]
+    result = run(capsys, "pareto", written(tmp_path, ROD + TASKS["pareto"]))
+    products = [p["aims"]["stress"] * p["aims"]["mass"] for p in result["points"]]
     assert products == pytest.approx([LOAD * DENSITY * LENGTH] * len(products))
-    areas = [p["parameters"]["area"] for p in found["points"]]
+    areas = [p["parameters"]["area"] for p in result["points"]]
     assert min(areas) == pytest.approx(2e-4) and max(areas) == pytest.approx(5e-3)
 
 
 def test_reliability(tmp_path, capsys):
     """Load over area is lognormal: β = (ln s − μ)/σ."""
-    found = run(capsys, "reliability", written(tmp_path, ROD + TASKS["reliability"]))
+    result = run(capsys, "reliability", written(tmp_path, ROD + TASKS["reliability"]))
     load, area = np.log1p(0.1**2), np.log1p(0.05**2)
     mean = np.log(1e5) - load / 2 - np.log(1e-3) + area / 2
     beta = (np.log(1.5e8) - mean) / np.sqrt(load + area)
-    assert found["beta"] == pytest.approx(beta, rel=1e-7)
-    assert found["importance"]["load"] == pytest.approx(load / (load + area), rel=1e-6)
-    assert found["sampled"]["samples"] == 40
+    assert result["beta"] == pytest.approx(beta, rel=1e-7)
+    assert result["importance"]["load"] == pytest.approx(load / (load + area), rel=1e-6)
+    assert result["sampled"]["samples"] == 40
 
 
 def test_tolerance(tmp_path, capsys):
-    found = run(capsys, "tolerance", written(tmp_path, ROD + TASKS["tolerance"]))
-    assert found["effects"] == pytest.approx({"load": 3e6, "area": -3e6})
+    result = run(capsys, "tolerance", written(tmp_path, ROD + TASKS["tolerance"]))
+    assert result["effects"] == pytest.approx({"load": 3e6, "area": -3e6})
     least, most = (LOAD - 3e3) / 1.03e-3, (LOAD + 3e3) / 0.97e-3
-    assert found["worst_case"] == pytest.approx([least, most])
-    spread = np.hypot(found["allotted"]["load"] / 1e-3, found["allotted"]["area"] * 1e11)
+    assert result["worst_case"] == pytest.approx([least, most])
+    spread = np.hypot(result["allocated"]["load"] / 1e-3, result["allocated"]["area"] * 1e11)
     assert spread == pytest.approx(3e6)
 
 
 def test_linkages(tmp_path, capsys):
     path = written(tmp_path, SYNTHESIS)
-    found = run(capsys, "synthesize", path, "--output", tmp_path)
-    assert found["solutions"][0]["error"] < 1e-3
+    result = run(capsys, "synthesize", path, "--output", tmp_path)
+    assert result["solutions"][0]["error"] < 1e-3
     assert "a FourBar for a path of 5 entries" in _text(capsys, "check", path)
     page = (tmp_path / "model.synthesis.report.html").read_text(encoding="utf-8")
     assert page.count('"disc"') >= 5
@@ -185,10 +185,10 @@ def test_histories(tmp_path, capsys):
     rows = zip(motion.time, motion.values("mass.x"), strict=True)
     text = "time,sensor\n" + "".join(f"{t},{x}\n" for t, x in rows)
     written(tmp_path, text, "push.csv")
-    found = run(capsys, "invert", path, "--output", tmp_path)
-    assert found["histories"]["push"]["values"][1:-2] == pytest.approx(truth[1:-2], abs=0.3)
+    result = run(capsys, "invert", path, "--output", tmp_path)
+    assert result["histories"]["push"]["values"][1:-2] == pytest.approx(truth[1:-2], abs=0.3)
     data = da.load_results(tmp_path / "model.inversion.nc")
-    assert data["push"].values == pytest.approx(found["histories"]["push"]["values"])
+    assert data["push"].values == pytest.approx(result["histories"]["push"]["values"])
 
 
 # what is refused -----------------------------------------------------------------------
@@ -208,7 +208,7 @@ def test_histories(tmp_path, capsys):
         ("tolerance", "load = 3e3", "lod = 3e3", "tolerance.tolerances.lod: unknown parameter"),
         ("tolerance", "load = 3e3", "load = 0", "is 0; a half width is above zero"),
         ("tolerance", "costs = { load = 1.0, ", "costs = { ", "has no cost of load"),
-        ("tolerance", "limit = 3e6", "limit = -1", "tolerance.allot.limit: is -1; it must"),
+        ("tolerance", "limit = 3e6", "limit = -1", "tolerance.allocate.limit: is -1; it must"),
     ],
 )
 def test_slips(task, old, new, words, tmp_path, capsys):
@@ -231,13 +231,13 @@ def test_no_table(task, tmp_path, capsys):
 @pytest.mark.parametrize("task", TASKS)
 def test_saved_and_read_again(task, tmp_path, capsys):
     path, out = written(tmp_path, ROD + TASKS[task]), tmp_path / "o"
-    found = run(capsys, task, path, "--output", out)
+    result = run(capsys, task, path, "--output", out)
     base = f"model.{task}"
     assert sorted(f.name for f in out.iterdir()) == [
         f"{base}.{end}" for end in ("json", "nc", "report.html")
     ]
-    kept = json.loads((out / f"{base}.json").read_text(encoding="utf-8"))
-    assert kept == {key: found[key] for key in kept}
+    document = json.loads((out / f"{base}.json").read_text(encoding="utf-8"))
+    assert document == {key: result[key] for key in document}
     assert da.load_results(out / f"{base}.nc").sizes
     page = (out / f"{base}.report.html").read_bytes()
     assert main(["report", str(out / f"{base}.nc"), "--output", str(tmp_path / "p.html")]) == 0
@@ -257,25 +257,25 @@ def test_interrupted(task, owner, name, call, tmp_path, capsys, monkeypatch):
     """Ctrl-C keeps, tells and writes what there is."""
     honest, calls = getattr(owner, name), [0]
 
-    def stopped(*given, **named):
+    def stopped(*arguments, **named):
         calls[0] += 1
         if calls[0] == call:
             raise KeyboardInterrupt
-        return honest(*given, **named)
+        return honest(*arguments, **named)
 
     monkeypatch.setattr(owner, name, stopped)
     path = written(tmp_path, SYNTHESIS if task == "synthesize" else ROD + TASKS[task])
     assert main([task, str(path), "--output", str(tmp_path / "o")]) == 130
-    told = capsys.readouterr()
-    assert "interrupted" in told.out and "Traceback" not in told.err
+    output = capsys.readouterr()
+    assert "interrupted" in output.out and "Traceback" not in output.err
     assert len(list((tmp_path / "o").iterdir())) == 3
 
 
 def test_overrides_of_a_file_without_a_table(tmp_path, capsys):
     path = written(tmp_path, ROD)
-    asked = ["optimize", path, "--minimize", "mass", "--vary", "area", "--max-iterations", "9"]
-    found = run(capsys, *asked)
-    assert found["objective"] == "mass" and found["unit"] == "kg"
+    arguments = ["optimize", path, "--minimize", "mass", "--vary", "area", "--max-iterations", "9"]
+    result = run(capsys, *arguments)
+    assert result["objective"] == "mass" and result["unit"] == "kg"
     assert main(["optimize", str(path), "--minimize", "moss"]) == 2
     assert "did you mean 'mass'" in capsys.readouterr().err
     assert main(["optimize", str(path), "--minimize", "mass", "--method", "slqp"]) == 2
@@ -292,8 +292,8 @@ def test_help_has_an_example(task, capsys):
 
 
 def test_files_of_examples_are_there():
-    known = {path.name for path in (Path(__file__).parents[1] / "examples").glob("*.toml")}
-    assert {text.split()[0] for text in EXAMPLES.values()} <= known | {"model.toml"}
+    expected = {path.name for path in (Path(__file__).parents[1] / "examples").glob("*.toml")}
+    assert {text.split()[0] for text in EXAMPLES.values()} <= expected | {"model.toml"}
 
 
 def test_a_front_without_points_is_told(capsys):
@@ -331,6 +331,6 @@ def test_interrupted_searches(task, tmp_path, capsys, monkeypatch):
 
     monkeypatch.setattr(Misfit, "_run", stopped)
     assert main([task, str(path), "--output", str(tmp_path / "o")]) == 130
-    told = capsys.readouterr()
-    assert "interrupted after" in told.out and "Traceback" not in told.err
+    output = capsys.readouterr()
+    assert "interrupted after" in output.out and "Traceback" not in output.err
     assert len(list((tmp_path / "o").glob("*.report.html"))) == 1

@@ -45,72 +45,72 @@ def front(slider):
     return da.pareto(slider, [FORCE], maximize=[REACH], analysis=ANALYSIS, points=5)
 
 
-def chosen(found) -> int:
-    return found.js("dalembert.choice.chosen")
+def chosen(page) -> int:
+    return page.js("dalembert.choice.chosen")
 
 
 def test_a_point_of_the_front_is_a_mechanism(show, front):  # noqa: F811
-    found = show(front, still=True)
+    page = show(front, still=True)
     assert len(front) >= 4
     dots = "#view-0 circle.design"
-    assert found.page.locator(dots).count() == len(front)
-    assert "design" in found.js("document.querySelector('.chosen-design h2').textContent").lower()
-    before = found.picture("#scene")
-    found.page.locator(f"{dots}[data-design='0']").click()
-    found.frames(3)
-    assert chosen(found) == 0 and found.picture("#scene") != before
+    assert page.page.locator(dots).count() == len(front)
+    assert "design" in page.js("document.querySelector('.chosen-design h2').textContent").lower()
+    before = page.picture("#scene")
+    page.page.locator(f"{dots}[data-design='0']").click()
+    page.frames(3)
+    assert chosen(page) == 0 and page.picture("#scene") != before
     length = "Math.hypot(...dalembert.motion.bodies[0].shapes[0].to.map((v, k) => v - dalembert.motion.bodies[0].shapes[0].from[k]))"  # noqa: E501
-    assert found.js(length) == pytest.approx(front.design(0)["r"])
-    found.page.locator("#view-0 svg").focus()
+    assert page.js(length) == pytest.approx(front.design(0)["r"])
+    page.page.locator("#view-0 svg").focus()
     for key, k in (("ArrowRight", 1), ("End", len(front) - 1), ("ArrowLeft", len(front) - 2)):
-        found.page.keyboard.press(key)
-        assert chosen(found) == k
-    assert found.js(length) == pytest.approx(front.design(len(front) - 2)["r"])
-    marked = found.js("[...document.querySelectorAll('.chart .chosen')].map(n => n.dataset.design)")
+        page.page.keyboard.press(key)
+        assert chosen(page) == k
+    assert page.js(length) == pytest.approx(front.design(len(front) - 2)["r"])
+    marked = page.js("[...document.querySelectorAll('.chart .chosen')].map(n => n.dataset.design)")
     assert set(marked) == {str(len(front) - 2)} and len(marked) >= 2
-    found.page.click("#view-2 tbody tr:first-child")
-    assert chosen(found) == 0
-    found.page.click("#next-design")
-    assert chosen(found) == 1
-    found.page.click("#play")
-    found.until("dalembert.player.time > 0.02")
+    page.page.click("#view-2 tbody tr:first-child")
+    assert chosen(page) == 0
+    page.page.click("#next-design")
+    assert chosen(page) == 1
+    page.page.click("#play")
+    page.until("dalembert.player.time > 0.02")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 def test_draws(show, front, viewport, scheme):  # noqa: F811
-    found = show(front, viewport=viewport, scheme=scheme)
-    assert found.js("document.documentElement.scrollWidth <= innerWidth")
-    assert found.js("document.documentElement.dataset.theme") == scheme
-    assert found.js("[...document.querySelectorAll('svg.chart')].every(s => s.children.length)")
+    page = show(front, viewport=viewport, scheme=scheme)
+    assert page.js("document.documentElement.scrollWidth <= innerWidth")
+    assert page.js("document.documentElement.dataset.theme") == scheme
+    assert page.js("[...document.querySelectorAll('svg.chart')].every(s => s.children.length)")
 
 
 def test_a_range_of_an_axis_keeps_designs(show, slider):  # noqa: F811
     design = da.DesignTable.grid({"r": [0.06, 0.1, 0.14, 0.45], "l": [0.4, 0.5]})
     study = da.sweep(slider, design, analysis=ANALYSIS, responses=[FORCE, REACH])
     assert 0 < len(study.failures) < len(design)
-    found = show(study)
+    page = show(study)
     done = int(study.success.sum())
-    assert found.page.locator("#view-0 path.design").count() == done
-    grips = found.page.locator("#view-0 .grip")
+    assert page.page.locator("#view-0 path.design").count() == done
+    grips = page.page.locator("#view-0 .grip")
     box = grips.nth(2).bounding_box()  # the radius
     x = box["x"] + box["width"] / 2
-    found.page.mouse.move(x, box["y"] + box["height"] - 2)
-    found.page.mouse.down()
-    found.page.mouse.move(x, box["y"] + 0.7 * box["height"], steps=4)
-    found.page.mouse.up()
-    found.frames(3)
-    low, high = found.js("[...dalembert.choice.ranges.get(2)]")
-    kept = (design.values[:, 0] >= low) & (design.values[:, 0] <= high) & study.success
-    assert 0 < kept.sum() < done
-    assert found.page.locator("#view-0 path.design:not(.outside)").count() == kept.sum()
-    found.page.locator("#view-0 svg").focus()
-    found.page.keyboard.press("Home")
-    assert kept[chosen(found)]
+    page.page.mouse.move(x, box["y"] + box["height"] - 2)
+    page.page.mouse.down()
+    page.page.mouse.move(x, box["y"] + 0.7 * box["height"], steps=4)
+    page.page.mouse.up()
+    page.frames(3)
+    low, high = page.js("[...dalembert.choice.ranges.get(2)]")
+    inside = (design.values[:, 0] >= low) & (design.values[:, 0] <= high) & study.success
+    assert 0 < inside.sum() < done
+    assert page.page.locator("#view-0 path.design:not(.outside)").count() == inside.sum()
+    page.page.locator("#view-0 svg").focus()
+    page.page.keyboard.press("Home")
+    assert inside[chosen(page)]
     box = grips.nth(2).bounding_box()
-    found.page.mouse.dblclick(x, box["y"] + box["height"] / 2)
-    assert found.page.locator("#view-0 path.design:not(.outside)").count() == done
-    assert "failed" in found.page.inner_text("#panels").lower()
+    page.page.mouse.dblclick(x, box["y"] + box["height"] / 2)
+    assert page.page.locator("#view-0 path.design:not(.outside)").count() == done
+    assert "failed" in page.page.inner_text("#panels").lower()
 
 
 def test_structures_are_chosen_too(show):  # noqa: F811
@@ -126,12 +126,12 @@ def test_structures_are_chosen_too(show):  # noqa: F811
     model = structure.build()
     mass, sag = da.final("mass", name="mass"), da.final("-c.uy", name="sag")
     front = da.pareto(model, [mass, sag], analysis=da.Statics(), points=4)
-    found = show(front)
-    before = found.picture("#scene"), found.page.inner_text("#displacements")
-    found.js("dalembert.choice.choose(0)")
-    found.frames(3)
-    assert found.picture("#scene") != before[0]
-    assert found.page.inner_text("#displacements") != before[1]
+    page = show(front)
+    before = page.picture("#scene"), page.page.inner_text("#displacements")
+    page.js("dalembert.choice.choose(0)")
+    page.frames(3)
+    assert page.picture("#scene") != before[0]
+    assert page.page.inner_text("#displacements") != before[1]
     best = da.optimize(
         model,
         mass,
@@ -152,18 +152,18 @@ def test_designs_in_space_are_shown_at_once(show):  # noqa: F811
     swing = da.at(0.6, "C.angle", name="swing")
     turn = da.Kinematics(1.0, outputs=21)
     front = da.pareto(model, [rate], maximize=[swing], analysis=turn, vary=["a"], points=3)
-    found = show(front)
-    assert chosen(found) == 1
-    before = found.picture("#scene")
-    found.page.locator("#view-0 svg").focus()
-    found.page.keyboard.press("ArrowLeft")
-    found.frames(3)
-    assert found.js("location.hash") == "#design=0" and chosen(found) == 0
-    assert found.picture("#scene") != before
-    found.page.reload()
-    found.until("window.dalembert !== undefined")
-    assert chosen(found) == 0
-    assert f"{front.design(0)['a']:g}" in found.page.inner_text(".chosen-design")
+    page = show(front)
+    assert chosen(page) == 1
+    before = page.picture("#scene")
+    page.page.locator("#view-0 svg").focus()
+    page.page.keyboard.press("ArrowLeft")
+    page.frames(3)
+    assert page.js("location.hash") == "#design=0" and chosen(page) == 0
+    assert page.picture("#scene") != before
+    page.page.reload()
+    page.until("window.dalembert !== undefined")
+    assert chosen(page) == 0
+    assert f"{front.design(0)['a']:g}" in page.page.inner_text(".chosen-design")
 
 
 def test_all_other_decisions_draw(show, slider, tmp_path):  # noqa: F811
@@ -175,9 +175,11 @@ def test_all_other_decisions_draw(show, slider, tmp_path):  # noqa: F811
     run = ANALYSIS.run(slider, {"r": 0.12, "mass": 2.3})
     noisy = run.values("motor.effort") + np.random.default_rng(0).normal(0, 0.05, run.time.size)
     data = {"time": run.time, "torque": noisy}
-    found = da.identify(slider, data, {"torque": "motor.effort"}, ["r", "mass"], analysis=ANALYSIS)
+    identification = da.identify(
+        slider, data, {"torque": "motor.effort"}, ["r", "mass"], analysis=ANALYSIS
+    )
     linkages = da.synthesize(da.Target.path([[0, 0], [1, 0.2], [2, 1], [0.2, 1.5]]), starts=3)
-    for decision in (reliable, scattered, found, linkages):
+    for decision in (reliable, scattered, identification, linkages):
         page = show(decision)
         kinds = {view["kind"] for view in decision.views()}
         assert page.page.locator("section[id^=view-]").count() == len(decision.views()), kinds
@@ -192,8 +194,8 @@ def test_notebooks_show_the_page(slider, front):
     assert shown.count("<iframe") == 1 and "srcdoc=" in shown
     assert "<script" not in shown  # all of it is the text of the frame
     assert not re.search(r"https?://(?!www\.w3\.org)", shown)
-    found = da.reliability(None, "2 - a", {"a": da.Normal(0, 1)})
-    assert "2 - a" in found._repr_html_()
+    result = da.reliability(None, "2 - a", {"a": da.Normal(0, 1)})
+    assert "2 - a" in result._repr_html_()
 
 
 def test_names_stay_text(show):  # noqa: F811
@@ -213,3 +215,48 @@ def test_names_stay_text(show):  # noqa: F811
     found = show(payload)
     assert found.js("document.title") == HOSTILE
     assert found.page.locator("img").count() == 0
+
+
+NAMES = {
+    **{"pressure ripple": "Pa", "peak torque": "N m", "mean friction power": "W"},
+    **{"length of rod": "m", "eccentricity": "m", "mass": "kg", "spring stiffness": "N/m"},
+    **{"radius": "m", "pad clearance": "m", "phase": "rad"},
+}
+OVERLAPS = """(() => {
+    const texts = [...document.querySelectorAll(".chart g.axis text")];
+    const frame = document.querySelector("svg.chart").getBoundingClientRect(), wrong = [];
+    const boxes = texts.map((text) => text.getBoundingClientRect());
+    boxes.forEach((a, i) => {
+        if (a.left < frame.left - 1 || a.right > frame.right + 1 || a.top < frame.top - 1)
+            wrong.push(texts[i].textContent);
+        boxes.slice(0, i).forEach((b, j) => {
+            const beside = a.right <= b.left || b.right <= a.left;
+            if (!beside && a.top < b.bottom - 3 && b.top < a.bottom - 3)
+                wrong.push([texts[i].textContent, texts[j].textContent]);
+        });
+    });
+    return wrong;
+})()"""
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 7, 10])
+@pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
+def test_texts_of_parallel_axes_are_clear_of_each_other(show, count, viewport):  # noqa: F811
+    rng = np.random.default_rng(0)
+    columns = [
+        (
+            name,
+            unit,
+            "parameter" if k > 1 else "aim",
+            rng.uniform(1, 2, 12) * (-10.0) ** (k % 5 - 3),
+        )
+        for k, (name, unit) in enumerate(list(NAMES.items())[:count])
+    ]
+    view = views.of_designs("parallel", "All columns", place="board")
+    page = {
+        **{"format": 1, "kind": "decision", "title": "front", "subtitle": ""},
+        **{"designs": views.designs(columns), "views": [view]},
+    }
+    found = show(page, viewport=viewport)
+    assert found.js(OVERLAPS) == []
+    assert found.page.locator(".chart g.axis .label").count() == count

@@ -58,19 +58,19 @@ class Block:
 
 def blocks(page: Path, language: str) -> list[Block]:
     text = page.read_text(encoding="utf-8")
-    found = [Block(m[1], m[2], text.count("\n", 0, m.start()) + 2) for m in FENCE.finditer(text)]
-    return [b for b in found if b.language == language]
+    computed = [Block(m[1], m[2], text.count("\n", 0, m.start()) + 2) for m in FENCE.finditer(text)]
+    return [b for b in computed if b.language == language]
 
 
 def models(page: Path) -> dict[str, str]:
     """File name → text of the blocks that claim to be a model; the first line names the file."""
-    found = {}
+    results = {}
     for block in blocks(page, "toml"):
         if re.search(r"^format\s*=", block.text, re.MULTILINE):
             name = block.text.partition("\n")[0].lstrip("# ").strip()
             assert name.endswith(".toml"), f"{page.name}:{block.line}: begin with '# NAME.toml'"
-            found[name] = block.text
-    return found
+            results[name] = block.text
+    return results
 
 
 def prose(page: Path) -> str:
@@ -110,20 +110,20 @@ def failure_of(script: Path) -> str:
     process = multiprocessing.get_context("fork").Process(target=run_here, args=(script,))
     process.start()
     process.join()
-    told = script.with_suffix(".txt").read_text(encoding="utf-8")
-    return f"ended with {process.exitcode}: {told}" if process.exitcode else ""
+    text = script.with_suffix(".txt").read_text(encoding="utf-8")
+    return f"ended with {process.exitcode}: {text}" if process.exitcode else ""
 
 
 def run_here(script: Path) -> None:
     """Run a script in this process; what it tells stands beside it."""
-    with script.with_suffix(".txt").open("w", encoding="utf-8") as told:
-        os.dup2(told.fileno(), 1)
-        os.dup2(told.fileno(), 2)
-        sys.stdout = sys.stderr = told
+    with script.with_suffix(".txt").open("w", encoding="utf-8") as file:
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+        sys.stdout = sys.stderr = file
         try:
             runpy.run_path(str(script), run_name="__main__")
         except BaseException:
-            traceback.print_exc(file=told)
+            traceback.print_exc(file=file)
             raise
 
 
@@ -196,12 +196,12 @@ def test_source_files_that_are_named_exist(page):
     for name in re.findall(r"`([\w/.]+\.py|[\w/]+/)`", prose(DOCS / page)):
         if name.endswith("rope.py"):  # the example of a new file
             continue
-        known = [source / name, ROOT / name, last / name]
-        found = next((p for p in known if p.exists()), None)
-        if found is None:
-            found = next(source.rglob(name), None)
-        assert found, name
-        last = found.parent
+        expected = [source / name, ROOT / name, last / name]
+        path = next((p for p in expected if p.exists()), None)
+        if path is None:
+            path = next(source.rglob(name), None)
+        assert path, name
+        last = path.parent
 
 
 def test_contributing_is_short():
@@ -230,9 +230,9 @@ def test_a_page_has_signatures_parameters_and_examples(monkeypatch):
 
 def test_every_public_name_is_told():
     text = "\n".join(p.read_text(encoding="utf-8") for p in PAGES)
-    told = set(re.findall(r"\w+", text))
-    assert set(dalembert.__all__) <= told
-    assert set(dalembert.laws.__all__) - {"Law"} <= told
+    words = set(re.findall(r"\w+", text))
+    assert set(dalembert.__all__) <= words
+    assert set(dalembert.laws.__all__) - {"Law"} <= words
 
 
 def test_every_element_is_described():

@@ -85,8 +85,8 @@ def test_file_and_script_are_the_same_mechanism(name: str) -> None:
         n: p.value for n, p in model(name).parameters.items()
     }
     again = make_analysis(file(name), twin).run(twin).trajectory
-    kept = motion(name).trajectory
-    np.testing.assert_allclose(again.y, kept.y, atol=1e-9 * (1 + np.abs(kept.y).max()))
+    trajectory = motion(name).trajectory
+    np.testing.assert_allclose(again.y, trajectory.y, atol=1e-9 * (1 + np.abs(trajectory.y).max()))
 
 
 @pytest.mark.parametrize("name", [n for n in FILES if file(n).document.optimize is not None])

@@ -118,7 +118,7 @@ WRONG = {
     ('nodes = "flag"', 'nodes = "flag.top"'): "supports[0].nodes: has no group 'top'",
     ("where = { x = 0 }", "where = { x = 9 }"): "supports[0]: no node fulfils x = 9",
     ("ux = 0", "uz = 0"): "supports[1]: c: unknown direction 'uz'; known: ux, uy, rz",
-    ('fy = "-0.1*t"', 'mz = "t"'): "load flag_nodes[5]: rz: no element turns this node",
+    ('fy = "-0.1*t"', 'mz = "t"'): "load flag_nodes[5]: mz: no element turns this node",
     ('fy = "-0.1*t"', 'fy = "c.y"'): "loads[0].fy: in formula 'c.y'",
     ("mesh_nodes1", "nodes1"): "joints.tip.connect[1]: unknown node 'flag.nodes1' (did you mean",
     ("[meshes.flag]", "[meshes.car]"): "meshes.car: the name is already used by bodies.car",
@@ -132,6 +132,6 @@ WRONG = {
 def test_wrong_files_are_told_in_one_message(old, new, tmp_path, capsys):
     path = written(tmp_path, old, new)
     assert main(["check", str(path)]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith(f"Error: {path}: {WRONG[old, new]}")
-    assert told.count("Error") == 1
+    message = capsys.readouterr().err
+    assert message.startswith(f"Error: {path}: {WRONG[old, new]}")
+    assert message.count("Error") == 1

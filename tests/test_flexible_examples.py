@@ -22,21 +22,21 @@ def catenary(span: float) -> tuple[float, float]:
 
 
 def test_cable_hangs_as_a_catenary(pictures: Path) -> None:
-    found = numbers("catenary_cable", pictures)
+    printed = numbers("catenary_cable", pictures)
     sag, pull = catenary(10.0)
-    assert found["sag"] == pytest.approx(sag, rel=5e-4)
-    assert abs(found["pull"]) == pytest.approx(pull, rel=5e-4)
+    assert printed["sag"] == pytest.approx(sag, rel=5e-4)
+    assert abs(printed["pull"]) == pytest.approx(pull, rel=5e-4)
     slope = (catenary(10.001)[0] - catenary(9.999)[0]) / 0.002
-    assert found["slope"] == pytest.approx(slope, rel=2e-3)
+    assert printed["slope"] == pytest.approx(slope, rel=2e-3)
 
 
 def test_gripper_beside_its_pseudo_rigid_bodies(pictures: Path) -> None:
     """Small strokes are ``F l³/(24 E I)``; of Howell's model ``3 γ/K_Θ`` of that."""
-    found = numbers("compliant_gripper", pictures)
+    printed = numbers("compliant_gripper", pictures)
     textbook = 20.0 * 0.06**3 / (24 * 200e9 * 0.01 * 0.0005**3 / 12)
-    assert found["stroke"] == pytest.approx(textbook, rel=0.06)  # leaves pulled straight by then
-    assert found["pseudo_rigid"] / found["stroke"] == pytest.approx(3 * 0.8517 / 2.65, abs=0.01)
-    assert abs(found["tilt"]) < 2e-3
+    assert printed["stroke"] == pytest.approx(textbook, rel=0.06)  # leaves pulled straight by then
+    assert printed["pseudo_rigid"] / printed["stroke"] == pytest.approx(3 * 0.8517 / 2.65, abs=0.01)
+    assert abs(printed["tilt"]) < 2e-3
 
 
 def test_leaf_spring_is_the_lightest(pictures: Path) -> None:
@@ -44,16 +44,16 @@ def test_leaf_spring_is_the_lightest(pictures: Path) -> None:
 
     Lagrange's condition is ``h ~ c^¼``, so that ``Σ h/(5 h_even) = (Σ c^¼)^{4/3}/(5 (Σ c)^⅓)``.
     """
-    found = numbers("leaf_spring", pictures)
-    assert found["worst"] < 1e-3  # against thicknesses in closed form
+    printed = numbers("leaf_spring", pictures)
+    assert printed["worst"] < 1e-3  # against thicknesses in closed form
     c = np.diff(np.arange(6.0) ** 3)
     lightest = np.sum(c**0.25) ** (4 / 3) / (5 * np.sum(c) ** (1 / 3))
-    assert found["saved"] == pytest.approx(1 - lightest, abs=1e-3)
+    assert printed["saved"] == pytest.approx(1 - lightest, abs=1e-3)
 
 
 def test_robot_arm_rings_at_its_first_frequency(pictures: Path) -> None:
     """That of the arm where it stops, as a bent cantilever of frame elements with the tool."""
-    found = numbers("flexible_robot_arm", pictures)
+    printed = numbers("flexible_robot_arm", pictures)
     arm, angles = structures.Structure("arm"), (1.2, 0.4)
     metal, pipe = structures.Material(70e9, 0.33, 2700.0), structures.tube(0.025, 0.0015)
     section = pipe.of(structures.Frame) | metal.of(structures.Frame)
@@ -70,18 +70,18 @@ def test_robot_arm_rings_at_its_first_frequency(pictures: Path) -> None:
         place = place + length * along
     arm.add(structures.PointMass("tool", last, mass=0.5))
     first = float(da.solve_modes(arm.build(), count=1).data["frequency"].values[0])
-    assert found["ring"] == pytest.approx(first, rel=0.02)
-    assert found["swing"] > 1e-3
+    assert printed["ring"] == pytest.approx(first, rel=0.02)
+    assert printed["swing"] > 1e-3
 
 
 def test_tapered_arm_is_that_of_the_load(pictures: Path) -> None:
     """Sag ``∝ Σ ∫ s² ds / h³`` under a load alone; the arm itself, whose
     mass counts as a twentieth of it at the tip, makes up for the rest."""
-    found = numbers("tapered_arm", pictures)
+    printed = numbers("tapered_arm", pictures)
     ends = 1.0 - np.arange(5) / 4
     moments = (ends[:-1] ** 3 - ends[1:] ** 3) / 3
     best = moments**0.25 / (moments**0.25).mean()
-    assert found["off"] < 0.03
+    assert printed["off"] < 0.03
     ratio = (np.sum(moments / best**3) / np.sum(moments)) ** 2
-    assert found["after"] / found["before"] == pytest.approx(ratio, rel=0.1)
-    assert found["slope_error"] < 1e-6
+    assert printed["after"] / printed["before"] == pytest.approx(ratio, rel=0.1)
+    assert printed["slope_error"] < 1e-6

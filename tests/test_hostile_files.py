@@ -36,12 +36,12 @@ modulus = 1e9
 def refused(capsys, *arguments: str) -> str:
     """What is told of a wrong input: one message, exit code 2, nothing that a terminal obeys."""
     assert main(list(arguments)) == 2
-    told = capsys.readouterr()
-    assert told.err.startswith("Error: ") and not told.out
-    assert "Traceback" not in told.err
-    assert not HIDDEN.search(told.err), told.err.encode()
-    assert len(told.err) < 2000
-    return told.err
+    output = capsys.readouterr()
+    assert output.err.startswith("Error: ") and not output.out
+    assert "Traceback" not in output.err
+    assert not HIDDEN.search(output.err), output.err.encode()
+    assert len(output.err) < 2000
+    return output.err
 
 
 # kinds of files --------------------------------------------------------------------------
@@ -52,8 +52,8 @@ def pipe(path: Path) -> None:
 def plug(path: Path) -> None:
     here = Path.cwd()
     os.chdir(path.parent)  # the name of a socket must be short
-    with socket.socket(socket.AF_UNIX) as made:
-        made.bind(path.name)
+    with socket.socket(socket.AF_UNIX) as connection:
+        connection.bind(path.name)
     os.chdir(here)
 
 
@@ -87,8 +87,10 @@ def test_only_regular_files_are_read(kind, name, tmp_path, capsys):
         source.write_text(model, encoding="utf-8")
     if name == "mesh":
         pytest.importorskip("meshio")
-    told = refused(capsys, *(["report"] if name == "result" else ["run", "--quiet"]), str(source))
-    assert file in told
+    message = refused(
+        capsys, *(["report"] if name == "result" else ["run", "--quiet"]), str(source)
+    )
+    assert file in message
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -100,15 +102,15 @@ def test_large_files_are_refused_by_their_size(name, tmp_path, capsys):
     if model is not None:
         source = tmp_path / "model.toml"
         source.write_text(model, encoding="utf-8")
-    told = refused(capsys, "report" if name == "result" else "run", str(source))
-    assert "100000000000 bytes" in told
+    message = refused(capsys, "report" if name == "result" else "run", str(source))
+    assert "100000000000 bytes" in message
 
 
 def test_results_that_unpack_to_too_much_are_refused(tmp_path, capsys):
     path = tmp_path / "bomb.nc"
     with h5py.File(path, "w") as file:
-        made = file.create_dataset("time", (10**11,), "f8", chunks=(10**6,), compression="gzip")
-        made.make_scale("time")
+        dataset = file.create_dataset("time", (10**11,), "f8", chunks=(10**6,), compression="gzip")
+        dataset.make_scale("time")
     assert path.stat().st_size < 100_000
     assert "800 GB" in refused(capsys, "report", str(path))
 
@@ -118,8 +120,8 @@ def test_results_that_unpack_to_too_much_are_refused(tmp_path, capsys):
 def test_results_read_nothing_but_themselves(name, tmp_path, capsys):
     """No other file of the user, no pipe that nobody writes to, no more than a task may take."""
     HOSTILE[name](tmp_path / "hostile.nc")
-    told = refused(capsys, "report", str(tmp_path / "hostile.nc"))
-    assert "secret of the user" not in told and "hostile.nc" in told
+    message = refused(capsys, "report", str(tmp_path / "hostile.nc"))
+    assert "secret of the user" not in message and "hostile.nc" in message
 
 
 def test_a_bit_that_flips_is_noticed(tmp_path):
@@ -207,8 +209,8 @@ def test_hidden_characters_are_refused(place, text, tmp_path, capsys):
     PLACES[place](f"a{text}b", document)
     source = tmp_path / "model.json"
     source.write_text(json.dumps(document), encoding="utf-8")
-    told = refused(capsys, "run", str(source))
-    assert f"U+{ord(text[0]):04X}" in told
+    message = refused(capsys, "run", str(source))
+    assert f"U+{ord(text[0]):04X}" in message
     assert [p.name for p in tmp_path.iterdir()] == ["model.json"]
 
 
@@ -249,10 +251,10 @@ def test_names_of_files_are_escaped_where_they_are_shown(tmp_path, capsys):
         pytest.skip("this disk does not take such names")
     for extra in ([], ["--json"]):
         assert main(["run", str(source), "--output", str(tmp_path / "o"), *extra]) == 0
-        told = capsys.readouterr()
-        assert not HIDDEN.search(told.out + told.err)
-        assert "[31m" in told.out and "[bold]" in told.out
-    json.loads(told.out)
+        output = capsys.readouterr()
+        assert not HIDDEN.search(output.out + output.err)
+        assert "[31m" in output.out and "[bold]" in output.out
+    json.loads(output.out)
     (page,) = (tmp_path / "o").glob("*.html")
     assert not HIDDEN.search(page.read_text(encoding="utf-8"))
     (result,) = (tmp_path / "o").glob("*.nc")
@@ -271,8 +273,8 @@ def test_names_with_marks_of_the_terminal_library(tmp_path, capsys):
 # outputs ------------------------------------------------------------------------------------
 def test_devices_are_not_replaced(tmp_path, capsys):
     os.mkfifo(tmp_path / "pipe")
-    told = refused(capsys, "schema", "--output", str(tmp_path / "pipe"))
-    assert "no regular file" in told
+    message = refused(capsys, "schema", "--output", str(tmp_path / "pipe"))
+    assert "no regular file" in message
     assert (tmp_path / "pipe").is_fifo()
 
 
@@ -303,9 +305,9 @@ def test_what_is_read_is_not_replaced(tmp_path, capsys):
 def test_options_that_cannot_be(arguments, words, tmp_path, capsys):
     source = tmp_path / "model.toml"
     source.write_text(GOOD, encoding="utf-8")
-    told = refused(capsys, arguments[0], str(source), *arguments[1:])
+    message = refused(capsys, arguments[0], str(source), *arguments[1:])
     for word in words:
-        assert word in told
+        assert word in message
     assert [p.name for p in tmp_path.iterdir()] == ["model.toml"]
 
 
@@ -321,9 +323,9 @@ def test_options_that_cannot_be(arguments, words, tmp_path, capsys):
 def test_named_twice(text, words, tmp_path, capsys):
     source = tmp_path / "model.toml"
     source.write_text(GOOD + text, encoding="utf-8")
-    told = refused(capsys, "check", str(source))
+    message = refused(capsys, "check", str(source))
     for word in words:
-        assert word in told
+        assert word in message
 
 
 def test_varied_twice_in_python():
@@ -392,11 +394,11 @@ def test_any_damage_to_an_example_is_told(tmp_path, capsys, data):
     source = tmp_path / "damaged.toml"
     source.write_text("\n".join(lines), encoding="utf-8")
     code = main(["check", str(source)])
-    told = capsys.readouterr()
+    output = capsys.readouterr()
     assert code in (0, 2)
-    assert "Traceback" not in told.err
-    assert told.err.count("Error: ") == (1 if code else 0)
-    assert not code or str(source) in told.err, told.err
+    assert "Traceback" not in output.err
+    assert output.err.count("Error: ") == (1 if code else 0)
+    assert not code or str(source) in output.err, output.err
 
 
 @pytest.mark.parametrize("count", [10**9, 10**30, 60_000])
@@ -406,5 +408,5 @@ def test_decks_with_too_many_nodes_are_refused_at_once(count, tmp_path, capsys):
     head = f"{count} {len(lines)} 1 1"
     path = tmp_path / "part.dat"
     path.write_text("\n".join([head, *lines, "2 1.0", "1 0.0"]), encoding="utf-8")
-    told = refused(capsys, "run", str(path))
-    assert "part.dat:1: " in told and "nodes" in told and len(told) < 400
+    message = refused(capsys, "run", str(path))
+    assert "part.dat:1: " in message and "nodes" in message and len(message) < 400

@@ -65,15 +65,15 @@ def decision(task: str, folder: Any) -> Any:
 
 @pytest.mark.parametrize("kind", ["planar", "spatial", "structure", "pareto", "synthesize"])
 def test_names_stay_text(kind, show, tmp_path):  # noqa: F811
-    made = {"planar": shaft, "spatial": joints, "structure": lambda: solved("plate")}
-    result = made[kind]() if kind in made else decision(kind, tmp_path)
+    results = {"planar": shaft, "spatial": joints, "structure": lambda: solved("plate")}
+    result = results[kind]() if kind in results else decision(kind, tmp_path)
     page = data_of(result.report(tmp_path / "page.html").read_text(encoding="utf-8"))
     for name in NAMES.values():
         hostile = renamed(page, name)
         hostile["title"] = name(page["title"]) * 40
-        found = show(hostile, viewport=SMALL)
-        found.frames(2)
-        assert found.js("document.querySelectorAll('#bad, img').length") == 0
-        assert found.js("document.title.length") > 1000
-        wide = found.js(WIDE)
+        view = show(hostile, viewport=SMALL)
+        view.frames(2)
+        assert view.js("document.querySelectorAll('#bad, img').length") == 0
+        assert view.js("document.title.length") > 1000
+        wide = view.js(WIDE)
         assert not wide, "\n".join(wide)

@@ -36,8 +36,8 @@ def test_temporary_files_of_a_killed_process_are_cleared(name, tmp_path, monkeyp
     """Whatever the name of the file that it was writing."""
     with atomic_path(tmp_path / name) as temporary:
         left = [temporary, temporary.with_name(f"{temporary.name}.gif")]  # libraries add endings
-        kept = {path.name: path.name.replace(f"-{os.getpid()}-", "-4194305-") for path in left}
-    for dead in kept.values():
+        renamed = {path.name: path.name.replace(f"-{os.getpid()}-", "-4194305-") for path in left}
+    for dead in renamed.values():
         (tmp_path / dead).touch()
     clear_left_over.cache_clear()
     clear_left_over(tmp_path)
@@ -46,12 +46,12 @@ def test_temporary_files_of_a_killed_process_are_cleared(name, tmp_path, monkeyp
 
 def test_files_of_others_stay(tmp_path):
     """What is being written by a process that runs, and what only looks alike."""
-    kept = [".a.nc", ".git", ".x-dalembert-00000000-1-abc.nc", f".y-dalembert-{1:08x}-2.nc"]
-    for name in kept:
+    unrelated = [".a.nc", ".git", ".x-dalembert-00000000-1-abc.nc", f".y-dalembert-{1:08x}-2.nc"]
+    for name in unrelated:
         (tmp_path / name).touch()
     clear_left_over.cache_clear()
     clear_left_over(tmp_path)
-    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(kept)
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(unrelated)
 
 
 def test_a_log_that_ends_within_a_line_goes_on(tmp_path):
@@ -68,5 +68,5 @@ def test_a_log_that_ends_within_a_line_goes_on(tmp_path):
         EvaluationLog(path, {"problem": 1}).append(designs[3], terms=[9.0])
         again = EvaluationLog(path, {"problem": 1})
         whole = content[begin:cut].count(b"}")
-        known = [again.find(x) is not None for x in designs]
-        assert known == [*(k < whole for k in range(3)), True]
+        expected = [again.find(x) is not None for x in designs]
+        assert expected == [*(k < whole for k in range(3)), True]

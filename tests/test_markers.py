@@ -65,7 +65,7 @@ def test_drives_from_markers(tmp_path, monkeypatch):
     ends = {"KNEE": "thigh.end", "ANKLE": "shank.end"}
     measures = {f"{m}.{a}": f"{end}.{b}" for m, end in ends.items() for a, b in ("xx", "zy")}
     system, histories = leg.build(np.linspace(0, times[-1], 7))
-    found = da.invert(
+    inversion = da.invert(
         *(system.build(), str(path), measures, histories),
         analysis=da.Kinematics(float(times[-1]), outputs=12),
         noise=dict.fromkeys(measures, leg.NOISE),
@@ -73,4 +73,4 @@ def test_drives_from_markers(tmp_path, monkeypatch):
         order=3,
     )
     for name, true in zip(("hip", "knee"), leg.angles(histories[0].knots), strict=True):
-        np.testing.assert_allclose(found.values[name], true, atol=0.03)
+        np.testing.assert_allclose(inversion.values[name], true, atol=0.03)

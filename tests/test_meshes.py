@@ -50,7 +50,7 @@ def test_uniform_tension_is_exact(kind: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("made", "points", "cells", "measure"),
+    ("mesh", "points", "cells", "measure"),
     [
         (structures.line_mesh((0, 0), (3, 4), 5), 6, 5, 5.0),
         (structures.rectangle_mesh((2, 3), (4, 5)), 30, 20, 6.0),
@@ -58,10 +58,10 @@ def test_uniform_tension_is_exact(kind: str) -> None:
         (structures.box_mesh((1, 2, 3), (2, 3, 4)), 60, 24, 6.0),
     ],
 )
-def test_generators_fill_their_shape(made, points: int, cells: int, measure: float) -> None:
-    assert len(made[0]) == points
-    assert len(made[1]) == cells
-    corner = made[0][made[1]]
+def test_generators_fill_their_shape(mesh, points: int, cells: int, measure: float) -> None:
+    assert len(mesh[0]) == points
+    assert len(mesh[1]) == cells
+    corner = mesh[0][mesh[1]]
     if corner.shape[1] == 2:
         sizes = np.linalg.norm(corner[:, 1] - corner[:, 0], axis=1)
     elif corner.shape[1] == 8:
@@ -76,8 +76,8 @@ def test_generators_fill_their_shape(made, points: int, cells: int, measure: flo
 
 @pytest.mark.parametrize("kind", ["quad8", "triangle6", "hexahedron20"])
 def test_middles_lie_in_the_middle(kind: str) -> None:
-    made = structures.box_mesh if kind == "hexahedron20" else structures.rectangle_mesh
-    points, cells = made(
+    generator = structures.box_mesh if kind == "hexahedron20" else structures.rectangle_mesh
+    points, cells = generator(
         (1, 2, 3)[: CELLS[kind].dimension], (2, 3, 4)[: CELLS[kind].dimension], kind
     )
     assert len(np.unique(points.round(9), axis=0)) == len(points)

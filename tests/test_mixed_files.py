@@ -167,9 +167,9 @@ def test_wrong_files_are_told_in_one_message(old, new, tmp_path, capsys):
     assert old in MODEL
     path = written(tmp_path, MODEL.replace(old, new, 1))
     assert main(["check", str(path)]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith(f"Error: {path}: ") and WRONG[old, new] in told
-    assert told.count("Error") == 1
+    message = capsys.readouterr().err
+    assert message.startswith(f"Error: {path}: ") and WRONG[old, new] in message
+    assert message.count("Error") == 1
 
 
 def test_a_structure_is_written_alike(tmp_path, schema):
@@ -185,5 +185,5 @@ def test_a_structure_is_written_alike(tmp_path, schema):
     twin = text.replace("gravity = [0, -9.81]\n", "").replace('[initial]\n"b.vx" = 0.2\n', "")
     twin += "[[gravity]]\nacceleration = [0, -9.81]\n[[initial]]\nnodes = 'b'\nvx = 0.2\n"
     _, other = loaded(tmp_path, twin, schema)
-    known = da.solve_dynamics(other, 0.01, step=1e-3)
-    np.testing.assert_array_equal(motion["b.uy"].values, known["b.uy"].values)
+    result = da.solve_dynamics(other, 0.01, step=1e-3)
+    np.testing.assert_array_equal(motion["b.uy"].values, result["b.uy"].values)

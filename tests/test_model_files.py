@@ -210,8 +210,8 @@ def test_every_contact_can_be_written(shape, law, friction, tmp_path, schema):
     }
     lines = (f'{key} = {{ type = "{kind}", {text} }}' for key, (kind, text) in parts.items())
     text = f'{HEAD}[forces.new]\ntype = "Contact"\n' + "\n".join(lines)
-    made = load(written(tmp_path, text)).elements["new"]
-    kinds = [type(getattr(made, key)).__name__ for key in parts]
+    element = load(written(tmp_path, text)).elements["new"]
+    kinds = [type(getattr(element, key)).__name__ for key in parts]
     assert kinds == [shape, other, law, friction]
     schema.validate(tomllib.loads(text))
 
@@ -395,9 +395,9 @@ def test_wrong_rows(rows, words, tmp_path):
         '[drivers.new]\ntype = "RotationalDriver"\nconnect = ["ground", "a"]\n'
         'law = { type = "Table", file = "law.csv" }\n'
     )
-    with pytest.raises(da.DalembertError, match=words) as told:
+    with pytest.raises(da.DalembertError, match=words) as message:
         load(written(tmp_path, text))
-    assert "model.toml: drivers.new.law" in str(told.value)
+    assert "model.toml: drivers.new.law" in str(message.value)
 
 
 def test_initial_is_held_exactly(tmp_path):

@@ -57,17 +57,17 @@ def one_mode_of_a_rod(
         return [y[1], load - (first - spin**2 + share * (np.pi / l) ** 2) * y[0]]
 
     times = np.linspace(0, 0.05, 201)
-    found = solve_ivp(rates, (0, 0.05), [0.0, 0.0], t_eval=times, rtol=1e-8, atol=1e-12)
-    return float(np.abs(found.y[0]).max())
+    reference = solve_ivp(rates, (0, 0.05), [0.0, 0.0], t_eval=times, rtol=1e-8, atol=1e-12)
+    return float(np.abs(reference.y[0]).max())
 
 
 def test_elastic_rod_bends_as_its_first_mode(pictures: Path) -> None:
     rod = script("elastic_slider_crank")
     mass, rigidity = rod.DENSITY * rod.WIDTH**2, rod.MODULUS * rod.WIDTH**4 / 12
     bend = one_mode_of_a_rod(rod.CRANK, rod.ROD, rod.SPEED, mass, rigidity, 0.0755)
-    found = numbers("elastic_slider_crank", pictures)
-    assert found["bend"] == pytest.approx(bend, rel=0.01)
-    assert found["linear"] > 1.1 * bend
+    printed = numbers("elastic_slider_crank", pictures)
+    assert printed["bend"] == pytest.approx(bend, rel=0.01)
+    assert printed["linear"] > 1.1 * bend
 
 
 def test_slider_crank_torque_is_that_of_virtual_work(pictures: Path) -> None:
@@ -86,21 +86,21 @@ def test_slider_crank_torque_is_that_of_virtual_work(pictures: Path) -> None:
 
 
 def test_shaper_has_its_time_ratio_and_stroke(pictures: Path) -> None:
-    found, half = numbers("quick_return_shaper", pictures), math.asin(0.1 / 0.3)
-    assert found["time_ratio"] == pytest.approx(
+    printed, half = numbers("quick_return_shaper", pictures), math.asin(0.1 / 0.3)
+    assert printed["time_ratio"] == pytest.approx(
         (math.pi + 2 * half) / (math.pi - 2 * half), abs=1e-10
     )
-    assert found["stroke"] == pytest.approx(2 * 0.55 * 0.1 / 0.3, abs=1e-12)
+    assert printed["stroke"] == pytest.approx(2 * 0.55 * 0.1 / 0.3, abs=1e-12)
 
 
 def test_excavator_holds_its_bucket_and_digs_as_long_as_its_pump_takes(pictures: Path) -> None:
-    found = numbers("excavator", pictures)
-    assert found["held"] == pytest.approx(found["by_hand"], rel=1e-9)
+    printed = numbers("excavator", pictures)
+    assert printed["held"] == pytest.approx(printed["by_hand"], rel=1e-9)
     flow = 1800 / 60 * 90e-6  # m^3/s, turns per second by volume per turn
     area = math.pi * 0.12**2 / 4
     volume = area * (2 * 0.18 + 0.5 + 0.17)  # the boom goes down and up again
-    assert found["lasts"] == pytest.approx(2 * volume / flow, rel=1e-12)
-    assert 0.9 < found["depth"] < 1.0
+    assert printed["lasts"] == pytest.approx(2 * volume / flow, rel=1e-12)
+    assert 0.9 < printed["depth"] < 1.0
     run = motion("excavator")
     work = sum(run.values(f"{name}_cylinder.power") for name in ("boom", "stick", "bucket"))
     soil = run.values("resistance.force.x*bucket.tooth.vx + resistance.force.y*bucket.tooth.vy")
@@ -110,9 +110,13 @@ def test_excavator_holds_its_bucket_and_digs_as_long_as_its_pump_takes(pictures:
 
 
 def test_sewing_machine_counts_and_loops(pictures: Path) -> None:
-    found = numbers("sewing_machine", pictures)
-    assert (found["coordinates"], found["equations"], found["degrees of freedom"]) == (18, 17, 1)
-    assert found["needle stroke"] == pytest.approx(2 * 0.015, abs=1e-12)
+    printed = numbers("sewing_machine", pictures)
+    assert (printed["coordinates"], printed["equations"], printed["degrees of freedom"]) == (
+        18,
+        17,
+        1,
+    )
+    assert printed["needle stroke"] == pytest.approx(2 * 0.015, abs=1e-12)
     run = motion("sewing_machine")
     q = run["crank.angle"].values
     needle = 0.015 * np.sin(q) - np.sqrt(0.045**2 - (0.015 * np.cos(q)) ** 2) - 0.06
@@ -142,9 +146,11 @@ def test_n_four_bar_follows_its_one_equation(pictures: Path) -> None:
 
 
 def test_spring_pendulum_modes_and_motion(pictures: Path) -> None:
-    found = numbers("spring_pendulum", pictures)
-    assert found["bounce [Hz]"] == pytest.approx(math.sqrt(39.24) / (2 * math.pi), rel=1e-10)
-    assert found["swing [Hz]"] == pytest.approx(math.sqrt(G) / (2 * math.pi), rel=1e-10)  # 1 m long
+    printed = numbers("spring_pendulum", pictures)
+    assert printed["bounce [Hz]"] == pytest.approx(math.sqrt(39.24) / (2 * math.pi), rel=1e-10)
+    assert printed["swing [Hz]"] == pytest.approx(
+        math.sqrt(G) / (2 * math.pi), rel=1e-10
+    )  # 1 m long
 
     def rate(_, s):
         pull = 39.24 * (1 - 0.75 / math.hypot(s[0], s[1]))
@@ -160,56 +166,56 @@ def test_spring_pendulum_modes_and_motion(pictures: Path) -> None:
 def test_sliding_pendulum_against_published(pictures: Path) -> None:
     published = (0.290985380740065, -0.177394633452164, 0.286809855735754, 1.71766036161997)
     exact = (0.29098559552745, -0.17739580965382, 0.28680948821451, 1.7176631355987)
-    found = list(numbers("sliding_pendulum", pictures).values())
-    np.testing.assert_allclose(found, published, atol=1e-5)
-    np.testing.assert_allclose(found, exact, atol=1e-8)
+    computed = list(numbers("sliding_pendulum", pictures).values())
+    np.testing.assert_allclose(computed, published, atol=1e-5)
+    np.testing.assert_allclose(computed, exact, atol=1e-8)
     assert value("sliding_pendulum", "x") == pytest.approx(exact[0], abs=1e-8)
     assert value("sliding_pendulum", "angle") == pytest.approx(exact[1], abs=1e-8)
 
 
 def test_carts_against_published_and_closed_form(pictures: Path) -> None:
-    found = numbers("carts", pictures)
-    assert found["A x(10)"] == pytest.approx(0.5 + 0.2 * math.pi * 10, abs=1e-12)
+    printed = numbers("carts", pictures)
+    assert printed["A x(10)"] == pytest.approx(0.5 + 0.2 * math.pi * 10, abs=1e-12)
     assert value("cart_a", "load") == pytest.approx(24 * G / 2, rel=1e-12)
     for time, x in ((1, 0.598174778658534), (2, 1.12831856753888), (10, 6.15485457322214)):
-        assert found[f"B x({time})"] == pytest.approx(x, rel=1e-5)
+        assert printed[f"B x({time})"] == pytest.approx(x, rel=1e-5)
     top, tau = 0.4 * math.pi, 124 * 0.4 * math.pi / 200
     for time, x, v in (
         (1, 1.04883558873404, 0.908468573453447),
         (10, 12.087308510222, 1.25663365699492),
     ):
-        assert found[f"C x({time})"] == pytest.approx(x, rel=1e-6)
-        assert found[f"C v({time})"] == pytest.approx(v, rel=1e-6)
-        assert found[f"C v({time})"] == pytest.approx(top * (1 - math.exp(-time / tau)), abs=1e-9)
+        assert printed[f"C x({time})"] == pytest.approx(x, rel=1e-6)
+        assert printed[f"C v({time})"] == pytest.approx(v, rel=1e-6)
+        assert printed[f"C v({time})"] == pytest.approx(top * (1 - math.exp(-time / tau)), abs=1e-9)
 
 
 def test_spherical_particle_draws_its_ellipse(pictures: Path) -> None:
-    found = numbers("spherical_particle", pictures)
+    printed = numbers("spherical_particle", pictures)
     place, velocity = np.array([1.0, 0.2, 0.6]), np.array([-0.5, 2.2, 1.0])
     end = place * math.cos(16) + velocity * math.sin(16) / 4  # sqrt(k/m) = 4 rad/s, 4 s
-    assert found["r(4 s) [m]"] == pytest.approx(np.linalg.norm(end), abs=1e-8)
-    assert found["largest error [m]"] < 1e-8
-    assert found["energy drift [J]"] < 1e-7
+    assert printed["r(4 s) [m]"] == pytest.approx(np.linalg.norm(end), abs=1e-8)
+    assert printed["largest error [m]"] < 1e-8
+    assert printed["energy drift [J]"] < 1e-7
 
 
 def test_thrown_body_in_its_own_axes(pictures: Path) -> None:
-    found = numbers("body_about_a_point", pictures)
-    assert found["largest error of A [m]"] < 1e-7
+    printed = numbers("body_about_a_point", pictures)
+    assert printed["largest error of A [m]"] < 1e-7
     steiner = 0.15 + 2.0 * (0.45**2 + 0.1**2)
-    assert found["moment of inertia about A [kg m^2]"] == pytest.approx(steiner, rel=1e-14)
-    assert found["angular velocity at the end [rad/s]"] == pytest.approx(7.0, abs=1e-8)
+    assert printed["moment of inertia about A [kg m^2]"] == pytest.approx(steiner, rel=1e-14)
+    assert printed["angular velocity at the end [rad/s]"] == pytest.approx(7.0, abs=1e-8)
 
 
 def test_slider_and_link_by_momentum_and_energy(pictures: Path) -> None:
-    found = numbers("slider_and_link", pictures)
-    assert max(found["C D"], found["C γ − ξ"]) < 1e-13
-    assert found["implicit against explicit"] < 1e-8
+    printed = numbers("slider_and_link", pictures)
+    assert max(printed["C D"], printed["C γ − ξ"]) < 1e-13
+    assert printed["implicit against explicit"] < 1e-8
     m1, m2, inertia, arm = 2.0, 1.0, 0.03, 0.3
     slider = -m2 * arm / (m1 + m2)  # speeds per unit of angular velocity
     energy = (m1 * slider**2 + m2 * (slider + arm) ** 2 + inertia) / 2
     square = m2 * G * arm / energy
-    speed = found["angular velocity at the lowest point [rad/s]"]
+    speed = printed["angular velocity at the lowest point [rad/s]"]
     assert speed**2 == pytest.approx(square, rel=1e-8)
-    assert found["guide force at the lowest point [N]"] == pytest.approx(
+    assert printed["guide force at the lowest point [N]"] == pytest.approx(
         m1 * G + m2 * (G + arm * square), rel=1e-7
     )

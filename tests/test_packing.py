@@ -17,8 +17,8 @@ T = np.linspace(0, 10, 20_000)
 
 
 def read_back(column: np.ndarray) -> np.ndarray:
-    made = json.loads(json.dumps(pack({"x": column.tolist()})))
-    return np.array(unpack(made)["x"], dtype=float)
+    document = json.loads(json.dumps(pack({"x": column.tolist()})))
+    return np.array(unpack(document)["x"], dtype=float)
 
 
 @given(
@@ -75,11 +75,11 @@ def test_the_browser_reads_the_same(show, stream):
     payload = four_bar(frames=900)
     payload["series"][0]["values"][7] = None
     before = "" if stream == "true" else "delete window.DecompressionStream;"
-    found = show(payload, before=before)
-    read = found.js("dalembert.motion.series.map((s) => Array.from(s.values))")
+    page = show(payload, before=before)
+    read = page.js("dalembert.motion.series.map((s) => Array.from(s.values))")
     for one, series in zip(read, payload["series"], strict=True):
-        asked = np.array(series["values"], dtype=float)
+        arguments = np.array(series["values"], dtype=float)
         values = np.array(one, dtype=float)
-        assert np.nanmax(np.abs(values - asked)) <= 1e-5 * (
-            np.nanmax(asked) - np.nanmin(asked) + 1e-6 * np.nanmax(np.abs(asked))
+        assert np.nanmax(np.abs(values - arguments)) <= 1e-5 * (
+            np.nanmax(arguments) - np.nanmin(arguments) + 1e-6 * np.nanmax(np.abs(arguments))
         )

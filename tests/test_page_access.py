@@ -44,9 +44,9 @@ def decision() -> Any:
 PAGES = {"plane": four_bar, "space": top, "structure": structure, "decision": decision}
 
 
-def controls(found: Visit) -> list[tuple[str, str]]:
+def controls(page: Visit) -> list[tuple[str, str]]:
     """(role, name) of what a screen reader is told of."""
-    session = found.page.context.new_cdp_session(found.page)
+    session = page.page.context.new_cdp_session(page.page)
     nodes = session.send("Accessibility.getFullAXTree")["nodes"]
     return [
         (node["role"]["value"], node.get("name", {}).get("value", "").strip())
@@ -55,19 +55,19 @@ def controls(found: Visit) -> list[tuple[str, str]]:
     ]
 
 
-def open_menus(found: Visit) -> None:
-    found.js("document.querySelectorAll('details').forEach((menu) => { menu.open = true; })")
-    found.frames()
+def open_menus(page: Visit) -> None:
+    page.js("document.querySelectorAll('details').forEach((menu) => { menu.open = true; })")
+    page.frames()
 
 
 @pytest.mark.parametrize("kind", PAGES)
 def test_everything_has_a_name_and_is_reached_where_it_is_seen(show, kind: str) -> None:
-    found = show(PAGES[kind](), viewport=(1000, 700))
-    open_menus(found)
-    told = controls(found)
-    assert [role for role, name in told if not name] == []
-    assert sum(role in CONTROLS for role, _ in told) >= 3
-    found.js(
+    page = show(PAGES[kind](), viewport=(1000, 700))
+    open_menus(page)
+    names = controls(page)
+    assert [role for role, name in names if not name] == []
+    assert sum(role in CONTROLS for role, _ in names) >= 3
+    page.js(
         f"""(() => {{
             window.waiting = new Set([...document.querySelectorAll({REACHABLE!r})].filter((one) =>
                 !one.disabled && one.tabIndex >= 0 && one.checkVisibility()));
@@ -78,25 +78,25 @@ def test_everything_has_a_name_and_is_reached_where_it_is_seen(show, kind: str) 
             }});
         }})()"""
     )
-    for _ in range(found.js("waiting.size") + 3):
-        found.page.keyboard.press("Tab")
-    assert found.js("[...waiting].map((one) => one.outerHTML.slice(0, 99))") == []
-    assert found.js("unseen") == []
+    for _ in range(page.js("waiting.size") + 3):
+        page.page.keyboard.press("Tab")
+    assert page.js("[...waiting].map((one) => one.outerHTML.slice(0, 99))") == []
+    assert page.js("unseen") == []
 
 
 def test_time_is_told_where_it_comes_to_rest(show) -> None:
-    found = show(four_bar())
-    found.js("dalembert.player.play()")
-    found.until("dalembert.player.time > 0.05")
-    assert found.js("document.querySelector('#spoken').textContent") in ("", "0.0000 s")
-    found.js("dalembert.player.pause()")
-    found.until(
+    page = show(four_bar())
+    page.js("dalembert.player.play()")
+    page.until("dalembert.player.time > 0.05")
+    assert page.js("document.querySelector('#spoken').textContent") in ("", "0.0000 s")
+    page.js("dalembert.player.pause()")
+    page.until(
         "document.querySelector('#spoken').textContent === "
         "document.querySelector('#clock').textContent"
     )
-    found.page.keyboard.press("ArrowRight")
-    found.until("document.querySelector('#spoken').textContent !== '0.0000 s'")
-    assert found.js("document.querySelector('#spoken').getAttribute('role')") == "status"
+    page.page.keyboard.press("ArrowRight")
+    page.until("document.querySelector('#spoken').textContent !== '0.0000 s'")
+    assert page.js("document.querySelector('#spoken').getAttribute('role')") == "status"
 
 
 COUNT = """(() => {
@@ -114,15 +114,15 @@ COUNT = """(() => {
 
 def cost(show, frames: int) -> int:
     """Calls of the canvas, and places, in one frame in the midst of a motion, all points traced."""
-    found = show(four_bar(frames=frames))
-    found.js(COUNT)
+    page = show(four_bar(frames=frames))
+    page.js(COUNT)
     middle = "(dalembert.motion.start + 0.6 * dalembert.motion.span"
-    found.js(f"dalembert.player.seek({middle}))")
-    found.frames(3)
-    found.js("window.drawn = 0")
-    found.js(f"dalembert.player.seek({middle} + 1e-3 * dalembert.motion.span))")
-    found.frames(3)
-    return found.js("drawn")
+    page.js(f"dalembert.player.seek({middle}))")
+    page.frames(3)
+    page.js("window.drawn = 0")
+    page.js(f"dalembert.player.seek({middle} + 1e-3 * dalembert.motion.span))")
+    page.frames(3)
+    return page.js("drawn")
 
 
 def test_a_frame_costs_what_is_seen_of_it(show) -> None:

@@ -33,122 +33,122 @@ def convoy(distance: float = 40.0) -> dict[str, Any]:
     return {"format": 1, "title": "convoy", "time": t.tolist(), "scene": scene, "series": []}
 
 
-def set_slider(found: Any, name: str, value: float) -> None:
-    found.js(f"""(() => {{ const s = document.getElementById({name!r});
+def set_slider(page: Any, name: str, value: float) -> None:
+    page.js(f"""(() => {{ const s = document.getElementById({name!r});
         s.value = {value}; s.dispatchEvent(new Event("input")); }})()""")
-    found.frames()
+    page.frames()
 
 
-def saved(found: Any, click: str) -> bytes:
+def saved(page: Any, click: str) -> bytes:
     """What a control gives to keep."""
-    with found.page.expect_download() as waiting:
-        found.js(click)
+    with page.page.expect_download() as waiting:
+        page.js(click)
     return waiting.value.path().read_bytes()
 
 
 def test_each_kind_of_arrow_has_a_length_of_its_own(show: Any) -> None:
-    found = show(gallery())
-    assert found.page.locator("#arrows input").count() == 2
-    before = found.picture("#scene")
-    set_slider(found, "arrows-load", 1.0)
-    assert found.picture("#scene") != before
-    assert found.js("dalembert.scene.sizes.load") == pytest.approx(10)
-    assert found.js("dalembert.scene.sizes.twist") == 1
+    page = show(gallery())
+    assert page.page.locator("#arrows input").count() == 2
+    before = page.picture("#scene")
+    set_slider(page, "arrows-load", 1.0)
+    assert page.picture("#scene") != before
+    assert page.js("dalembert.scene.sizes.load") == pytest.approx(10)
+    assert page.js("dalembert.scene.sizes.twist") == 1
 
 
 def test_menus_open_and_close_by_key(show: Any) -> None:
-    found = show(gallery())
-    found.page.focus("#arrows summary")
-    found.page.keyboard.press("Enter")
-    assert found.js("document.querySelector('#arrows').open")
-    found.page.keyboard.press("Escape")
-    assert not found.js("document.querySelector('#arrows').open")
-    assert found.js("document.activeElement.textContent") == "Arrows"
+    page = show(gallery())
+    page.page.focus("#arrows summary")
+    page.page.keyboard.press("Enter")
+    assert page.js("document.querySelector('#arrows').open")
+    page.page.keyboard.press("Escape")
+    assert not page.js("document.querySelector('#arrows').open")
+    assert page.js("document.activeElement.textContent") == "Arrows"
 
 
 def test_what_travels_is_followed(show: Any) -> None:
-    found = show(convoy())
-    assert found.js("dalembert.scene.followed.name") == "front"
+    page = show(convoy())
+    assert page.js("dalembert.scene.followed.name") == "front"
     read = "dalembert.scene.screen(dalembert.motion.at(dalembert.scene.followed, [0, 0]))"
-    start = found.js(read)
-    found.js("dalembert.player.seek(3)")
-    found.frames()
-    assert found.js(read) == pytest.approx(start, abs=1e-6)
-    found.page.select_option("#follow", "")
-    assert found.js("dalembert.scene.followed") is None
-    assert found.js("dalembert.scene.view.s") < 40
+    start = page.js(read)
+    page.js("dalembert.player.seek(3)")
+    page.frames()
+    assert page.js(read) == pytest.approx(start, abs=1e-6)
+    page.page.select_option("#follow", "")
+    assert page.js("dalembert.scene.followed") is None
+    assert page.js("dalembert.scene.view.s") < 40
 
 
 def test_points_that_are_one_share_a_chip(show: Any) -> None:
-    found = show(convoy())
-    assert found.page.locator(".trace").all_inner_texts() == ["p0 = p1"]
+    page = show(convoy())
+    assert page.page.locator(".trace").all_inner_texts() == ["p0 = p1"]
 
 
 def test_time_is_zoomed_in_all_plots(show: Any) -> None:
-    found = show(four_bar())
-    assert found.js("dalembert.board.span") == pytest.approx([0, 0.8])
-    found.js("dalembert.player.seek(0.4)")
-    found.page.click("#zoom-time")
-    assert found.js("dalembert.board.span") == pytest.approx([0.2, 0.6])
-    found.page.locator(".plot .over").first.focus()
-    found.page.keyboard.press("+")
-    assert found.js("dalembert.board.span") == pytest.approx([0.3, 0.5])
-    found.page.keyboard.press("0")
-    assert found.js("dalembert.board.window") is None
-    box = found.page.locator(".plot .over").first.bounding_box()
+    page = show(four_bar())
+    assert page.js("dalembert.board.span") == pytest.approx([0, 0.8])
+    page.js("dalembert.player.seek(0.4)")
+    page.page.click("#zoom-time")
+    assert page.js("dalembert.board.span") == pytest.approx([0.2, 0.6])
+    page.page.locator(".plot .over").first.focus()
+    page.page.keyboard.press("+")
+    assert page.js("dalembert.board.span") == pytest.approx([0.3, 0.5])
+    page.page.keyboard.press("0")
+    assert page.js("dalembert.board.window") is None
+    box = page.page.locator(".plot .over").first.bounding_box()
     at = [box["x"] + box["width"] * k for k in (0.4, 0.6)]
-    found.page.keyboard.down("Shift")
-    found.page.mouse.move(at[0], box["y"] + 60)
-    found.page.mouse.down()
-    found.page.mouse.move(at[1], box["y"] + 60)
-    found.page.mouse.up()
-    found.page.keyboard.up("Shift")
-    first, last = found.js("dalembert.board.span")
+    page.page.keyboard.down("Shift")
+    page.page.mouse.move(at[0], box["y"] + 60)
+    page.page.mouse.down()
+    page.page.mouse.move(at[1], box["y"] + 60)
+    page.page.mouse.up()
+    page.page.keyboard.up("Shift")
+    first, last = page.js("dalembert.board.span")
     assert 0.1 < first < last < 0.7
 
 
 def test_a_plot_runs_over_another_series(show: Any) -> None:
-    found = show(four_bar())
-    before = found.picture(".plot .base")
-    found.page.click(".plot [aria-label='Choose the x-axis']")
-    found.page.fill("#search", "rocker.angle rad")
-    found.page.locator(".choice:visible").first.click()
-    found.page.keyboard.press("Escape")
-    assert found.js("dalembert.board.plots[0].against.name") == "rocker.angle"
-    assert found.picture(".plot .base") != before
-    assert "over rocker.angle" in found.page.get_attribute(".plot .base", "aria-label")
+    page = show(four_bar())
+    before = page.picture(".plot .base")
+    page.page.click(".plot [aria-label='Choose the x-axis']")
+    page.page.fill("#search", "rocker.angle rad")
+    page.page.locator(".choice:visible").first.click()
+    page.page.keyboard.press("Escape")
+    assert page.js("dalembert.board.plots[0].against.name") == "rocker.angle"
+    assert page.picture(".plot .base") != before
+    assert "over rocker.angle" in page.page.get_attribute(".plot .base", "aria-label")
 
 
 def test_angles_in_degrees_and_back(show: Any) -> None:
-    found = show(four_bar())
+    page = show(four_bar())
     series = "dalembert.motion.seriesByName.get('crank.angle')"
     read = f"(({{ unit, values }}) => [unit, values[9]])({series})"
-    unit, value = found.js(read)
-    found.page.click("#degrees")
-    assert found.js(read) == ["°", pytest.approx(np.degrees(value))]
-    assert found.js("dalembert.motion.seriesByName.get('crank.x').unit") == "m"
-    found.page.click("#degrees")
-    assert found.js(read) == [unit, value]
+    unit, value = page.js(read)
+    page.page.click("#degrees")
+    assert page.js(read) == ["°", pytest.approx(np.degrees(value))]
+    assert page.js("dalembert.motion.seriesByName.get('crank.x').unit") == "m"
+    page.page.click("#degrees")
+    assert page.js(read) == [unit, value]
 
 
 def test_pictures_drawings_and_films_are_saved(show: Any) -> None:
-    found = show(four_bar(frames=41), viewport=(1000, 560))
-    png = saved(found, "document.getElementById('save-png').click()")
+    page = show(four_bar(frames=41), viewport=(1000, 560))
+    png = saved(page, "document.getElementById('save-png').click()")
     assert png[:8] == b"\x89PNG\r\n\x1a\n"
-    svg = saved(found, "document.getElementById('save-svg').click()").decode()
+    svg = saved(page, "document.getElementById('save-svg').click()").decode()
     assert svg.startswith("<svg") and "coupler" in svg and "NaN" not in svg
-    found.js("dalembert.player.setSpeed(0.4)")
-    film = saved(found, "document.getElementById('save-film').click()")
+    page.js("dalembert.player.setSpeed(0.4)")
+    film = saved(page, "document.getElementById('save-film').click()")
     at = film.index(b"acTL")
     frames, plays = struct.unpack(">II", film[at + 4 : at + 12])
     assert (frames, plays) == (40, 0) and film.count(b"fcTL") == 40
 
 
 def test_a_plot_is_saved_with_its_legend(show: Any) -> None:
-    found = show(four_bar())
-    svg = saved(found, "document.querySelectorAll('.plot .menu-item')[2].click()").decode()
+    page = show(four_bar())
+    svg = saved(page, "document.querySelectorAll('.plot .menu-item')[2].click()").decode()
     assert "crank.angle [rad]" in svg and "NaN" not in svg
-    assert saved(found, "document.querySelectorAll('.plot .menu-item')[1].click()")[1:4] == b"PNG"
+    assert saved(page, "document.querySelectorAll('.plot .menu-item')[1].click()")[1:4] == b"PNG"
 
 
 def test_two_runs_on_one_page(show: Any) -> None:
@@ -158,12 +158,12 @@ def test_two_runs_on_one_page(show: Any) -> None:
     expected = np.interp(page["time"], other["time"], other["series"][0]["values"])
     assert np.allclose(at, expected)
     assert len(page["scene"]["ghosts"]) == 3
-    found = show(page)
-    assert "other.nc" in found.page.inner_text(".other-run")
-    before = found.picture("#scene")
-    found.page.click("#ghosts")
-    found.frames()
-    assert found.picture("#scene") != before
+    view = show(page)
+    assert "other.nc" in view.page.inner_text(".other-run")
+    before = view.picture("#scene")
+    view.page.click("#ghosts")
+    view.frames()
+    assert view.picture("#scene") != before
 
 
 def test_what_cannot_be_compared_is_refused() -> None:
@@ -173,14 +173,14 @@ def test_what_cannot_be_compared_is_refused() -> None:
 
 def test_every_control_has_a_name(show: Any) -> None:
     """And is reached in the order of the page, for nothing has a place of its own in it."""
-    found = show(gallery())
+    page = show(gallery())
     nameless = """[...document.querySelectorAll("button, input, select, summary, [tabindex='0']")]
         .filter((n) => !n.closest("dialog") && !n.textContent.trim() && !n.closest("label")
             && !n.getAttribute("aria-label") && !n.getAttribute("aria-labelledby"))
         .map((n) => n.outerHTML)"""
-    assert found.js(nameless) == []
+    assert page.js(nameless) == []
     placed = "[...document.querySelectorAll('[tabindex]')].filter((n) => n.tabIndex > 0).length"
-    assert found.js(placed) == 0
+    assert page.js(placed) == 0
 
 
 def test_sliders_that_do_nothing_are_not_there() -> None:
@@ -193,27 +193,27 @@ def flight() -> da.Motion:
     """Two balls that fly far beside each other, one of them pushed."""
     system = da.System("flight")
     for k in range(2):
-        given = {"density": 800.0, "radius": 0.1, "velocity": (20.0, 0, 0)}
-        ball = system.add(spatial.Sphere(f"ball{k}", position=(0.5 * k, 0, 0), **given))
+        arguments = {"density": 800.0, "radius": 0.1, "velocity": (20.0, 0, 0)}
+        ball = system.add(spatial.Sphere(f"ball{k}", position=(0.5 * k, 0, 0), **arguments))
     system.add(spatial.Force("push", ball.center, (0, 24.0, 0)))
     return da.solve_dynamics(system.build(), 1.0, step=0.02)
 
 
 def test_what_travels_in_space_is_followed(show: Any, flight: da.Motion) -> None:
-    found = show(flight, viewport=(1000, 560))
-    assert found.js("dalembert.scene.followed.name") == "ball0"
+    page = show(flight, viewport=(1000, 560))
+    assert page.js("dalembert.scene.followed.name") == "ball0"
     seen = "dalembert.scene.screen(dalembert.motion.at(dalembert.scene.followed, [0, 0, 0]))"
-    start = found.js(seen)
-    found.js("dalembert.player.seek(0.9)")
-    found.frames()
-    assert found.js(seen) == pytest.approx(start, abs=0.5)
-    assert found.js("dalembert.scene.arrows[0].value") == pytest.approx(24)
+    start = page.js(seen)
+    page.js("dalembert.player.seek(0.9)")
+    page.frames()
+    assert page.js(seen) == pytest.approx(start, abs=0.5)
+    assert page.js("dalembert.scene.arrows[0].value") == pytest.approx(24)
 
 
 def test_pictures_in_space_are_not_blank(show: Any, flight: da.Motion) -> None:
     image = pytest.importorskip("PIL.Image")
-    found = show(flight, viewport=(1000, 560))
-    png = saved(found, "document.getElementById('save-png').click()")
+    page = show(flight, viewport=(1000, 560))
+    png = saved(page, "document.getElementById('save-png').click()")
     assert len(image.open(io.BytesIO(png)).convert("RGB").getcolors(1 << 24)) > 200
 
 
@@ -222,13 +222,13 @@ def test_a_report_plays_inside_a_notebook(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / "notebook.html"
     shown = InlinePage(four_bar(frames=400), height=400)._repr_html_()
     path.write_text(f"<html><body>{shown}</body></html>", encoding="utf-8")
-    page, told = browser.new_page(), []
-    page.on("console", lambda message: told.append(message.text))
-    page.on("pageerror", lambda error: told.append(str(error)))
+    page, messages = browser.new_page(), []
+    page.on("console", lambda message: messages.append(message.text))
+    page.on("pageerror", lambda error: messages.append(str(error)))
     page.goto(path.as_uri())
     frame = page.frames[1]
     frame.wait_for_selector("#play")
     frame.wait_for_selector(".plot canvas")
     assert frame.evaluate("dalembert.motion.n") == 400
-    assert told == []
+    assert messages == []
     page.close()

@@ -109,6 +109,15 @@ def test_a_page_is_one_scope_without_comments(kind: str) -> None:
     assert repeated == []
 
 
+@pytest.mark.parametrize("kind", PAGES)
+def test_the_joined_scripts_of_a_page_are_valid(kind: str, tmp_path: Path) -> None:
+    """Names of one declaration after the first included."""
+    node = shutil.which("node") or missing("node")
+    file = tmp_path / "page.mjs"
+    file.write_text(page_script(kind), encoding="utf-8")
+    subprocess.run([node, "--check", file], check=True)
+
+
 def test_every_script_is_part_of_a_page() -> None:
     reached, waiting = set(PAGES.values()), list(PAGES.values())
     while waiting:

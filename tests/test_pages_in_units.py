@@ -45,14 +45,18 @@ def test_ellipsoids_of_inertia_can_be_hidden(browser, tmp_path) -> None:
 
 def test_an_optimum_in_declared_units_marks_broken_limits(browser, tmp_path) -> None:
     """Without units of the page, parameters are in those of their declaration."""
-    made = da.Structure("spring")
-    k = made.parameter("k", 50.0, "N/cm", bounds=(1, 1e3))
-    end = made.node("end", 0.0)
-    made.add(structures.GroundSpring("spring", end, stiffness_x=k))
-    made.load(end, fx=1.0)
-    kept, broken = (da.Limit(da.final("k").named(n), upper=b) for n, b in (("a", 1e6), ("b", 50.0)))
-    limits = [kept, broken]
-    best = da.optimize(made.build(), da.final("end.ux"), subject_to=limits, analysis=da.Statics())
+    structure = da.Structure("spring")
+    k = structure.parameter("k", 50.0, "N/cm", bounds=(1, 1e3))
+    end = structure.node("end", 0.0)
+    structure.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    structure.load(end, fx=1.0)
+    satisfied, broken = (
+        da.Limit(da.final("k").named(n), upper=b) for n, b in (("a", 1e6), ("b", 50.0))
+    )
+    limits = [satisfied, broken]
+    best = da.optimize(
+        structure.build(), da.final("end.ux"), subject_to=limits, analysis=da.Statics()
+    )
     assert best.motion.page()["parameters"][0]["unit"] == "N/cm"
     (one,) = best.summary()["variables"]
     assert (one["unit"], one["upper"]) == ("N/cm", 1e3)
@@ -66,21 +70,21 @@ def test_an_optimum_in_declared_units_marks_broken_limits(browser, tmp_path) -> 
 
 
 def test_the_page_of_an_optimum_has_its_units_and_variables_first(browser, tmp_path) -> None:
-    made = da.Structure("spring")
-    k = made.parameter("k", 50.0, "N/m", bounds=(1, 1e3))
-    end = made.node("end", 0.0)
-    made.add(structures.GroundSpring("spring", end, stiffness_x=k))
-    made.load(end, fx=1.0)
+    structure = da.Structure("spring")
+    k = structure.parameter("k", 50.0, "N/m", bounds=(1, 1e3))
+    end = structure.node("end", 0.0)
+    structure.add(structures.GroundSpring("spring", end, stiffness_x=k))
+    structure.load(end, fx=1.0)
     give = da.final("end.ux", name="give")
     limits = [da.Limit(da.final("k").named(f"stiffness {i}" * 6), upper=200.0) for i in range(3)]
-    best = da.optimize(made.build(), give, subject_to=limits, analysis=da.Statics())
-    told = best.page(units=["mm", "N/mm"])["optimum"]
-    assert told["unit"] == "mm" and told["value"] == pytest.approx(1e3 * best.fun)
-    assert told["variables"][0]["unit"] == "N/mm" and told["variables"][0]["upper"] == 1.0
-    assert told["limits"][0]["value"] == pytest.approx(0.2)
+    best = da.optimize(structure.build(), give, subject_to=limits, analysis=da.Statics())
+    optimum = best.page(units=["mm", "N/mm"])["optimum"]
+    assert optimum["unit"] == "mm" and optimum["value"] == pytest.approx(1e3 * best.fun)
+    assert optimum["variables"][0]["unit"] == "N/mm" and optimum["variables"][0]["upper"] == 1.0
+    assert optimum["limits"][0]["value"] == pytest.approx(0.2)
     price = best.limits[0].price * 1e3 * 1e3  # mm per N/mm
-    assert told["limits"][0]["price"] == pytest.approx(price)
-    assert "mm per N/mm" in told["prices"][0] if price else True
+    assert optimum["limits"][0]["price"] == pytest.approx(price)
+    assert "mm per N/mm" in optimum["prices"][0] if price else True
     with visit(browser, best.report(tmp_path / "page.html", units=["mm", "N/mm"])) as seen:
         first = 'document.querySelector("#optimum tbody th").textContent'
         assert seen.js(first).startswith("k")

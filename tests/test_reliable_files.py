@@ -46,26 +46,26 @@ def test_an_optimum_with_a_reliability(tmp_path, capsys):
     def needed(beta: float) -> float:
         return math.exp(math.log(1e5) - spread / 2 + beta * math.sqrt(spread)) / 1.5e8
 
-    found = run(capsys, "optimize", path, "--output", out)
-    assert found["x"]["area"] == pytest.approx(needed(3.0), rel=1e-6)
-    assert found["reliability"][0]["beta"] == pytest.approx(3.0, rel=1e-6) and found["beta"] == 3
-    kept = json.loads((out / "model.optimum.json").read_text(encoding="utf-8"))
-    assert kept == {key: found[key] for key in kept}
+    result = run(capsys, "optimize", path, "--output", out)
+    assert result["x"]["area"] == pytest.approx(needed(3.0), rel=1e-6)
+    assert result["reliability"][0]["beta"] == pytest.approx(3.0, rel=1e-6) and result["beta"] == 3
+    document = json.loads((out / "model.optimum.json").read_text(encoding="utf-8"))
+    assert document == {key: result[key] for key in document}
     assert da.load_results(out / "model.optimum.nc").limit_beta.item() == pytest.approx(3.0)
     page = (out / "model.optimum.report.html").read_text(encoding="utf-8")
     assert "Limits and their worst points" in page
     again = run(capsys, "optimize", path, "--beta", "6")
     assert again["x"]["area"] == pytest.approx(needed(6.0), rel=1e-6)
     assert main(["optimize", str(path)]) == 0
-    told = capsys.readouterr().out
-    assert "limits at β = 3" in told and "stress < 1.5e+08: β 3, worst at load = " in told
+    output = capsys.readouterr().out
+    assert "limits at β = 3" in output and "stress < 1.5e+08: β 3, worst at load = " in output
 
 
 def test_robust_aims(tmp_path, capsys):
     """Mean and two deviations of the load: as a limit, and between two aims."""
     path = written(tmp_path, ROD + ROBUST)
-    found = run(capsys, "optimize", path)
-    assert found["x"]["area"] == pytest.approx(1.2e5 / 1.5e8, rel=1e-6)
+    result = run(capsys, "optimize", path)
+    assert result["x"]["area"] == pytest.approx(1.2e5 / 1.5e8, rel=1e-6)
     text = ROBUST[: ROBUST.index("[optimize]")] + ROBUST[ROBUST.index("[[random]]") :]
     text += '[pareto]\nminimize = ["mass", "worst"]\npoints = 3\n'
     front = run(capsys, "pareto", written(tmp_path, ROD + text))
@@ -87,9 +87,9 @@ def test_robust_aims(tmp_path, capsys):
     ],
 )
 def test_slips(text, old, new, words, tmp_path, capsys):
-    made = text.replace(old, new, 1)
-    assert made != text
-    path = written(tmp_path, ROD + made)
+    changed = text.replace(old, new, 1)
+    assert changed != text
+    path = written(tmp_path, ROD + changed)
     for command in ("check", "optimize"):
         assert main([command, str(path)]) == 2
         error = capsys.readouterr().err
@@ -117,19 +117,19 @@ def stop_at(monkeypatch, number: int) -> list:
 )
 def test_goes_on_from_its_history(number, rounds, tmp_path, capsys, monkeypatch):
     """Ctrl-C in the first search of a design, and while a worst point is looked for."""
-    path, kept = written(tmp_path, ROD + RELIABLE), tmp_path / "h.jsonl"
+    path, history = written(tmp_path, ROD + RELIABLE), tmp_path / "h.jsonl"
     whole = run(capsys, "optimize", path)
     calls = stop_at(monkeypatch, number)
-    asked = ["optimize", str(path), "--history", str(kept), "--output", str(tmp_path / "o")]
-    assert main(asked) == 130 and len(calls) <= number + 2
+    arguments = ["optimize", str(path), "--history", str(history), "--output", str(tmp_path / "o")]
+    assert main(arguments) == 130 and len(calls) <= number + 2
     assert f"interrupted after {rounds}" in capsys.readouterr().out
     assert len(list((tmp_path / "o").iterdir())) == 3
     assert "NaN" not in (tmp_path / "o" / "model.optimum.json").read_text(encoding="utf-8")
-    again = run(capsys, *asked)
+    again = run(capsys, *arguments)
     assert again["x"] == whole["x"] and again["rounds"][-1]["x"] == whole["rounds"][-1]["x"]
     assert again["runs"] < whole["runs"] and again["start"] == whole["start"]
     for changes in (["--vary", "load"], ["--set", "load=2e5"]):
-        assert main([*asked, *changes]) == 2 and "another problem" in capsys.readouterr().err
+        assert main([*arguments, *changes]) == 2 and "another problem" in capsys.readouterr().err
 
 
 def test_beta_is_seen_in_numbers(tmp_path, capsys):

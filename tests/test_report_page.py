@@ -95,42 +95,42 @@ def test_write_page_replaces_the_file_in_one_go(
 @pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
 @pytest.mark.parametrize("make", [four_bar, gallery])
 def test_draws(show: Any, make: Any, viewport: tuple[int, int], scheme: str) -> None:
-    found = show(make(), viewport=viewport, scheme=scheme)
-    assert found.ink("#scene") > 20
-    assert found.ink(".plot .base") > 5
-    assert found.js("document.documentElement.dataset.theme") == scheme
-    assert found.js("document.documentElement.scrollWidth <= innerWidth")
+    page = show(make(), viewport=viewport, scheme=scheme)
+    assert page.ink("#scene") > 20
+    assert page.ink(".plot .base") > 5
+    assert page.js("document.documentElement.dataset.theme") == scheme
+    assert page.js("document.documentElement.scrollWidth <= innerWidth")
 
 
 def test_plays_pauses_and_keeps_still_on_request(show: Any) -> None:
-    found = show(four_bar())
-    assert found.js("dalembert.player.playing") is False
-    before = found.picture("#scene")
-    found.page.keyboard.press("Space")
-    found.until("dalembert.player.time > 0.02")
-    found.page.click("#play")
-    assert found.js("dalembert.player.playing") is False
-    found.frames(3)
-    time, after = found.js("dalembert.player.time"), found.picture("#scene")
+    page = show(four_bar())
+    assert page.js("dalembert.player.playing") is False
+    before = page.picture("#scene")
+    page.page.keyboard.press("Space")
+    page.until("dalembert.player.time > 0.02")
+    page.page.click("#play")
+    assert page.js("dalembert.player.playing") is False
+    page.frames(3)
+    time, after = page.js("dalembert.player.time"), page.picture("#scene")
     assert after != before
-    found.frames(10)
-    assert found.js("dalembert.player.time") == time
-    assert found.picture("#scene") == after
+    page.frames(10)
+    assert page.js("dalembert.player.time") == time
+    assert page.picture("#scene") == after
 
 
 def test_plays_by_itself_where_motion_is_welcome(show: Any) -> None:
-    found = show(four_bar(), still=False)
-    assert found.js("dalembert.player.playing") is True
-    found.until("dalembert.player.time > 0.01")
+    page = show(four_bar(), still=False)
+    assert page.js("dalembert.player.playing") is True
+    page.until("dalembert.player.time > 0.01")
 
 
 def test_scrubber_keys_and_seek_set_the_time(show: Any) -> None:
     payload = four_bar(frames=81, duration=8.0)
-    found = show(payload)
-    box = found.page.locator("#scrub").bounding_box()
-    found.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    assert found.js("dalembert.player.time") == pytest.approx(4.0, abs=0.1)
-    found.js("dalembert.player.seek(2)")
+    page = show(payload)
+    box = page.page.locator("#scrub").bounding_box()
+    page.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    assert page.js("dalembert.player.time") == pytest.approx(4.0, abs=0.1)
+    page.js("dalembert.player.seek(2)")
     for key, time in (
         ("ArrowRight", 2.1),
         ("ArrowLeft", 2.0),
@@ -139,108 +139,108 @@ def test_scrubber_keys_and_seek_set_the_time(show: Any) -> None:
         ("End", 8.0),
         ("Home", 0.0),
     ):
-        found.page.keyboard.press(key)
-        assert found.js("dalembert.player.time") == pytest.approx(time)
-    found.js("dalembert.player.seek(2.05)")
-    found.page.keyboard.press("ArrowLeft")
-    assert found.js("dalembert.player.time") == pytest.approx(2.0)
-    found.js("dalembert.player.seek(99)")
-    assert found.js("dalembert.player.time") == 8.0
-    assert "8.00" in found.page.inner_text("#clock")
-    found.page.click(".event >> nth=0")
-    assert found.js("dalembert.player.time") == pytest.approx(0.21 * 8)
+        page.page.keyboard.press(key)
+        assert page.js("dalembert.player.time") == pytest.approx(time)
+    page.js("dalembert.player.seek(2.05)")
+    page.page.keyboard.press("ArrowLeft")
+    assert page.js("dalembert.player.time") == pytest.approx(2.0)
+    page.js("dalembert.player.seek(99)")
+    assert page.js("dalembert.player.time") == 8.0
+    assert "8.00" in page.page.inner_text("#clock")
+    page.page.click(".event >> nth=0")
+    assert page.js("dalembert.player.time") == pytest.approx(0.21 * 8)
 
 
 def test_pose_lies_between_frames(show: Any) -> None:
-    found = show(four_bar(frames=5, duration=4.0))
+    page = show(four_bar(frames=5, duration=4.0))
     pose = "(() => { const p = dalembert.motion.pose(dalembert.motion.bodies[0]); return p.a; })()"
-    angles = found.js("Array.from(dalembert.motion.bodies[0].a)")
-    found.js("dalembert.player.seek(1.25)")
-    assert found.js(pose) == pytest.approx(0.75 * angles[1] + 0.25 * angles[2])
+    angles = page.js("Array.from(dalembert.motion.bodies[0].a)")
+    page.js("dalembert.player.seek(1.25)")
+    assert page.js(pose) == pytest.approx(0.75 * angles[1] + 0.25 * angles[2])
 
 
 @pytest.mark.parametrize(
     ("duration", "speed"), [(6.0, 1), (0.008, 0.001), (86400.0, 10000), (2.0, 0.2)]
 )
 def test_a_loop_takes_a_few_seconds(show: Any, duration: float, speed: float) -> None:
-    found = show(four_bar(frames=41, duration=duration))
-    chosen = found.js("dalembert.player.speed")
+    page = show(four_bar(frames=41, duration=duration))
+    chosen = page.js("dalembert.player.speed")
     assert chosen == pytest.approx(speed, rel=0.001)
     assert 4 <= duration / chosen <= 12
-    assert found.page.input_value("#speed") == str(found.js("String(dalembert.player.speed)"))
-    found.page.select_option("#speed", index=0)
-    assert found.js("dalembert.player.speed") == pytest.approx(min(0.1 * speed, 1))
+    assert page.page.input_value("#speed") == str(page.js("String(dalembert.player.speed)"))
+    page.page.select_option("#speed", index=0)
+    assert page.js("dalembert.player.speed") == pytest.approx(min(0.1 * speed, 1))
 
 
 def test_without_loop_it_stops_at_the_end(show: Any) -> None:
-    found = show(four_bar())
-    found.page.click("#loop")
-    found.js("dalembert.player.seek(0.79)")
-    found.js("dalembert.player.play()")
-    found.until("!dalembert.player.playing")
-    assert found.js("dalembert.player.time") == pytest.approx(0.8)
+    page = show(four_bar())
+    page.page.click("#loop")
+    page.js("dalembert.player.seek(0.79)")
+    page.js("dalembert.player.play()")
+    page.until("!dalembert.player.playing")
+    assert page.js("dalembert.player.time") == pytest.approx(0.8)
 
 
 @pytest.mark.parametrize("control", ["#reactions", "#labels", "#grid", ".trace"])
 def test_toggles_change_the_picture_and_back(show: Any, control: str) -> None:
-    found = show(four_bar())
-    found.js("dalembert.player.seek(0.3)")
-    found.frames()
-    before, was = found.picture("#scene"), found.page.get_attribute(control, "aria-pressed")
-    found.page.click(control)
-    found.frames(3)
-    assert found.page.get_attribute(control, "aria-pressed") != was
-    assert found.picture("#scene") != before
-    found.page.click(control)
-    found.frames(3)
-    assert found.picture("#scene") == before
+    page = show(four_bar())
+    page.js("dalembert.player.seek(0.3)")
+    page.frames()
+    before, was = page.picture("#scene"), page.page.get_attribute(control, "aria-pressed")
+    page.page.click(control)
+    page.frames(3)
+    assert page.page.get_attribute(control, "aria-pressed") != was
+    assert page.picture("#scene") != before
+    page.page.click(control)
+    page.frames(3)
+    assert page.picture("#scene") == before
 
 
 def test_zoom_pan_and_fit(show: Any) -> None:
-    found = show(four_bar())
+    page = show(four_bar())
     view = "(({ x, y, s }) => ({ x, y, s }))(dalembert.scene.view)"
-    home = found.js(view)
-    found.page.mouse.move(300, 400)
-    found.page.mouse.wheel(0, -300)
-    found.frames(3)
-    assert found.js(view)["s"] > home["s"]
-    x = found.js(view)["x"]
-    found.page.mouse.down()
-    found.page.mouse.move(360, 400)
-    found.page.mouse.up()
-    assert found.js(view)["x"] < x
-    found.page.click("#fit")
-    assert found.js(view) == home
+    home = page.js(view)
+    page.page.mouse.move(300, 400)
+    page.page.mouse.wheel(0, -300)
+    page.frames(3)
+    assert page.js(view)["s"] > home["s"]
+    x = page.js(view)["x"]
+    page.page.mouse.down()
+    page.page.mouse.move(360, 400)
+    page.page.mouse.up()
+    assert page.js(view)["x"] < x
+    page.page.click("#fit")
+    assert page.js(view) == home
 
 
 def test_tooltip_names_what_is_under_the_pointer(show: Any) -> None:
-    found = show(four_bar())
-    box = found.page.locator("#scene").bounding_box()
+    page = show(four_bar())
+    box = page.page.locator("#scene").bounding_box()
     for joint, name, text in ((0, "A", "force"), (3, "D", "revolute")):
-        x, y = found.js(f"dalembert.scene.screen(dalembert.motion.joints[{joint}].point)")
-        found.page.mouse.move(box["x"] + x, box["y"] + y)
-        found.frames(3)
-        tip = found.page.inner_text("#tip")
+        x, y = page.js(f"dalembert.scene.screen(dalembert.motion.joints[{joint}].point)")
+        page.page.mouse.move(box["x"] + x, box["y"] + y)
+        page.frames(3)
+        tip = page.page.inner_text("#tip")
         assert tip.startswith(name) and text in tip
-    found.page.mouse.move(box["x"] + 5, box["y"] + 200)
-    found.frames(3)
-    assert not found.page.is_visible("#tip")
+    page.page.mouse.move(box["x"] + 5, box["y"] + 200)
+    page.frames(3)
+    assert not page.page.is_visible("#tip")
 
 
 def test_plots_scrub_hover_and_change(show: Any, tmp_path: Path) -> None:
-    found = show(four_bar())
-    page = found.page
+    view = show(four_bar())
+    page = view.page
     area = page.locator(".plot .over").first.bounding_box()
     middle = area["x"] + area["width"] / 2, area["y"] + area["height"] / 2
     page.mouse.move(*middle)
-    found.frames(3)
-    assert found.js("dalembert.board.hoverTime") == pytest.approx(0.4, abs=0.05)
-    assert found.js("dalembert.player.time") == 0
+    view.frames(3)
+    assert view.js("dalembert.board.hoverTime") == pytest.approx(0.4, abs=0.05)
+    assert view.js("dalembert.player.time") == 0
     page.mouse.down()
-    assert found.js("dalembert.player.time") == pytest.approx(0.4, abs=0.05)
+    assert view.js("dalembert.player.time") == pytest.approx(0.4, abs=0.05)
     page.mouse.move(middle[0] + 60, middle[1])
     page.mouse.up()
-    assert found.js("dalembert.player.time") > 0.4
+    assert view.js("dalembert.player.time") > 0.4
 
     assert page.locator(".plot").count() == 3
     page.click("#add-plot")
@@ -255,7 +255,7 @@ def test_plots_scrub_hover_and_change(show: Any, tmp_path: Path) -> None:
         .inner_text()
         .startswith("rocker.angle_acceleration")
     )
-    found.frames(3)
+    view.frames(3)
     with page.expect_download() as saved:
         page.locator(".plot >> nth=3").locator("[aria-label='Save this plot']").click()
         page.locator(".plot >> nth=3").get_by_text("Numbers (CSV)").click()
@@ -268,19 +268,19 @@ def test_plots_scrub_hover_and_change(show: Any, tmp_path: Path) -> None:
 
 
 def test_picker_offers_two_units_at_most(show: Any) -> None:
-    found = show(four_bar())
-    found.page.get_by_label("Choose series").nth(1).click()
-    assert found.page.locator(".choice:has-text('energy.total') input").is_disabled()
-    assert found.page.locator(".choice:has-text('B.force_x') input").is_enabled()
+    page = show(four_bar())
+    page.page.get_by_label("Choose series").nth(1).click()
+    assert page.page.locator(".choice:has-text('energy.total') input").is_disabled()
+    assert page.page.locator(".choice:has-text('B.force_x') input").is_enabled()
 
 
 def test_theme_button(show: Any) -> None:
-    found = show(four_bar())
-    before = found.picture("#scene")
-    found.page.click("#theme")
-    found.frames(3)
-    assert found.js("document.documentElement.dataset.theme") == "dark"
-    assert found.picture("#scene") != before
+    page = show(four_bar())
+    before = page.picture("#scene")
+    page.page.click("#theme")
+    page.frames(3)
+    assert page.js("document.documentElement.dataset.theme") == "dark"
+    assert page.picture("#scene") != before
 
 
 @pytest.mark.parametrize("frames", [0, 1, 2])
@@ -292,7 +292,7 @@ def test_nearly_empty_payloads(show: Any, frames: int, scene: dict[str, Any]) ->
         {**body, **pose, "shapes": [{"kind": "bar", "from": [0, 0], "to": [1, 0]}]}
         for body in scene.get("bodies", [])
     ]
-    found = show(
+    page = show(
         {
             "format": 1,
             "title": "nearly nothing",
@@ -300,18 +300,18 @@ def test_nearly_empty_payloads(show: Any, frames: int, scene: dict[str, Any]) ->
             "scene": {"bodies": bodies} if bodies else scene,
         }
     )
-    assert found.page.is_visible("#player") == (frames == 2)
-    assert found.page.is_hidden("#board")
-    assert found.ink("#scene") > 1
+    assert page.page.is_visible("#player") == (frames == 2)
+    assert page.page.is_hidden("#board")
+    assert page.ink("#scene") > 1
 
 
 def test_static_result_lists_its_values(show: Any) -> None:
     payload = four_bar(frames=2)
     payload["time"] = payload["time"][:1]
-    found = show(payload)
-    assert found.page.is_hidden("#player")
-    assert "rocker.angle" in found.page.inner_text("#values")
-    assert found.ink("#scene") > 20
+    page = show(payload)
+    assert page.page.is_hidden("#player")
+    assert "rocker.angle" in page.page.inner_text("#values")
+    assert page.ink("#scene") > 20
 
 
 def test_gaps_are_left_out(show: Any) -> None:
@@ -320,12 +320,12 @@ def test_gaps_are_left_out(show: Any) -> None:
         payload["scene"]["bodies"][1][column][10:30] = [None] * 20
     payload["series"][0]["values"] = [None] * 41
     payload["scene"]["joints"][0]["force_x"][5:20] = [None] * 15
-    found = show(payload)
-    found.page.click("#reactions")
-    found.js("dalembert.player.seek(0.4)")
-    found.frames(3)
-    assert found.js("dalembert.motion.pose(dalembert.motion.bodies[1])") is None
-    assert found.ink("#scene") > 20
+    page = show(payload)
+    page.page.click("#reactions")
+    page.js("dalembert.player.seek(0.4)")
+    page.frames(3)
+    assert page.js("dalembert.motion.pose(dalembert.motion.bodies[1])") is None
+    assert page.ink("#scene") > 20
 
 
 def test_hostile_names_do_no_harm(show: Any) -> None:
@@ -346,12 +346,12 @@ def test_hostile_names_do_no_harm(show: Any) -> None:
     payload["events"] = [{"name": HOSTILE, "time": 0.1}]
     payload["diagnosis"] = {"summary": HOSTILE, "messages": [{"level": HOSTILE, "text": HOSTILE}]}
     payload["parameters"] = [{"name": HOSTILE, "value": 1, "unit": HOSTILE}]
-    found = show(payload)
-    found.page.mouse.move(300, 400)
-    found.page.click("#add-plot")
-    found.frames(3)
-    assert found.js("document.querySelector('#bad, img')") is None
-    assert found.js("document.title") == HOSTILE.replace("\u2028", " ") or found.js(
+    page = show(payload)
+    page.page.mouse.move(300, 400)
+    page.page.click("#add-plot")
+    page.frames(3)
+    assert page.js("document.querySelector('#bad, img')") is None
+    assert page.js("document.title") == HOSTILE.replace("\u2028", " ") or page.js(
         "document.title"
     ).startswith("</script>")
 
@@ -379,22 +379,22 @@ def test_many_bodies_and_frames_stay_responsive(show: Any) -> None:
     """More frames take no more to draw; whole paths are drawn once, not in each picture."""
     pieces = {}
     for frames in (3000, 12000):
-        found = show(crowd(bodies=20, frames=frames))
-        found.page.click("#reactions")
-        found.js("document.querySelectorAll('.trace').forEach(chip => chip.click())")
+        page = show(crowd(bodies=20, frames=frames))
+        page.page.click("#reactions")
+        page.js("document.querySelectorAll('.trace').forEach(chip => chip.click())")
         counted = f"(dalembert.scene.zoom(0.8), {PIECES}({[9, 9, *range(10)]}))"
-        pieces[frames] = found.js(counted)
+        pieces[frames] = page.js(counted)
     for first, again, *others in pieces.values():
         assert first > 2 * again
         assert max(others) < 1.5 * again
     assert pieces[12000][1] < 1.5 * pieces[3000][1]
-    found.js("dalembert.player.play()")
-    found.until("dalembert.player.time > 0")
+    page.js("dalembert.player.play()")
+    page.until("dalembert.player.time > 0")
 
 
 def test_prints(show: Any, tmp_path: Path) -> None:
-    found = show(four_bar(), scheme="dark")
-    sheet = found.page.pdf(format="A4")
+    page = show(four_bar(), scheme="dark")
+    sheet = page.page.pdf(format="A4")
     assert sheet.startswith(b"%PDF") and len(sheet) > 20_000
-    found.frames(3)
-    assert found.js("document.documentElement.dataset.theme") == "dark"
+    page.frames(3)
+    assert page.js("document.documentElement.dataset.theme") == "dark"

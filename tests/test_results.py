@@ -100,8 +100,8 @@ def test_events_are_labelled_and_saved(tmp_path):
     system = da.System("pendulum", gravity=(0.0, -9.81))
     bob = system.add(planar.Particle("bob", mass=2.0, position=(0.6, -0.8)))
     system.add(planar.RigidLink("rod", system.ground.point(0, 0), bob.center, length=1.0))
-    asked = {"below": "bob.x", "ends": da.Event("bob.vx", direction=-1, terminal=True)}
-    motion = da.solve_dynamics(system.build(), 5.0, step=0.001, outputs=3, events=asked)
+    arguments = {"below": "bob.x", "ends": da.Event("bob.vx", direction=-1, terminal=True)}
+    motion = da.solve_dynamics(system.build(), 5.0, step=0.001, outputs=3, events=arguments)
     names = [event.name for event in motion.events]
     assert names == ["below", "below", "ends"]
     assert [event.direction for event in motion.events] == [-1, 1, -1]
@@ -114,8 +114,8 @@ def test_events_are_labelled_and_saved(tmp_path):
         assert data["event"].values.tolist() == names
         assert data["event_time"].values.tolist() == [event.time for event in motion.events]
         assert data["event_direction"].values.tolist() == [-1, 1, -1]
-        found = data["event_coordinates"].sel(event="below", coordinate="bob.y").values
-        assert found == pytest.approx([-1.0, -1.0], abs=1e-9)
+        computed = data["event_coordinates"].sel(event="below", coordinate="bob.y").values
+        assert computed == pytest.approx([-1.0, -1.0], abs=1e-9)
         assert data["event_speeds"].dims == ("event", "coordinate")
 
 
@@ -147,8 +147,8 @@ def test_modes_are_written_as_other_results_are(tmp_path):
     modes = da.linearize(system.build())
     files = modes.write(tmp_path / "swing", report=True, csv=True)
     assert [f.name for f in files] == ["swing.nc", "swing.csv"] and all(f.exists() for f in files)
-    found = da.load_results(files[0])["frequency"].values
-    assert found == pytest.approx(modes.frequencies)
+    computed = da.load_results(files[0])["frequency"].values
+    assert computed == pytest.approx(modes.frequencies)
     with pytest.raises(da.UnsupportedError, match="no report of MechanismModes"):
         modes.report(tmp_path / "swing.html")
 
@@ -161,9 +161,9 @@ def test_a_state_brings_its_own_parameters():
     system.add(planar.Revolute("O", system.ground.point(0, 0), bob.start))
     model = system.build()
     rest = da.solve_equilibrium(model)
-    for given in ({"parameters": {"m": 1.0}}, {"time": 1.0}):
+    for arguments in ({"parameters": {"m": 1.0}}, {"time": 1.0}):
         with pytest.raises(da.AnalysisError, match=r"(m|time) cannot be given with about="):
-            da.linearize(model, rest, **given)
+            da.linearize(model, rest, **arguments)
 
 
 def test_what_is_asked_for_wrongly_is_told_kindly(motion, tmp_path):

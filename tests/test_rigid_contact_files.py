@@ -51,7 +51,7 @@ integrator = "DormandPrince"
 
 @pytest.mark.parametrize("command", ["check", "run"])
 @pytest.mark.parametrize(
-    ("height", "more", "told"),
+    ("height", "more", "message"),
     [
         (-0.1, "duration = 1.0", "analysis: floor: its gap is -0.1 m at the start"),
         (0.1, "t_span = [-2.0, 1.0]", "analysis: floor: its gap is -0.1 m at the start"),
@@ -62,12 +62,12 @@ integrator = "DormandPrince"
         ),
     ],
 )
-def test_what_runs_refuse_is_told_before(command, height, more, told, tmp_path, capsys):
+def test_what_runs_refuse_is_told_before(command, height, more, message, tmp_path, capsys):
     path = tmp_path / "ball.toml"
     path.write_text(BALL.format(height=height, more=more), encoding="utf-8")
     output = ["--output", str(tmp_path / "out")] if command == "run" else []
     assert main([command, str(path), *output]) == 2
-    assert told in " ".join(capsys.readouterr().err.split())
+    assert message in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.parametrize(

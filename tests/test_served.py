@@ -11,28 +11,28 @@ from dalembert import planar, structures
 
 @pytest.fixture(scope="module")
 def bar():
-    made = structures.Structure("bar")
-    a, b = made.node("a", 0.0, 0.0), made.node("b", 1.0, 0.0)
-    made.add(structures.Truss("rod", a, b, area=1e-4, modulus=1e9, density=1000.0))
-    made.support(a)
-    made.support(b, uy=0.0)
-    made.load(b, fx=100.0)
-    return made.build()
+    structure = structures.Structure("bar")
+    a, b = structure.node("a", 0.0, 0.0), structure.node("b", 1.0, 0.0)
+    structure.add(structures.Truss("rod", a, b, area=1e-4, modulus=1e9, density=1000.0))
+    structure.support(a)
+    structure.support(b, uy=0.0)
+    structure.load(b, fx=100.0)
+    return structure.build()
 
 
 @pytest.fixture(scope="module")
 def ball():
-    made = da.System("ball", gravity=(0, -9.81))
-    made.add(planar.Particle("ball", mass=1.0, position=(0.0, 1.0)))
-    return made.build()
+    system = da.System("ball", gravity=(0, -9.81))
+    system.add(planar.Particle("ball", mass=1.0, position=(0.0, 1.0)))
+    return system.build()
 
 
 def test_one_name_for_one_meaning(bar):
     options = {"step": 1e-4, "integrator": da.Newmark()}
     runs = [solve(bar, 1e-3, **options) for solve in (da.solve_dynamics, da.solve_transient)]
     np.testing.assert_array_equal(runs[0]["b.ux"], runs[1]["b.ux"])
-    found, known = da.solve_equilibrium(bar), da.solve_statics(bar, nonlinear=True)
-    assert float(found["b.ux"]) == float(known["b.ux"]) == pytest.approx(1e-3, rel=1e-2)
+    equilibrium, result = da.solve_equilibrium(bar), da.solve_statics(bar, nonlinear=True)
+    assert float(equilibrium["b.ux"]) == float(result["b.ux"]) == pytest.approx(1e-3, rel=1e-2)
 
 
 @pytest.mark.parametrize(

@@ -67,16 +67,19 @@ points = { P = [1, 2, 3] }
 
 @pytest.mark.parametrize("sign", ["dimension = 3", "gravity = [0, 0, -9.81]"])
 def test_a_file_of_space_may_hold_elements_of_the_plane(read, sign):
-    made = read(sign + SPATIAL)
-    kinds = {name: type(element) for name, element in made.items()}
+    elements = read(sign + SPATIAL)
+    kinds = {name: type(element) for name, element in elements.items()}
     assert kinds["a"] is kinds["b"] is spatial.Body and kinds["J"] is spatial.Revolute
     assert kinds["flat"] is planar.Body and kinds["K"] is planar.Revolute
-    joint = made["J"]
-    assert joint.frame_i is made["a"].frames["hinge"] and joint.frame_j.body is made["b"]
+    joint = elements["J"]
+    assert joint.frame_i is elements["a"].frames["hinge"] and joint.frame_j.body is elements["b"]
     hinge = ca.DM(joint.frame_i.local_axes).full()
     np.testing.assert_array_equal(hinge[:, [0, 2]].T, [[0, 0, 1], [0, 1, 0]])
     np.testing.assert_array_equal(ca.DM(joint.frame_j.local_axes).full()[:, 2], [1, 0, 0])
-    assert made["L"].point_i is made["a"].points["P"] and made["L"].point_j.name == "ground.base"
+    assert (
+        elements["L"].point_i is elements["a"].points["P"]
+        and elements["L"].point_j.name == "ground.base"
+    )
 
 
 @pytest.mark.parametrize("sign", ["", "dimension = 2", "gravity = [0, -9.81]"])
@@ -86,7 +89,7 @@ def test_a_file_of_the_plane_may_hold_elements_of_space(read, sign):
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("dimension = 4", "dimension: unknown dimension 4; known: 2, 3"),
         ("dimension = true", "dimension: unknown dimension true; known: 2, 3"),
@@ -99,8 +102,8 @@ def test_a_file_of_the_plane_may_hold_elements_of_space(read, sign):
         ("[bodies.a]\ntype = 'Body'\nframes = {}", "bodies.a.frames: unknown key"),
     ],
 )
-def test_what_a_space_does_not_have_is_refused(read, text, told):
-    with pytest.raises(ModelError, match=re.escape(told)):
+def test_what_a_space_does_not_have_is_refused(read, text, message):
+    with pytest.raises(ModelError, match=re.escape(message)):
         read(text, allowed=False)
 
 
@@ -175,10 +178,12 @@ def test_a_file_describes_what_python_does(tmp_path):
     system.add(spatial.Revolute("B", a.frame((l, 0, 0), **y), b.frame((-l, 0, 0), **y)))
     system.add(spatial.Prismatic("C", b.frame((l, 0, 0), **x), c.frame(**x)))
     system.add(spatial.Spherical("D", c.point(0.1, 0, 0), d))
-    told, made = (da.solve_dynamics(s.build(), 0.2, step=0.01) for s in (load(path), system))
-    assert told.status.success and made.status.success
-    np.testing.assert_allclose(told.data.coordinates, made.data.coordinates, atol=1e-12)
-    assert abs(float(told["C.displacement"][-1])) > 1e-3
+    from_file, from_python = (
+        da.solve_dynamics(s.build(), 0.2, step=0.01) for s in (load(path), system)
+    )
+    assert from_file.status.success and from_python.status.success
+    np.testing.assert_allclose(from_file.data.coordinates, from_python.data.coordinates, atol=1e-12)
+    assert abs(float(from_file["C.displacement"][-1])) > 1e-3
 
 
 REFUSED = {

@@ -20,33 +20,33 @@ G = 9.81
 def test_heavy_top_is_the_published_one(pictures: Path) -> None:
     """Height at 1 s of the benchmark; the axis stays between the two roots of its cubic."""
     assert value("heavy_top", "height") == pytest.approx(-0.74849079, abs=1e-7)
-    found = numbers("heavy_top", pictures)
-    assert found["height of the mass centre at 1 s [m]"] == pytest.approx(-0.74849079, abs=1e-7)
+    printed = numbers("heavy_top", pictures)
+    assert printed["height of the mass centre at 1 s [m]"] == pytest.approx(-0.74849079, abs=1e-7)
     about, along, spin, swing = 15.234375, 0.46875, 150.0, -4.61538
     energy, momentum = about * swing**2 / 2, about * swing
     kinetic = np.poly1d([-15 * G, energy]) * np.poly1d([-1, 0, 1]) * 2 * about
     turning = kinetic - np.poly1d([-along * spin, momentum]) ** 2
     lowest = min(r.real for r in turning.roots if abs(r.imag) < 1e-9 and abs(r) <= 1)
-    assert found["lowest height [m]"] == pytest.approx(lowest, abs=1e-4)
-    assert found["energy drift [J]"] < 1e-5
+    assert printed["lowest height [m]"] == pytest.approx(lowest, abs=1e-4)
+    assert printed["energy drift [J]"] < 1e-5
 
 
 def test_spatial_slider_crank_is_the_exact_one(pictures: Path) -> None:
     """Slider at 1 s and 5 s by the one equation of the motion."""
     assert value("spatial_slider_crank", "x") == pytest.approx(0.211721661394, abs=1e-7)
-    found = numbers("spatial_slider_crank", pictures)
-    assert found["slider after 5 s [m]"] == pytest.approx(0.240719573741, abs=1e-7)
-    assert found["largest error of the energy [J]"] < 1e-7
+    printed = numbers("spatial_slider_crank", pictures)
+    assert printed["slider after 5 s [m]"] == pytest.approx(0.240719573741, abs=1e-7)
+    assert printed["largest error of the energy [J]"] < 1e-7
 
 
 def test_driveline_has_the_speeds_of_cardan_joints(pictures: Path) -> None:
-    found = numbers("universal_driveline", pictures)
-    assert found["fastest / input"] == pytest.approx(1 / np.cos(0.5), rel=1e-9)
-    assert found["slowest / input"] == pytest.approx(np.cos(0.5), rel=1e-5)
+    printed = numbers("universal_driveline", pictures)
+    assert printed["fastest / input"] == pytest.approx(1 / np.cos(0.5), rel=1e-9)
+    assert printed["slowest / input"] == pytest.approx(np.cos(0.5), rel=1e-5)
     slope = np.sin(0.5) / np.cos(0.5) ** 2
-    assert found["slope of fastest / input by beta [1/rad]"] == pytest.approx(slope, rel=1e-9)
-    assert found["largest error of the ratio"] < 1e-12
-    assert found["largest error of the output speed [rad/s]"] < 1e-11
+    assert printed["slope of fastest / input by beta [1/rad]"] == pytest.approx(slope, rel=1e-9)
+    assert printed["largest error of the ratio"] < 1e-12
+    assert printed["largest error of the output speed [rad/s]"] < 1e-11
     run = motion("universal_driveline")
     angle, c, s = run["motor.coordinate"].values, np.cos(0.5), np.sin(0.5)
     ratio = c / (1 - (s * np.cos(angle)) ** 2)
@@ -64,38 +64,38 @@ def test_disc_rolls_in_its_steady_circle(pictures: Path) -> None:
     assert value("rolling_disc", "x") == pytest.approx(-circle * np.sin(turn * 4.0), abs=1e-8)
     friction = -2.0 * circle * turn**2 * np.cos(turn * 4.0)
     assert value("rolling_disc", "friction") == pytest.approx(friction, abs=1e-7)
-    found = numbers("rolling_disc", pictures)
-    assert found["diameter of the circle [m]"] == pytest.approx(2 * abs(circle), rel=1e-5)
-    assert found["height varies by [m], steady"] < 1e-8 < 0.05
-    assert found["height varies by [m], reeling"] > 0.01
-    assert found["energy drift [J], reeling"] < 1e-7
-    assert found["slip [m/s], reeling"] < 1e-12
+    printed = numbers("rolling_disc", pictures)
+    assert printed["diameter of the circle [m]"] == pytest.approx(2 * abs(circle), rel=1e-5)
+    assert printed["height varies by [m], steady"] < 1e-8 < 0.05
+    assert printed["height varies by [m], reeling"] > 0.01
+    assert printed["energy drift [J], reeling"] < 1e-7
+    assert printed["slip [m/s], reeling"] < 1e-12
 
 
 def test_bricard_moves_as_published(pictures: Path) -> None:
-    found = numbers("bricard", pictures)
-    assert found["degrees of freedom"] == 1
-    assert found["degrees of freedom by Gruebler"] == 0
-    assert found["x of P2 after 10 s [m]"] == pytest.approx(0.9997309873, abs=1e-7)
-    assert found["largest error of the energy [J]"] < 1e-6
+    printed = numbers("bricard", pictures)
+    assert printed["degrees of freedom"] == 1
+    assert printed["degrees of freedom by Gruebler"] == 0
+    assert printed["x of P2 after 10 s [m]"] == pytest.approx(0.9997309873, abs=1e-7)
+    assert printed["largest error of the energy [J]"] < 1e-6
 
 
 def test_gyroscope_precesses(pictures: Path) -> None:
     """``Ω = m g l / (J ω)``; let go at rest, the weight drops by about ``2 Ω² I / (m g)``."""
-    found, rate = numbers("gyroscope", pictures), 0.2 * G * 0.1 / (4e-3 * 400.0)
-    assert found["precession, steady [rad/s]"] == pytest.approx(rate, rel=1e-9)
-    assert found["axis leaves the level by [m], steady"] < 1e-9
-    assert found["precession, let go at rest [rad/s]"] == pytest.approx(rate, rel=1e-2)
+    printed, rate = numbers("gyroscope", pictures), 0.2 * G * 0.1 / (4e-3 * 400.0)
+    assert printed["precession, steady [rad/s]"] == pytest.approx(rate, rel=1e-9)
+    assert printed["axis leaves the level by [m], steady"] < 1e-9
+    assert printed["precession, let go at rest [rad/s]"] == pytest.approx(rate, rel=1e-2)
     across = 2.5e-3 + 4e-4 + 1e-3  # of rotor and rings about the vertical, the axis level
     drop = 2 * rate**2 * across / (0.2 * G)
-    assert found["axis drops by [m], let go at rest"] == pytest.approx(drop, rel=1e-2)
+    assert printed["axis drops by [m], let go at rest"] == pytest.approx(drop, rel=1e-2)
 
 
 def test_stewart_platform_carries_what_newton_and_euler_ask(pictures: Path) -> None:
     """Forces of the legs by the motion wanted, differentiated by central differences."""
     from scipy.spatial.transform import Rotation
 
-    made = script("stewart_platform")
+    example = script("stewart_platform")
 
     def pose(t):
         turn = np.pi * t
@@ -116,46 +116,50 @@ def test_stewart_platform_carries_what_newton_and_euler_ask(pictures: Path) -> N
         near, far = (
             (pose(t + k * h)[0] - 2 * place + pose(t - k * h)[0]) / (k * h) ** 2 for k in (1, 2)
         )
-        force = made.MASS * ((4 * near - far) / 3 + [0, 0, G])
+        force = example.MASS * ((4 * near - far) / 3 + [0, 0, G])
         one, two = ((spin(t + k * h) - spin(t - k * h)) / (2 * k * h) for k in (1, 2))
-        inertia = turn.as_matrix() @ np.diag(made.INERTIA) @ turn.as_matrix().T
+        inertia = turn.as_matrix() @ np.diag(example.INERTIA) @ turn.as_matrix().T
         moment = inertia @ ((4 * one - two) / 3) + np.cross(spin(t), inertia @ spin(t))
-        arms = turn.apply(made.TOP)
-        along = place + arms - made.BASE
+        arms = turn.apply(example.TOP)
+        along = place + arms - example.BASE
         along /= np.linalg.norm(along, axis=1)[:, None]
         wrench = np.vstack([along.T, np.cross(arms, along).T])
         return np.linalg.solve(wrench, np.concatenate([force, moment]))
 
-    found = numbers("stewart_platform", pictures)
+    printed = numbers("stewart_platform", pictures)
     expected = np.array([legs(t) for t in np.linspace(0, 2, 201)])
-    assert found["largest force in a leg [N]"] == pytest.approx(abs(expected).max(), rel=1e-6)
-    assert abs(found["work of a period [J]"]) < 1e-9
+    assert printed["largest force in a leg [N]"] == pytest.approx(abs(expected).max(), rel=1e-6)
+    assert abs(printed["work of a period [J]"]) < 1e-9
 
 
 def test_robot_arm_holds_and_moves(pictures: Path) -> None:
     """At rest as printed in Corke's book (``p560.gravload(qn)``); in motion by Newton and Euler,
     link by link (recursive, in inertial axes, with differences of the wanted motion).
     """
-    found, made = numbers("robot_arm", pictures), script("robot_arm")
+    numbers_printed, example = numbers("robot_arm", pictures), script("robot_arm")
     printed = {"shoulder": 31.6399, "elbow": 6.0351, "wrist": 0.0283}
     for name, torque in printed.items():
-        assert found[f"{name} at rest [N m]"] == pytest.approx(torque, abs=1e-4)
-    hand = made.placed(made.NOMINAL)[-1] @ [0, 0, 0.1, 1]
-    assert found["shoulder per payload at rest [N m/kg]"] == pytest.approx(G * hand[0], rel=1e-9)
-    run = da.solve_inverse_dynamics(made.build().build(), made.DURATION, outputs=[0.4, 0.9])
+        assert numbers_printed[f"{name} at rest [N m]"] == pytest.approx(torque, abs=1e-4)
+    hand = example.placed(example.NOMINAL)[-1] @ [0, 0, 0.1, 1]
+    assert numbers_printed["shoulder per payload at rest [N m/kg]"] == pytest.approx(
+        G * hand[0], rel=1e-9
+    )
+    run = da.solve_inverse_dynamics(example.build().build(), example.DURATION, outputs=[0.4, 0.9])
     for k, t in enumerate(run.time):
-        np.testing.assert_allclose(made.torques(run)[:, k], torques_of(made, t), atol=2e-6)
+        np.testing.assert_allclose(example.torques(run)[:, k], torques_of(example, t), atol=2e-6)
 
 
-def torques_of(made, t: float, h: float = 2e-3) -> np.ndarray:
+def torques_of(example, t: float, h: float = 2e-3) -> np.ndarray:
     """(6,) by forces and moments of all links beyond each joint."""
 
     def frames(t):
-        s = t / made.DURATION
-        return np.array(made.placed(made.NOMINAL + made.REACH * s**3 * (10 - 15 * s + 6 * s**2)))
+        s = t / example.DURATION
+        return np.array(
+            example.placed(example.NOMINAL + example.REACH * s**3 * (10 - 15 * s + 6 * s**2))
+        )
 
     def centers(t):
-        local = np.array([[*link[4], 1.0] for link in made.LINKS])
+        local = np.array([[*link[4], 1.0] for link in example.LINKS])
         return np.einsum("kij,kj->ki", frames(t), local)[:, :3]
 
     def momenta(t):
@@ -164,13 +168,13 @@ def torques_of(made, t: float, h: float = 2e-3) -> np.ndarray:
         turns, rates = frames(t)[:, :3, :3], ((4 * slope[0] - slope[1]) / 3)[:, :3, :3]
         skew = rates @ turns.transpose(0, 2, 1)
         spin = np.stack([skew[:, 2, 1], skew[:, 0, 2], skew[:, 1, 0]], axis=1)
-        inertia = turns @ np.array([np.diag(link[5]) for link in made.LINKS])
+        inertia = turns @ np.array([np.diag(link[5]) for link in example.LINKS])
         return np.einsum("kij,kj->ki", inertia @ turns.transpose(0, 2, 1), spin)
 
     near, far = (
         (centers(t + k * h) - 2 * centers(t) + centers(t - k * h)) / (k * h) ** 2 for k in (1, 2)
     )
-    weights = np.array([link[3] for link in made.LINKS])[:, None]
+    weights = np.array([link[3] for link in example.LINKS])[:, None]
     force = weights * ((4 * near - far) / 3 + [0, 0, G])
     one, two = ((momenta(t + k * h) - momenta(t - k * h)) / (2 * k * h) for k in (1, 2))
     moment = (4 * one - two) / 3
@@ -204,12 +208,14 @@ def test_double_wishbone_steers_as_its_points_say(pictures: Path) -> None:
         forbid(outer, outer - [0.2, -0.4, rod_z])
         return np.linalg.solve(np.array(rows), [1, 0, 0, 0, 0, 0])
 
-    found = numbers("double_wishbone", pictures)
+    printed = numbers("double_wishbone", pictures)
     assert value("double_wishbone", "bump_steer") == pytest.approx(twist(0.3)[5], rel=1e-9)
-    assert found["bump steer [deg/m]"] == pytest.approx(np.degrees(twist(0.3)[5]), rel=1e-9)
+    assert printed["bump steer [deg/m]"] == pytest.approx(np.degrees(twist(0.3)[5]), rel=1e-9)
     height = brentq(lambda z: twist(z)[5], 0.25, 0.35, xtol=1e-14)
-    assert found["height of the tie rod without bump steer [m]"] == pytest.approx(height, abs=1e-9)
-    assert abs(found["bump steer there [deg/m]"]) < 1e-4
+    assert printed["height of the tie rod without bump steer [m]"] == pytest.approx(
+        height, abs=1e-9
+    )
+    assert abs(printed["bump steer there [deg/m]"]) < 1e-4
 
 
 def test_rssr_four_bar_solves_its_closure(pictures: Path) -> None:
@@ -223,34 +229,34 @@ def test_rssr_four_bar_solves_its_closure(pictures: Path) -> None:
     turn = np.radians(np.arange(361))
     run = motion("rssr_four_bar")
     np.testing.assert_allclose(np.unwrap(run["C.angle"]), angle(turn), atol=1e-12)
-    found = numbers("rssr_four_bar", pictures)
-    assert found["ways to close at the start"] == 2
+    printed = numbers("rssr_four_bar", pictures)
+    assert printed["ways to close at the start"] == 2
     swing = np.degrees(np.ptp(angle(turn)))
-    assert found["swing of the rocker [deg]"] == pytest.approx(swing, abs=1e-9)
+    assert printed["swing of the rocker [deg]"] == pytest.approx(swing, abs=1e-9)
 
 
 def test_governor_settles_where_moments_balance(pictures: Path) -> None:
     """``dU/dβ = 0`` of weight, spring and centrifugal force at each speed; its slope by speed."""
-    found, made = numbers("governor", pictures), script("governor")
+    printed, example = numbers("governor", pictures), script("governor")
 
     def height(speed: float) -> float:
         def energy(angle):
-            depth = made.sleeve_depth(angle)
-            weight = -G * (2 * made.BALL * made.ARM * np.cos(angle) + made.SLEEVE * depth)
-            spring = made.STIFFNESS * (depth - made.FREE) ** 2 / 2
-            return weight + spring - made.BALL * (speed * made.ARM * np.sin(angle)) ** 2
+            depth = example.sleeve_depth(angle)
+            weight = -G * (2 * example.BALL * example.ARM * np.cos(angle) + example.SLEEVE * depth)
+            spring = example.STIFFNESS * (depth - example.FREE) ** 2 / 2
+            return weight + spring - example.BALL * (speed * example.ARM * np.sin(angle)) ** 2
 
         def moment(angle, h=1e-4):
             near, far = (energy(angle + k * h) - energy(angle - k * h) for k in (1, 2))
             return (8 * near - far) / (12 * h)
 
-        return -made.sleeve_depth(brentq(moment, 0.05, 1.5, xtol=1e-14))
+        return -example.sleeve_depth(brentq(moment, 0.05, 1.5, xtol=1e-14))
 
-    for speed in made.SPEEDS:
-        settled = found[f"height of the sleeve at {speed:g} rad/s [m]"]
+    for speed in example.SPEEDS:
+        settled = printed[f"height of the sleeve at {speed:g} rad/s [m]"]
         assert settled == pytest.approx(height(speed), abs=1e-7)
     slope = (height(15.01) - height(14.99)) / 0.02
-    assert found["rise per speed [m s/rad]"] == pytest.approx(slope, rel=1e-4)
+    assert printed["rise per speed [m s/rad]"] == pytest.approx(slope, rel=1e-4)
 
 
 def test_bicycle_is_stable_between_the_published_speeds(pictures: Path) -> None:
@@ -263,14 +269,14 @@ def test_bicycle_is_stable_between_the_published_speeds(pictures: Path) -> None:
     def growth(speed: float, oscillating: bool) -> float:
         stiffness = G * weight + speed**2 * turning
         lower = np.linalg.solve(mass, np.hstack([-stiffness, -speed * damping]))
-        found = np.linalg.eigvals(np.vstack([np.eye(2, 4, 2), lower]))
-        return max(z.real for z in found if bool(z.imag > 1e-6) is oscillating)
+        eigenvalues = np.linalg.eigvals(np.vstack([np.eye(2, 4, 2), lower]))
+        return max(z.real for z in eigenvalues if bool(z.imag > 1e-6) is oscillating)
 
-    found = numbers("bicycle", pictures)
+    printed = numbers("bicycle", pictures)
     for name, low, high, oscillating in (("weave", 4.0, 4.6, True), ("capsize", 5.5, 6.5, False)):
         speed = brentq(growth, low, high, args=(oscillating,), xtol=1e-12)
-        assert found[f"{name} speed [m/s]"] == pytest.approx(speed, abs=1e-6)
-    assert found["weave speed [m/s]"] == pytest.approx(4.292, abs=5e-4)
-    assert found["capsize speed [m/s]"] == pytest.approx(6.024, abs=5e-4)
-    assert abs(found["steer after 5 s [deg]"]) < 1.0
-    assert found["largest error of the energy [J]"] < 1e-4
+        assert printed[f"{name} speed [m/s]"] == pytest.approx(speed, abs=1e-6)
+    assert printed["weave speed [m/s]"] == pytest.approx(4.292, abs=5e-4)
+    assert printed["capsize speed [m/s]"] == pytest.approx(6.024, abs=5e-4)
+    assert abs(printed["steer after 5 s [deg]"]) < 1.0
+    assert printed["largest error of the energy [J]"] < 1e-4

@@ -165,8 +165,8 @@ WRONG = {
 
 @pytest.mark.parametrize("wrong", WRONG)
 def test_what_is_wrong_is_told_with_place_value_and_cure(wrong, tmp_path):
-    text, told = WRONG[wrong]
+    text, message = WRONG[wrong]
     head = HEAD.replace("dimension = 3\n", "") if wrong == "no dimension" else HEAD
     (tmp_path / "model.toml").write_text(f"{head}{text}\n", encoding="utf-8")
-    with pytest.raises(da.ModelError, match=re.escape(told)):
+    with pytest.raises(da.ModelError, match=re.escape(message)):
         load_model_file(tmp_path / "model.toml").model()

@@ -46,8 +46,8 @@ def joints() -> da.Motion:
     system, up = da.System("joints", gravity=(0, 0, -0.1)), (0, 0, 0.2)
     ground = system.ground
 
-    def solid(kind: Any, name: str, x: float, **given: Any) -> Any:
-        return system.add(kind(name, density=800, position=(x, 0, 0), **given))
+    def solid(kind: Any, name: str, x: float, **arguments: Any) -> Any:
+        return system.add(kind(name, density=800, position=(x, 0, 0), **arguments))
 
     box = solid(spatial.Box, "box", 0.0, size=(0.1, 0.1, 0.3), angular_velocity=(0, 0, 1))
     system.add(spatial.Cylindrical("C", ground.frame(up), box.frame(up)))
@@ -96,13 +96,13 @@ def show(show: Any) -> Any:
     return functools.partial(show, viewport=SMALL)
 
 
-def matrices(found: Visit, time: float) -> dict[str, np.ndarray]:
+def matrices(page: Visit, time: float) -> dict[str, np.ndarray]:
     """What the page draws at a time: placement of each body by its name."""
-    found.js(f"dalembert.player.seek({time!r})")
-    found.frames()
+    page.js(f"dalembert.player.seek({time!r})")
+    page.frames()
     read = """[...dalembert.scene.painter.groups].filter(([body]) => !body.fixed)
         .map(([body, group]) => [body.name, (group.updateMatrix(), group.matrix.elements)])"""
-    return {name: np.reshape(m, (4, 4)).T for name, m in found.js(read)}
+    return {name: np.reshape(m, (4, 4)).T for name, m in page.js(read)}
 
 
 def test_page_is_one_file_with_the_library_inside() -> None:
@@ -121,19 +121,19 @@ def test_page_is_one_file_with_the_library_inside() -> None:
     ],
 )
 def test_draws(show: Any, make: Any, viewport: tuple[int, int], scheme: str) -> None:
-    found = show(make(), viewport=viewport, scheme=scheme)
-    assert found.ink("#scene") > 200
-    assert found.ink("#overlay") > 20
-    assert found.ink(".plot .base") > 5
-    assert found.js("document.documentElement.scrollWidth <= innerWidth")
+    page = show(make(), viewport=viewport, scheme=scheme)
+    assert page.ink("#scene") > 200
+    assert page.ink("#overlay") > 20
+    assert page.ink(".plot .base") > 5
+    assert page.js("document.documentElement.scrollWidth <= innerWidth")
 
 
 @pytest.mark.parametrize("make", [heavy_top, hinges])
 def test_bodies_stand_where_the_data_say(show: Any, make: Any) -> None:
     motion = make()
-    found = show(motion)
+    page = show(motion)
     for k in (0, 17, motion.time.size - 1):
-        for name, drawn in matrices(found, float(motion.time[k])).items():
+        for name, drawn in matrices(page, float(motion.time[k])).items():
             at = motion.data.isel(time=k).sel(body=name)
             turn = Rotation.from_quat(at["euler_parameters"].values, scalar_first=True)
             assert np.allclose(drawn[:3, 3], at["position"], atol=1e-6)
@@ -149,118 +149,118 @@ def test_between_frames_bodies_turn_about_one_axis(show: Any) -> None:
 
 
 def test_turns_zooms_pans_and_fits(show: Any) -> None:
-    found = show(heavy_top())
+    page = show(heavy_top())
     state = """(({ camera: { position: eye }, controls: { target } }) =>
         [eye.toArray(), target.toArray(), eye.distanceTo(target)])(dalembert.scene.view)"""
-    home, (x, y), mouse = found.js(state), (350, 250), found.page.mouse
+    home, (x, y), mouse = page.js(state), (350, 250), page.page.mouse
     mouse.move(x, y)
     mouse.down()
     mouse.move(x + 80, y + 30, steps=3)
     mouse.up()
-    turned = found.js(state)
+    turned = page.js(state)
     assert np.allclose(turned[1], home[1]) and not np.allclose(turned[0], home[0])
     mouse.wheel(0, -400)
-    found.frames()
-    assert found.js(state)[2] < 0.95 * turned[2]
-    before = found.js(state)
+    page.frames()
+    assert page.js(state)[2] < 0.95 * turned[2]
+    before = page.js(state)
     mouse.down(button="right")
     mouse.move(x, y, steps=3)
     mouse.up(button="right")
-    assert not np.allclose(found.js(state)[1], before[1])
-    found.page.keyboard.press("4")
-    assert np.allclose(found.js(state)[0], home[0])
+    assert not np.allclose(page.js(state)[1], before[1])
+    page.page.keyboard.press("4")
+    assert np.allclose(page.js(state)[0], home[0])
 
 
 def test_looks_along_the_axes(show: Any) -> None:
-    found = show(hinges())
+    page = show(hinges())
     for key, axis in {"1": (1, 0, 0), "2": (0, -1, 0), "3": (0, 0, 1)}.items():
-        found.page.keyboard.press(key)
-        way = found.js("""(({ camera, controls }) => camera.position.clone()
+        page.page.keyboard.press(key)
+        way = page.js("""(({ camera, controls }) => camera.position.clone()
             .sub(controls.target).normalize().toArray())(dalembert.scene.view)""")
         assert np.allclose(way, axis, atol=1e-4)
-        title = found.page.get_attribute(f"#look-{'xyz'[int(key) - 1]}", "title")
+        title = page.page.get_attribute(f"#look-{'xyz'[int(key) - 1]}", "title")
         assert title.endswith(f"({key})")
 
 
 def test_toggles_change_the_picture_and_back(show: Any) -> None:
-    found = show(hinges())
-    found.js("dalembert.player.seek(0.5)")
-    found.frames(3)
-    start = [found.picture(layer) for layer in ("#scene", "#overlay")]
+    page = show(hinges())
+    page.js("dalembert.player.seek(0.5)")
+    page.frames(3)
+    start = [page.picture(layer) for layer in ("#scene", "#overlay")]
     for control in ("#reactions", "#grid", "#clear", "#section", ".trace >> nth=2"):
         for changed in (True, False):
-            found.page.click(control)
-            found.frames(3)
-            now = [found.picture(layer) for layer in ("#scene", "#overlay")]
+            page.page.click(control)
+            page.frames(3)
+            now = [page.picture(layer) for layer in ("#scene", "#overlay")]
             assert (now != start) is changed, control
 
 
 def test_arrows_are_as_long_as_asked_and_point_along_the_reaction(show: Any) -> None:
     motion = heavy_top()
-    found = show(motion)
-    found.page.click("#reactions")
+    page = show(motion)
+    page.page.click("#reactions")
     read = "dalembert.scene.arrows.map(({ way }) => way)"
-    found.js("dalembert.player.seek(0.5)")
-    found.frames()
-    way = found.js(read)[0]
-    seen = found.js(f"dalembert.scene.view.direction({motion['O.force'].values[50].tolist()})")[:2]
+    page.js("dalembert.player.seek(0.5)")
+    page.frames()
+    way = page.js(read)[0]
+    seen = page.js(f"dalembert.scene.view.direction({motion['O.force'].values[50].tolist()})")[:2]
     length = np.linalg.norm(way)
     assert np.allclose(way / length, seen / np.linalg.norm(seen), atol=1e-5)
-    found.js("""(() => { const size = document.getElementById("arrows-force");
+    page.js("""(() => { const size = document.getElementById("arrows-force");
         size.value = 0.5; size.dispatchEvent(new Event("input")); })()""")
-    found.frames()
-    assert np.linalg.norm(found.js(read)[0]) == pytest.approx(length * 10**0.5, rel=1e-3)
+    page.frames()
+    assert np.linalg.norm(page.js(read)[0]) == pytest.approx(length * 10**0.5, rel=1e-3)
 
 
 def test_section_leaves_out_one_side(show: Any) -> None:
-    found = show(hinges())
-    found.page.click("#section")
-    found.page.select_option("#section-axis", "z")
+    page = show(hinges())
+    page.page.click("#section")
+    page.page.select_option("#section-axis", "z")
     numbers = "({ normal, constant }) => [...normal.toArray(), constant]"
     plane = f"({numbers})(dalembert.scene.painter.materials.cut)"
-    *normal, constant = found.js(plane)
+    *normal, constant = page.js(plane)
     assert normal == [0, 0, -1]
-    found.page.click("#section-flip")
-    assert found.js(plane) == [0, 0, 1, pytest.approx(-constant)]
+    page.page.click("#section-flip")
+    assert page.js(plane) == [0, 0, 1, pytest.approx(-constant)]
 
 
 def test_tooltip_names_what_is_under_the_pointer(show: Any) -> None:
-    found = show(hinges())
-    box = found.page.locator("#scene").bounding_box()
+    page = show(hinges())
+    box = page.page.locator("#scene").bounding_box()
     for joint, text in ((0, "force"), (2, "revolute")):
-        found.js("dalembert.player.seek(0)")
-        at = found.js(f"""(({{ motion, scene }}) =>
+        page.js("dalembert.player.seek(0)")
+        at = page.js(f"""(({{ motion, scene }}) =>
             scene.screen(motion.placeOf(motion.joints[{joint}])))(dalembert)""")
-        found.page.mouse.move(box["x"] + at[0], box["y"] + at[1])
-        found.frames(3)
-        tip = found.page.inner_text("#tip")
+        page.page.mouse.move(box["x"] + at[0], box["y"] + at[1])
+        page.frames(3)
+        tip = page.page.inner_text("#tip")
         assert tip.startswith("ABC"[joint]) and text in tip
-    found.page.mouse.move(box["x"] + 15, box["y"] + 90)
-    found.frames(3)
-    assert not found.page.is_visible("#tip")
+    page.page.mouse.move(box["x"] + 15, box["y"] + 90)
+    page.frames(3)
+    assert not page.page.is_visible("#tip")
 
 
 def test_without_webgl_it_is_painted(show: Any) -> None:
     refuse = """const get = HTMLCanvasElement.prototype.getContext;
         HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
             return kind.startsWith("webgl") ? null : get.call(this, kind, ...more); };"""
-    found = show(hinges(), before=refuse)
-    assert found.ink("#scene") > 100
-    drawn = found.picture("#scene")
-    found.js("dalembert.player.seek(0.4)")
-    found.frames(3)
-    assert found.picture("#scene") != drawn
+    page = show(hinges(), before=refuse)
+    assert page.ink("#scene") > 100
+    drawn = page.picture("#scene")
+    page.js("dalembert.player.seek(0.4)")
+    page.frames(3)
+    assert page.picture("#scene") != drawn
 
 
 def test_paper_is_light_and_sharp(show: Any) -> None:
-    found = show(heavy_top(), scheme="dark")
-    found.js("window.dispatchEvent(new Event('beforeprint'))")
-    assert found.js("document.documentElement.dataset.theme") == "light"
+    page = show(heavy_top(), scheme="dark")
+    page.js("window.dispatchEvent(new Event('beforeprint'))")
+    assert page.js("document.documentElement.dataset.theme") == "light"
     canvas = "(({ width, clientWidth }) => width / clientWidth)(document.getElementById('scene'))"
-    assert found.js(canvas) == pytest.approx(3, rel=0.01)
-    assert found.ink("#scene") > 200
-    found.js("window.dispatchEvent(new Event('afterprint'))")
-    assert found.js("document.documentElement.dataset.theme") == "dark"
+    assert page.js(canvas) == pytest.approx(3, rel=0.01)
+    assert page.ink("#scene") > 200
+    page.js("window.dispatchEvent(new Event('afterprint'))")
+    assert page.js("document.documentElement.dataset.theme") == "dark"
 
 
 def test_the_force_of_a_rolling_contact_stands_where_it_touches() -> None:
@@ -279,8 +279,8 @@ def test_a_rod_leads_to_a_joint_beside_a_solid(show: Any) -> None:
     system.add(head)
     hook = head.frame((0, 0, 0.5), axis=(0, 1, 0))
     system.add(spatial.Revolute("O", system.ground.frame((0, 0, 0), axis=(0, 1, 0)), hook))
-    found = show(da.solve_dynamics(system.build(), duration=0.1, step=0.05))
-    tops = found.js("""[...dalembert.scene.painter.groups].find(([body]) => !body.fixed)[1].children
+    page = show(da.solve_dynamics(system.build(), duration=0.1, step=0.05))
+    tops = page.js("""[...dalembert.scene.painter.groups].find(([body]) => !body.fixed)[1].children
         .filter((part) => part.isMesh).map((part) => (part.geometry.computeBoundingBox(),
             part.geometry.boundingBox.max.z + part.position.z))""")
     assert max(tops) >= 0.5 - 1e-6
@@ -296,11 +296,11 @@ def test_bodies_of_the_plane_stand_in_space(show: Any) -> None:
     system.add(spatial.Spherical("A", arm.point(0.2, 0, 0), swing.point(0, 0.2, 0)))
     motion = da.solve_dynamics(system.build(), duration=0.1, step=0.01)
     assert motion.data["point_position"].shape[2] == motion.data["reaction_moment"].shape[2] == 3
-    found = show(motion)
+    page = show(motion)
     angle = float(motion["arm.angle"][-1])
-    drawn = matrices(found, 0.1)["arm"]
+    drawn = matrices(page, 0.1)["arm"]
     assert np.allclose(drawn[:3, 0], [np.cos(angle), np.sin(angle), 0], atol=1e-6)
-    assert found.js("dalembert.scene.view.up.toArray()") == [0, 1, 0]
+    assert page.js("dalembert.scene.view.up.toArray()") == [0, 1, 0]
 
 
 def test_what_cannot_be_assembled_is_drawn_with_its_gap(browser: Any, tmp_path: Path) -> None:
@@ -314,12 +314,12 @@ def test_what_cannot_be_assembled_is_drawn_with_its_gap(browser: Any, tmp_path: 
     with pytest.raises(da.AssemblyError) as refused:
         system.build()
     page = da.assembly_report(refused.value, tmp_path / "gap.html")
-    with visit(browser, page, viewport=SMALL) as found:
-        assert found.js("dalembert.motion.ghosts.length") == 2
-        (gap,) = found.js("dalembert.motion.gaps")
+    with visit(browser, page, viewport=SMALL) as page_visit:
+        assert page_visit.js("dalembert.motion.ghosts.length") == 2
+        (gap,) = page_visit.js("dalembert.motion.gaps")
         assert np.linalg.norm(np.subtract(gap["from"], gap["to"])) > 0.2
-        assert "m" in gap["text"] and found.ink("#scene") > 100
-        assert found.console == [] and found.requests == []
+        assert "m" in gap["text"] and page_visit.ink("#scene") > 100
+        assert page_visit.console == [] and page_visit.requests == []
 
 
 @pytest.mark.parametrize("frames", [0, 1, 2])
@@ -328,9 +328,9 @@ def test_nearly_empty_payloads(browser: Any, tmp_path: Path, frames: int) -> Non
     time = [0.5 * k for k in range(frames)]
     payload = {"kind": "spatial", "title": "nearly nothing", "time": time, "scene": scene}
     page = write_page(payload, tmp_path / "empty.html")
-    with visit(browser, page, viewport=SMALL) as found:
-        assert found.page.is_visible("#player") == (frames == 2)
-        assert found.console == [] and found.requests == []
+    with visit(browser, page, viewport=SMALL) as page_visit:
+        assert page_visit.page.is_visible("#player") == (frames == 2)
+        assert page_visit.console == [] and page_visit.requests == []
 
 
 def test_matplotlib_draws_every_solid_where_it_is() -> None:

@@ -18,19 +18,19 @@ from dalembert.results.files.store import report_of
 def test_commands(name: str, tmp_path: Path, capsys) -> None:
     path, folder = EXAMPLES / f"{name}.toml", ["--output", str(tmp_path)]
     assert main(["check", str(path), "--json"]) == 0
-    made = json.loads(capsys.readouterr().out)
-    assert made["nodes"] > 6
+    document = json.loads(capsys.readouterr().out)
+    assert document["nodes"] > 6
     assert main(["run", str(path), *folder, "--csv", "--json"]) == 0
-    made = json.loads(capsys.readouterr().out)
-    assert made["ok"]
-    assert [Path(f).name for f in made["files"]] == [
+    document = json.loads(capsys.readouterr().out)
+    assert document["ok"]
+    assert [Path(f).name for f in document["files"]] == [
         f"{name}.nc",
         f"{name}.csv",
         f"{name}.report.html",
     ]
     model = load_model_file(path).model()
-    for row in made["states"]:
-        case = row["load case"] if len(made["states"]) > 1 else ""
+    for row in document["states"]:
+        case = row["load case"] if len(document["states"]) > 1 else ""
         applied = model.loads[case].values(model.nominal)
         sums = [applied[model.degrees.table[:, axis]].sum() for axis in range(2)]
         reactions = [row["sum of reactions"][f] for f in ("fx", "fy")]
@@ -45,12 +45,12 @@ def test_commands(name: str, tmp_path: Path, capsys) -> None:
 
 def test_settings_reach_the_structure(tmp_path: Path, capsys) -> None:
     path = written(tmp_path, MESH)
-    found = []
+    results = []
     for setting in ([], ["--set", "thickness=0.02"]):
         assert main(["run", str(path), "--output", str(tmp_path), "--json", *setting]) == 0
         states = json.loads(capsys.readouterr().out)["states"]
-        found.append(states[0]["largest displacement"]["value"])
-    assert found[1] == pytest.approx(found[0] / 2)
+        results.append(states[0]["largest displacement"]["value"])
+    assert results[1] == pytest.approx(results[0] / 2)
     assert main(["run", str(path), "--set", "thickness=-1"]) == 2
     assert "parameters.thickness: value -1.0 lies outside its bounds" in capsys.readouterr().err
 
@@ -90,3 +90,45 @@ def test_units_of_the_page_are_chosen(tmp_path: Path, capsys) -> None:
     wrong = written(tmp_path, HEAD + '[report]\nunits = ["cmm"]\n', "wrong.toml")
     assert main(["check", str(wrong)]) == 2
     assert "report.units: units: unknown unit 'cmm'" in capsys.readouterr().err
+
+
+MODES = """format = 1
+kind = "structure"
+[nodes]
+root = [0, 0]
+tip = [1, 0]
+[elements.beam]
+type = "Frame"
+connect = ["root", "tip"]
+area = 1e-3
+second_moment = 1e-7
+modulus = 2e11
+density = 7850
+[[supports]]
+nodes = "root"
+[analysis]
+type = "Modal"
+count = 3
+"""
+
+
+@pytest.mark.parametrize("width", [None, 40, 60, 80, 100])
+def test_tables_of_modes_are_complete_at_any_width(width, tmp_path, capsys, monkeypatch) -> None:
+    """Narrow terminals get further columns below, with the names of the modes."""
+    if width is None:
+        monkeypatch.delenv("COLUMNS", raising=False)
+    else:
+        monkeypatch.setenv("COLUMNS", str(width))
+    path = written(tmp_path, MODES)
+    assert main(["run", str(path), "--output", str(tmp_path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    first = next(k for k, line in enumerate(lines) if line.startswith("mode  "))
+    last = next(k for k, line in enumerate(lines) if line.startswith("  written"))
+    table = lines[first:last]
+    assert not any("…" in line for line in table)
+    for heading in ("frequency", "angular frequency", "eigenvalue"):
+        assert sum(f"  {heading}" in line for line in table) >= 1
+    assert max(map(len, table)) <= (width or 1000)
+    blocks = sum(line.startswith("mode  ") for line in table)
+    assert len([line for line in table if line.startswith("mode 3: ")]) == blocks
+    assert (blocks > 1) == (width == 40)

@@ -31,17 +31,17 @@ def test_the_same_as_in_python(tmp_path: Path, schema) -> None:
     twin.support(c)
     twin.load(b, fy=-10)
     expected = da.solve_statics(twin.build())
-    found = make_analysis(file, model).run(model)
-    np.testing.assert_allclose(found.displacements, expected.displacements, rtol=1e-12)
-    by_file = da.sensitivity(found, list(make_responses(file, model).values()))
+    done = make_analysis(file, model).run(model)
+    np.testing.assert_allclose(done.displacements, expected.displacements, rtol=1e-12)
+    by_file = da.sensitivity(done, list(make_responses(file, model).values()))
     np.testing.assert_allclose(by_file, -da.sensitivity(expected, da.final("b.uy")), rtol=1e-9)
 
 
 def test_load_model_gives_a_structure(tmp_path: Path) -> None:
-    made = da.load_model(written(tmp_path, HEAD))
-    assert isinstance(made, da.Structure)
-    made.load(made.nodes["b"], fx=3)
-    assert da.solve_statics(made.build())["b.fx"] == 3
+    model = da.load_model(written(tmp_path, HEAD))
+    assert isinstance(model, da.Structure)
+    model.load(model.nodes["b"], fx=3)
+    assert da.solve_statics(model.build())["b.fx"] == 3
 
 
 def test_json_is_the_same_file(tmp_path: Path) -> None:
@@ -126,8 +126,8 @@ def test_every_response_can_be_asked_for(name: str, tmp_path: Path, schema) -> N
             make_responses(file, model)
         return
     file, model = loaded(tmp_path, text + table, schema)
-    made = make_responses(file, model)["other"]
-    assert type(made) is RESPONSES[name]
+    response = make_responses(file, model)["other"]
+    assert type(response) is RESPONSES[name]
 
 
 def test_meshes_and_where(tmp_path: Path, schema) -> None:
@@ -147,9 +147,9 @@ def test_mesh_files_with_groups(tmp_path: Path, schema) -> None:
     soft = points[cells].mean(axis=1)[:, 0] < 1
     groups = {"soft": [np.flatnonzero(soft)], "hard": [np.flatnonzero(~soft)]}
     flat = np.column_stack([points, np.zeros(len(points))])
-    made = meshio.Mesh(flat, [("quad", cells)], point_sets={"left": left}, cell_sets=groups)
-    meshio.write(tmp_path / "plate.xdmf", made)
-    meshio.abaqus.write(tmp_path / "plate.inp", made)
+    mesh = meshio.Mesh(flat, [("quad", cells)], point_sets={"left": left}, cell_sets=groups)
+    meshio.write(tmp_path / "plate.xdmf", mesh)
+    meshio.abaqus.write(tmp_path / "plate.inp", mesh)
     text = MESH.replace("rectangle = { size = [2, 1], counts = [4, 2] }", 'file = "plate.inp"')
     text = text.replace("modulus = 70e9", 'modulus = { soft = 1e9, hard = "thickness*7e12" }')
     text = text.replace('nodes = "plate"\nwhere = { x = 0 }', 'nodes = "plate.left"')

@@ -198,11 +198,11 @@ def test_results_come_back(name: str, tmp_path: Path) -> None:
 
 def test_of_many_cases_some_are_left_out(monkeypatch, tmp_path: Path) -> None:
     monkeypatch.setattr(payload_module, "MOST_NUMBERS", 200)
-    made = payload_module.structural_payload(motion())
-    names = made["states"]["names"]
+    payload = payload_module.structural_payload(motion())
+    names = payload["states"]["names"]
     assert 1 < len(names) < 21
     assert names[-1] == "0.01 s"
-    assert "are left out of this page" in json.dumps(made["diagnosis"])
+    assert "are left out of this page" in json.dumps(payload["diagnosis"])
 
 
 def test_loads_and_members_tell_their_values(show) -> None:
@@ -229,9 +229,9 @@ def test_shapes_have_no_size(show) -> None:
 def test_what_is_clamped_in_space_is_no_pin() -> None:
     structure = da.Structure("mast")
     foot, top = structure.node("foot", 0, 0, 0), structure.node("top", 0, 0, 3)
-    given = {"area": 1e-3, "second_moment_y": 1e-6, "second_moment_z": 1e-6}
-    given |= {"torsion_constant": 1e-6, "modulus": 210e9, "shear_modulus": 80e9}
-    structure.add(structures.SpaceFrame("mast", foot, top, **given))
+    arguments = {"area": 1e-3, "second_moment_y": 1e-6, "second_moment_z": 1e-6}
+    arguments |= {"torsion_constant": 1e-6, "modulus": 210e9, "shear_modulus": 80e9}
+    structure.add(structures.SpaceFrame("mast", foot, top, **arguments))
     structure.support(foot)
     structure.load(top, fx=100.0)
     support, *loads = da.solve_statics(structure.build()).page()["scene"]["symbols"]
@@ -255,8 +255,8 @@ def test_structures_are_filmed(tmp_path: Path, make, frames: int, state: str | N
     page = make().page()
     named = str(page["states"]["names"][1]) if state else None
     short = {"fps": 8, "seconds": 1.0, "width": 160}
-    made = write_film(page, tmp_path / "film.gif", state=named, **short)
-    assert gif_frames(made) == frames
+    film = write_film(page, tmp_path / "film.gif", state=named, **short)
+    assert gif_frames(film) == frames
     with pytest.raises(da.FileError, match="unknown state 'mode 99'"):
         write_film(page, tmp_path / "film.gif", state="mode 99", **short)
 
@@ -294,3 +294,72 @@ def truss(area: float):
     structure.support(c)
     structure.load(b, fy=-100.0)
     return structure
+
+
+def test_states_of_a_load_path_are_not_times(show) -> None:
+    """The player shows them one after the other, at multiples of its usual speed."""
+    toggle = da.Structure("toggle")
+    left, top = toggle.node("left", -1, 0), toggle.node("top", 0, 0.2)
+    toggle.add(structures.Truss("bar", left, top, area=1e-4, modulus=1e7))
+    toggle.support(left)
+    toggle.support(top, ux=0)
+    toggle.load(top, fy=-5)
+    path = da.ArcLength(stop=lambda point: point["top.uy"] < -0.2).run(toggle.build())
+    page = show(path)
+    names = page.page.locator("#speed option").all_inner_texts()
+    assert "1×" in names and "Real time" not in names
+    assert page.page.locator("#speed option:checked").inner_text() == "1×"
+    assert "real time" not in page.page.get_attribute("#speed", "title")
+    assert page.page.get_attribute("#scrub", "aria-label") == "State"
+    moving = show(motion())
+    assert "Real time" in moving.page.locator("#speed option").all_inner_texts()
+
+
+RECORD = """
+const write = CanvasRenderingContext2D.prototype.fillText;
+window.written = [];
+CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...more) {
+    const { a, e, f, d } = this.getTransform(), ratio = this.canvas.width / this.canvas.clientWidth;
+    const half = this.measureText(text).width / 2;
+    const middle = this.textAlign === "left" ? x + half : this.textAlign === "right" ? x - half : x;
+    written.push({ text, x: (a * middle + e) / ratio, y: (d * y + f) / ratio, half });
+    return write.call(this, text, x, y, ...more);
+};
+"""
+BESIDE_PANELS = """(() => {
+    const { marks, panels } = dalembert.scene, { w, h } = marks.paper, wrong = [];
+    const touches = (x, y, half) => [...panels].some((p) =>
+        x + half > p.offsetLeft + 1 && x - half < p.offsetLeft + p.offsetWidth - 1
+        && y > p.offsetTop && y < p.offsetTop + p.offsetHeight);
+    for (const half of [8, 30, 60]) for (let x = -50; x <= w + 50; x += 15)
+        for (let y = 0; y <= h; y += 15) {
+            const free = marks.freeAt(x, y, half);
+            const room = () => Array.from({ length: w }, (_, k) => k).some((at) =>
+                at >= half && at <= w - half && !touches(at, y, half));
+            if (touches(free, y, half) && room()) wrong.push([x, y, half, free]);
+            if (!touches(x, y, half) && x >= half && x <= w - half && free !== x
+                && ![...panels].some((p) => y > p.offsetTop - 11
+                    && y < p.offsetTop + p.offsetHeight + 11)) wrong.push(["moved", x, y, half]);
+        }
+    const loads = written.filter(({ text }) => / k?N$/.test(text));
+    return { wrong, covered: loads.filter(({ x, y, half }) => touches(x, y, half)),
+        outside: loads.filter(({ x, half }) => x < half - 1 || x > w - half + 1),
+        panels: panels.length, loads: loads.length };
+})()"""
+
+
+@pytest.mark.parametrize("viewport", [(1440, 900), (390, 844)])
+@pytest.mark.parametrize("name", list(BUILDERS))
+def test_values_of_loads_are_beside_the_legend_and_the_buttons(show, name: str, viewport) -> None:
+    page = show(solved(name), viewport=viewport, before=RECORD)
+    page.js("written.length = 0")
+    page.js("document.querySelector('#true-scale').click()")
+    page.frames()
+    seen = page.js(BESIDE_PANELS)
+    assert seen["panels"] > 0 and seen["loads"] > 0
+    assert (seen["wrong"], seen["covered"], seen["outside"]) == ([], [], [])
+    for _ in range(3):
+        page.page.keyboard.press("+")
+    page.frames()
+    zoomed = page.js(BESIDE_PANELS)
+    assert (zoomed["covered"], zoomed["outside"]) == ([], [])

@@ -10,8 +10,8 @@ import dalembert as da
 from dalembert import structures
 from dalembert.elements.fem.registry import ELEMENTS
 from dalembert.results.structural.drawing import StructuralDrawing
-from dalembert.results.structural.fields import element_field, smoothed
 from dalembert.results.structural.scene import automatic_scale, load_symbols, support_symbols
+from dalembert.results.structural.states import element_field, smoothed
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -334,8 +334,8 @@ def test_displacements_of_selections() -> None:
     result = solved("plate")
     nodes = result.model.structure.nodes["plate_nodes"]
     right = nodes.where(x=2)
-    found = result.displacement_of(right)
-    assert found[:, 1].tolist() == [result[f"{name}.uy"] for name in right.names]
+    displacements = result.displacement_of(right)
+    assert displacements[:, 1].tolist() == [result[f"{name}.uy"] for name in right.names]
     beam = solved("beam")
     end = beam.model.structure.nodes["b"]
     assert beam.displacement_of(end, "twist")[0, 1] == beam["b.uy"][1]

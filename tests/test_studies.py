@@ -55,12 +55,12 @@ def test_designs():
     grid = da.DesignTable.grid({"a": [1, 2, 3], "b": [10, 20]})
     assert grid.values.tolist() == [[1, 10], [1, 20], [2, 10], [2, 20], [3, 10], [3, 20]]
     for sample in (da.DesignTable.latin_hypercube, da.DesignTable.sobol):
-        found = sample(RANGES, 16, rng=1)
-        for (lower, upper), column in zip(RANGES.values(), found.values.T, strict=True):
+        computed = sample(RANGES, 16, rng=1)
+        for (lower, upper), column in zip(RANGES.values(), computed.values.T, strict=True):
             # one in each sixteenth of the range
             slices = np.floor((column - lower) / (upper - lower) * 16)
             assert sorted(slices) == list(range(16))
-        assert np.array_equal(found.values, sample(RANGES, 16, rng=1).values)
+        assert np.array_equal(computed.values, sample(RANGES, 16, rng=1).values)
     from scipy import stats
 
     drawn = da.DesignTable.monte_carlo({"a": stats.norm(3, 2), "b": (0, 1)}, 4000, rng=2)
@@ -87,20 +87,20 @@ def test_wrong_designs(make, words):
 
 def test_each_design_is_its_own_run():
     design = da.DesignTable.grid({"length": [0.8, 1.1], "mass": [2.5]})
-    found = study(design)
+    result = study(design)
     model = pendulum()
-    for row, values in zip(design.values, found.values, strict=True):
+    for row, values in zip(design.values, result.values, strict=True):
         motion = SHORT.run(model, dict(zip(design.names, row, strict=True)))
         assert [da.evaluate(motion, r) for r in RESPONSES] == values.tolist()
-    assert list(found.table.columns) == ["length", "mass", "angle", "force", "reason"]
-    assert found.success.all() and found.failures == {}
+    assert list(result.table.columns) == ["length", "mass", "angle", "force", "reason"]
+    assert result.success.all() and result.failures == {}
 
 
 def test_failed_designs_keep_their_reason():
-    found = study(da.DesignTable.grid({"length": [1.0, -1.0, 1.5]}))
-    assert found.success.tolist() == [True, False, True]
-    assert "length" in found.failures[1]
-    assert np.isnan(found.values[1]).all() and np.isfinite(found.values[[0, 2]]).all()
+    result = study(da.DesignTable.grid({"length": [1.0, -1.0, 1.5]}))
+    assert result.success.tolist() == [True, False, True]
+    assert "length" in result.failures[1]
+    assert np.isnan(result.values[1]).all() and np.isfinite(result.values[[0, 2]]).all()
 
 
 def test_processes_find_the_same():
@@ -115,10 +115,10 @@ def test_side_by_side_is_one_by_one():
     numbers = np.arange(len(design))
     tasks = [StudyTask(pendulum(), SHORT, RESPONSES, together=t) for t in (True, False)]
     assert [task.batched for task in tasks] == [True, False]
-    found = [task.answers(numbers, design.names, design.values) for task in tasks]
-    together, alone = (np.array([a.values for a in answers]) for answers in found)
+    computed = [task.answers(numbers, design.names, design.values) for task in tasks]
+    together, alone = (np.array([a.values for a in answers]) for answers in computed)
     np.testing.assert_allclose(together, alone, rtol=1e-11)
-    assert [bool(a.reason) for a in found[0]] == [bool(a.reason) for a in found[1]]
+    assert [bool(a.reason) for a in computed[0]] == [bool(a.reason) for a in computed[1]]
 
 
 class Deadly(StudyTask):
@@ -142,10 +142,10 @@ def test_dead_workers(tmp_path):
     chunks = [Chunk(np.r_[[2 * k, 2 * k + 1]], design.names, design.values[2 * k : 2 * k + 2])
               for k in range(4)]  # fmt: skip
     assert whole.split()[3].numbers.tolist() == [3]
-    found = [a for answers in Processes(lambda: task, task, 2).answers(chunks) for a in answers]
-    assert sorted(a.number for a in found) == list(range(8))
-    assert [a.number for a in found if a.reason] == [3]
-    assert next(a for a in found if a.number == 3).reason == DIED
+    computed = [a for answers in Processes(lambda: task, task, 2).answers(chunks) for a in answers]
+    assert sorted(a.number for a in computed) == list(range(8))
+    assert [a.number for a in computed if a.reason] == [3]
+    assert next(a for a in computed if a.number == 3).reason == DIED
 
 
 def table_of(folder: Path):
@@ -209,14 +209,14 @@ def test_damaged_parts_are_evaluated_again(kind, tmp_path, stored):
     content, rng = part.read_bytes(), random.Random(5)
     for place in [len(content) - 3, *rng.sample(range(len(content)), 25)]:
         part.write_bytes(DAMAGE[kind](content, place))
-        found = folder.answers()
+        result = folder.answers()
         assert all(  # what is still read is right
-            np.array_equal(found[a.number].values, a.values, equal_nan=True)
-            and found[a.number].reason == a.reason
+            np.array_equal(result[a.number].values, a.values, equal_nan=True)
+            and result[a.number].reason == a.reason
             for a in answers
-            if a.number in found
+            if a.number in result
         )
-        assert found.keys() <= {a.number for a in answers}
+        assert result.keys() <= {a.number for a in answers}
         damaged = part.with_name(f"{part.name}.damaged")
         assert damaged.exists() == (not part.exists())
         damaged.unlink(missing_ok=True)

@@ -26,26 +26,26 @@ def test_ishigami():
     """T. Ishigami, T. Homma (1990): f = sin a + 7 sin² b + c⁴ sin a / 10, with exact indices."""
     pytest.importorskip("SALib")
     run = runner(lambda a, b, c: np.sin(a) + 7 * np.sin(b) ** 2 + 0.1 * c**4 * np.sin(a))
-    found = da.sobol_indices(run, RANGES, samples=1024, rng=3)
+    indices = da.sobol_indices(run, RANGES, samples=1024, rng=3)
     pi4 = math.pi**4
     parts = np.array([0.5 * (1 + pi4 / 50) ** 2, 49 / 8, 0.0])
     both = pi4**2 * 8 / 22500
     whole = parts.sum() + both
     first, total = parts / whole, (parts + np.array([both, 0, both])) / whole
     # the error that the method tells is 95 % confidence; three halves of it is 99.7 %
-    assert np.all(abs(found.first[0] - first) < 1.5 * found.first_error[0] + 1e-3)
-    assert np.all(abs(found.total[0] - total) < 1.5 * found.total_error[0] + 1e-3)
-    assert found.total_error.max() < 0.15
+    assert np.all(abs(indices.first[0] - first) < 1.5 * indices.first_error[0] + 1e-3)
+    assert np.all(abs(indices.total[0] - total) < 1.5 * indices.total_error[0] + 1e-3)
+    assert indices.total_error.max() < 0.15
 
 
 def test_morris_of_a_plane():
     """The effects of a linear function are its slopes times the ranges, without deviation."""
     pytest.importorskip("SALib")
-    found = da.morris_indices(runner(lambda a, b, c: a - 3 * b), RANGES, trajectories=5, rng=0)
+    indices = da.morris_indices(runner(lambda a, b, c: a - 3 * b), RANGES, trajectories=5, rng=0)
     slopes = 2 * math.pi * np.array([1, -3, 0])
-    np.testing.assert_allclose(found["mean"][0], slopes, atol=1e-9)
-    np.testing.assert_allclose(found.mean_absolute[0], abs(slopes), atol=1e-9)
-    np.testing.assert_allclose(found.deviation[0], 0, atol=1e-9)
+    np.testing.assert_allclose(indices["mean"][0], slopes, atol=1e-9)
+    np.testing.assert_allclose(indices.mean_absolute[0], abs(slopes), atol=1e-9)
+    np.testing.assert_allclose(indices.deviation[0], 0, atol=1e-9)
 
 
 def test_surfaces():

@@ -52,22 +52,22 @@ def model(tmp_path) -> Path:
     return path
 
 
-def told(capsys) -> dict:
+def json_output(capsys) -> dict:
     return json.loads(capsys.readouterr().out)
 
 
 def test_sweep(model, capsys):
     assert main(["sweep", str(model), "--workers", "1", "--json"]) == 0
-    first = told(capsys)
+    first = json_output(capsys)
     assert first["designs"] == 10 and sorted(first["failed"]) == ["4", "5"]
     assert "length" in first["failed"]["4"]
     assert main(["sweep", str(model), "--workers", "2", "--json"]) == 0
-    again = told(capsys)
+    again = json_output(capsys)
     assert again["reused_count"] == 10 and again["responses"] == first["responses"]
     assert main(["sweep", str(model), "--workers", "1"]) == 0
     assert "8 of 10 designs" in capsys.readouterr().out
     assert main(["sweep", str(model), "--set", "mass=3", "--json"]) == 2
-    assert "another study" in told(capsys)["error"]["message"]
+    assert "another study" in json_output(capsys)["error"]["message"]
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def test_sweep(model, capsys):
 def test_wrong_tables(model, old, new, words, capsys):
     model.write_text(FILE.replace(old, new), encoding="utf-8")
     assert main(["sweep", str(model), "--json"]) == 2
-    assert words in told(capsys)["error"]["message"]
+    assert words in json_output(capsys)["error"]["message"]
 
 
 @pytest.mark.parametrize(("option", "number"), [("--workers", "-3"), ("--chunk", "-5")])
@@ -100,10 +100,10 @@ def test_structures(tmp_path, capsys):
     path = tmp_path / "truss.toml"
     path.write_text(text + "\n[sweep]\nsamples = 4\n", encoding="utf-8")
     sweep = ["sweep", str(path), "--workers", "1", "--json"]
-    assert main(sweep) == 0 and told(capsys)["designs"] == 4
+    assert main(sweep) == 0 and json_output(capsys)["designs"] == 4
     changed = path.read_text(encoding="utf-8").replace("-30e3", "-31e3")
     path.write_text(changed, encoding="utf-8")
-    assert main(sweep) == 2 and "another study" in told(capsys)["error"]["message"]
+    assert main(sweep) == 2 and "another study" in json_output(capsys)["error"]["message"]
 
 
 def start(*arguments: str) -> subprocess.Popen:
@@ -129,8 +129,8 @@ def cluster():
         while not address:
             line = scheduler.stderr.readline()
             assert line, "the scheduler ended"
-            found = re.search(r"Scheduler at:\s*(tcp://\S+)", line)
-            address = found[1] if found else ""
+            match = re.search(r"Scheduler at:\s*(tcp://\S+)", line)
+            address = match[1] if match else ""
         for _ in range(2):
             options = ("--nthreads", "1", "--no-nanny", "--host", "127.0.0.1", *quiet)
             started.append(start("worker", address, *options))
@@ -159,7 +159,7 @@ def test_cluster(model, tmp_path, cluster, capsys):
             time.sleep(0.01)
         workers[0].send_signal(signal.SIGKILL)
         assert running.result(timeout=60) == 0
-    assert told(capsys)["designs"] == 20
+    assert json_output(capsys)["designs"] == 20
     assert main(["sweep", str(model), "--workers", "1", "--output", str(here), "--json"]) == 0
     one, two = (parquet.read_table(folder / "table.parquet") for folder in (there, here))
     assert one.equals(two)
@@ -170,4 +170,4 @@ def test_no_scheduler(model, capsys, monkeypatch):
     monkeypatch.setattr("dalembert.design.studies.workers.WAIT", 0.5)
     address = "tcp://127.0.0.1:9"
     assert main(["sweep", str(model), "--scheduler", address, "--json"]) == 1
-    assert "dask scheduler" in told(capsys)["error"]["message"]
+    assert "dask scheduler" in json_output(capsys)["error"]["message"]

@@ -17,10 +17,10 @@ from scipy.spatial.transform import Rotation
 
 def test_torque_of_the_four_bar_is_that_of_its_one_equation(pictures: Path) -> None:
     """``τ = J q̈ + J' q̇²/2 + V'``, by virtual work, along the motion that was planned."""
-    found = numbers("swing_up", pictures)
-    assert found["distance of plan and run"] < 0.01
-    assert found["angle of the pole at the end [rad]"] == pytest.approx(math.pi, abs=0.01)
-    assert found["swing of the rocker [rad]"] == pytest.approx(0.7, abs=0.002)
+    printed = numbers("swing_up", pictures)
+    assert printed["distance of plan and run"] < 0.01
+    assert printed["angle of the pole at the end [rad]"] == pytest.approx(math.pi, abs=0.01)
+    assert printed["swing of the rocker [rad]"] == pytest.approx(0.7, abs=0.002)
     best = script("swing_up").moved()
     bars = FourBar((0.3, 0.9, 0.7), (1.0, 2.0, 1.5), (1.0, 0.0), 1)
     planned = best.planned
@@ -33,20 +33,20 @@ def test_torque_of_the_four_bar_is_that_of_its_one_equation(pictures: Path) -> N
 
 
 def test_counterweights_are_those_of_berkof_and_lowen(pictures: Path) -> None:
-    found = numbers("four_bar_balancing", pictures)
+    printed = numbers("four_bar_balancing", pictures)
     for name, mass in script("four_bar_balancing").balanced_masses().items():
-        assert found[f"mass on the {name} [kg]"] == pytest.approx(mass, rel=1e-6)
-    assert found["force without force [N]"] < 1e-6 * found["force before [N]"]
-    assert found["moment without force [N m]"] > found["moment before [N m]"]
-    half = found["force half the force [N]"] / found["force before [N]"]
+        assert printed[f"mass on the {name} [kg]"] == pytest.approx(mass, rel=1e-6)
+    assert printed["force without force [N]"] < 1e-6 * printed["force before [N]"]
+    assert printed["moment without force [N m]"] > printed["moment before [N m]"]
+    half = printed["force half the force [N]"] / printed["force before [N]"]
     assert half == pytest.approx(0.5, rel=1e-4)
-    assert found["moment half the force [N m]"] <= found["moment before [N m]"]
+    assert printed["moment half the force [N m]"] <= printed["moment before [N m]"]
 
 
 def test_toe_of_the_wheel_by_its_eight_equations(pictures: Path) -> None:
     """Both balls, the tie rod and the height of the wheel, solved by SciPy for full bump."""
-    found = numbers("bump_steer", pictures)
-    rod = np.array([0.2, found["rod_y [m]"], found["rod_z [m]"]])
+    printed = numbers("bump_steer", pictures)
+    rod = np.array([0.2, printed["rod_y [m]"], printed["rod_z [m]"]])
     rest, steer = np.array([0.0, -0.8, 0.3]), np.array([0.15, 0.05, 0.0])
     lower, upper = np.array([0, 0.05, -0.2]), np.array([0.04, 0.125, 0.225])
     bushes = (
@@ -72,15 +72,17 @@ def test_toe_of_the_wheel_by_its_eight_equations(pictures: Path) -> None:
 
     x = fsolve(open_by, np.r_[rest + np.array([0, 0, 0.08]), np.zeros(5)], xtol=1e-13)
     toe = math.degrees(math.asin(Rotation.from_rotvec(x[3:6]).apply([0, 0.1, 0])[0] / 0.1))
-    assert found["toe at full bump [deg]"] == pytest.approx(toe, abs=1e-6)
-    assert found["toe after [deg rms]"] < 0.4 * found["toe without bump steer at rest [deg rms]"]
-    assert found["toe after [deg rms]"] < 0.1 * found["toe before [deg rms]"]
+    assert printed["toe at full bump [deg]"] == pytest.approx(toe, abs=1e-6)
+    assert (
+        printed["toe after [deg rms]"] < 0.4 * printed["toe without bump steer at rest [deg rms]"]
+    )
+    assert printed["toe after [deg rms]"] < 0.1 * printed["toe before [deg rms]"]
 
 
 def test_gripper_by_two_circles(pictures: Path) -> None:
     """The pin is where its arm and its link meet; the tip turns with the arm."""
-    found = numbers("gripper", pictures)
-    v = {n: found[f"{n} [mm]"] for n in (*script("gripper").START, "tip_x")}
+    printed = numbers("gripper", pictures)
+    v = {n: printed[f"{n} [mm]"] for n in (*script("gripper").START, "tip_x")}
     pivot, pin = complex(v["pivot_x"], v["pivot_y"]), complex(v["pin_x"], v["pin_y"])
     ear, tip = 1j * v["slider_y"], complex(v["tip_x"], 25.0)
     arm, link = abs(pin - pivot), abs(pin - ear)
@@ -91,8 +93,8 @@ def test_gripper_by_two_circles(pictures: Path) -> None:
         there = ear + slider + line / abs(line) * (along - 1j * across)
         turned = (there - pivot) / (pin - pivot)
         assert (pivot + turned * (tip - pivot)).imag == pytest.approx(half, abs=0.02)
-    assert found["miss"] < 0.01 * found["miss before"]
-    assert found["ratio, largest"] - found["ratio, least"] < 0.05
+    assert printed["miss"] < 0.01 * printed["miss before"]
+    assert printed["ratio, largest"] - printed["ratio, least"] < 0.05
 
 
 def stiffness_of_a_square() -> np.ndarray:
@@ -139,25 +141,25 @@ def by_optimality_criteria(columns: int, cone: np.ndarray) -> float:
 
 def test_beam_is_as_stiff_as_by_88_lines(pictures: Path) -> None:
     """Those lines, written again here; of 60 by 20 elements they give the published 233.71."""
-    found, made = numbers("mbb_beam", pictures), script("mbb_beam")
-    reference = by_optimality_criteria(30, made.weights(30, 10))
-    assert found["compliance"] == pytest.approx(reference, rel=3e-3)
-    assert found["compliance"] < reference * 1.0005
-    assert found["volume"] <= 0.5 * (1 + 1e-6)
+    printed, example = numbers("mbb_beam", pictures), script("mbb_beam")
+    reference = by_optimality_criteria(30, example.weights(30, 10))
+    assert printed["compliance"] == pytest.approx(reference, rel=3e-3)
+    assert printed["compliance"] < reference * 1.0005
+    assert printed["volume"] <= 0.5 * (1 + 1e-6)
 
 
 def test_what_synthesis_is_asked_for(pictures: Path) -> None:
     """Dead centres by the law of cosines; what is met exactly, and what as well as can be."""
-    found, made = numbers("synthesis_tasks", pictures), script("synthesis_tasks")
-    d, c, f, g = (found[f"rocker: {n}"] for n in ("crank", "coupler", "follower", "ground"))
+    printed, example = numbers("synthesis_tasks", pictures), script("synthesis_tasks")
+    d, c, f, g = (printed[f"rocker: {n}"] for n in ("crank", "coupler", "follower", "ground"))
 
     def angle(near: float, other: float, across: float) -> float:
         return math.acos((near**2 + other**2 - across**2) / (2 * near * other))
 
     swing = angle(f, g, c + d) - angle(f, g, c - d)
     advance = angle(c - d, g, f) - angle(c + d, g, f)
-    assert swing == pytest.approx(made.SWING, abs=1e-8)
-    assert abs(advance) == pytest.approx(made.ADVANCE, abs=1e-8)
-    assert found["error of the function"] < 1e-5 and found["error of the motion"] < 2e-3
-    assert found["error of the six-bar"] < 1e-4 and found["error of the geared five-bar"] < 1e-8
-    assert found["four-bars"] > found["of five points"] >= 2
+    assert swing == pytest.approx(example.SWING, abs=1e-8)
+    assert abs(advance) == pytest.approx(example.ADVANCE, abs=1e-8)
+    assert printed["error of the function"] < 1e-5 and printed["error of the motion"] < 2e-3
+    assert printed["error of the six-bar"] < 1e-4 and printed["error of the geared five-bar"] < 1e-8
+    assert printed["four-bars"] > printed["of five points"] >= 2

@@ -101,9 +101,9 @@ def test_a_six_bar_by_name(tmp_path, capsys):
     model = da.six_bar("watt II", joints, {"upper": {"P": (9, 3)}}).build()
     xy = far_from(model, "upper.P.x", "upper.P.y")
     path, out = written(tmp_path, filled(SIX, points=xy, angles=ANGLES)), tmp_path / "o"
-    found = run(capsys, "synthesize", path, "--output", out)
-    assert found["linkage"] == "watt II" and found["solutions"][0]["error"] < 1e-8
-    assert set(found["solutions"][0]["dimensions"]) >= {"A_x", "G_y", "P_x"}
+    result = run(capsys, "synthesize", path, "--output", out)
+    assert result["linkage"] == "watt II" and result["solutions"][0]["error"] < 1e-8
+    assert set(result["solutions"][0]["dimensions"]) >= {"A_x", "G_y", "P_x"}
     page = (out / "model.synthesis.report.html").read_text(encoding="utf-8")
     assert page.count('"disc"') >= 7 and "Target and path" in page
     again = da.load_results(out / "model.synthesis.nc")
@@ -116,8 +116,8 @@ def test_a_geared_five_bar(tmp_path, capsys):
     joints = {"O1": (0, 0), "O2": (3, 0), "A": (0.5, 0.5), "B": (3.6, 0.8), "C": (2, 3.5)}
     angle = far_from(da.geared_five_bar(joints, -2.0).build(), "left.angle")[:, 0]
     path = written(tmp_path, filled(FIVE, outputs=angle, angles=ANGLES))
-    found = run(capsys, "synthesize", path)
-    assert found["solutions"][0]["error"] < 1e-8
+    result = run(capsys, "synthesize", path)
+    assert result["solutions"][0]["error"] < 1e-8
 
 
 def test_the_mechanism_of_the_file(tmp_path, capsys):
@@ -126,8 +126,8 @@ def test_the_mechanism_of_the_file(tmp_path, capsys):
     path = written(tmp_path, filled(OWN, angles=ANGLES, outputs=x - x[0]))
     assert main(["check", str(path)]) == 0
     capsys.readouterr()
-    found = run(capsys, "synthesize", path, "--output", tmp_path / "o")
-    sizes = found["solutions"][0]["dimensions"]
+    result = run(capsys, "synthesize", path, "--output", tmp_path / "o")
+    sizes = result["solutions"][0]["dimensions"]
     assert sizes == pytest.approx({"crank": 0.1, "rod": 0.4}, rel=1e-4)
     assert len(list((tmp_path / "o").iterdir())) == 3
     again = run(capsys, "synthesize", path, "--set", "crank=0.14")
@@ -150,10 +150,10 @@ def test_the_mechanism_of_the_file(tmp_path, capsys):
     ],
 )
 def test_slips(text, old, new, words, tmp_path, capsys):
-    made = text.replace(old, new, 1)
-    assert made != text
+    changed = text.replace(old, new, 1)
+    assert changed != text
     pairs = np.column_stack([ANGLES, ANGLES])
-    path = written(tmp_path, filled(made, points=pairs, angles=ANGLES, outputs=ANGLES))
+    path = written(tmp_path, filled(changed, points=pairs, angles=ANGLES, outputs=ANGLES))
     assert main(["synthesize", str(path)]) == 2
     error = capsys.readouterr().err
     assert words in error and str(path) in error

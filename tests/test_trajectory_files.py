@@ -45,12 +45,12 @@ method = { type = "DirectCollocation", intervals = 10 }
 def test_least_force(tmp_path, capsys):
     """``u = 6 − 12 t``, cost 12: saved, read again, and drawn as by ``report``."""
     path, out = written(tmp_path, BLOCK), tmp_path / "o"
-    found = run(capsys, "trajectory", path, "--output", out)
-    assert found["fun"] == pytest.approx(12.0, rel=1e-9) and found["objective"] == "effort"
-    control = found["controls"]["push"]
+    result = run(capsys, "trajectory", path, "--output", out)
+    assert result["fun"] == pytest.approx(12.0, rel=1e-9) and result["objective"] == "effort"
+    control = result["controls"]["push"]
     np.testing.assert_allclose(control["values"], 6 - 12 * np.array(control["times"]), atol=1e-7)
-    kept = json.loads((out / "model.trajectory.json").read_text(encoding="utf-8"))
-    assert kept == {key: found[key] for key in kept}
+    document = json.loads((out / "model.trajectory.json").read_text(encoding="utf-8"))
+    assert document == {key: result[key] for key in document}
     again = da.load_results(out / "model.trajectory.nc")
     np.testing.assert_allclose(again.control_push, control["values"])
     assert float(again.position.sel(body="block", axis="x")[-1]) == pytest.approx(1.0)
@@ -63,8 +63,8 @@ def test_least_force(tmp_path, capsys):
 def test_shooting_with_strategies_of_a_run(tmp_path, capsys):
     text = BLOCK.replace("DirectCollocation", "MultipleShooting")
     text = text.replace("intervals = 10", 'intervals = 6, steps = 8, integrator = "Trapezoidal"')
-    found = run(capsys, "trajectory", written(tmp_path, text))
-    assert found["fun"] == pytest.approx(12.0, rel=1e-3) and found["deviation"] < 1e-9
+    result = run(capsys, "trajectory", written(tmp_path, text))
+    assert result["fun"] == pytest.approx(12.0, rel=1e-3) and result["deviation"] < 1e-9
     text = text.replace("Trapezoidal", "DormandPrince")
     assert main(["trajectory", str(written(tmp_path, text))]) == 2
     assert "trajectory.method: DormandPrince chooses its steps" in capsys.readouterr().err
@@ -76,9 +76,9 @@ def test_shortest_time_within_limits(tmp_path, capsys):
     text = text.replace("intervals = 10", "intervals = 50")
     limit = 'subject_to = [{ response = "fastest", upper = 2.0 }]'
     text = text.replace("[trajectory]", "[trajectory]\n" + limit)
-    found = run(capsys, "trajectory", written(tmp_path, text), "--minimize", "time")
-    assert found["duration"] == pytest.approx(0.08 + 0.92 / 2, rel=1e-2)
-    assert found["fun"] == pytest.approx(found["duration"]) and found["unit"] == "s"
+    result = run(capsys, "trajectory", written(tmp_path, text), "--minimize", "time")
+    assert result["duration"] == pytest.approx(0.08 + 0.92 / 2, rel=1e-2)
+    assert result["fun"] == pytest.approx(result["duration"]) and result["unit"] == "s"
 
 
 def test_dimensions_with_the_motion(tmp_path, capsys):
@@ -87,8 +87,8 @@ def test_dimensions_with_the_motion(tmp_path, capsys):
     text += '[responses.m]\ntype = "Final"\nmeasure = "mass"\n'
     text += '[combined.cost]\nformula = "effort + 3/m"\n'
     text = text.replace("[0.5, 2.0]", "[0.2, 2.0]")
-    found = run(capsys, "trajectory", written(tmp_path, text))
-    assert found["x"]["mass"] == pytest.approx(0.5, rel=1e-5) and found["start"]["mass"] == 1.0
+    result = run(capsys, "trajectory", written(tmp_path, text))
+    assert result["x"]["mass"] == pytest.approx(0.5, rel=1e-5) and result["start"]["mass"] == 1.0
 
 
 @pytest.mark.parametrize(
@@ -135,9 +135,9 @@ def test_interrupted(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(Programme, "solve", stopped)
     path = written(tmp_path, BLOCK.replace("1.0, 0.0", "1.0"))
     code = main(["trajectory", str(path), "--output", str(tmp_path / "o")])
-    told = capsys.readouterr()
-    assert code == 130 and "interrupted after 2 iterations" in told.out
-    assert "Traceback" not in told.err and len(list((tmp_path / "o").iterdir())) == 3
+    output = capsys.readouterr()
+    assert code == 130 and "interrupted after 2 iterations" in output.out
+    assert "Traceback" not in output.err and len(list((tmp_path / "o").iterdir())) == 3
 
 
 def test_a_notebook_shows_it(tmp_path):

@@ -39,8 +39,8 @@ def test_a_trajectory_beside_its_beginning(show, tmp_path):  # noqa: F811
 
 def test_a_mechanism_found_and_a_reliable_optimum(show, tmp_path):  # noqa: F811
     text = filled(OWN, angles=ANGLES, outputs=0.1 * ANGLES)
-    found = make_synthesis(load_model_file(written(tmp_path, text)))(progress=False)
-    drawn(show(found), found)
+    computed = make_synthesis(load_model_file(written(tmp_path, text)))(progress=False)
+    drawn(show(computed), computed)
     file = load_model_file(written(tmp_path, ROD + RELIABLE))
     model = file.model()
     design = make_design(file, model)

@@ -86,10 +86,10 @@ def test_one_message(old: str, new: str, words: str, tmp_path: Path, capsys) -> 
     assert old in HEAD
     path = written(tmp_path, HEAD.replace(old, new, 1))
     assert main(["check", str(path)]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith(f"Error: {path}: ")
-    assert words in told
-    assert "Traceback" not in told
+    message = capsys.readouterr().err
+    assert message.startswith(f"Error: {path}: ")
+    assert words in message
+    assert "Traceback" not in message
 
 
 MESH_WRONG = [
@@ -133,9 +133,9 @@ def test_one_message_of_meshes(old: str, new: str, words: str, tmp_path: Path, c
     assert old in MESH
     path = written(tmp_path, MESH.replace(old, new, 1))
     assert main(["check", str(path)]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith(f"Error: {path}: ")
-    assert words in told
+    message = capsys.readouterr().err
+    assert message.startswith(f"Error: {path}: ")
+    assert words in message
 
 
 @pytest.mark.parametrize(
@@ -199,7 +199,7 @@ def test_any_damage_is_a_dalembert_error(tmp_path: Path, data) -> None:
         file = load_model_file(path)
         check_tasks(file, file.model())
     except da.DalembertError as error:
-        told = str(error)
+        message = str(error)
     else:
         return
-    assert str(path) in told
+    assert str(path) in message

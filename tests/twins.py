@@ -89,8 +89,8 @@ def not_a_knot_cubic(x, knots, values):
     k = int(np.clip(np.searchsorted(np.real(knots), np.real(x), side="right") - 1, 0, last - 1))
     a, b = (knots[k + 1] - x) / h[k], (x - knots[k]) / h[k]
     bent = (a**3 - a) * curved[k] + (b**3 - b) * curved[k + 1]
-    found = a * values[k] + b * values[k + 1] + bent * h[k] ** 2 / 6
-    return found if np.imag(found) else np.real(found)
+    computed = a * values[k] + b * values[k + 1] + bent * h[k] ** 2 / 6
+    return computed if np.imag(computed) else np.real(computed)
 
 
 def complex_step(function: Callable, x: np.ndarray, step: float = 1e-30) -> np.ndarray:
@@ -125,13 +125,13 @@ def second_rate(function: Callable, h: float = 2e-3):
 def bodies_of(model, y, v=None) -> dict:
     """The bodies of a model as frames, and the ground."""
     spatial = any(body.dimension == 3 for body in model.bodies)
-    found, i, j = {"ground": Solid(np.zeros(3)) if spatial else Frame(np.zeros(3))}, 0, 0
+    results, i, j = {"ground": Solid(np.zeros(3)) if spatial else Frame(np.zeros(3))}, 0, 0
     for group in model.coordinates:
         n, m = group.pose.numel(), group.twist.numel()
         kind = Solid if getattr(group, "dimension", 2) == 3 else Frame
-        found[group.name] = kind(y[i : i + n], None if v is None else v[j : j + m])
+        results[group.name] = kind(y[i : i + n], None if v is None else v[j : j + m])
         i, j = i + n, j + m
-    return found
+    return results
 
 
 def context(model, t, y, p, v=None) -> SimpleNamespace:

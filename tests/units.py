@@ -82,9 +82,9 @@ class _Translation:
             self.made.gravity(*self.formula(system.gravity, "m/s^2"))
         for element in system.elements.values():
             if isinstance(element, BodyElement):
-                made = self.made.add(self.body(element))
-                self.bodies[element.name] = made
-                self._identify(element, made)
+                added = self.made.add(self.body(element))
+                self.bodies[element.name] = added
+                self._identify(element, added)
         for element in system.elements.values():
             if not isinstance(element, BodyElement):
                 self.made.elements[element.name] = self.element(element)
@@ -108,9 +108,9 @@ class _Translation:
         local = self.formula(point.local, "m")
         body = self.bodies[point.body.name]
         if isinstance(point, Frame):
-            made = body.frame(local)
-            made.local_axes, made.has_x_axis = point.local_axes, point.has_x_axis
-            return made
+            frame = body.frame(local)
+            frame.local_axes, frame.has_x_axis = point.local_axes, point.has_x_axis
+            return frame
         return body.center if not body.rotates else body.point(*local)
 
     def body(self, body):
@@ -123,16 +123,16 @@ class _Translation:
         rotation = wanted.pop("rotation", None)
         turned = {"rotation": rotation} if body.dimension == 3 and body.rotates else {}
         metas = {f.name: f.metadata for f in body.quantity_fields()}
-        given = {
+        arguments = {
             name: self.formula(value, metas[name]["unit"])
             for name, value in wanted.items()
             if value is not None
         }
-        made = type(body)(body.name, **given, **turned)
+        copy = type(body)(body.name, **arguments, **turned)
         for name, point in body.points.items():
-            if name not in made.points:
-                made.add_point(name, self.formula(point.local, "m"))
-        return made
+            if name not in copy.points:
+                copy.add_point(name, self.formula(point.local, "m"))
+        return copy
 
     def element(self, element: Element) -> Element:
         fields = dataclasses.fields(element)

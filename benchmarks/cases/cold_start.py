@@ -44,7 +44,7 @@ def measure(effort: Effort) -> Iterator[Row]:
                 if turn:  # the first one writes bytecode
                     spent[name].append(taken)
         yield Row("cold start", "import", {name: Sample.of(s, "s") for name, s in spent.items()})
-        arguments = ["-m", "dalembert.cli", "run", str(EXAMPLE), "--output", folder, "--quiet"]
+        arguments = ["-m", "dalembert", "run", str(EXAMPLE), "--output", folder, "--quiet"]
         whole = [seconds(arguments, kept) for _ in range(effort.rounds + 1)][1:]
         yield Row("cold start", "four-bar file to report", {"dalembert": Sample.of(whole, "s")})
 

@@ -151,8 +151,8 @@ FIXED = {
         },
     ),
     "tolerance": (design_tables.ToleranceTable, {}),
-    "allot": (
-        design_tables.AllotTable,
+    "allocate": (
+        design_tables.AllocateTable,
         {
             "exponent": "exponent of the tolerance in its cost",
             "worst_case": "worst case of all tolerances; statistical by default",

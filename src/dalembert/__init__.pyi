@@ -226,9 +226,9 @@ from dalembert.integrators.runge_kutta.implicit import (
 from dalembert.integrators.sundials import CVODES as CVODES, IDA as IDA
 from dalembert.io.model_file import load_model as load_model
 from dalembert.model.assembled.model import StructuralModel as StructuralModel
-from dalembert.model.graph.automatic_coordinates import AutomaticCoordinates as AutomaticCoordinates
 from dalembert.model.graph.coordinates import AbsoluteCoordinates as AbsoluteCoordinates
 from dalembert.model.graph.model import Model as Model
+from dalembert.model.graph.registry import AutomaticCoordinates as AutomaticCoordinates
 from dalembert.model.graph.tree.joint_coordinates import JointCoordinates as JointCoordinates
 from dalembert.model.structure import Structure as Structure
 from dalembert.model.system import System as System

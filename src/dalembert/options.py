@@ -58,9 +58,32 @@ def options(cls: Class | None = None, /, **settings: bool) -> Any:
             check_fields(self)
 
     cls.__post_init__ = __post_init__  # type: ignore[attr-defined]
-    setattr(cls, "__new__", check_constructor)  # noqa: B010
+    setattr(cls, "__new__", _checked_and_recorded)  # noqa: B010
     setattr(cls, "__signature__", ConstructorSignature())  # noqa: B010
     return dataclasses.dataclass(frozen=True, **settings)(cls)  # type: ignore[call-overload]
+
+
+def _checked_and_recorded(cls: type, *args: Any, **kwargs: Any) -> Any:
+    """A ``__new__`` that checks arguments and records which options the call states."""
+    instance = check_constructor(cls, *args, **kwargs)
+    names = [field.name for field in dataclasses.fields(cls) if field.init]  # type: ignore[arg-type]
+    stated = {*names[: len(args)], *kwargs}
+    if 0 < len(stated) < len(names):  # all of them: a copy by dataclasses.replace
+        object.__setattr__(instance, "_stated", frozenset(stated))
+    return instance
+
+
+def is_stated(strategy: Any, name: str) -> bool:
+    """Whether an option was stated, or differs from its default.
+
+    A copy by ``dataclasses.replace`` states the options that differ.
+    """
+    (option,) = (field for field in dataclasses.fields(strategy) if field.name == name)
+    if name in getattr(strategy, "_stated", ()):
+        return True
+    factory = option.default_factory
+    default = option.default if factory is dataclasses.MISSING else factory()
+    return bool(getattr(strategy, name) != default)
 
 
 def _number_in(field: dataclasses.Field, text: str) -> Any:

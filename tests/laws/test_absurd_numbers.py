@@ -36,11 +36,11 @@ def test_absurd_numbers(part, stride, tmp_path):
         text=True,
         check=False,
     )
-    told = done.stdout.splitlines()
-    assert [line for line in told if line.startswith("WRONG")] == []
-    assert done.returncode == 0, f"{told[-1:]}: {done.stderr}"
+    lines = done.stdout.splitlines()
+    assert [line for line in lines if line.startswith("WRONG")] == []
+    assert done.returncode == 0, f"{lines[-1:]}: {done.stderr}"
     assert done.stderr == ""
-    assert sum(line.startswith("case") for line in told) > 20
+    assert sum(line.startswith("case") for line in lines) > 20
 
 
 def pendulum():
@@ -99,17 +99,17 @@ def test_the_budget_can_be_raised(monkeypatch):
         (beam, da.Equilibrium(steps=20)),
         (beam, da.ArcLength(first=0.01)),
     ],
-    ids=lambda given: type(given).__name__,
+    ids=lambda value: type(value).__name__,
 )
 def test_work_is_shown_and_interrupted_work_is_kept(model, analysis):
-    told = []
+    messages = []
 
     def progress(fraction: float) -> None:
-        told.append(fraction)
-        if len(told) == 3:
+        messages.append(fraction)
+        if len(messages) == 3:
             raise KeyboardInterrupt
 
     result = analysis.run(model(), progress=progress)
     assert result.status.outcome is da.Outcome.INTERRUPTED
-    assert 0 < told[0] < told[1] < told[2] < 1
+    assert 0 < messages[0] < messages[1] < messages[2] < 1
     assert result.status.time > 0

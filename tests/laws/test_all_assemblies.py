@@ -49,15 +49,15 @@ def test_stewart_gough_platform_with_forty_assemblies():
         ends = system.ground.point(*BASE[k]), plate.point(*PLATE[k])
         system.add(planar.DistanceDriver(f"leg{k}", *ends, LEGS[k]))
     model = system.build()
-    found = da.solve_assembly(model, all=True)
-    assert len(found) == 40 and found.completeness.missing < 0.5
-    for one in found:
+    assemblies = da.solve_assembly(model, all=True)
+    assert len(assemblies) == 40 and assemblies.completeness.missing < 0.5
+    for one in assemblies:
         reached = one.y[:3] + PLATE @ rotation_matrix(one.y[3:7]).T - BASE
         np.testing.assert_allclose(np.linalg.norm(reached, axis=1), LEGS, atol=1e-10)
-    poses = [np.concatenate([one.y[:3], rotation_matrix(one.y[3:7]).ravel()]) for one in found]
+    poses = [np.concatenate([one.y[:3], rotation_matrix(one.y[3:7]).ravel()]) for one in assemblies]
     apart = np.abs(np.array(poses)[:, None] - poses).max(axis=2)
     assert apart[np.triu_indices(40, 1)].min() > 1e-3
-    far = [np.linalg.norm(found[0].y[:3] - one.y[:3]) for one in found]
+    far = [np.linalg.norm(assemblies[0].y[:3] - one.y[:3]) for one in assemblies]
     assert far[0] == 0.0 and min(far[1:]) > 0.0
 
 
@@ -90,8 +90,8 @@ def assemblies_by_elimination(lengths: np.ndarray) -> int:
 
     series = np.fft.fft([resultant(2 * np.pi * k / 16) for k in range(16)])
     coefficients = np.concatenate([series[-6:], series[:7]])
-    kept = np.flatnonzero(np.abs(coefficients) > 1e-11 * np.abs(coefficients).max())
-    roots = np.roots(coefficients[kept[0] : kept[-1] + 1][::-1])
+    nonzero = np.flatnonzero(np.abs(coefficients) > 1e-11 * np.abs(coefficients).max())
+    roots = np.roots(coefficients[nonzero[0] : nonzero[-1] + 1][::-1])
     return int(np.sum(np.abs(np.abs(roots) - 1) < 1e-6))
 
 
@@ -114,15 +114,15 @@ def scan(count: int, seed: int = 0) -> list[tuple[int, int]]:
         place, angle = np.add((0.8, -1.0), rng.uniform(-1, 1, 2)), rng.uniform(-np.pi, np.pi)
         lengths = np.linalg.norm(place + TRIANGLE @ turned(angle).T - GROUND, axis=1)
         values = {f"l{k}": float(lengths[k]) for k in range(3)}
-        found = da.solve_assembly(model, values, all=True)
-        pairs.append((assemblies_by_elimination(lengths), len(found)))
+        assemblies = da.solve_assembly(model, values, all=True)
+        pairs.append((assemblies_by_elimination(lengths), len(assemblies)))
     return pairs
 
 
 def test_planar_platforms_have_as_many_assemblies_as_their_polynomial():
     """Also where the branch of the nominal assembly ends before the lengths."""
     pairs = scan(12, seed=3)
-    assert [found for _, found in pairs] == [expected for expected, _ in pairs]
+    assert [computed for _, computed in pairs] == [expected for expected, _ in pairs]
     assert {expected for expected, _ in pairs} == {2, 4, 6}
 
 
@@ -168,9 +168,9 @@ def test_closed_chain_of_six_hinges_has_sixteen_assemblies():
         end = far.frame(tuple(back[:3, 3]), axis=tuple(back[:3, 2]))
         system.add(spatial.Revolute(f"J{k}", near, end))
     model = system.build()
-    found = da.solve_assembly(model, all=True)
-    assert len(found) == 16 and found.completeness.missing < 0.5
-    for one, other in pairwise(found):
+    assemblies = da.solve_assembly(model, all=True)
+    assert len(assemblies) == 16 and assemblies.completeness.missing < 0.5
+    for one, other in pairwise(assemblies):
         assert np.abs(one.y - other.y).max() > 1e-3
 
 
@@ -180,9 +180,9 @@ def test_families_of_assemblies_are_counted_apart():
     bead = system.add(planar.Particle("bead", mass=1.0, position=(0.9, 0.1)))
     system.add(planar.UserConstraint("first", bead.x * bead.y))
     system.add(planar.UserConstraint("second", bead.x * (bead.x - 1)))
-    found = da.solve_assembly(system.build(), all=True)
-    assert len(found) == 1 and found.completeness.not_isolated > 100
-    assert "continuous families" in str(found)
+    assemblies = da.solve_assembly(system.build(), all=True)
+    assert len(assemblies) == 1 and assemblies.completeness.not_isolated > 100
+    assert "continuous families" in str(assemblies)
 
 
 @pytest.mark.parametrize("name", list(CASES)[::8])
@@ -207,9 +207,9 @@ def test_many_positions_are_evaluated_as_one_is(name):
 
 def test_estimate_of_what_is_missing():
     """A. Chao (1984): f₁ = 6, f₂ = 2 leave 6·5/(2·3) = 5; the bound solves (1 − q)ⁿ = .05."""
-    found = Completeness(100, (1, 1, 1, 1, 1, 1, 2, 2, 30), 0, "")
-    assert found.missing == 5.0
-    assert (1 - found.undetected_share) ** sum(found.hits) == pytest.approx(0.05)
+    completeness = Completeness(100, (1, 1, 1, 1, 1, 1, 2, 2, 30), 0, "")
+    assert completeness.missing == 5.0
+    assert (1 - completeness.undetected_share) ** sum(completeness.hits) == pytest.approx(0.05)
 
 
 def test_command_line_lists_assemblies(tmp_path, capsys):
@@ -218,9 +218,11 @@ def test_command_line_lists_assemblies(tmp_path, capsys):
 
     file = Path(__file__).parents[2] / "examples/four_bar.toml"
     assert main(["check", str(file), "--assemblies", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)["assemblies"]
-    assert told["count"] == 2 and told["completeness"]["missing"] == 0.0
-    assert len(told["assemblies"]) == 2 and "crank.angle" in told["assemblies"][0]["coordinates"]
+    output = json.loads(capsys.readouterr().out)["assemblies"]
+    assert output["count"] == 2 and output["completeness"]["missing"] == 0.0
+    assert (
+        len(output["assemblies"]) == 2 and "crank.angle" in output["assemblies"][0]["coordinates"]
+    )
 
 
 @pytest.mark.parametrize("wrong", [{"count": 0}, {"count": "two"}, {"time": float("nan")}])

@@ -30,13 +30,13 @@ def platform() -> da.Model:
 
 def test_platform_closes_in_four_ways():
     """Angles and places to the ten and eight digits of an independent computation."""
-    found = da.solve_assembly(platform(), all=True, count=4)
-    turns = [np.remainder(one.y[2] + np.pi, 2 * np.pi) - np.pi for one in found]
+    assemblies = da.solve_assembly(platform(), all=True, count=4)
+    turns = [np.remainder(one.y[2] + np.pi, 2 * np.pi) - np.pi for one in assemblies]
     order = np.argsort(turns)
     np.testing.assert_allclose(np.sort(turns), ANGLES, atol=1e-9)
-    np.testing.assert_allclose([found[k].y[:2] for k in order], PLACES, atol=1e-7)
-    assert max(one.residual for one in found) < 1e-10
-    np.testing.assert_array_equal(found[0].y, da.solve_assembly(platform()).y)
+    np.testing.assert_allclose([assemblies[k].y[:2] for k in order], PLACES, atol=1e-7)
+    assert max(one.residual for one in assemblies) < 1e-10
+    np.testing.assert_array_equal(assemblies[0].y, da.solve_assembly(platform()).y)
 
 
 def four_bar(rocker: float) -> da.Model:
@@ -60,7 +60,9 @@ def test_held_crank_leaves_an_open_and_a_crossed_four_bar():
     one, other = da.solve_assembly(four_bar(0.6), all=True)
     assert one.y[2] == other.y[2] == 1.0  # the crank's angle is held
     pin, pivot = 0.3 * np.exp(1j), 1.0 + 0.0j
-    ends = [pivot + 0.6 * np.exp(1j * found.pose("rocker")["angle"]) for found in (one, other)]
+    ends = [
+        pivot + 0.6 * np.exp(1j * assembly.pose("rocker")["angle"]) for assembly in (one, other)
+    ]
     line = (pivot - pin) / abs(pivot - pin)
     mirrored = pin + line**2 * np.conj(ends[0] - pin)
     np.testing.assert_allclose(mirrored, ends[1], atol=1e-12)
@@ -85,9 +87,9 @@ def test_parallel_hinges_of_a_link_are_not_turned_upside_down():
     system.add(spatial.Spherical("C", ground.point(1, 0, 0), swing.point(0, 0, 0)))
     pin, end = crank.frame((0.3, 0, 0), axis=axis), swing.frame((0.6, 0, 0), axis=axis)
     system.add(spatial.RevoluteRevoluteLink("coupler", pin, end, length=1.0))
-    found = da.solve_assembly(system.build(), all=True)
-    assert len(found) == 2
-    for one in found:
+    assemblies = da.solve_assembly(system.build(), all=True)
+    assert len(assemblies) == 2
+    for one in assemblies:
         np.testing.assert_allclose(rotation_of(one.y[10:14])[:, 2], axis, atol=1e-9)
 
 
@@ -109,13 +111,13 @@ def hexapod() -> tuple[da.Model, np.ndarray, np.ndarray, np.ndarray]:
 
 def test_hexapod_closes_in_several_ways_each_of_which_closes():
     model, base, top, lengths = hexapod()
-    found = da.solve_assembly(model, all=True, count=4)
-    assert len(found) == 4
-    for one in found:
+    assemblies = da.solve_assembly(model, all=True, count=4)
+    assert len(assemblies) == 4
+    for one in assemblies:
         turned = rotation_of(one.y[3:7])
         reached = np.linalg.norm(one.y[:3] + top @ turned.T - base, axis=1)
         np.testing.assert_allclose(reached, lengths, atol=1e-10)
-    places = np.array([one.y[:3] for one in found])
+    places = np.array([one.y[:3] for one in assemblies])
     apart = np.linalg.norm(places[:, None] - places[None], axis=2)
     assert apart[np.triu_indices(4, 1)].min() > 1e-3
 
@@ -143,9 +145,9 @@ def test_hinges_are_not_turned_upside_down():
         system.add(spatial.Revolute(name, first, second))
     system.add(spatial.Spherical("B", coupler.point(1, 0, 0), swing.point(0.6, 0, 0)))
     model = system.build()
-    found = da.solve_assembly(model, all=True)
-    assert len(found) == 2
-    for one in found:
+    assemblies = da.solve_assembly(model, all=True)
+    assert len(assemblies) == 2
+    for one in assemblies:
         for k in range(3):
             turned = rotation_of(one.y[7 * k + 3 : 7 * k + 7])
             np.testing.assert_allclose(turned[:, 2], axis, atol=1e-9)
@@ -189,6 +191,6 @@ def test_a_run_that_changes_branch_says_so():
     _, other = da.solve_assembly(model, all=True, count=2)
     x = np.array(record.steps.x)
     x[:9, 6:], x[9:18, 6:] = other.y[:, None], other.v[:, None]
-    (told,) = BranchJumps(record.kernel, replace(record.steps, x=x)).warnings
-    assert told.startswith("at t = 0.05 s rocker.angle jumps by")
-    assert "another assembly" in told
+    (warnings,) = BranchJumps(record.kernel, replace(record.steps, x=x)).warnings
+    assert warnings.startswith("at t = 0.05 s rocker.angle jumps by")
+    assert "another assembly" in warnings

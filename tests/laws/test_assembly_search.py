@@ -32,8 +32,10 @@ def test_loops_are_assembled_from_poor_guesses():
     """All of them close somewhere; where it took a search, the diagnosis says so."""
     models = [loop_of_hinges(seed).build() for seed in (2, 5, 9)]
     assert all(model.start.residual < 1e-10 for model in models)
-    told = [text for model in models for level, text in model.diagnosis.messages if "far" in text]
-    assert told and all("random starts" in text and "moved" in text for text in told)
+    messages = [
+        text for model in models for level, text in model.diagnosis.messages if "far" in text
+    ]
+    assert messages and all("random starts" in text and "moved" in text for text in messages)
 
 
 def test_the_end_of_a_branch_is_distinguished_from_lengths_that_fit_nowhere():
@@ -43,8 +45,8 @@ def test_the_end_of_a_branch_is_distinguished_from_lengths_that_fit_nowhere():
         da.solve_assembly(model, {"l0": 5.0})
     assert "the branch of the nominal assembly ends at l0 = " in str(ended.value)
     assert "before l0 = 5 m" in str(ended.value) and ended.value.others == 2
-    found = da.solve_assembly(model, {"l0": 5.0}, all=True)
-    assert len(found) == 2 and "none is on the branch" in found.note
+    assemblies = da.solve_assembly(model, {"l0": 5.0}, all=True)
+    assert len(assemblies) == 2 and "none is on the branch" in assemblies.note
     for call in (da.solve_assembly, lambda *a: da.solve_assembly(*a, all=True)):
         with pytest.raises(da.AssemblyError) as refused:
             call(model, {"l0": 12.0})

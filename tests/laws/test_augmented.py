@@ -68,8 +68,8 @@ def test_penalty_error_falls_with_the_augmented_mass(name):
     exact = at_start(model, da.KKT())
     errors = np.array(
         [
-            [np.abs(a - b).max() for a, b in zip(found, exact, strict=True)]
-            for found in (at_start(model, da.Penalty(factor=f)) for f in factors)
+            [np.abs(a - b).max() for a, b in zip(computed, exact, strict=True)]
+            for computed in (at_start(model, da.Penalty(factor=f)) for f in factors)
         ]
     )
     for column, size in zip(errors.T, exact, strict=True):
@@ -108,9 +108,9 @@ def test_motion_with_redundant_equations(name):
         f: da.solve_dynamics(model, 0.5, formulation=f, integrator=method, outputs=4)
         for f in (EVERY, da.RangeSpace())
     }
-    found, expected = (m.trajectory for m in run.values())
-    np.testing.assert_allclose(found.y, expected.y, atol=1e-9)
-    np.testing.assert_allclose(found.a, expected.a, atol=1e-7)
+    computed, expected = (m.trajectory for m in run.values())
+    np.testing.assert_allclose(computed.y, expected.y, atol=1e-9)
+    np.testing.assert_allclose(computed.a, expected.a, atol=1e-7)
     assert run[EVERY].statistics["maximum |C v̇ − ξ|"] < 1e-10
     assert float(run[EVERY].data.position_violation.max()) < 1e-12
 
@@ -228,10 +228,10 @@ def similar_chain(size):
 def test_weights_know_no_unit_of_length(formulation, size, coordinates):
     """Accelerations and multipliers of millimetres and of hectometres are those of (5.7)."""
     model, step = similar_chain(size), 1e-3 * size**0.5
-    found, exact = (
+    computed, exact = (
         da.solve_dynamics(model, 3 * step, step=step, formulation=f, coordinates=coordinates)
         for f in (formulation, da.KKT())
     )
     for name in ("a", "multiplier"):
-        one, other = (getattr(motion.trajectory, name) for motion in (found, exact))
+        one, other = (getattr(motion.trajectory, name) for motion in (computed, exact))
         np.testing.assert_allclose(one, other, atol=1e-9 * np.abs(other).max())

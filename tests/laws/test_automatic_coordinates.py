@@ -54,11 +54,11 @@ def test_the_run_is_that_of_the_coordinates_it_names(name, formulation):
     if isinstance(formulation, da.DAE):
         options["integrator"] = da.GeneralizedAlpha()
     model = mechanism(name)
-    found = da.solve_dynamics(model, 0.05, coordinates=AUTOMATIC, **options)
-    (same,) = (c for c in BOTH if type(c).__name__ == found.statistics["coordinates"])
+    motion = da.solve_dynamics(model, 0.05, coordinates=AUTOMATIC, **options)
+    (same,) = (c for c in BOTH if type(c).__name__ == motion.statistics["coordinates"])
     expected = da.solve_dynamics(model, 0.05, coordinates=same, **options)
-    assert (found.trajectory.y == expected.trajectory.y).all()
-    assert found.record.kernel is expected.record.kernel
+    assert (motion.trajectory.y == expected.trajectory.y).all()
+    assert motion.record.kernel is expected.record.kernel
 
 
 def test_what_counts_no_steps_is_not_chosen_for():

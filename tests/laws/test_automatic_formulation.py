@@ -44,12 +44,12 @@ def test_the_run_is_that_of_the_formulation_it_names():
     model = mechanism("four_bar")
     options = {"step": 0.005, "outputs": 5, "backend": "vm"}
     both = {"coordinates": da.AutomaticCoordinates(), "formulation": AUTOMATIC}
-    found = da.solve_dynamics(model, 0.05, **both, **options)
-    (same,) = (f for f in CANDIDATES if type(f).__name__ == found.statistics["formulation"])
-    (view,) = (c for c in VIEWS if type(c).__name__ == found.statistics["coordinates"])
+    motion = da.solve_dynamics(model, 0.05, **both, **options)
+    (same,) = (f for f in CANDIDATES if type(f).__name__ == motion.statistics["formulation"])
+    (view,) = (c for c in VIEWS if type(c).__name__ == motion.statistics["coordinates"])
     expected = da.solve_dynamics(model, 0.05, coordinates=view, formulation=same, **options)
-    assert found.record.kernel is expected.record.kernel
-    assert (found.trajectory.y == expected.trajectory.y).all()
+    assert motion.record.kernel is expected.record.kernel
+    assert (motion.trajectory.y == expected.trajectory.y).all()
 
 
 def test_gradients_of_both_directions_agree():
@@ -81,13 +81,13 @@ def test_implicit_integrators_eliminate_themselves():
 def test_accuracy_comes_before_operations(merits, kind):
     merits |= {"KKT": (100, 1e-12)} if merits else {}
 
-    def told(formulation):
+    def performance(formulation):
         name = type(formulation).__name__
         if name not in merits:
             raise UnsupportedError("not on this mechanism")
         return Performance(*merits[name])
 
-    assert isinstance(AUTOMATIC.select(told, False), kind)
+    assert isinstance(AUTOMATIC.select(performance, False), kind)
 
 
 def test_it_is_told_where_no_choice_is_made():

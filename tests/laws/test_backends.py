@@ -39,13 +39,13 @@ def quickly(tmp_path, monkeypatch):
 @pytest.mark.parametrize(("backend", "name"), RUNS)
 def test_steps_are_the_same_on_every_backend(backend, name):
     options = {"step": 1e-3, "outputs": 3}
-    expected, found = (
+    expected, computed = (
         da.solve_dynamics(model_of(name), 0.02, backend=b, **options) for b in ("vm", backend)
     )
-    assert found.statistics["backend"] == {"jit": llvm.Llvm.name, "c": "C"}[backend]
+    assert computed.statistics["backend"] == {"jit": llvm.Llvm.name, "c": "C"}[backend]
     for field in ("y", "v", "a", "multiplier", "work"):
         wanted = getattr(expected.trajectory, field)
         size = max(1.0, float(np.abs(wanted).max(initial=0.0)))
         np.testing.assert_allclose(
-            getattr(found.trajectory, field), wanted, rtol=0, atol=ROUNDING * size
+            getattr(computed.trajectory, field), wanted, rtol=0, atol=ROUNDING * size
         )

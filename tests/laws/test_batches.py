@@ -10,7 +10,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.analysis.batch.fixed_steps import FixedSteps
+from dalembert.analysis.batch.marches import FixedSteps
 from dalembert.results.status import Outcome
 
 LENGTHS = [0.2, 0.35, 0.5, 0.7, 0.9]
@@ -45,8 +45,8 @@ def same(batch: da.Batch, k: int, single: da.Motion, measures: list[str]) -> Non
     np.testing.assert_array_equal(batch.time, single.time)
     for measure in measures:
         expected = single.values(measure)
-        found = batch.values(measure)[k]
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
+        computed = batch.values(measure)[k]
+        np.testing.assert_allclose(computed, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
 
 
 CHOICES = {
@@ -80,15 +80,15 @@ def test_neither_workers_nor_neighbours_change_a_number(model):
     """Lanes only the last digits of sines and cosines."""
     rng = np.random.default_rng(1)
     designs = {"l1": rng.uniform(0.2, 0.9, 13), "m2": rng.uniform(2, 8, 13)}
-    found = [
+    motions = [
         da.solve_dynamics(model, parameters=designs, workers=w, backend=b, outputs=5, **RUN)
         for w, b in [(1, "jit"), (3, "jit"), (2, "vm")]
     ]
     fewer = {name: column[3:6] for name, column in designs.items()}
     part = da.solve_dynamics(model, parameters=fewer, backend="jit", outputs=5, **RUN)
-    values = found[0].values("A.force")
-    np.testing.assert_array_equal(found[1].values("A.force"), values)
-    np.testing.assert_allclose(found[2].values("A.force"), values, rtol=1e-11)
+    values = motions[0].values("A.force")
+    np.testing.assert_array_equal(motions[1].values("A.force"), values)
+    np.testing.assert_allclose(motions[2].values("A.force"), values, rtol=1e-11)
     np.testing.assert_array_equal(part.values("A.force"), values[3:6])
 
 
@@ -100,9 +100,11 @@ def test_all_forms_of_designs_mean_the_same(model):
         pd.DataFrame({"m2": masses, "l1": lengths}),
         [{"l1": a, "m2": b} for a, b in zip(lengths, masses, strict=True)],
     ]
-    found = [da.solve_dynamics(model, parameters=form, **RUN)["A.force"].values for form in forms]
-    for other in found[1:]:
-        np.testing.assert_array_equal(other, found[0])
+    computed = [
+        da.solve_dynamics(model, parameters=form, **RUN)["A.force"].values for form in forms
+    ]
+    for other in computed[1:]:
+        np.testing.assert_array_equal(other, computed[0])
 
 
 WRONG = {
@@ -117,10 +119,10 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("given", "told"), WRONG.values(), ids=WRONG)
-def test_wrong_designs_are_one_clear_message(model, given, told):
-    with pytest.raises(da.AnalysisError, match=told):
-        da.solve_dynamics(model, parameters=given, **RUN)
+@pytest.mark.parametrize(("parameters", "message"), WRONG.values(), ids=WRONG)
+def test_wrong_designs_are_one_clear_message(model, parameters, message):
+    with pytest.raises(da.AnalysisError, match=message):
+        da.solve_dynamics(model, parameters=parameters, **RUN)
 
 
 def test_what_is_wrong_for_all_designs_is_raised(model):
@@ -191,10 +193,10 @@ def test_responses_of_all_designs(model):
     for response in responses:
         single = da.solve_dynamics(model, parameters={"l1": 0.5}, outputs=4, **RUN)
         expected = da.evaluate(single, response)
-        found = table[response.label]
-        assert abs(float(found[2]) - expected) <= 1e-12 * abs(expected)
-        assert np.isnan(found[len(LENGTHS) :]).all()
-        np.testing.assert_array_equal(found, da.evaluate(batch, response))
+        computed = table[response.label]
+        assert abs(float(computed[2]) - expected) <= 1e-12 * abs(expected)
+        assert np.isnan(computed[len(LENGTHS) :]).all()
+        np.testing.assert_array_equal(computed, da.evaluate(batch, response))
 
 
 def test_a_design_alone_and_files(model, tmp_path):
@@ -207,10 +209,10 @@ def test_a_design_alone_and_files(model, tmp_path):
     with pytest.raises(da.AnalysisError, match="design 99"):
         batch[99]
     assert len(list(batch)) == len(LENGTHS)
-    kept = da.load_results(batch.save(tmp_path / "batch.nc"))
-    np.testing.assert_array_equal(kept["reaction_force"], batch.data["reaction_force"])
-    assert kept["status"].values.tolist() == [s.outcome.value for s in batch.statuses]
-    assert kept["l1"].dims == ("design",)
+    loaded = da.load_results(batch.save(tmp_path / "batch.nc"))
+    np.testing.assert_array_equal(loaded["reaction_force"], batch.data["reaction_force"])
+    assert loaded["status"].values.tolist() == [s.outcome.value for s in batch.statuses]
+    assert loaded["l1"].dims == ("design",)
     frame = batch.to_dataframe("crank.angle")
     assert len(frame) == len(batch) * 4
     assert "5 completed" in repr(batch)
@@ -242,15 +244,15 @@ def test_interruption_keeps_what_is_finished(model):
 def test_gradients_are_those_of_single_runs(model, method, choice):
     responses = [da.maximum("A.force_norm"), da.integral("crank.angle")]
     batch = da.solve_dynamics(model, parameters={"l1": [*LENGTHS, *BAD]}, **RUN, **choice)
-    found = da.sensitivity(batch, responses, method=method)
-    assert found.dims == ("design", "response", "parameter")
-    assert np.isnan(found[len(LENGTHS) :]).all()
+    gradient = da.sensitivity(batch, responses, method=method)
+    assert gradient.dims == ("design", "response", "parameter")
+    assert np.isnan(gradient[len(LENGTHS) :]).all()
     for k in (0, 3):
         single = da.solve_dynamics(model, parameters={"l1": LENGTHS[k]}, **RUN, **choice)
         expected = da.sensitivity(single, responses, method=method)
         size = np.abs(expected.values).max(axis=1, keepdims=True)
-        np.testing.assert_allclose(found[k] / size, expected.values / size, rtol=0, atol=1e-12)
-        np.testing.assert_allclose(found.response_value[k], expected.response_value, rtol=1e-12)
+        np.testing.assert_allclose(gradient[k] / size, expected.values / size, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(gradient.response_value[k], expected.response_value, rtol=1e-12)
 
 
 def driven() -> da.Model:
@@ -318,10 +320,10 @@ def test_other_analyses_take_designs(build, verb, options, measure, tmp_path):
             assert batch.statuses[k].message == str(error.value)
             continue
         single = verb(model, parameters={name: value}, **options)
-        found, expected = batch.statuses[k], single.status
-        texts = [re.sub(r"residual \S+ N", "", s.message) for s in (found, expected)]
-        assert found.outcome == expected.outcome and texts[0] == texts[1]
-        assert abs(found.residual - expected.residual) < 1e-12
+        computed, expected = batch.statuses[k], single.status
+        texts = [re.sub(r"residual \S+ N", "", s.message) for s in (computed, expected)]
+        assert computed.outcome == expected.outcome and texts[0] == texts[1]
+        assert abs(computed.residual - expected.residual) < 1e-12
         if single.status.success:
             wanted = single.values(measure)
             np.testing.assert_allclose(batch.values(measure)[k], wanted, rtol=1e-13)

@@ -57,11 +57,11 @@ def exact(times: tuple[float, ...]):
     ).trajectory
 
 
-def relative_errors(found, true) -> np.ndarray:
+def relative_errors(computed, true) -> np.ndarray:
     """Largest errors of positions, speeds and multipliers by the size of each kind."""
     return np.array(
         [
-            np.abs(getattr(found, n) - getattr(true, n)).max()
+            np.abs(getattr(computed, n) - getattr(true, n)).max()
             / (1 + np.abs(getattr(true, n)).max())
             for n in ("y", "v", "multiplier")
         ]
@@ -113,8 +113,8 @@ def test_order_with_constant_steps(form, stabilization, order):
         memory = [np.zeros(values.shape[0]), [order, h, 0]]
         march = FixedMarch(lambda mode: step)
         grid = begin + h * np.arange(count + 1)
-        found = march.run(grid, np.concatenate([*differences, *memory]), p, 0, Watch())
-        errors.append(np.abs(found.x[: true.size, -1] - true).max())
+        trajectory = march.run(grid, np.concatenate([*differences, *memory]), p, 0, Watch())
+        errors.append(np.abs(trajectory.x[: true.size, -1] - true).max())
     assert np.polyfit(np.log(1 / counts), np.log(errors), 1)[0] == pytest.approx(order, abs=0.2)
 
 
@@ -142,8 +142,8 @@ def test_stiff_oscillator_like_another_implementation(tolerance):
     memory = step.begin.function(0.0, x0, p).full().ravel()
     attempt = method.attempt(problem, step)
     march = AdaptiveMarch(lambda mode: attempt)
-    found = march.run(0.0, end, np.concatenate([x0, memory]), p, 1e-4, end, 0, Watch())
-    assert not found.message
+    trajectory = march.run(0.0, end, np.concatenate([x0, memory]), p, 1e-4, end, 0, Watch())
+    assert not trajectory.message
 
     def scipy(method, rtol, atol):
         return solve_ivp(
@@ -157,8 +157,8 @@ def test_stiff_oscillator_like_another_implementation(tolerance):
         )
 
     other, true = scipy("BDF", tolerance, 1e-2 * tolerance), scipy("Radau", 1e-9, 1e-11)
-    assert found.count < 1.2 * (other.t.size - 1)
-    error = np.abs(found.x[0, -1] - true.y[0, -1])
+    assert trajectory.count < 1.2 * (other.t.size - 1)
+    error = np.abs(trajectory.x[0, -1] - true.y[0, -1])
     assert error < 2 * np.abs(other.y[0, -1] - true.y[0, -1])
 
 

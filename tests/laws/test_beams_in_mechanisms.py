@@ -49,8 +49,8 @@ def free(dimension: int, elements: int, order: int, **more) -> da.System:
         "angular_velocity": (0.5, -0.7, 1.1),
         "velocity": (0.2, 0.1, -0.3),
     }
-    given = numbers | {"rotary_inertia": inertia} | start
-    system.add(spatial.Beam("arm", **given, elements=elements, order=order, **more))
+    arguments = numbers | {"rotary_inertia": inertia} | start
+    system.add(spatial.Beam("arm", **arguments, elements=elements, order=order, **more))
     return system
 
 
@@ -131,8 +131,8 @@ def test_inertia_takes_the_power_that_energy_grows_by(dimension):
     grown = ca.jtimes(e.kinetic_energy, ca.vertcat(e.y, e.v), ca.vertcat(e.pose_rate, e.a))
     function = ca.Function("powers", [e.y, e.v, e.a, e.p], [taken, grown])
     v, a = rng.standard_normal((2, e.speed_count))
-    found = [float(x) for x in function(bent(model), v, a, model.nominal)]
-    assert found[0] == pytest.approx(found[1], rel=1e-10)
+    computed = [float(x) for x in function(bent(model), v, a, model.nominal)]
+    assert computed[0] == pytest.approx(computed[1], rel=1e-10)
 
 
 def cantilever(elements: int, order: int) -> da.Model:
@@ -167,7 +167,7 @@ def test_deflections_converge_by_twice_the_order(order, meshes):
 
 def test_clamped_ends_are_welded_nodes():
     """A beam clamped to a hub swings as one whose own start is welded there."""
-    found = []
+    results = []
     for clamped in (True, False):
         system = da.System("hub", gravity=(0, -9.81))
         hub = system.add(planar.Body("hub", mass=0.5, inertia=0.02, position=(0, 0), angle=0.3))
@@ -179,8 +179,8 @@ def test_clamped_ends_are_welded_nodes():
             arm = system.add(planar.Beam("arm", **numbers, angle=0.5))
             system.add(planar.Weld("W", hub.point(0.1, 0.05), arm.start, angle=0.2))
         motion = da.solve_dynamics(system.build(), 0.2, step=1e-3)
-        found.append([motion[f"arm.end.{q}"].values[-1] for q in ("x", "y", "angle")])
-    np.testing.assert_allclose(found[0], found[1], atol=1e-9)
+        results.append([motion[f"arm.end.{q}"].values[-1] for q in ("x", "y", "angle")])
+    np.testing.assert_allclose(results[0], results[1], atol=1e-9)
 
 
 @pytest.mark.parametrize(("dimension", "integrator"), crossed([2, 3], [da.HHT(), da.RK4()]))
@@ -232,31 +232,31 @@ def test_free_beams_keep_energy_and_momenta(dimension):
 
 
 def test_forces_inside_balance_the_load():
-    found = da.solve_equilibrium(cantilever(8, 3))
-    x, y, angle = (float(found[f"arm.end.{q}"].values[0]) for q in ("x", "y", "angle"))
-    moment = float(found["arm.start_bending_moment"].values[0])
+    equilibrium = da.solve_equilibrium(cantilever(8, 3))
+    x, y, angle = (float(equilibrium[f"arm.end.{q}"].values[0]) for q in ("x", "y", "angle"))
+    moment = float(equilibrium["arm.start_bending_moment"].values[0])
     assert moment == pytest.approx(3.0 * x - 1.0 * y, rel=1e-4)
-    axial = float(found["arm.end_axial_force"].values[0])
+    axial = float(equilibrium["arm.end_axial_force"].values[0])
     assert axial == pytest.approx(np.cos(angle) + 3 * np.sin(angle), rel=1e-3)
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("arguments", "message"),
     [
         ({"elements": 0}, "elements is 0"),
         ({"order": 7}, "order is 7"),
         ({"length": -1.0}, "arm.length: is -1 m, but it must be above 0"),
     ],
 )
-def test_wrong_numbers_are_told(given, told):
+def test_wrong_numbers_are_told(arguments, message):
     system = da.System("wrong")
 
-    def made() -> None:
-        system.add(planar.Beam("arm", **(PLANE | given)))
+    def build() -> None:
+        system.add(planar.Beam("arm", **(PLANE | arguments)))
         system.build()
 
-    with pytest.raises(da.ModelError, match=told):
-        made()
+    with pytest.raises(da.ModelError, match=message):
+        build()
 
 
 def test_a_spatial_beam_needs_frames():

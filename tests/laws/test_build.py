@@ -64,8 +64,8 @@ def test_positions_go_through_welds_and_from_bodies_that_are_given():
     angles = 0.3 + 0.1 * np.arange(5)
     steps = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     places = np.array([5.0, 1.0]) + np.vstack([np.zeros(2), np.cumsum(steps[:-1] + steps[1:], 0)])
-    found = model.start.y.reshape(-1, 3)[[4, 0, 1, 2, 3]]
-    np.testing.assert_allclose(found, np.column_stack([places, angles]), atol=1e-12)
+    computed = model.start.y.reshape(-1, 3)[[4, 0, 1, 2, 3]]
+    np.testing.assert_allclose(computed, np.column_stack([places, angles]), atol=1e-12)
 
 
 @pytest.mark.parametrize("bodies", [3, 41])
@@ -115,5 +115,5 @@ def test_what_a_formula_holds_is_connected():
     held, caught, loose = (system.add(planar.Particle(n, mass=1.0)) for n in ("a", "b", "c"))
     system.add(planar.UserConstraint("wire", held.x - 2 * held.y))
     system.add(planar.Stop("floor", caught.y, lower=0.0, stiffness=1e3))
-    told = [text for _, text in system.build().diagnosis.messages]
-    assert told == [f"body {loose.name} is not connected to anything"]
+    messages = [text for _, text in system.build().diagnosis.messages]
+    assert messages == [f"body {loose.name} is not connected to anything"]

@@ -62,9 +62,9 @@ def test_path_of_a_six_bar_is_found(kind):
     model, point = six_bar(kind)
     assert model.diagnosis.summary.startswith("1 degree of freedom")
     xy, angles = far_from(model, point)
-    found = da.synthesize_mechanism(da.Target.path(xy, angles), model, point=point, starts=1)
-    assert found.best.error < 1e-8
-    assert found.best.motion.status.success
+    synthesis = da.synthesize_mechanism(da.Target.path(xy, angles), model, point=point, starts=1)
+    assert synthesis.best.error < 1e-8
+    assert synthesis.best.motion.status.success
 
 
 def test_five_inversions_are_all_there_are():
@@ -78,10 +78,10 @@ def test_five_inversions_are_all_there_are():
         )
         return len(chain[ground]), tuple(beside)
 
-    told = {kind_of(i.chain, i.ground) for i in da.INVERSIONS.values() if i.chain is STEPHENSON}
-    assert told == {kind_of(STEPHENSON, link) for link in STEPHENSON} and len(told) == 3
-    told = {kind_of(i.chain, i.ground) for i in da.INVERSIONS.values() if i.chain is WATT}
-    assert told == {kind_of(WATT, link) for link in WATT} and len(told) == 2
+    messages = {kind_of(i.chain, i.ground) for i in da.INVERSIONS.values() if i.chain is STEPHENSON}
+    assert messages == {kind_of(STEPHENSON, link) for link in STEPHENSON} and len(messages) == 3
+    messages = {kind_of(i.chain, i.ground) for i in da.INVERSIONS.values() if i.chain is WATT}
+    assert messages == {kind_of(WATT, link) for link in WATT} and len(messages) == 2
 
 
 @pytest.mark.parametrize("ratio", [-2.0, 1.0])
@@ -92,8 +92,8 @@ def test_geared_five_bar(ratio):
     assert run.status.success
     np.testing.assert_allclose(run.values("gear.angle"), ratio * run.time, atol=1e-9)
     xy, angles = far_from(model, "left.P")
-    found = da.synthesize_mechanism(da.Target.path(xy, angles), model, point="left.P", starts=1)
-    assert found.best.error < 1e-8
+    synthesis = da.synthesize_mechanism(da.Target.path(xy, angles), model, point="left.P", starts=1)
+    assert synthesis.best.error < 1e-8
 
 
 def test_functions_and_poses_of_a_six_bar():
@@ -103,12 +103,12 @@ def test_functions_and_poses_of_a_six_bar():
     run = da.solve_kinematics(model, 2 * math.pi, outputs=13, parameters=other)
     angles, outputs = run.time[2:9], run.values("outer.angle")[2:9]
     function = da.Target.function(angles, outputs + 0.4)
-    found = da.synthesize_mechanism(function, model, output="outer.angle", starts=1)
-    assert found.best.error < 1e-10
+    synthesis = da.synthesize_mechanism(function, model, output="outer.angle", starts=1)
+    assert synthesis.best.error < 1e-10
     xy = np.array([run.values(f"upper.P.{axis}") for axis in "xy"]).T[2:9]
     poses = da.Target.motion(xy, run.values("upper.angle")[2:9], angles)
-    found = da.synthesize_mechanism(poses, model, point="upper.P", body="upper", starts=1)
-    assert found.best.error < 1e-10
+    synthesis = da.synthesize_mechanism(poses, model, point="upper.P", body="upper", starts=1)
+    assert synthesis.best.error < 1e-10
 
 
 def test_a_mechanism_of_ones_own_with_free_timing():
@@ -127,7 +127,7 @@ def test_a_mechanism_of_ones_own_with_free_timing():
         x=1.0,
         angle=0.3,
     )
-    found = da.synthesize_mechanism(
+    synthesis = da.synthesize_mechanism(
         da.Target.path(xy, closed=True),
         other.system().build(),
         point="coupler.P",
@@ -135,7 +135,7 @@ def test_a_mechanism_of_ones_own_with_free_timing():
         bounds=bounds,
         starts=1,
     )
-    assert found.best.error < 1e-10
+    assert synthesis.best.error < 1e-10
 
 
 def test_questions_about_mechanisms_that_cannot_be_answered():

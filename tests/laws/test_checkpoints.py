@@ -62,9 +62,9 @@ def test_few_states_give_the_same_gradient(model, method):
 def test_whatever_the_steps(model, options):
     whole = da.solve_dynamics(model, 1.0, outputs=3, **options)
     few = da.solve_dynamics(model, 1.0, outputs=3, memory=0.0, **options)
-    kept, steps = few.record.steps.x, few.record.steps
-    assert steps.count > EVERY and kept.number.size < steps.count / 50
-    assert np.allclose(np.asarray(kept), whole.record.steps.x, rtol=1e-10, atol=1e-12)
+    checkpoints, steps = few.record.steps.x, few.record.steps
+    assert steps.count > EVERY and checkpoints.number.size < steps.count / 50
+    assert np.allclose(np.asarray(checkpoints), whole.record.steps.x, rtol=1e-10, atol=1e-12)
     expected = da.sensitivity(whole, RESPONSES, method="adjoint").values
     assert agree(da.sensitivity(few, RESPONSES, method="adjoint").values, expected, 1e-9)
 

@@ -84,11 +84,11 @@ def test_pairs_near_each_other_are_all_pairs_near_each_other():
     model = box_of_discs().build()
     source, y, p = gap_sources(model)[0], model.start.y, model.nominal
     shift = np.full((y.size, 1), 0.02)
-    found = source.near(0.0, y, p, shift, 2)
+    pairs = source.near(0.0, y, p, shift, 2)
     everything = source.near(0.0, y, p, 100 * shift, 2)
     assert everything.count == 12 * 11 // 2 + 3 * 12
     reach = 2 * np.hypot(0.02, 0.02)
-    assert sorted(found.distance) == pytest.approx(
+    assert sorted(pairs.distance) == pytest.approx(
         sorted(everything.distance[everything.distance <= reach])
     )
 

@@ -118,9 +118,9 @@ def table(motion: da.Motion) -> dict[str, np.ndarray]:
     return {f.name: np.asarray(getattr(motion.trajectory, f.name)) for f in fields}
 
 
-def assert_same(found, expected) -> None:
+def assert_same(computed, expected) -> None:
     scale = max(1.0, float(np.max(np.abs(expected), initial=0.0)))
-    np.testing.assert_allclose(found, expected, rtol=SAME, atol=SAME * scale)
+    np.testing.assert_allclose(computed, expected, rtol=SAME, atol=SAME * scale)
 
 
 def files(folder) -> list:
@@ -153,21 +153,21 @@ def test_runs_outputs_and_gradients_are_those_of_the_virtual_machine(
     monkeypatch.setattr(c_compiler, "OPTIMISED", "-O0")  # compiled quicker
     monkeypatch.setattr(llvm, "OPTIMISED", 1 if strategy == "RK4" else 0)
     model = four_bar()
-    expected, found = run(model, "vm", **options), run(model, backend, **options)
+    expected, motion = run(model, "vm", **options), run(model, backend, **options)
     assert expected.statistics["backend"] == "VM"
-    assert found.statistics["backend"] == NAMES[backend]
+    assert motion.statistics["backend"] == NAMES[backend]
     for name, values in table(expected).items():
-        assert_same(table(found)[name], values)
+        assert_same(table(motion)[name], values)
     responses = [da.final("crank.angle"), da.Maximum("A.force_norm", smooth=0.02)]
     for method in GRADIENTS.get((backend, strategy), ()):
-        old, new = (da.sensitivity(m, responses, method=method) for m in (expected, found))
+        old, new = (da.sensitivity(m, responses, method=method) for m in (expected, motion))
         assert_same(new.values, old.values)
 
 
 @pytest.mark.parametrize("integrator", [da.RK4(), da.DormandPrince()])
 def test_explicit_steps_are_those_of_the_virtual_machine_to_the_last_bit(integrator):
-    expected, found = (run(four_bar(), b, integrator=integrator) for b in ("vm", "jit"))
-    np.testing.assert_array_equal(found.record.steps.x, expected.record.steps.x)
+    expected, computed = (run(four_bar(), b, integrator=integrator) for b in ("vm", "jit"))
+    np.testing.assert_array_equal(computed.record.steps.x, expected.record.steps.x)
 
 
 SCALAR = {
@@ -185,24 +185,24 @@ PAIRS = {
 @pytest.mark.parametrize("kind", [ca.SX, ca.MX], ids=["scalars", "matrices"])
 def test_every_operation_gives_the_same_number(kind):
     x, y = kind.sym("x"), kind.sym("y")
-    made = [f(x) for f in SCALAR.values()] + [f(x, y) for f in PAIRS.values()]
-    made += [ca.acosh(1 + x * x), ca.if_else(x < y, x, 3 * y), x * ca.inf, ca.fmax(-ca.inf, y)]
-    function = ca.Function("operations", [x, y], [ca.vertcat(*made)])
+    outputs = [f(x) for f in SCALAR.values()] + [f(x, y) for f in PAIRS.values()]
+    outputs += [ca.acosh(1 + x * x), ca.if_else(x < y, x, 3 * y), x * ca.inf, ca.fmax(-ca.inf, y)]
+    function = ca.Function("operations", [x, y], [ca.vertcat(*outputs)])
     rng = np.random.default_rng(5)
-    given = [
+    inputs = [
         np.r_[0.0, -0.0, 1.0, rng.uniform(-1, 1, 20)],
         np.r_[0.0, 1.0, 1.0, rng.normal(size=20)],
     ]
-    assert_columns_agree(function, *given)
+    assert_columns_agree(function, *inputs)
 
 
-def assert_columns_agree(function: ca.Function, *given, toolchain=None) -> None:
-    text, count = source.c_source(function), given[0].shape[-1]
+def assert_columns_agree(function: ca.Function, *arguments, toolchain=None) -> None:
+    text, count = source.c_source(function), arguments[0].shape[-1]
     native = NativeColumns(function, code_cache.compiled_loop(text, toolchain or Llvm()), "LLVM")
-    for found, expected in zip(
-        native(count, *given), VirtualColumns(function)(count, *given), strict=True
+    for computed, expected in zip(
+        native(count, *arguments), VirtualColumns(function)(count, *arguments), strict=True
     ):
-        np.testing.assert_array_equal(found, expected)
+        np.testing.assert_array_equal(computed, expected)
 
 
 def test_graphs_of_matrices_give_the_same_numbers():
@@ -223,11 +223,13 @@ def test_graphs_of_matrices_give_the_same_numbers():
     ]
     function = ca.Function("matrices", [a, b, k], [ca.densify(o) for o in outputs])
     rng = np.random.default_rng(6)
-    given = rng.normal(size=(4, 20)), rng.normal(size=(4, 15)), rng.normal(size=(1, 5))
+    inputs = rng.normal(size=(4, 20)), rng.normal(size=(4, 15)), rng.normal(size=(1, 5))
     text = source.c_source(function)
     native = NativeColumns(function, code_cache.compiled_loop(text, Llvm()), "LLVM")
-    for found, expected in zip(native(5, *given), VirtualColumns(function)(5, *given), strict=True):
-        np.testing.assert_array_equal(found, expected)
+    for computed, expected in zip(
+        native(5, *inputs), VirtualColumns(function)(5, *inputs), strict=True
+    ):
+        np.testing.assert_array_equal(computed, expected)
 
 
 @pytest.mark.parametrize("backend", COMPILED)
@@ -235,15 +237,15 @@ def test_a_matrix_that_is_singular_stops_all_alike(backend):
     y, q = ca.MX.sym("y", 2), ca.MX.sym("q")
     matrix = ca.vertcat(ca.horzcat(1, q), ca.horzcat(q, 1))
     function = ca.Function("step", [y, q], [ca.solve(matrix, y, "qr")])
-    made = [backends.BACKENDS[b]().columns(function, True) for b in ("vm", backend)]
-    given = np.array([1.0, 2.0]), np.array([0.5, -2.0, 1.0, 3.0])
+    results = [backends.BACKENDS[b]().columns(function, True) for b in ("vm", backend)]
+    inputs = np.array([1.0, 2.0]), np.array([0.5, -2.0, 1.0, 3.0])
     said = []
-    for columns in made:
+    for columns in results:
         with pytest.raises(SolverFailure) as caught:
-            columns(4, *given)
+            columns(4, *inputs)
         said.append(caught.value.reason)
     assert said[0] == said[1]
-    first, second = (columns(2, given[0], given[1][:2])[0] for columns in made)
+    first, second = (columns(2, inputs[0], inputs[1][:2])[0] for columns in results)
     np.testing.assert_array_equal(first, second)
 
 
@@ -253,12 +255,12 @@ def test_what_is_too_large_stays_on_the_virtual_machine_and_says_so(backend, mon
     monkeypatch.setattr(Compiler, "longest", 1000)
     monkeypatch.setattr(translation, "MAX_OPERATIONS", 100)
     model = four_bar()
-    expected, found = run(model, "vm"), run(model, backend)
+    expected, motion = run(model, "vm"), run(model, backend)
     assert re.fullmatch(
-        r"VM \(.* (MB of C|different operations) would gain little\)", found.statistics["backend"]
+        r"VM \(.* (MB of C|different operations) would gain little\)", motion.statistics["backend"]
     )
     assert not files(cache)
-    np.testing.assert_array_equal(found.trajectory.y, expected.trajectory.y)
+    np.testing.assert_array_equal(motion.trajectory.y, expected.trajectory.y)
 
 
 def test_events_happen_at_the_same_instants():
@@ -267,12 +269,12 @@ def test_events_happen_at_the_same_instants():
         "ends": da.Event("crank.angle + 1.2", terminal=True),
     }
     model = four_bar()
-    expected, found = (run(model, b, events=events) for b in ("vm", "jit"))
+    expected, computed = (run(model, b, events=events) for b in ("vm", "jit"))
     assert [e.name for e in expected.events] == ["passes", "ends"]
-    assert [e.name for e in found.events] == ["passes", "ends"]
-    assert_same([e.time for e in found.events], [e.time for e in expected.events])
-    assert_same(found.trajectory.y, expected.trajectory.y)
-    assert found.status.outcome == expected.status.outcome
+    assert [e.name for e in computed.events] == ["passes", "ends"]
+    assert_same([e.time for e in computed.events], [e.time for e in expected.events])
+    assert_same(computed.trajectory.y, expected.trajectory.y)
+    assert computed.status.outcome == expected.status.outcome
 
 
 def test_parameters_stay_inputs_of_what_was_compiled(compilations):
@@ -303,11 +305,11 @@ def test_threads_may_call_the_same_machine_code():
     columns = backends.BACKENDS["jit"]().columns(function, True, (1,))
     begins = np.random.default_rng(3).normal(size=(8, 3))
     expected = [columns(4000, begin, 1.0 + begin)[0] for begin in begins]
-    found: dict[int, np.ndarray] = {}
+    results: dict[int, np.ndarray] = {}
 
     def work(k: int) -> None:
         for _ in range(5):
-            (found[k],) = columns(4000, begins[k], 1.0 + begins[k])
+            (results[k],) = columns(4000, begins[k], 1.0 + begins[k])
 
     threads = [threading.Thread(target=work, args=(k,)) for k in range(8)]
     for thread in threads:
@@ -315,7 +317,7 @@ def test_threads_may_call_the_same_machine_code():
     for thread in threads:
         thread.join()
     for k, values in enumerate(expected):
-        np.testing.assert_array_equal(found[k], values)
+        np.testing.assert_array_equal(results[k], values)
 
 
 # cache ------------------------------------------------------------------------------
@@ -349,9 +351,9 @@ def test_a_broken_file_is_made_again(backend, cache, compilations, damage):
         whole = path.read_bytes()
         path.unlink()
         path.write_bytes(whole[: len(whole) // 2] if damage is None else damage)
-    found = run(pendulum(), backend)
+    motion = run(pendulum(), backend)
     assert len(compilations) == 2 * count
-    assert_same(found.trajectory.y, expected.trajectory.y)
+    assert_same(motion.trajectory.y, expected.trajectory.y)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs the files of Unix")

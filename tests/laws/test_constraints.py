@@ -75,15 +75,15 @@ def test_velocity_equations(name, seed):
 def test_acceleration_equations(name, seed):
     """C v̇ − ξ is the second rate of Φ along any motion."""
     t, y, v, a, p = general_state(name, seed)
-    found = equations_of(name)(t, y, v, a, p)[2].full().ravel()
+    computed = equations_of(name)(t, y, v, a, p)[2].full().ravel()
     expected = second_rate(lambda s: along(name, t + s, y, s * v + s**2 * a / 2, p))
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(computed, expected, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", CONSTRAINED)
 def test_design_derivatives(name):
     """∂Φ/∂p by complex step of the twin."""
     t, y, v, a, p = general_state(name, 0)
-    found = equations_of(name)(t, y, v, a, p)[3].full()
+    computed = equations_of(name)(t, y, v, a, p)[3].full()
     expected = complex_step(lambda q: residual(name, t, y, q), p)
-    np.testing.assert_allclose(found, expected, atol=1e-12)
+    np.testing.assert_allclose(computed, expected, atol=1e-12)

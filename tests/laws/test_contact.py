@@ -104,8 +104,8 @@ PAIRS = {
 @pytest.mark.parametrize("place", [(0.9, 0.8), (0.45, 0.75), (-0.2, 0.6), (0.7, 0.3)])
 def test_gaps_are_distances(pair, place):
     make, distance = PAIRS[pair]
-    found = gap_of(make, place, 0.4)
-    assert found == pytest.approx(distance(np.array(place), 0.4), abs=1e-9)
+    gap = gap_of(make, place, 0.4)
+    assert gap == pytest.approx(distance(np.array(place), 0.4), abs=1e-9)
 
 
 @pytest.mark.parametrize("size", [(0.6, 0.4, 0.5)])
@@ -115,8 +115,8 @@ def test_gaps_in_space(size, place):
     rotation = Rotation.from_rotvec(angle * axis).as_matrix()
     system, ground = da.System("pair", gravity=(0, 0, -1)), None
     ground = system.ground
-    given = {"mass": 1.0, "inertia": (1, 1, 1), "position": place}
-    b = spatial.Body("b", rotation=da.rotation.axis_angle(axis, angle), **given)
+    arguments = {"mass": 1.0, "inertia": (1, 1, 1), "position": place}
+    b = spatial.Body("b", rotation=da.rotation.axis_angle(axis, angle), **arguments)
     b = system.add(b)
     floor = solid.HalfSpace(ground.frame((0, 0, 0.1), axis=(0, 0, 1)))
     corner, ends = np.array(np.meshgrid(*[(-1, 1)] * 3)).reshape(3, -1).T * size / 2, (0.2, -0.2)
@@ -268,7 +268,7 @@ def test_every_shape_meets_another():
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (lambda g, b: (kit.HalfPlane(g.center), kit.HalfPlane(b.center)), "no contact of Half"),
         (lambda g, b: (kit.HalfPlane(g.center), 3), "shape_j must be a shape"),
@@ -278,15 +278,15 @@ def test_every_shape_meets_another():
         (lambda g, b: (kit.Polygon(g, [(0, 0), (1, 0)]), b.center), "at least 3 vertices"),
     ],
 )
-def test_what_cannot_touch_is_refused(make, told):
+def test_what_cannot_touch_is_refused(make, message):
     system = da.System("refused")
     body = system.add(planar.Body("b", mass=1.0, inertia=1.0))
-    with pytest.raises(da.ModelError, match=told):
+    with pytest.raises(da.ModelError, match=message):
         system.add(planar.Contact("c", *make(system.ground, body), law=HERTZ))
 
 
 @pytest.mark.parametrize(
-    ("law", "told"),
+    ("law", "message"),
     [
         (lambda: kit.HuntCrossley(stiffness=1.0), "give restitution= and impact_speed="),
         (lambda: kit.HuntCrossley(stiffness=1.0, restitution=0.5, damping=1.0), "not both"),
@@ -297,7 +297,7 @@ def test_what_cannot_touch_is_refused(make, told):
         (lambda: 1e6, "law must be one such as"),
     ],
 )
-def test_laws_that_say_nothing_are_refused(law, told):
+def test_laws_that_say_nothing_are_refused(law, message):
     system = da.System("refused")
     body = system.add(planar.Body("b", mass=1.0, inertia=1.0))
 
@@ -306,7 +306,7 @@ def test_laws_that_say_nothing_are_refused(law, told):
         system.add(planar.Contact("c", *ends, law=law()))
         system.build()
 
-    with pytest.raises(da.ModelError, match=told):
+    with pytest.raises(da.ModelError, match=message):
         build()
 
 
@@ -325,11 +325,11 @@ def test_rigid_contact_makes_no_forces_and_says_how_it_bounces():
     body = system.add(planar.Body("b", mass=1.0, inertia=1.0))
     law, friction = kit.Restitution(0.7, 0.2), kit.Coulomb(0.3)
     ends = kit.HalfPlane(system.ground.center), kit.Rectangle(body.center, (1, 1))
-    made = system.add(planar.Contact("c", *ends, law=law, friction=friction))
-    impact = made.impact()
+    element = system.add(planar.Contact("c", *ends, law=law, friction=friction))
+    impact = element.impact()
     assert [float(s) for s in (impact.restitution, impact.tangential, impact.friction)] == [
         *(0.7, 0.2, 0.3)
     ]
-    assert made.powers(lambda s: s) == [] and made.potential() is None
-    assert len(made.gaps(lambda s: s)) == 4
+    assert element.powers(lambda s: s) == [] and element.potential() is None
+    assert len(element.gaps(lambda s: s)) == 4
     assert system.build().diagnosis.degrees_of_freedom == 3

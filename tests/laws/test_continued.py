@@ -62,10 +62,10 @@ INTEGRATORS = [
 def test_two_halves_are_the_whole(integrator) -> None:
     model, options = pendulum(), {"step": STEP, "integrator": integrator}
     whole = da.solve_dynamics(model, 0.5, **options)
-    made = da.solve_dynamics(model, 0.25, **options).continued(0.25)
-    np.testing.assert_array_equal(made.time, whole.time)
-    np.testing.assert_allclose(made.trajectory.y, whole.trajectory.y, rtol=0, atol=1e-14)
-    np.testing.assert_allclose(end(made), end(whole), rtol=0, atol=1e-13)
+    motion = da.solve_dynamics(model, 0.25, **options).continued(0.25)
+    np.testing.assert_array_equal(motion.time, whole.time)
+    np.testing.assert_allclose(motion.trajectory.y, whole.trajectory.y, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(end(motion), end(whole), rtol=0, atol=1e-13)
 
 
 def test_contacts_keep_their_phases() -> None:
@@ -75,18 +75,18 @@ def test_contacts_keep_their_phases() -> None:
     """
     model, options = bouncing(), {"step": STEP}
     whole = da.solve_dynamics(model, 1.75, **options)
-    made = da.solve_dynamics(model, 0.5, **options).continued(1.25)
-    assert len(made.impacts) == len(whole.impacts) > 5
-    for one, other in zip(made.impacts, whole.impacts, strict=True):
+    motion = da.solve_dynamics(model, 0.5, **options).continued(1.25)
+    assert len(motion.impacts) == len(whole.impacts) > 5
+    for one, other in zip(motion.impacts, whole.impacts, strict=True):
         assert one.time == pytest.approx(other.time, abs=1e-12)
         assert one.normal == pytest.approx(other.normal, rel=1e-9, abs=1e-13)
-    np.testing.assert_allclose(end(made), end(whole), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(end(motion), end(whole), rtol=0, atol=1e-11)
     slid = da.solve_dynamics(model, 0.75, **options).continued(1.0)
     np.testing.assert_allclose(end(slid), end(whole), rtol=0, atol=1e-9)
     assert whole.values("ball.vx")[-1] == 0.0
     count = "accumulation of impacts"
-    assert made.statistics[count] == whole.statistics[count]
-    places = [da.sensitivity(one, da.Final("ball.x")).values for one in (made, whole)]
+    assert motion.statistics[count] == whole.statistics[count]
+    places = [da.sensitivity(one, da.Final("ball.x")).values for one in (motion, whole)]
     np.testing.assert_allclose(*places, rtol=1e-8)
 
 
@@ -95,23 +95,23 @@ def test_error_control_goes_on() -> None:
     for integrator in (da.DormandPrince(), da.BDF()):
         model = stopped()
         whole = da.solve_dynamics(model, 1.0, integrator=integrator)
-        made = da.solve_dynamics(model, 0.05, integrator=integrator).continued(0.95)
-        assert made.status.success and not made.warnings
-        np.testing.assert_allclose(end(made), end(whole), rtol=0, atol=1e-5)
-        slopes = [da.sensitivity(one, da.Final("body.x")).values for one in (made, whole)]
+        motion = da.solve_dynamics(model, 0.05, integrator=integrator).continued(0.95)
+        assert motion.status.success and not motion.warnings
+        np.testing.assert_allclose(end(motion), end(whole), rtol=0, atol=1e-5)
+        slopes = [da.sensitivity(one, da.Final("body.x")).values for one in (motion, whole)]
         np.testing.assert_allclose(*slopes, rtol=1e-4)
 
 
 def test_gradients_and_integrals_are_those_of_the_whole() -> None:
     model, options = pendulum(), {"step": STEP, "outputs": 9}
     whole = da.solve_dynamics(model, 1.0, **options | {"outputs": 17})
-    made = da.solve_dynamics(model, 0.5, memory=2e3, **options).continued("500 ms")
-    np.testing.assert_array_equal(made.time, whole.time)
+    motion = da.solve_dynamics(model, 0.5, memory=2e3, **options).continued("500 ms")
+    np.testing.assert_array_equal(motion.time, whole.time)
     for response in (da.Final("lower.angle"), da.Integral("lower.angle**2")):
         for method in (da.Direct(), da.Adjoint()):
-            found = [da.sensitivity(one, response, method=method) for one in (made, whole)]
-            np.testing.assert_allclose(found[0].values, found[1].values, rtol=1e-10)
-    again = made.analysis.replay(made, model.values({"length": 0.51}))
+            gradients = [da.sensitivity(one, response, method=method) for one in (motion, whole)]
+            np.testing.assert_allclose(gradients[0].values, gradients[1].values, rtol=1e-10)
+    again = motion.analysis.replay(motion, model.values({"length": 0.51}))
     other = da.solve_dynamics(model, 1.0, parameters={"length": 0.51}, **options)
     np.testing.assert_allclose(end(again), end(other), rtol=0, atol=1e-12)
 
@@ -119,16 +119,16 @@ def test_gradients_and_integrals_are_those_of_the_whole() -> None:
 def test_options_of_what_follows() -> None:
     model = pendulum()
     swings = {"low": da.Event("upper.angle", terminal=True)}
-    found = da.solve_dynamics(model, 2.0, step=STEP, events=swings)
-    assert found.status.outcome is da.Outcome.TERMINATED
+    result = da.solve_dynamics(model, 2.0, step=STEP, events=swings)
+    assert result.status.outcome is da.Outcome.TERMINATED
     with pytest.raises(da.AnalysisError, match=r"ended by event 'low'.*other events="):
-        found.continued(0.5)
+        result.continued(0.5)
     with pytest.raises(da.AnalysisError, match="ended by event 'low'"):
-        found.continued(0.5, events=swings)
-    made = found.continued(0.5, events={}, step=STEP / 2, outputs=3)
-    assert made.time[-1] == pytest.approx(found.time[-1] + 0.5)
-    assert made.time.size == found.time.size + 2
-    assert made.status.outcome is da.Outcome.COMPLETED
+        result.continued(0.5, events=swings)
+    motion = result.continued(0.5, events={}, step=STEP / 2, outputs=3)
+    assert motion.time[-1] == pytest.approx(result.time[-1] + 0.5)
+    assert motion.time.size == result.time.size + 2
+    assert motion.status.outcome is da.Outcome.COMPLETED
 
 
 def test_what_cannot_go_on_says_so() -> None:

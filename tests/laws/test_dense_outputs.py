@@ -58,12 +58,12 @@ def sliding() -> da.Model:
 
 def heights(t: np.ndarray) -> np.ndarray:
     """Of the bouncing ball, until bounces become short."""
-    t, speed, found = t - sqrt(2 / G), sqrt(2 * G), 1 - G * t**2 / 2
+    t, speed, computed = t - sqrt(2 / G), sqrt(2 * G), 1 - G * t**2 / 2
     while t.max() > 0:
         speed *= E
-        found = np.where(t > 0, speed * t - G * t**2 / 2, found)
+        computed = np.where(t > 0, speed * t - G * t**2 / 2, computed)
         t = t - 2 * speed / G
-    return found
+    return computed
 
 
 @pytest.mark.parametrize("name", INTEGRATORS)
@@ -144,8 +144,8 @@ def test_smooth_extremes_are_means_over_time(name):
     assert da.evaluate(motion, response) == pytest.approx(smooth(1.0), rel=1e-8)
     slope = (smooth(1 + 1e-4) - smooth(1 - 1e-4)) / 2e-4
     for method in ("direct", "adjoint"):
-        found = da.sensitivity(motion, response, method=method).item()
-        assert found == pytest.approx(slope, rel=1e-6)
+        derivative = da.sensitivity(motion, response, method=method).item()
+        assert derivative == pytest.approx(slope, rel=1e-6)
     exact = da.hessian_product(
         da.solve_dynamics(pendulum(), 1.0, integrator=da.DormandPrince()),
         da.maximum("bar.angular_velocity", smooth="0.2 rad/s"),
@@ -179,8 +179,8 @@ def test_events_there_and_back_within_a_step_are_located(name):
     event = da.Event("ball.y - 0.6")
     run = INTEGRATORS[name]
     motion = da.solve_dynamics(ball(), 1.1, events={"high": event}, **run)
-    found = [(e.time, e.direction) for e in motion.events]
-    assert np.array(found) == pytest.approx(np.column_stack([times, (-1, 1, -1)]), rel=1e-8)
+    computed = [(e.time, e.direction) for e in motion.events]
+    assert np.array(computed) == pytest.approx(np.column_stack([times, (-1, 1, -1)]), rel=1e-8)
     number = da.event_time(da.Event("ball.y - 0.6", direction=-1), 2)
     assert da.evaluate(motion, number) == pytest.approx(times[2], rel=1e-8)
     rising = {"up": da.Event("ball.y - 0.6", direction=1, terminal=True)}
@@ -194,8 +194,8 @@ def test_each_design_of_a_batch_has_its_own_extreme():
     many = da.solve_dynamics(
         pendulum(), 1.2, parameters={"a": angles}, outputs=7, integrator=da.DormandPrince()
     )
-    found = da.evaluate(many, da.minimum("bar.angular_velocity")).values
-    np.testing.assert_allclose(found, [-sqrt(3 * G * (1 - cos(a))) for a in angles], rtol=1e-6)
+    computed = da.evaluate(many, da.minimum("bar.angular_velocity")).values
+    np.testing.assert_allclose(computed, [-sqrt(3 * G * (1 - cos(a))) for a in angles], rtol=1e-6)
 
 
 def test_few_short_steps_tell_nothing_about_the_rest():

@@ -28,8 +28,8 @@ def test_same_equations_as_the_projective_scheme(name, road):
     scheme = ca.mtimes(reduced.mass, motion.a) + reduced.bias - reduced.force
     rates = ca.DM(np.random.default_rng(1).standard_normal(motion.a.numel()))
     sides = ca.substitute([ROADS[road](e, motion), scheme], [motion.a], [ca.SX(rates)])
-    found, expected = evaluated(reduced, sides, general_state(reduced, 2, name))
-    np.testing.assert_allclose(found, expected, atol=1e-11 * (1 + np.abs(expected).max()))
+    computed, expected = evaluated(reduced, sides, general_state(reduced, 2, name))
+    np.testing.assert_allclose(computed, expected, atol=1e-11 * (1 + np.abs(expected).max()))
 
 
 @pytest.mark.parametrize(("name", "road"), CASES)
@@ -42,8 +42,8 @@ def test_solved_by_the_constrained_motion(name, road):
     rates = ca.solve(ca.mtimes(motion.basis.T, motion.basis), rates)  # u̇ of v̇ = D u̇ + γ
     residual = ca.substitute(ROADS[road](e, motion), motion.a, rates)
     reduced = motion.apply(e).with_rows([])
-    found, size = evaluated(reduced, [residual, reduced.force], general_state(reduced, 3, name))
-    assert np.abs(found).max(initial=0) < 1e-9 * (1 + np.abs(size).max(initial=0))
+    computed, size = evaluated(reduced, [residual, reduced.force], general_state(reduced, 3, name))
+    assert np.abs(computed).max(initial=0) < 1e-9 * (1 + np.abs(size).max(initial=0))
 
 
 @pytest.mark.parametrize("name", sampled(CONSTRAINED, 5))
@@ -52,8 +52,8 @@ def test_appell_function_has_one_least_value(name):
     e, motion = partition(name)
     reduced = motion.apply(e).with_rows([])
     hessian = ca.hessian(appell_function(e, motion), motion.a)[0]
-    found, mass = evaluated(reduced, [hessian, reduced.mass], general_state(reduced, 4, name))
-    np.testing.assert_allclose(found, mass, atol=1e-12)
+    computed, mass = evaluated(reduced, [hessian, reduced.mass], general_state(reduced, 4, name))
+    np.testing.assert_allclose(computed, mass, atol=1e-12)
     assert np.linalg.eigvalsh(mass).min(initial=1) > 0
 
 
@@ -75,5 +75,5 @@ def test_quasi_velocities(name, road):
     in_steps = ca.mtimes(basis.T, ca.substitute(in_steps, motion.v, mixing.old_v))
     sides = ca.substitute([direct_side, in_steps], [mixing.a], [ca.SX.ones(k)])
     state = general_state(mixing.apply(reduced), 6, name)
-    found, expected = evaluated(mixing.apply(reduced), sides, state)
-    np.testing.assert_allclose(found, expected, atol=1e-11 * (1 + np.abs(expected).max()))
+    computed, expected = evaluated(mixing.apply(reduced), sides, state)
+    np.testing.assert_allclose(computed, expected, atol=1e-11 * (1 + np.abs(expected).max()))

@@ -30,9 +30,9 @@ def counted(monkeypatch) -> list[int]:
     honest = {name: getattr(da.Kinematics, name) for name in ("run", "replay")}
 
     def counting(name: str):
-        def called(self, *given, **options):
+        def called(self, *arguments, **options):
             count[0] += 1
-            return honest[name](self, *given, **options)
+            return honest[name](self, *arguments, **options)
 
         return called
 

@@ -47,10 +47,10 @@ def test_random_limit_states(count, least):
         nearest, exact = polar(formula)
         if nearest > 6 or nearest < 0.1:
             continue
-        found = da.reliability(None, formula, {"a": N, "b": N})
-        assert not found.success or abs(found.point.beta - nearest) < 0.02, formula
-        if found.success and not found.warnings:
-            missed.append(abs(found.probability / exact - 1) > 0.5)
+        result = da.reliability(None, formula, {"a": N, "b": N})
+        assert not result.success or abs(result.point.beta - nearest) < 0.02, formula
+        if result.success and not result.warnings:
+            missed.append(abs(result.probability / exact - 1) > 0.5)
     assert len(missed) > least and not any(missed)
 
 
@@ -61,12 +61,12 @@ def test_a_point_that_curves_strongly_converges():
     shifted = formula.replace("(b - 1)", "(b + 1.5)").replace("a", "(a + 1.5)")
     nearest, exact = polar(shifted)
     for starts in (1, 20):
-        found = da.reliability(None, formula, random, starts=starts)
-        assert found.success and found.point.beta == pytest.approx(nearest, abs=0.01)
-        assert found.sorm.breitung == pytest.approx(exact, rel=0.1)
-        assert any("to second order" in text for text in found.warnings)
-        assert found.warnings == found.summary()["warnings"]
-    low, high = found.importance_sampling(20_000).interval
+        result = da.reliability(None, formula, random, starts=starts)
+        assert result.success and result.point.beta == pytest.approx(nearest, abs=0.01)
+        assert result.sorm.breitung == pytest.approx(exact, rel=0.1)
+        assert any("to second order" in text for text in result.warnings)
+        assert result.warnings == result.summary()["warnings"]
+    low, high = result.importance_sampling(20_000).interval
     assert low < exact < high
 
 
@@ -75,8 +75,8 @@ def test_a_search_that_does_not_converge_keeps_its_rank():
     random = {"a": da.Normal(1.5, 1), "b": da.Normal(2.5, 1)}
     formula = "sin(5*a/2) + 2 - (a**2 + 4)*(b - 1)/20"
     slow = {"method": "improved-hlrf", "max_iterations": 12}
-    found = da.reliability(None, formula, random, starts=6, **slow)
-    assert not found.success and not found.points[0].converged
+    result = da.reliability(None, formula, random, starts=6, **slow)
+    assert not result.success and not result.points[0].converged
 
 
 @pytest.mark.parametrize(
@@ -94,15 +94,15 @@ def test_both_sides_of_a_strip(formula, exact):
 
 
 def test_a_thin_layer_of_failure_is_reported():
-    found = da.reliability(None, "(a - 2)*(a - 2.05)", {"a": N, "b": N})
-    assert any("safe again" in text for text in found.warnings)
+    result = da.reliability(None, "(a - 2)*(a - 2.05)", {"a": N, "b": N})
+    assert any("safe again" in text for text in result.warnings)
 
 
 def test_a_series_of_many_planes():
     """Sixteen planes about the origin at one distance, far out: the relative error is small."""
     turn = 2 * np.pi * np.arange(16) / 16
     limits = [f"7 - {math.cos(k)!r}*a - {math.sin(k)!r}*b" for k in map(float, turn)]
-    found = da.reliability(None, limits, {"a": N, "b": N}, starts=1)
+    result = da.reliability(None, limits, {"a": N, "b": N}, starts=1)
     radius = 7 / np.cos((TURN + np.pi / 16) % (np.pi / 8) - np.pi / 16)
     exact = np.mean(np.exp(-(radius[:-1] ** 2) / 2))
-    assert found.probability == pytest.approx(exact, rel=2e-3)
+    assert result.probability == pytest.approx(exact, rel=2e-3)

@@ -7,10 +7,12 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, structures
-from dalembert.sensitivity.checks.replays import Replays
+from dalembert.sensitivity.checks.finite_difference import Replays
 from dalembert.sensitivity.checks.stencils import SCHEMES, best_step, parameter_scale
 
-STENCILS = [pytest.param(s, id=f"{n}-{s.side}") for n, found in SCHEMES.items() for s in found]
+STENCILS = [
+    pytest.param(s, id=f"{n}-{s.side}") for n, stencils in SCHEMES.items() for s in stencils
+]
 
 
 def stretched(bounds: tuple | None = None):
@@ -40,15 +42,15 @@ def test_stencils_are_exact_for_polynomials_of_their_order(stencil):
 def test_default_steps_suit_parameters_of_any_size(scheme):
     """An area in m^2, a modulus in Pa and a force of zero beside each other."""
     result = stretched()
-    found = da.sensitivity(result, da.final("b.ux"), method=da.FiniteDifference(scheme))
+    gradient = da.sensitivity(result, da.final("b.ux"), method=da.FiniteDifference(scheme))
     flexibility = 1.0 / (1e-6 * 2e11)
     exact = {"area": -500 * flexibility / 1e-6, "modulus": -500 * flexibility / 2e11}
     tolerance = 30 * best_step(scheme) ** SCHEMES[scheme][0].order + 1e-10
     for name, value in exact.items():
-        assert found.sel(parameter=name).item() == pytest.approx(value, rel=tolerance)
-    load = found.sel(parameter="load").item()  # zero has no size: the step is a share of 1 N
+        assert gradient.sel(parameter=name).item() == pytest.approx(value, rel=tolerance)
+    load = gradient.sel(parameter="load").item()  # zero has no size: the step is a share of 1 N
     assert load == pytest.approx(flexibility, rel=1e-5)
-    assert found.attrs["notes"] == []
+    assert gradient.attrs["notes"] == []
 
 
 @pytest.mark.parametrize(
@@ -77,11 +79,13 @@ def test_bounds_are_never_left(scheme, side, monkeypatch):
     true = Replays.__call__
     monkeypatch.setattr(Replays, "__call__", lambda self, p: seen.append(p[0]) or true(self, p))
     method = da.FiniteDifference(scheme, step=1e-3)
-    found = da.sensitivity(result, da.final("b.ux"), ["area"], method)
+    gradient = da.sensitivity(result, da.final("b.ux"), ["area"], method)
     assert min(seen) >= 1e-6 if side == "lower" else max(seen) <= 1e-6
-    assert found.item() == pytest.approx(-2500.0, rel=5 * 1e-3 ** SCHEMES[scheme][0].order + 1e-9)
+    assert gradient.item() == pytest.approx(
+        -2500.0, rel=5 * 1e-3 ** SCHEMES[scheme][0].order + 1e-9
+    )
     away = {"forward": "upper", "backward": "lower"}.get(scheme, side) == side
-    notes = [note for note in found.attrs["notes"] if note.startswith("differences of area")]
+    notes = [note for note in gradient.attrs["notes"] if note.startswith("differences of area")]
     assert bool(notes) is away
     if away:
         assert f"{side} bound is 1e-06" in notes[0]
@@ -119,8 +123,8 @@ def test_steps_by_name():
     quotients = method.quotients(result, [0, 1])
     assert quotients[0].step == pytest.approx(1e-8)
     assert quotients[1].step == pytest.approx(2e11 * best_step("forward"))
-    found = da.sensitivity(result, da.final("b.ux"), ["area"], method).item()
-    assert found == pytest.approx(-2500.0 / 1.01, rel=1e-9)  # -u/(A (1 + h))
+    derivative = da.sensitivity(result, da.final("b.ux"), ["area"], method).item()
+    assert derivative == pytest.approx(-2500.0 / 1.01, rel=1e-9)  # -u/(A (1 + h))
 
 
 @pytest.mark.parametrize(
@@ -198,6 +202,6 @@ def test_a_value_that_is_none_beside_the_design_is_told():
     stone = system.add(planar.Particle("stone", mass=1.0, velocity=(speed, 0)))
     motion = da.solve_dynamics(system.build(), 1.0, step=0.5)
     root = da.final(da.sqrt(1.0 - stone.velocity[0]), name="root")
-    with pytest.raises(da.AnalysisError, match=r"speed = .*no finite value of root") as told:
+    with pytest.raises(da.AnalysisError, match=r"speed = .*no finite value of root") as message:
         da.sensitivity(motion, root, method="finite-difference")
-    assert "succeed" not in str(told.value)
+    assert "succeed" not in str(message.value)

@@ -36,11 +36,11 @@ def test_a_formula_has_the_dimension_that_arithmetic_of_amounts_gives(text):
             with pytest.raises(da.ExpressionError, match=r"cannot be (added|subtracted)"):
                 parse_formula(text, NAMES.get)
         return  # a division by zero
-    found, wanted = parse_formula(text, NAMES.get).unit, dict(amount.unit.dimension)
+    computed, wanted = parse_formula(text, NAMES.get).unit, dict(amount.unit.dimension)
     if max(map(abs, wanted.values()), default=0) > 12:
-        assert not found  # beyond the powers of units
+        assert not computed  # beyond the powers of units
     else:
-        assert dict(unit(found or "1").dimension) == wanted
+        assert dict(unit(computed or "1").dimension) == wanted
 
 
 @settings(max_examples=200, deadline=None)
@@ -122,8 +122,8 @@ def test_numbers_of_decisions_have_units():
     assert da.Limit(end, upper="20 cm").upper == 0.2
     with pytest.raises(da.ModelError, match="3 kg does not fit, expected m"):
         da.Limit(end, upper="3 kg")
-    found = da.tolerance(model, end, {"l": "0.1 mm"}, analysis=run, worst_case=False)
-    assert found.tolerances == {"l": pytest.approx(1e-4)}
+    result = da.tolerance(model, end, {"l": "0.1 mm"}, analysis=run, worst_case=False)
+    assert result.tolerances == {"l": pytest.approx(1e-4)}
     with pytest.raises(da.ModelError, match="tolerance of l: 1 deg does not fit"):
         da.tolerance(model, end, {"l": "1 deg"}, analysis=run)
     for design in (

@@ -30,13 +30,13 @@ def speaks(thing: object) -> bool:
 
 def names() -> dict[str, Any]:
     """What is public, each thing under its first name."""
-    found: dict[str, Any] = {}
+    results: dict[str, Any] = {}
     for spoken, module in MODULES.items():
         for name in module.__all__:
             thing = getattr(module, name)
-            if speaks(thing) and not any(thing is other for other in found.values()):
-                found[f"{spoken}.{name}"] = thing
-    return found
+            if speaks(thing) and not any(thing is other for other in results.values()):
+                results[f"{spoken}.{name}"] = thing
+    return results
 
 
 NAMES = names()
@@ -97,14 +97,16 @@ ENTRY = re.compile(r"^(\*{0,2}\w+(?:, \*{0,2}\w+)*) : ", re.MULTILINE)
 def test_every_parameter_is_described(name):
     """In the docstring, in that of a base class, or by the field of an element itself."""
     thing = NAMES[name]
-    told = {"name"}
+    documented = {"name"}
     for one in getattr(thing, "__mro__", (thing,)):
         text = inspect.cleandoc(one.__doc__ or "").partition("\n\nExamples\n")[0]
-        told |= {word.strip("*") for listed in ENTRY.findall(text) for word in listed.split(", ")}
+        documented |= {
+            word.strip("*") for listed in ENTRY.findall(text) for word in listed.split(", ")
+        }
     if dataclasses.is_dataclass(thing):
-        told |= {f.name for f in dataclasses.fields(thing) if f.metadata.get("description")}
+        documented |= {f.name for f in dataclasses.fields(thing) if f.metadata.get("description")}
     if not (inspect.isclass(thing) and issubclass(thing, Exception)):
-        assert set(inspect.signature(thing).parameters) <= told
+        assert set(inspect.signature(thing).parameters) <= documented
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -113,6 +115,8 @@ def test_an_example_runs_as_printed(name):
         pytest.importorskip(NEEDS[name])
     text = inspect.getdoc(NAMES[name]) or ""
     example = doctest.DocTestParser().get_doctest(text, {}, name, None, None)
-    told: list[str] = []
-    doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(example, out=told.append)
-    assert not told, "".join(told)
+    messages: list[str] = []
+    doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(
+        example, out=messages.append
+    )
+    assert not messages, "".join(messages)

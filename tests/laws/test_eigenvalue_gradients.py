@@ -47,8 +47,8 @@ def oscillator(c: float = 0.6, m: float = 2.0, k: float = 50.0) -> da.Model:
     b = Builder("oscillator", gravity=False)
     mass = b.add(planar.Particle("mass", mass=b.number("m", m), position=(1.0, 0.0)))
     b.add(planar.UserConstraint("rail", mass.y))
-    given = {"stiffness": b.number("k", k), "damping": b.number("c", c)}
-    b.add(planar.Spring("spring", b.ground.center, mass.center, free_length=1.0, **given))
+    arguments = {"stiffness": b.number("k", k), "damping": b.number("c", c)}
+    b.add(planar.Spring("spring", b.ground.center, mass.center, free_length=1.0, **arguments))
     return b.system.build()
 
 
@@ -66,9 +66,9 @@ def hung_four_bar() -> da.Model:
     starts = [bars[0].start, bars[1].start, bars[2].start, b.ground.point(b.number("d", 1.2), 0.1)]
     for name, i, j in zip("PQRS", ends, starts, strict=True):
         b.add(planar.Revolute(name, i, j))
-    given = {"stiffness": b.number("k", 80.0), "damping": b.number("dk", 2.0)}
+    arguments = {"stiffness": b.number("k", 80.0), "damping": b.number("dk", 2.0)}
     top = b.ground.point(b.number("x", 0.2), 0.7)
-    b.add(planar.Spring("spring", top, bars[1].center, free_length=b.number("f", 0.9), **given))
+    b.add(planar.Spring("spring", top, bars[1].center, free_length=b.number("f", 0.9), **arguments))
     return b.system.build()
 
 
@@ -82,12 +82,12 @@ def masses(damping: float = 0.8) -> da.Model:
         points.append(body.center)
     points.append(b.ground.point(b.number("w", 2.5), 0.0))
     for i in range(3):
-        given = {
+        arguments = {
             "stiffness": b.number(f"k{i}", 60.0 + 15 * i),
             "damping": b.number(f"c{i}", damping),
         }
         free = b.number(f"f{i}", 0.6)
-        b.add(planar.Spring(f"s{i}", points[i], points[i + 1], free_length=free, **given))
+        b.add(planar.Spring(f"s{i}", points[i], points[i + 1], free_length=free, **arguments))
     return b.system.build()
 
 
@@ -228,8 +228,8 @@ def test_real_eigenvalues_stay_real():
     """Of an overdamped mode the imaginary part is zero, and so is its gradient, without noise."""
     modes = da.linearize(oscillator(c=30.0))
     for method in ("direct", "adjoint"):
-        found = da.sensitivity(modes, da.at(1, "eigenvalue_imag"), method=method)
-        assert not found.values.any()
+        gradient = da.sensitivity(modes, da.at(1, "eigenvalue_imag"), method=method)
+        assert not gradient.values.any()
 
 
 def test_modes_follow_the_parameters_by_shape():
@@ -265,10 +265,10 @@ def test_about_a_given_equilibrium():
     """Modes about an equilibrium that was solved for are those of a search from scratch."""
     model = RESTING["hung four-bar"]()
     about = da.linearize(model, about=da.solve_equilibrium(model))
-    found = modes_about("rest", "hung four-bar")
+    modes = modes_about("rest", "hung four-bar")
     response = da.at(1.0, "damping_ratio")
-    assert about.eigenvalues == pytest.approx(found.eigenvalues, rel=1e-9)
-    gradients = [da.sensitivity(m, response, method="adjoint").values for m in (about, found)]
+    assert about.eigenvalues == pytest.approx(modes.eigenvalues, rel=1e-9)
+    gradients = [da.sensitivity(m, response, method="adjoint").values for m in (about, modes)]
     np.testing.assert_allclose(*gradients, rtol=1e-7)
 
 

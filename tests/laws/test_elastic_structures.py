@@ -123,10 +123,10 @@ def as_elements(shape: str, load: float) -> da.Model:
     for element in drawn.elements.values():
         ties = [nodes[node.name] for node in element.nodes()]
         of_nodes = [f for f in dataclasses.fields(element) if not f.metadata][1:]
-        given = dict(zip((f.name for f in of_nodes), ties, strict=False))
-        if "connectivity" in given:
-            given["connectivity"] = tuple(ties)
-        system.add(dataclasses.replace(element, **given))
+        arguments = dict(zip((f.name for f in of_nodes), ties, strict=False))
+        if "connectivity" in arguments:
+            arguments["connectivity"] = tuple(ties)
+        system.add(dataclasses.replace(element, **arguments))
     for foot in feet:
         system.support(nodes[foot])
     system.load(nodes["D"], **{"fy" if drawn.dimension == 2 else "fz": -load})
@@ -135,13 +135,13 @@ def as_elements(shape: str, load: float) -> da.Model:
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_elements_between_bodies_are_those_of_the_structure(shape):
-    whole, parts = (da.solve_equilibrium(made(shape, 40.0)) for made in (held, as_elements))
+    whole, parts = (da.solve_equilibrium(builder(shape, 40.0)) for builder in (held, as_elements))
     for axis in "xyz"[: 3 if shape in ("solid", "space frame") else 2]:
         np.testing.assert_allclose(parts[f"D.{axis}"], whole[f"S_D.{axis}"], rtol=1e-9, atol=1e-12)
     integrator = da.RK4() if shape == "space frame" else da.HHT()
     runs = [
-        da.solve_dynamics(made(shape, 40.0), 0.02, step=1e-3, integrator=integrator)
-        for made in (held, as_elements)
+        da.solve_dynamics(builder(shape, 40.0), 0.02, step=1e-3, integrator=integrator)
+        for builder in (held, as_elements)
     ]
     np.testing.assert_allclose(runs[1]["D.y"], runs[0]["S_D.y"], rtol=1e-9, atol=1e-12)
 
@@ -149,18 +149,18 @@ def test_elements_between_bodies_are_those_of_the_structure(shape):
 def test_a_mesh_in_a_system_is_that_of_a_structure():
     mesh, numbers = structures.rectangle_mesh((1.0, 0.2), (4, 1)), dict(MATERIAL)
     system, structure = da.System("plate", gravity=(0, -9.81)), structures.Structure("plate")
-    for made in (system, structure):
-        nodes = made.add_mesh("plate", mesh, **numbers).nodes()
-        made.support(nodes.where(x=0.0))
-        made.load(nodes.nearest(1.0, 0.2), fy=-1.0)
+    for model in (system, structure):
+        nodes = model.add_mesh("plate", mesh, **numbers).nodes()
+        model.support(nodes.where(x=0.0))
+        model.load(nodes.nearest(1.0, 0.2), fy=-1.0)
     structure.gravity(0, -9.81)
     block = system.add(planar.Body("block", mass=1.0, inertia=1.0))
     system.add(planar.Weld("wall", system.ground.center, block))
-    found = da.solve_equilibrium(system.build())
-    known = da.Equilibrium().run(structure.build())
+    equilibrium = da.solve_equilibrium(system.build())
+    done = da.Equilibrium().run(structure.build())
     for k in range(10):
-        expected = float(known[f"plate_nodes[{k}].uy"])
-        got = found[f"plate_nodes[{k}].uy"].values[-1]
+        expected = float(done[f"plate_nodes[{k}].uy"])
+        got = equilibrium[f"plate_nodes[{k}].uy"].values[-1]
         assert got == pytest.approx(expected, rel=1e-9, abs=1e-12)
 
 
@@ -227,20 +227,22 @@ def displacement(motion: da.Motion, structure: structures.Structure, k: int = -1
 @pytest.mark.parametrize("shape", SHAPES)
 def test_statics_are_those_of_the_structure(shape):
     structure = alone(shape, 40.0)
-    known = da.Equilibrium().run(structure.build())
-    found = da.solve_equilibrium(held(shape, 40.0))
+    done = da.Equilibrium().run(structure.build())
+    equilibrium = da.solve_equilibrium(held(shape, 40.0))
     axes = "xyz"[: structure.dimension]
-    expected = [float(known[f"D.u{a}"]) for a in axes]
-    np.testing.assert_allclose(displacement(found, structure), expected, rtol=1e-7)
+    expected = [float(done[f"D.u{a}"]) for a in axes]
+    np.testing.assert_allclose(displacement(equilibrium, structure), expected, rtol=1e-7)
     assert np.abs(expected).max() > 1e-4
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_vibrations_are_those_of_the_structure(shape):
-    known = np.sort(da.solve_modes(alone(shape, 0.0).build(), count=3).data["frequency"].values)[:3]
-    found = np.sort(da.linearize(held(shape, 0.0)).data["frequency"].values)
-    found = found[found > 1e-6 * known[0]][: known.size]
-    np.testing.assert_allclose(found, known, rtol=1e-8)
+    expected = np.sort(da.solve_modes(alone(shape, 0.0).build(), count=3).data["frequency"].values)[
+        :3
+    ]
+    computed = np.sort(da.linearize(held(shape, 0.0)).data["frequency"].values)
+    computed = computed[computed > 1e-6 * expected[0]][: expected.size]
+    np.testing.assert_allclose(computed, expected, rtol=1e-8)
 
 
 def test_it_turns_as_a_rigid_body_does():
@@ -341,8 +343,8 @@ def test_weight_and_measures():
     structure.add(structures.Truss("bar", top, low, area=1e-3, modulus=SOFT, density=1000.0))
     copied = system.include("S", structure)
     system.add(planar.Revolute("hold", system.ground.center, copied.nodes["A"]))
-    found = da.solve_equilibrium(system.build())
-    assert found["S_bar.force"].values[0] == pytest.approx(5.0, rel=1e-9)
+    equilibrium = da.solve_equilibrium(system.build())
+    assert equilibrium["S_bar.force"].values[0] == pytest.approx(5.0, rel=1e-9)
 
 
 def test_what_cannot_be_included_is_told():

@@ -83,9 +83,9 @@ def test_measures_of_all_elements(method, end):
     }  # fmt: skip
     response = da.final(f"skin.sxx.{end}")
     assert result[f"skin.sxx.{end}"] == pytest.approx(expected[end], rel=1e-12)
-    found = da.sensitivity(result, response, method=method).values
+    gradient = da.sensitivity(result, response, method=method).values
     near = da.sensitivity(result, response, method="finite-difference").values
-    np.testing.assert_allclose(found, near, rtol=1e-6, atol=1e-9 * np.abs(near).max())
+    np.testing.assert_allclose(gradient, near, rtol=1e-6, atol=1e-9 * np.abs(near).max())
 
 
 def test_selections():
@@ -126,6 +126,6 @@ def test_wrong_sets_are_refused(wrong, message):
 
 
 def cells(structure, nodes, which, **numbers):
-    given = {"thickness": 0.1, "modulus": 1.0} | numbers
-    structure.add_elements("skin", structures.Triangle, nodes, which, **given)
+    arguments = {"thickness": 0.1, "modulus": 1.0} | numbers
+    structure.add_elements("skin", structures.Triangle, nodes, which, **arguments)
     structure.build()

@@ -13,8 +13,8 @@ AXES = {"axis": (0.3, 0.2, 1.0)}
 
 
 def body(system: da.System, name: str, **more) -> spatial.Body:
-    given = {"rotation": da.rotation.identity(), "mass": 1.0, "inertia": (0.1, 0.2, 0.15)}
-    return system.add(spatial.Body(name, **given, **more))
+    arguments = {"rotation": da.rotation.identity(), "mass": 1.0, "inertia": (0.1, 0.2, 0.15)}
+    return system.add(spatial.Body(name, **arguments, **more))
 
 
 @pytest.mark.parametrize("solve", [da.solve_kinematics, da.solve_inverse_dynamics])

@@ -35,8 +35,8 @@ def test_nothing_is_put_in_where_nothing_drives(name):
     rng = np.random.default_rng(1)
     for _ in range(3):
         v, multiplier = (3 * rng.standard_normal(x.numel()) for x in (e.v, e.multiplier))
-        found = float(power(0.2, start.y, v, multiplier, model_of(name).nominal))
-        assert found == pytest.approx(0.0, abs=1e-9)
+        computed = float(power(0.2, start.y, v, multiplier, model_of(name).nominal))
+        assert computed == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("tie", ["spring", "damper", "both", "pin"])

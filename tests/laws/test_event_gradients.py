@@ -104,17 +104,17 @@ def run(name: str, terminal: bool, integrator=None, **options):
 def responses(name: str, terminal: bool) -> list[da.Response]:
     """Every kind of response, over measures with velocities, accelerations and reactions."""
     first, second, third = mechanism(name)[2]
-    made = [
+    responses = [
         da.event_time("passes"),
         da.at_event("passes", first),
         da.at_event("passes", second),
         da.at_event("passes", f"{third}**2 + 0.3*t"),
     ]
     if terminal:
-        made += [kind(first) for kind in (da.final, da.integral, da.mean, da.rms)]
-        made += [da.maximum(first), da.minimum(second), da.maximum(third, smooth=0.3)]
-        made.append(da.at(0.05, first))
-    return made
+        responses += [kind(first) for kind in (da.final, da.integral, da.mean, da.rms)]
+        responses += [da.maximum(first), da.minimum(second), da.maximum(third, smooth=0.3)]
+        responses.append(da.at(0.05, first))
+    return responses
 
 
 def check(motion, listed, same=1e-9, differences=1e-6, step=DIFFERENCE) -> None:
@@ -286,6 +286,6 @@ def test_analyses_without_events_say_so():
     system = da.System("hanging", gravity=(0.0, -9.81))
     rod = system.add(planar.Bar("rod", length=1.0, mass=1.0, angle=-1.5))
     system.add(planar.Revolute("pin", system.ground.center, rod.start))
-    found = da.solve_equilibrium(system.build())
+    equilibrium = da.solve_equilibrium(system.build())
     with pytest.raises(da.UnsupportedError, match="Equilibrium has no events"):
-        da.evaluate(found, da.event_time(da.Event("rod.angle")))
+        da.evaluate(equilibrium, da.event_time(da.Event("rod.angle")))

@@ -50,14 +50,14 @@ def _outside(node: ast.AST, inside: bool = False) -> Iterator[str]:
 
 
 def test_files_are_written_inside_atomic_path():
-    found = set()
+    places = set()
     for path in SOURCE.rglob("*.py"):
         file = path.relative_to(SOURCE).as_posix()
         if file in OTHERS:
-            found.add(file)
+            places.add(file)
             continue
-        found |= {f"{file}:{name}" for name in _outside(ast.parse(path.read_text("utf-8")))}
-    assert found == OTHERS.keys()
+        places |= {f"{file}:{name}" for name in _outside(ast.parse(path.read_text("utf-8")))}
+    assert places == OTHERS.keys()
 
 
 def test_the_law_sees_what_writes():

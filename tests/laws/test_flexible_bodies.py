@@ -29,8 +29,8 @@ def state(body, seed: int = 0, size: float = 0.1):
 
 def values(body, y, v, *expressions):
     column = [ca.densify(e) for e in expressions]
-    found = ca.Function("f", [body.pose, body.twist], column).call([ca.DM(y), ca.DM(v)])
-    return [np.array(x.full()).squeeze() for x in found]
+    computed = ca.Function("f", [body.pose, body.twist], column).call([ca.DM(y), ca.DM(v)])
+    return [np.array(x.full()).squeeze() for x in computed]
 
 
 def nodal_velocities(body, y, v):
@@ -63,8 +63,8 @@ def energies(body, size: float) -> tuple[float, float]:
 
 @SPACES
 def test_kinetic_energy_is_that_of_the_finite_elements(dimension):
-    found, expected = energies(flexible(dimension), 0.1)
-    assert found == pytest.approx(expected, rel=1e-12)
+    computed, expected = energies(flexible(dimension), 0.1)
+    assert computed == pytest.approx(expected, rel=1e-12)
 
 
 @SPACES
@@ -88,12 +88,12 @@ def test_free_motion_keeps_energy_and_momenta(dimension, stiffening):
         angular = momentum[2] + arm[0] * linear[1] - arm[1] * linear[0]
     else:
         angular = body.turned(momentum[3:6]) + ca.cross(arm, linear)
-    kept = ca.vertcat(energy, linear, angular)
+    conserved = ca.vertcat(energy, linear, angular)
     change = ca.jtimes(
-        kept, ca.vertcat(body.pose, body.twist), ca.vertcat(body.pose_rate, acceleration)
+        conserved, ca.vertcat(body.pose, body.twist), ca.vertcat(body.pose_rate, acceleration)
     )
-    found, size = values(body, *state(body), change, kept)
-    assert np.abs(found).max() < 1e-10 * np.abs(size).max()
+    computed, size = values(body, *state(body), change, conserved)
+    assert np.abs(computed).max() < 1e-10 * np.abs(size).max()
 
 
 @SPACES
@@ -127,10 +127,10 @@ def test_sags_as_the_full_structure(dimension):
     hold = planar.Weld if dimension == 2 else spatial.Weld
     ground = system.ground.center if dimension == 2 else system.ground.frame()
     system.add(hold("clamp", ground, body.point("root")))
-    found = da.solve_equilibrium(system.build())
+    equilibrium = da.solve_equilibrium(system.build())
     sag = da.solve_statics(beam(dimension, clamped=True, gravity=gravity))
     expected = [float(sag[f"n4.{u}"]) for u in ("ux", "uy", "uz")[:dimension]]
-    deflection = np.ravel(found["rod.tip.deflection"])
+    deflection = np.ravel(equilibrium["rod.tip.deflection"])
     np.testing.assert_allclose(deflection, expected, rtol=1e-6, atol=1e-12)
 
 
@@ -164,8 +164,8 @@ def _rigid(flexible, dimension: int):
         inertia = about.item() - mass * center @ center
         return planar.Body("rod", mass, inertia, position=center, angle=0.0, points=points)
     inertia = about - mass * (center @ center * np.eye(3) - np.outer(center, center))
-    given = {"center_of_mass": center, "position": np.zeros(3), "rotation": np.eye(3)}
-    return spatial.Body("rod", mass, inertia, points=points, **given)
+    arguments = {"center_of_mass": center, "position": np.zeros(3), "rotation": np.eye(3)}
+    return spatial.Body("rod", mass, inertia, points=points, **arguments)
 
 
 @SPACES
@@ -178,7 +178,7 @@ def test_frames_give_one_motion(dimension):
 
 def _apart(dimension: int, speed: float) -> float:
     """Largest distance of the tips of two free bodies that a blow sets in motion."""
-    found = []
+    results = []
     for frame in ("root", "mean"):
         system = da.System("free")
         body = flexible(dimension, reference=frame, modes=0, **_placed(frame, dimension))
@@ -189,8 +189,8 @@ def _apart(dimension: int, speed: float) -> float:
         system.add(kind("push", body.point("tip"), force))
         options = {"duration": 0.05, "step": 2.5e-4, "outputs": 11}
         motion = da.solve_dynamics(system.build(), **options)
-        found.append(motion["rod.tip.position"].values)
-    return float(np.abs(found[0] - found[1]).max())
+        results.append(motion["rod.tip.position"].values)
+    return float(np.abs(results[0] - results[1]).max())
 
 
 def _placed(frame: str, dimension: int) -> dict:
@@ -230,12 +230,12 @@ def test_gradients_pass_through_it(dimension):
     system.add(spring("spring", anchor, body.point("tip"), stiffness=stiffness))
     motion = da.solve_dynamics(system.build(), 0.02, step=5e-4, integrator=da.RK4())
     tip = da.final("rod.tip.y")
-    found = [
+    computed = [
         da.sensitivity(motion, tip, method=method).values.ravel()
         for method in ("direct", "adjoint", "finite-difference")
     ]
-    np.testing.assert_allclose(found[1], found[0], rtol=1e-8, atol=1e-13)
-    np.testing.assert_allclose(found[2], found[0], rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(computed[1], computed[0], rtol=1e-8, atol=1e-13)
+    np.testing.assert_allclose(computed[2], computed[0], rtol=1e-5, atol=1e-9)
 
 
 def test_the_structure_is_recovered():
@@ -246,12 +246,14 @@ def test_the_structure_is_recovered():
     body = system.add(flexible(2, beam(2, **soft), interface={"root": "n0"}, **options))
     system.add(planar.Weld("clamp", system.ground.center, body.point("root")))
     motion = da.solve_dynamics(system.build(), 4.0, step=0.5, integrator=da.Radau(fixed=True))
-    found = motion.structure("rod")
+    structure = motion.structure("rod")
     statics = da.solve_statics(beam(2, clamped=True, gravity=gravity, **soft))
-    np.testing.assert_allclose(found.displacements[:, -1], statics.displacements[:, 0], rtol=1e-6)
+    np.testing.assert_allclose(
+        structure.displacements[:, -1], statics.displacements[:, 0], rtol=1e-6
+    )
     for end in "ij":
         moment = float(statics[f"e0.moment_{end}"])
-        assert float(found[f"e0.moment_{end}"][-1]) == pytest.approx(moment, rel=1e-6)
+        assert float(structure[f"e0.moment_{end}"][-1]) == pytest.approx(moment, rel=1e-6)
     with pytest.raises(da.AnalysisError, match="no flexible body 'rot'"):
         motion.structure("rot")
 
@@ -270,9 +272,9 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("options", "told"), WRONG)
-def test_what_cannot_be_is_refused(options, told):
-    with pytest.raises(da.ModelError, match=told):
+@pytest.mark.parametrize(("options", "message"), WRONG)
+def test_what_cannot_be_is_refused(options, message):
+    with pytest.raises(da.ModelError, match=message):
         flexible(2, **options)
 
 

@@ -122,12 +122,12 @@ def test_new_values_are_those_of_another_model(dimension):
     fresh = {"h": 0.035, "E": 1.5e9, "L": 0.95, "rho": 1100.0}
     followed, fixed = swing(dimension, weld), swing(dimension, weld, parameters=fresh)
     run = {"duration": 2e-3, "step": 1e-3, "integrator": IMPLICIT[dimension]}
-    found = da.solve_dynamics(followed, parameters=values, **run)
+    motion = da.solve_dynamics(followed, parameters=values, **run)
     expected = da.solve_dynamics(fixed, **run)
     for measure in ("rod.tip.position", "potential_energy"):
         size = np.abs(expected[measure].values).max()
-        np.testing.assert_allclose(found[measure], expected[measure], rtol=0, atol=1e-9 * size)
-    inside = [m.structure("rod")["e2.force"].values for m in (found, expected)]
+        np.testing.assert_allclose(motion[measure], expected[measure], rtol=0, atol=1e-9 * size)
+    inside = [m.structure("rod")["e2.force"].values for m in (motion, expected)]
     np.testing.assert_allclose(*inside, rtol=0, atol=1e-7 * np.abs(inside[1]).max())
 
 
@@ -158,6 +158,6 @@ def test_unknown_parameters_of_the_structure_are_named():
 
 
 def test_second_derivatives_are_refused():
-    found = da.solve_equilibrium(swing(2, weld))
+    equilibrium = da.solve_equilibrium(swing(2, weld))
     with pytest.raises(da.UnsupportedError, match="depend on parameters"):
-        da.hessian_product(found, TIP[0], {"thick": 1.0})
+        da.hessian_product(equilibrium, TIP[0], {"thick": 1.0})

@@ -52,8 +52,10 @@ def generalised_force(name: str, t, y, v, p) -> np.ndarray:
 def test_generalised_forces_are_the_textbook_wrenches(name):
     """f = Σ (F, M + (r_P − r) × F) + m g."""
     for state in states(name):
-        found = functions_of(name)(*state)[0].full().ravel()
-        np.testing.assert_allclose(found, generalised_force(name, *state), rtol=1e-12, atol=1e-12)
+        computed = functions_of(name)(*state)[0].full().ravel()
+        np.testing.assert_allclose(
+            computed, generalised_force(name, *state), rtol=1e-12, atol=1e-12
+        )
 
 
 @pytest.mark.parametrize("name", CONSERVATIVE)

@@ -68,11 +68,11 @@ def value(formula: Expression, x: float, y: float) -> float:
 def test_any_formula_has_the_value_python_gives_it(text, x, y):
     try:
         expected = eval(text, {"__builtins__": {}}, {**MEANING, "x": x, "y": y})
-        found = value(parse_formula(text, NAMES.get), x, y)
+        computed = value(parse_formula(text, NAMES.get), x, y)
     except (ZeroDivisionError, OverflowError, ExpressionError):
         assume(False)
     assume(math.isfinite(expected) and abs(expected) < 1e9)
-    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    assert computed == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -163,9 +163,9 @@ def _measured_models():
 
 def test_sums_may_have_a_hundred_terms():
     """Each term stands one deeper in the tree than the next; what is nested stays bounded."""
-    known = {f"x{k}": Expression(ca.SX.sym(f"x{k}")) for k in range(100)}
-    made = parse_formula("9 - " + " - ".join(known), known.get)
-    at_ones = ca.Function("f", [k.sx for k in known.values()], [made.sx])(*[1.0] * 100)
+    expected = {f"x{k}": Expression(ca.SX.sym(f"x{k}")) for k in range(100)}
+    formula = parse_formula("9 - " + " - ".join(expected), expected.get)
+    at_ones = ca.Function("f", [k.sx for k in expected.values()], [formula.sx])(*[1.0] * 100)
     assert float(at_ones) == -91
     with pytest.raises(ExpressionError, match="too large"):
         parse_formula("x" + " + x" * 130, NAMES.get)
@@ -195,9 +195,9 @@ def test_measures_are_made_once():
     model, name, formula, _ = _measured_models()[0]
     motion = da.solve_dynamics(model, 0.1, step=0.01)
     motion.values(name), motion.values(formula)
-    made = [model.function(model.expression(m)) for m in (name, formula)]
+    results = [model.function(model.expression(m)) for m in (name, formula)]
     motion.values(name), motion[formula]
-    assert made == [model.function(model.expression(m)) for m in (name, formula)]
+    assert results == [model.function(model.expression(m)) for m in (name, formula)]
     one, two = motion.columns([name, formula])
     assert (one == motion.values(name)).all() and (two == motion.values(formula)).all()
 
@@ -220,7 +220,7 @@ def test_kept_results_are_bounded_and_go_with_their_owner():
     assert (
         owner.square(3) == 9 and owner.made == CACHE_SIZE + 11
     )  # 3 was kept longer than the others
-    assert sum(len(kept) for kept in owner.cache.values()) == CACHE_SIZE
+    assert sum(len(entries) for entries in owner.cache.values()) == CACHE_SIZE
     seen = weakref.ref(owner)
     del owner
     assert seen() is None

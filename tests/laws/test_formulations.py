@@ -24,8 +24,8 @@ def solution(model, formulation, t, y, v, p) -> tuple[np.ndarray, np.ndarray]:
 
 @once
 def _law(model, formulation):
-    e, made = model.equations, definite(FORMULATIONS[formulation], model)
-    return made.acceleration(e, e.constraint_acceleration).function
+    e, formulation_used = model.equations, definite(FORMULATIONS[formulation], model)
+    return formulation_used.acceleration(e, e.constraint_acceleration).function
 
 
 @pytest.mark.parametrize(("name", "formulation"), COMBINED)
@@ -33,11 +33,11 @@ def test_all_formulations_agree(name, formulation):
     """The same v̇ and λ to 1e-9, massless coordinates included."""
     model = model_of(name)
     state = (0.0, model.start.y, model.start.v, model.nominal)
-    for found, expected in zip(
+    for computed, expected in zip(
         solution(model, formulation, *state), solution(model, "KKT", *state), strict=True
     ):
         scale = 1 + np.abs(expected).max(initial=0)
-        np.testing.assert_allclose(found, expected, atol=1e-9 * scale)
+        np.testing.assert_allclose(computed, expected, atol=1e-9 * scale)
 
 
 def moved(model, vector: np.ndarray, angle: float, shift, spin: float) -> np.ndarray:
@@ -59,8 +59,8 @@ def weightless(name: str, observer: Observer):
 def reactions(model, y, v, a, multiplier) -> tuple[np.ndarray, np.ndarray]:
     """Forces (joints, 2) and moments (joints,) of all joints."""
     e = model.equations
-    found = [c.reaction() for c in model.constraints if isinstance(c, Pair)]
-    columns = [model.at_ground(ca.vertcat(*pair)) for pair in found]
+    computed = [c.reaction() for c in model.constraints if isinstance(c, Pair)]
+    columns = [model.at_ground(ca.vertcat(*pair)) for pair in computed]
     function = ca.Function("r", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [ca.horzcat(*columns)])
     table = function(0.0, y, v, a, multiplier, model.nominal).full()
     return table[:2].T, table[2]

@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 
 import dalembert as da
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.contact.friction_problem import FrictionProblem
+from dalembert.integrators.contact.contacts import FrictionProblem
 
 
 def random_problem(seed: int, count: int, width: int, freedom: int, friction: float):
@@ -22,7 +22,7 @@ def random_problem(seed: int, count: int, width: int, freedom: int, friction: fl
 
 def enumerated(matrix: np.ndarray, velocity: np.ndarray) -> list[np.ndarray]:
     """Every velocity ``u`` with ``0 ≤ u = H P + b ⟂ P ≥ 0``, by trying which contacts press."""
-    found, size = [], velocity.size
+    results, size = [], velocity.size
     for pressing in product([False, True], repeat=size):
         part = np.flatnonzero(pressing)
         impulses = np.zeros(size)
@@ -33,8 +33,8 @@ def enumerated(matrix: np.ndarray, velocity: np.ndarray) -> list[np.ndarray]:
             impulses[part] = np.linalg.solve(block, -velocity[part])
         speeds = matrix @ impulses + velocity
         if impulses.min() >= -1e-9 and speeds.min() >= -1e-9:
-            found.append(speeds)
-    return found
+            results.append(speeds)
+    return results
 
 
 @settings(max_examples=40, deadline=None)
@@ -42,11 +42,11 @@ def enumerated(matrix: np.ndarray, velocity: np.ndarray) -> list[np.ndarray]:
 def test_without_friction_it_is_the_enumerated_complementarity(seed, count, freedom):
     """Speeds are unique whatever the impulses are."""
     problem = random_problem(seed, count, 1, freedom, 0.0)
-    known = enumerated(problem.matrix, problem.velocity.ravel())
+    expected = enumerated(problem.matrix, problem.velocity.ravel())
     solved = da.ContactSolver().solve(problem)
-    assert solved.converged and known
+    assert solved.converged and expected
     speeds = problem.speeds(solved.impulses).ravel()
-    assert min(np.abs(speeds - other).max() for other in known) < 1e-7
+    assert min(np.abs(speeds - other).max() for other in expected) < 1e-7
 
 
 @settings(max_examples=40, deadline=None)

@@ -43,8 +43,8 @@ def notes(motion, *responses, **options) -> list[str]:
     return da.sensitivity(motion, responses, **options).attrs["notes"]
 
 
-def having(found: list[str], text: str) -> list[str]:
-    return [note for note in found if text in note]
+def having(notes: list[str], text: str) -> list[str]:
+    return [note for note in notes if text in note]
 
 
 def test_nothing_to_tell():
@@ -53,23 +53,25 @@ def test_nothing_to_tell():
 
 
 def test_parameters_without_influence():
-    found = notes(swinging(0.3), da.final("bar.end.y"), da.mean("bar.end.x"))
-    assert having(found, "mass: no influence on final(bar.end.y), mean(bar.end.x) (exactly zero)")
-    found = notes(swinging(0.3), da.final("bar.end.y"), da.mean("bar.angle"))
-    assert having(found, "mass: no influence on final(bar.end.y) (exactly zero)")
-    assert having(found, "length, mass: no influence on mean(bar.angle) (exactly zero)")
+    messages = notes(swinging(0.3), da.final("bar.end.y"), da.mean("bar.end.x"))
+    assert having(
+        messages, "mass: no influence on final(bar.end.y), mean(bar.end.x) (exactly zero)"
+    )
+    messages = notes(swinging(0.3), da.final("bar.end.y"), da.mean("bar.angle"))
+    assert having(messages, "mass: no influence on final(bar.end.y) (exactly zero)")
+    assert having(messages, "length, mass: no influence on mean(bar.angle) (exactly zero)")
 
 
 def test_negligible_influence():
     """Over a whole period the amplitude of a sine leaves no trace in its mean but round-off."""
-    found = notes(swinging(0.3), da.mean("bar.angle", name="angle"), wrt=["swing", "shift"])
-    assert found == ["swing: negligible influence on angle (of the size of round-off)"]
+    messages = notes(swinging(0.3), da.mean("bar.angle", name="angle"), wrt=["swing", "shift"])
+    assert messages == ["swing: negligible influence on angle (of the size of round-off)"]
 
 
 def test_parameters_at_their_bounds():
-    found = notes(swinging(), da.final("bar.end.y"))
-    assert having(found, "length = 1 is at its upper bound 1")
-    assert having(found, "mass = 2 is at its lower bound 2")
+    messages = notes(swinging(), da.final("bar.end.y"))
+    assert having(messages, "length = 1 is at its upper bound 1")
+    assert having(messages, "mass = 2 is at its lower bound 2")
     model = swinging().model
     outside = da.Kinematics(1.0, step=0.1).run(model, {"length": 1.2})
     assert having(notes(outside, da.final("bar.end.y")), "length = 1.2 is beyond its upper bound 1")
@@ -79,12 +81,12 @@ def test_ties_are_one_sided():
     """|φ| is largest at two instants, which an offset moves in opposite directions."""
     motion = swinging()
     height = da.absolute(motion.model["bar.angle"])
-    found = notes(motion, da.maximum(height, name="peak"))
+    messages = notes(motion, da.maximum(height, name="peak"))
     assert (
         "peak: 2 samples share the largest value (first at t = 0.5 s, last at t = 1.5 s)"
-        in found[0]
+        in messages[0]
     )
-    assert "smooth" in found[0]
+    assert "smooth" in messages[0]
     assert not having(notes(motion, da.maximum(height, smooth=0.02)), "share")
     assert not having(notes(motion, da.maximum("bar.angle")), "share")
     lowest = notes(motion, da.minimum(-1.0 * height, name="low"))
@@ -95,8 +97,8 @@ def test_ties_that_change_alike_are_none():
     """A constant, and a periodic measure: all samples have the same gradient."""
     motion = swinging(duration=4.0)
     constant = motion.model["length"] * 1.0
-    found = notes(motion, da.maximum(constant, name="c"), da.maximum("bar.angle", name="p"))
-    assert not having(found, "share")
+    messages = notes(motion, da.maximum(constant, name="c"), da.maximum("bar.angle", name="p"))
+    assert not having(messages, "share")
 
 
 def test_root_mean_square_of_zero():
@@ -129,9 +131,9 @@ def test_no_parameters():
 def test_switches_between_independent_speeds():
     motion = four_bar(duration=1.5, formulation=da.VelocityPartitioning(limit=1.5))
     changes = motion.statistics["variant changes"]
-    found = having(notes(motion, da.final("crank.angle")), "independent speeds")
-    assert len(found) == 1
-    assert f"{changes} time(s)" in found[0]
+    computed = having(notes(motion, da.final("crank.angle")), "independent speeds")
+    assert len(computed) == 1
+    assert f"{changes} time(s)" in computed[0]
     assert not having(notes(four_bar(duration=0.1), da.final("crank.angle")), "independent")
 
 
@@ -140,10 +142,10 @@ def test_singular_positions_near_by():
     motion = four_bar(duration=1.0, formulation=da.AugmentedLagrangian())
     angle = np.unwrap(motion["crank.angle"].values)
     assert angle.min() < math.pi < angle.max()  # passed the flat position
-    found = having(notes(motion, da.final("crank.angle")), "singular position")
-    assert len(found) == 1
-    told = float(found[0].removeprefix("near t = ").split()[0])
-    assert abs(np.sin(np.interp(told, motion.time, angle))) < 0.1
+    result = having(notes(motion, da.final("crank.angle")), "singular position")
+    assert len(result) == 1
+    computed = float(result[0].removeprefix("near t = ").split()[0])
+    assert abs(np.sin(np.interp(computed, motion.time, angle))) < 0.1
 
 
 def test_unstable_equilibria():

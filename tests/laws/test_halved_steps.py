@@ -58,8 +58,8 @@ def test_the_motion_is_that_of_short_steps(strip, halved):
     assert exact.record.steps.rejected == 0
     assert not any("halves" in text for text in exact.warnings)
     for name in ("strip.end.x", "strip.end.y"):
-        found = float(halved[name].values[-1])
-        assert found == pytest.approx(float(exact[name].values[-1]), abs=2e-3)
+        computed = float(halved[name].values[-1])
+        assert computed == pytest.approx(float(exact[name].values[-1]), abs=2e-3)
 
 
 def test_gradients_are_those_of_the_steps_taken(halved):

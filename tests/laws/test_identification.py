@@ -52,10 +52,10 @@ def oscillator() -> da.Model:
 
 def measured(model, analysis=KINEMATICS, true=TRUE, noise=0.0, seed=0, **columns):
     motion, rng = analysis.run(model, true), np.random.default_rng(seed)
-    made = {"time": motion.time}
+    results = {"time": motion.time}
     for column, measure in columns.items():
-        made[column] = motion.values(measure) + noise * rng.normal(size=motion.time.size)
-    return made
+        results[column] = motion.values(measure) + noise * rng.normal(size=motion.time.size)
+    return results
 
 
 @pytest.mark.parametrize("kind", ["crank", "oscillator"])
@@ -67,9 +67,11 @@ def test_gradients_of_histories_are_those_of_each_instant(kind, request):
     }[kind]
     times = np.array([0.0, 0.113, 0.509, 0.97])  # also inside of steps
     motion, names = analysis.run(model), list(model.parameters)
-    (found,) = history_gradients(motion.at(times), [measure], names)
+    (computed,) = history_gradients(motion.at(times), [measure], names)
     every = [da.at(float(time), measure) for time in times]
-    np.testing.assert_allclose(found, da.sensitivity(motion, every, names, "adjoint"), atol=1e-11)
+    np.testing.assert_allclose(
+        computed, da.sensitivity(motion, every, names, "adjoint"), atol=1e-11
+    )
     rates = history_rates(motion.at(times[1:-1]), measure)
     moved = [motion.at(times[1:-1] + h).values(measure) for h in (-1e-5, 1e-5)]
     np.testing.assert_allclose(rates, (moved[1] - moved[0]) / 2e-5, rtol=1e-6)
@@ -80,12 +82,12 @@ def test_perfect_data_give_the_true_parameters(crank, tmp_path):
     table.loc[3:7, "x"] = np.nan
     table["comment"] = "as made"
     table.to_csv(tmp_path / "run.csv", index=False)
-    found = da.identify(
+    identification = da.identify(
         crank, tmp_path / "run.csv", {"x": "slider.x", "a": "rod.angle"}, TRUE, analysis=KINEMATICS
     )
-    assert found.success and found.samples == 2 * 31 - 5
+    assert identification.success and identification.samples == 2 * 31 - 5
     for name, value in TRUE.items():
-        assert found.x[name] == pytest.approx(value, abs=1e-9)
+        assert identification.x[name] == pytest.approx(value, abs=1e-9)
 
 
 def test_intervals_hold_what_they_say(crank):
@@ -94,8 +96,8 @@ def test_intervals_hold_what_they_say(crank):
     for seed in range(60):
         noise = np.random.default_rng(seed).normal(0, 1e-3, clean["x"].size)
         data = clean | {"x": clean["x"] + noise}
-        found = da.identify(crank, data, {"x": "slider.x"}, TRUE, analysis=KINEMATICS)
-        hits += sum(a <= TRUE[n] <= b for n, (a, b) in found.interval().items())
+        identification = da.identify(crank, data, {"x": "slider.x"}, TRUE, analysis=KINEMATICS)
+        hits += sum(a <= TRUE[n] <= b for n, (a, b) in identification.interval().items())
     assert 0.95 - 3 * np.sqrt(0.05 * 0.95 / 60) < hits / 180 <= 1
 
 
@@ -104,14 +106,16 @@ def test_noise_is_found_column_by_column(crank):
     clean["x"] += rng.normal(0, 1e-4, clean["x"].size)
     clean["a"] += rng.normal(0, 1e-2, clean["a"].size)
     columns = {"x": "slider.x", "a": "rod.angle"}
-    found = da.identify(crank, clean, columns, TRUE, analysis=KINEMATICS)
-    assert found.noise["x"] == pytest.approx(1e-4, rel=0.4)
-    assert found.noise["a"] == pytest.approx(1e-2, rel=0.4)
-    given = da.identify(
+    identification = da.identify(crank, clean, columns, TRUE, analysis=KINEMATICS)
+    assert identification.noise["x"] == pytest.approx(1e-4, rel=0.4)
+    assert identification.noise["a"] == pytest.approx(1e-2, rel=0.4)
+    result = da.identify(
         crank, clean, columns, TRUE, analysis=KINEMATICS, noise={"x": 1e-4, "a": 1e-2}
     )
-    assert given.noise_specified and given.x["r"] == pytest.approx(found.x["r"], abs=1e-4)
-    ratio = given.deviation["r"] / found.deviation["r"]
+    assert result.noise_specified and result.x["r"] == pytest.approx(
+        identification.x["r"], abs=1e-4
+    )
+    ratio = result.deviation["r"] / identification.deviation["r"]
     assert 0.6 < ratio < 1.6
 
 
@@ -120,11 +124,11 @@ def test_noise_may_stand_in_a_column(crank):
     data = measured(crank, x="slider.x")
     data["x"][::2] += 0.3
     data["spread"] = np.where(np.arange(data["x"].size) % 2, 1e-5, 1e3)
-    found = da.identify(
+    identification = da.identify(
         *(crank, data, {"x": "slider.x"}, TRUE), analysis=KINEMATICS, noise={"x": "spread"}
     )
     for name, value in TRUE.items():
-        assert found.x[name] == pytest.approx(value, abs=1e-6)
+        assert identification.x[name] == pytest.approx(value, abs=1e-6)
 
 
 def test_a_step_to_where_nothing_can_be_is_shortened(oscillator):
@@ -136,8 +140,8 @@ def test_a_step_to_where_nothing_can_be_is_shortened(oscillator):
     system.add(planar.Force("force", mass.center, (3.0, 0.0)))
     model, analysis = system.build(), da.Dynamics(1.0, step=0.05)
     data = measured(model, analysis, {"m": 5.0}, x="mass.x")
-    found = da.identify(model, data, {"x": "mass.x"}, ["m"], analysis=analysis)
-    assert found.x["m"] == pytest.approx(5.0, rel=1e-8)
+    identification = da.identify(model, data, {"x": "mass.x"}, ["m"], analysis=analysis)
+    assert identification.x["m"] == pytest.approx(5.0, rel=1e-8)
 
 
 def test_robust_losses_forgive_outliers(crank):
@@ -145,8 +149,10 @@ def test_robust_losses_forgive_outliers(crank):
     data = measured(crank, true={"r": 0.11}, noise=1e-3, x="slider.x")
     data["x"][[4, 13, 22]] += 0.2
     for loss in ("linear", "huber", "soft_l1", "cauchy", "arctan"):
-        found = da.identify(crank, data, {"x": "slider.x"}, ["r"], analysis=KINEMATICS, loss=loss)
-        off[loss] = abs(found.x["r"] - 0.11)
+        identification = da.identify(
+            crank, data, {"x": "slider.x"}, ["r"], analysis=KINEMATICS, loss=loss
+        )
+        off[loss] = abs(identification.x["r"] - 0.11)
     assert all(off[loss] < 2e-3 and off[loss] < off["linear"] / 3 for loss in list(off)[1:])
 
 
@@ -160,13 +166,13 @@ def test_far_starts_end_in_other_minima():
     system.add(planar.CoordinateDriver("y", cart.center, 0.0, direction=(0, 1)))
     model, analysis = system.build(), da.Kinematics(2.0, outputs=21)
     data = measured(model, analysis, {"w": 5.0}, x="cart.x")
-    asked = {"measures": {"x": "cart.x"}, "vary": ["w"], "analysis": analysis}
-    assert abs(da.identify(model, data, **asked).x["w"] - 5) > 1
-    best = da.identify(model, data, **asked, starts=6)
+    arguments = {"measures": {"x": "cart.x"}, "vary": ["w"], "analysis": analysis}
+    assert abs(da.identify(model, data, **arguments).x["w"] - 5) > 1
+    best = da.identify(model, data, **arguments, starts=6)
     assert best.x["w"] == pytest.approx(5, rel=1e-6)
     assert len(best.minima) > 1 and any("minima from several starts" in n for n in best.notes)
     with pytest.raises(AnalysisError, match="starts is 0"):
-        da.identify(model, data, **asked, starts=0)
+        da.identify(model, data, **arguments, starts=0)
 
 
 def test_a_delay_is_found(crank):
@@ -174,9 +180,11 @@ def test_a_delay_is_found(crank):
     times = np.linspace(0.4, 2.9, 40)
     data = {"t": times, "x": exact.at(times - 0.137).values("slider.x")}
     lag = {"x": (0.0, 0.3)}
-    found = da.identify(crank, data, {"x": "slider.x"}, ["r", "l"], analysis=KINEMATICS, delays=lag)
-    assert found.x["delay(x)"] == pytest.approx(0.137, abs=1e-8)
-    assert found.x["r"] == pytest.approx(0.11, abs=1e-8)
+    identification = da.identify(
+        crank, data, {"x": "slider.x"}, ["r", "l"], analysis=KINEMATICS, delays=lag
+    )
+    assert identification.x["delay(x)"] == pytest.approx(0.137, abs=1e-8)
+    assert identification.x["r"] == pytest.approx(0.11, abs=1e-8)
 
 
 def test_runs_have_unknowns_of_their_own(oscillator):
@@ -188,20 +196,22 @@ def test_runs_have_unknowns_of_their_own(oscillator):
         )
         for name, x0 in (("a", 0.3), ("b", -0.2))
     ]
-    found = da.identify(oscillator, runs, {"x": "mass.x"}, ["k1", "c"], analysis=DYNAMICS)
+    identification = da.identify(oscillator, runs, {"x": "mass.x"}, ["k1", "c"], analysis=DYNAMICS)
     expected = {"k1": 70.0, "c": 0.5, "x0[a]": 0.3, "x0[b]": -0.2}
-    assert found.x == pytest.approx(expected, abs=1e-8)
+    assert identification.x == pytest.approx(expected, abs=1e-8)
 
 
 def test_what_the_data_cannot_tell(oscillator):
     data = measured(oscillator, DYNAMICS, {"k1": 70.0}, noise=1e-3, x="mass.x")
-    found = da.identify(oscillator, data, {"x": "mass.x"}, ["k1", "k2", "c"], analysis=DYNAMICS)
-    worst = found.combinations[0]
+    identification = da.identify(
+        oscillator, data, {"x": "mass.x"}, ["k1", "k2", "c"], analysis=DYNAMICS
+    )
+    worst = identification.combinations[0]
     assert np.isinf(worst.deviation) and abs(worst.direction["c"]) < 1e-6
-    deviation = found.deviation
+    deviation = identification.deviation
     assert np.isinf(deviation["k1"]) and np.isinf(deviation["k2"]) and np.isfinite(deviation["c"])
-    assert found.x["k1"] + found.x["k2"] == pytest.approx(120, rel=0.02)
-    assert "not determined" in found._repr_html_()
+    assert identification.x["k1"] + identification.x["k2"] == pytest.approx(120, rel=0.02)
+    assert "not determined" in identification._repr_html_()
 
 
 def test_residuals_that_are_no_noise_are_told(oscillator):
@@ -209,20 +219,23 @@ def test_residuals_that_are_no_noise_are_told(oscillator):
     analysis = da.Dynamics(4.0, step=0.02)
     true = {"k1": 50.0, "k2": 50.0, "c": 1.0, "x0": 0.4}
     data = measured(oscillator, analysis, true, 0.01, **{"mass.x": "mass.x"})
-    for vary, told in ((["k1", "c", "x0"], False), (["k1", "x0"], True)):
-        found = da.identify(oscillator, data, vary=vary, analysis=analysis)
-        assert any("mass.x: neighbouring residuals agree" in n for n in found.notes) is told
+    for vary, reported in ((["k1", "c", "x0"], False), (["k1", "x0"], True)):
+        identification = da.identify(oscillator, data, vary=vary, analysis=analysis)
+        assert (
+            any("mass.x: neighbouring residuals agree" in n for n in identification.notes)
+            is reported
+        )
 
 
 def test_advice_prefers_what_tells_more(oscillator):
     data = measured(oscillator, DYNAMICS, {"k1": 70.0}, noise=1e-3, x="mass.x")
-    found = da.identify(oscillator, data, {"x": "mass.x"}, ["k1"], analysis=DYNAMICS)
+    identification = da.identify(oscillator, data, {"x": "mass.x"}, ["k1"], analysis=DYNAMICS)
     candidates = {"still": {"x0": 0.01}, "far": {"x0": 2.0}}
-    far, still = found.advise(candidates)
+    far, still = identification.advise(candidates)
     assert far["name"] == "far" and far["gain"] > 10 * still["gain"] > 0
-    assert far["deviation"]["k1"] < found.deviation["k1"] / 2
+    assert far["deviation"]["k1"] < identification.deviation["k1"] / 2
     with pytest.raises(da.AnalysisError, match="'k1', which is unknown"):
-        found.advise({"wrong": {"k1": 1.0}})
+        identification.advise({"wrong": {"k1": 1.0}})
 
 
 @pytest.mark.parametrize(
@@ -263,8 +276,8 @@ def test_the_command_line(tmp_path, capsys):
     rows.to_csv(tmp_path / "fall.csv", index=False)
     out = tmp_path / "o"
     assert main(["identify", str(tmp_path / "fall.toml"), "--json", "--output", str(out)]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["x"]["g"] == pytest.approx(9.81, rel=1e-10)
+    document = json.loads(capsys.readouterr().out)
+    assert document["x"]["g"] == pytest.approx(9.81, rel=1e-10)
     assert (out / "fall.identified.png").exists() and (out / "fall.covariance.csv").exists()
     rows.height *= 2
     rows.to_csv(tmp_path / "other.csv", index=False)
@@ -298,6 +311,6 @@ def test_a_file_that_asks_wrongly(tmp_path, capsys, table, tells):
         f'[analysis]\ntype = "Dynamics"\nduration = 1.0\nstep = 0.1\n[identify]\n{table}\n'
     )
     assert main(["identify", str(tmp_path / "fall.toml")]) in (1, 2)
-    told = capsys.readouterr().err
+    message = capsys.readouterr().err
     for text in tells:
-        assert text in told
+        assert text in message

@@ -52,10 +52,10 @@ def test_every_choice_gives_the_same_impacts(choice):
     assert motion.status.success and not motion.warnings
     expected = reference()
     assert [i.name for i in motion.impacts] == [i.name for i in expected.impacts]
-    found, wanted = (
+    computed, wanted = (
         [[i.time, i.normal, *i.tangential] for i in m.impacts] for m in (motion, expected)
     )
-    np.testing.assert_allclose(found, wanted, rtol=2e-6)
+    np.testing.assert_allclose(computed, wanted, rtol=2e-6)
     assert np.abs(motion.data["balance_error"]).max() < 2e-6 * motion.values("kinetic_energy").max()
 
 
@@ -71,8 +71,8 @@ def test_an_impact_keeps_the_law_and_the_impulses_balance():
             sum(mass * m.values(f"{bar}.velocity")[0] for bar, mass in (("a", 2.0), ("b", 1.0)))
             for m in (before, after)
         ]
-        given = np.array([impact.tangential[0], impact.normal])
-        np.testing.assert_allclose(momentum[1] - momentum[0], given, atol=1e-7)
+        impulse = np.array([impact.tangential[0], impact.normal])
+        np.testing.assert_allclose(momentum[1] - momentum[0], impulse, atol=1e-7)
         assert abs(impact.tangential[0]) <= 0.1 * impact.normal * (1 + 1e-12)
 
 
@@ -121,16 +121,16 @@ def test_integrals_and_their_gradients_go_through_all_bounces(options):
     exact = fall * (2 / 3 + 4 / 3 * e**3 / (1 - e**3))
     assert da.evaluate(motion, area) == pytest.approx(exact, rel=1e-9)
     for method in ("direct", "adjoint"):
-        found = da.sensitivity(motion, area, method=method).item()
-        assert found == pytest.approx(4 * fall * e**2 / (1 - e**3) ** 2, rel=1e-9)
+        derivative = da.sensitivity(motion, area, method=method).item()
+        assert derivative == pytest.approx(4 * fall * e**2 / (1 - e**3) ** 2, rel=1e-9)
 
 
 def test_both_sides_of_an_impact_are_outputs():
     motion = da.solve_dynamics(ball().build(), 0.6, integrator=da.DormandPrince())
     before, after = motion.impacts[0].time + np.array([-1e-15, 1e-15])
-    found = (motion.time > before) & (motion.time < after)
-    assert np.all(np.diff(motion.time) > 0) and found.sum() == 2
-    speeds = motion.values("ball.vy")[found]
+    inside = (motion.time > before) & (motion.time < after)
+    assert np.all(np.diff(motion.time) > 0) and inside.sum() == 2
+    speeds = motion.values("ball.vy")[inside]
     np.testing.assert_allclose(speeds, np.sqrt(2 * 9.81) * np.array([-1, 0.5]), rtol=1e-12)
     assert da.evaluate(motion, da.minimum("ball.vy")) == pytest.approx(speeds[0], rel=1e-12)
     again = motion.at(motion.time)
@@ -153,8 +153,8 @@ def test_few_states_are_kept_of_long_runs():
     assert isinstance(motion.record.steps.x, Checkpoints)
     whole = da.solve_dynamics(thrown(), 0.7, step=0.0005)
     response = da.final(thrown()["b.end.x"])
-    found = [da.sensitivity(m, response, method="adjoint").values for m in (motion, whole)]
-    np.testing.assert_allclose(*found, rtol=1e-12)
+    computed = [da.sensitivity(m, response, method="adjoint").values for m in (motion, whole)]
+    np.testing.assert_allclose(*computed, rtol=1e-12)
 
 
 def test_second_derivatives_are_refused():
@@ -169,11 +169,11 @@ def test_in_space():
     assert motion.status.success and len(motion.impacts) >= 2
     assert min(motion.values(f"c{k}.gap").min() for k in range(8)) > -1e-12
     assert np.abs(motion.data["balance_error"]).max() < 1e-6
-    found = [
+    computed = [
         da.sensitivity(motion, da.final(model["box.position.z"]), method=m).values
         for m in ("direct", "adjoint")
     ]
-    np.testing.assert_allclose(*found, rtol=1e-10)
+    np.testing.assert_allclose(*computed, rtol=1e-10)
 
 
 @pytest.mark.parametrize("above", [1e-9, 1e-2])

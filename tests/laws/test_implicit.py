@@ -62,7 +62,7 @@ def test_measured_order(method, form):
             (getattr(motion.trajectory, n), getattr(exact().trajectory, n))
             for n in ("y", "v", "multiplier")
         ]
-        rows.append([np.abs(found - true).max() for found, true in pairs])
+        rows.append([np.abs(computed - true).max() for computed, true in pairs])
     slopes = np.log(np.array(rows[-2]) / rows[-1]) / np.log(steps[-2] / steps[-1])
     np.testing.assert_allclose(slopes, order(method, form), atol=0.2)
 
@@ -81,9 +81,12 @@ def test_order_with_elimination(method, stabilization):
             outputs=OUTPUTS,
             stabilization=STABILIZATIONS[stabilization],
         )
-        found, true = motion.trajectory, exact().trajectory
+        trajectory, true = motion.trajectory, exact().trajectory
         errors.append(
-            [np.abs(getattr(found, n) - getattr(true, n)).max() for n in ("y", "v", "multiplier")]
+            [
+                np.abs(getattr(trajectory, n) - getattr(true, n)).max()
+                for n in ("y", "v", "multiplier")
+            ]
         )
     slopes = np.log2(np.array(errors[0]) / errors[1])
     np.testing.assert_allclose(slopes, [ORDERS.get(method, 2)] * 3, atol=0.2)
@@ -183,25 +186,25 @@ def amplification(integrator, stiffness: float, step: float) -> np.ndarray:
 @pytest.mark.parametrize("rho", [0.0, 0.5, 0.8, 1.0])
 def test_spectral_radius_at_infinite_frequency(rho):
     """Generalised-α shrinks what is infinitely fast to ``ρ∞`` of it (Chung and Hulbert 1993)."""
-    found = np.linalg.eigvals(amplification(da.GeneralizedAlpha(rho), 1e12, 10.0))
-    assert np.abs(found).max() == pytest.approx(rho, abs=2e-3)
+    eigenvalues = np.linalg.eigvals(amplification(da.GeneralizedAlpha(rho), 1e12, 10.0))
+    assert np.abs(eigenvalues).max() == pytest.approx(rho, abs=2e-3)
 
 
 @pytest.mark.parametrize("alpha", [0.05, 0.2, 1 / 3])
 def test_spectral_radius_of_hht(alpha):
     """``(1 − α)/(1 + α)`` is the principal one (Hilber, Hughes and Taylor 1977)."""
-    found = np.abs(np.linalg.eigvals(amplification(da.HHT(alpha), 1e12, 10.0)))
-    assert np.min(np.abs(found - (1 - alpha) / (1 + alpha))) < 2e-3
-    assert found.max() < 1
+    computed = np.abs(np.linalg.eigvals(amplification(da.HHT(alpha), 1e12, 10.0)))
+    assert np.min(np.abs(computed - (1 - alpha) / (1 + alpha))) < 2e-3
+    assert computed.max() < 1
 
 
 @pytest.mark.parametrize("method", ["BackwardEuler", "Trapezoidal", "Radau"])
 def test_stability_function(method):
     """``R(± iωh)`` are the eigenvalues of one step of an oscillator."""
     integrator, step, omega = METHODS[method], 0.3, np.sqrt(10.0)
-    found = np.linalg.eigvals(amplification(integrator, 10.0, step))
+    eigenvalues = np.linalg.eigvals(amplification(integrator, 10.0, step))
     expected = integrator.stability(np.array([1j, -1j]) * omega * step)
-    np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(expected), atol=1e-10)
+    np.testing.assert_allclose(np.sort_complex(eigenvalues), np.sort_complex(expected), atol=1e-10)
     assert abs(integrator.stability(-1e9)) == pytest.approx(
         float(method == "Trapezoidal"), abs=1e-6
     )
@@ -227,9 +230,11 @@ def pendulum(stiff: bool) -> da.Model:
 def test_stiff_spring_is_a_rod(method):
     """``ωh = 316``: RK4 diverges, these take the step of the slow motion, as with the rod."""
     free, step = da.Stabilization(), 0.01
-    given = {"step": step, "stabilization": free}
-    assert not da.solve_dynamics(pendulum(True), 1.0, integrator=da.RK4(), **given).status.success
-    spring = da.solve_dynamics(pendulum(True), 1.0, integrator=METHODS[method], **given)
+    arguments = {"step": step, "stabilization": free}
+    assert not da.solve_dynamics(
+        pendulum(True), 1.0, integrator=da.RK4(), **arguments
+    ).status.success
+    spring = da.solve_dynamics(pendulum(True), 1.0, integrator=METHODS[method], **arguments)
     rod = solved(pendulum(False), METHODS[method], "index 3", 1.0, step)
     assert spring.status.success and rod.status.success
     difference = spring.values("bob.position") - rod.values("bob.position")
@@ -358,8 +363,8 @@ def test_newmark_needs_all_speeds():
 @pytest.mark.parametrize("method", METHODS)
 def test_failed_newton_says_so(method):
     """One iteration is not enough: the run ends at the last good state, with the residual."""
-    given = METHODS[method]
-    integrator = type(given)(**{**vars(given), "max_iterations": 1, "tolerance": 1e-15})
+    nominal = METHODS[method]
+    integrator = type(nominal)(**{**vars(nominal), "max_iterations": 1, "tolerance": 1e-15})
     motion = solved(chain(), integrator, "index 2", 2.0, 0.1)
     assert motion.status.outcome.value == "not converged"
     assert "Newton's method did not converge at t = " in motion.status.message

@@ -28,11 +28,11 @@ def matrix(seed: int) -> np.ndarray:
 
 def first_independent(columns: np.ndarray, order) -> list[int]:
     """Columns whose rank grows when they are taken in order, by dense decompositions."""
-    kept: list[int] = []
+    selected: list[int] = []
     for k in order:
-        if np.linalg.matrix_rank(columns[:, [*kept, k]]) > len(kept):
-            kept.append(k)
-    return kept
+        if np.linalg.matrix_rank(columns[:, [*selected, k]]) > len(selected):
+            selected.append(k)
+    return selected
 
 
 @pytest.mark.parametrize("seed", range(60))
@@ -58,12 +58,12 @@ def test_first_in_order_stay_free(seed):
 @pytest.mark.parametrize("seed", range(60))
 def test_kernel(seed):
     a = matrix(seed)
-    found = columns_of(a)
-    assert len(found.free) == a.shape[1] - np.linalg.matrix_rank(a)
-    for k in found.free:
-        x = found.kernel({k: 1.0})
+    columns = columns_of(a)
+    assert len(columns.free) == a.shape[1] - np.linalg.matrix_rank(a)
+    for k in columns.free:
+        x = columns.kernel({k: 1.0})
         assert np.abs(a @ x).max(initial=0.0) < 1e-12 * np.abs(x).max() and x[k] == 1.0
-    assert np.abs(a @ found.any_kernel(np.random.default_rng(0))).max(initial=0.0) < 1e-12
+    assert np.abs(a @ columns.any_kernel(np.random.default_rng(0))).max(initial=0.0) < 1e-12
 
 
 @pytest.mark.parametrize("seed", range(60))
@@ -71,9 +71,9 @@ def test_a_dependent_row_tells_what_it_is_made_of(seed):
     a = matrix(seed)
     lengths = np.linalg.norm(a, axis=1)
     unit = a[lengths > 0] / lengths[lengths > 0, None]
-    found = rows_of(unit)
-    for k in found.free:
-        weights = found.kernel({k: -1.0})
+    rows = rows_of(unit)
+    for k in rows.free:
+        weights = rows.kernel({k: -1.0})
         weights[k] = 0.0
         np.testing.assert_allclose(weights @ unit, unit[k], atol=1e-10)
 

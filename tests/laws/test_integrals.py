@@ -107,9 +107,9 @@ def test_totals_add_the_outputs():
     parts = [da.at(t, SPEED, name=f"{t}") for t in (0.1, 0.2, 0.45)]
     for method in ("adjoint", "direct"):
         expected = da.sensitivity(motion, parts, method=method).values.sum(axis=0)
-        found = da.sensitivity(motion, total, method=method)
-        np.testing.assert_allclose(found.values[0], expected, rtol=1e-12, atol=1e-14)
-    assert found.response_unit.item() == motion.expression(SPEED).unit
+        gradient = da.sensitivity(motion, total, method=method)
+        np.testing.assert_allclose(gradient.values[0], expected, rtol=1e-12, atol=1e-14)
+    assert gradient.response_unit.item() == motion.expression(SPEED).unit
 
 
 CONTROLLED = [name for name, method in INTEGRATORS.items() if method.controls_error]

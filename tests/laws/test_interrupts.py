@@ -20,15 +20,15 @@ POINTS = [(20, 20 + 5 * k) for k in range(6)]
 
 def rod() -> dict:
     """The area of a rod under tension."""
-    made = da.Structure("rod")
-    area = made.parameter("area", 1e-3, "m^2", bounds=(1e-5, 1e-2))
-    top, end = made.node("top", 0), made.node("end", 2)
-    made.add(structures.Truss("rod", top, end, area=area, modulus=2e11, density=7850))
-    made.support(top)
-    made.load(end, fx=5e4)
+    structure = da.Structure("rod")
+    area = structure.parameter("area", 1e-3, "m^2", bounds=(1e-5, 1e-2))
+    top, end = structure.node("top", 0), structure.node("end", 2)
+    structure.add(structures.Truss("rod", top, end, area=area, modulus=2e11, density=7850))
+    structure.support(top)
+    structure.load(end, fx=5e4)
     strong = da.Limit(da.final("rod.stress"), upper=1e8)
     task = {"minimize": da.final("mass"), "subject_to": [strong], "analysis": da.Statics()}
-    return {"model": made.build()} | task
+    return {"model": structure.build()} | task
 
 
 def test_a_search_that_swallows_the_exception_is_ended():
@@ -38,9 +38,9 @@ def test_a_search_that_swallows_the_exception_is_ended():
         with contextlib.suppress(KeyboardInterrupt):  # as Ipopt does
             signal.raise_signal(signal.SIGINT)
 
-    found = da.synthesize(da.Target.path(POINTS), starts=4, progress=pressed)
-    assert found.interrupted and not found.success and found.starts < 4
-    assert "interrupted" in found.message and len(found.solutions) == 1
+    synthesis = da.synthesize(da.Target.path(POINTS), starts=4, progress=pressed)
+    assert synthesis.interrupted and not synthesis.success and synthesis.starts < 4
+    assert "interrupted" in synthesis.message and len(synthesis.solutions) == 1
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
@@ -61,9 +61,9 @@ def test_another_exception_in_its_place_is_an_interrupt():
 def test_after_the_last_iteration_the_optimum_is_kept(method, monkeypatch):
     original = optimization.verified_optimum
 
-    def pressed(*given):
+    def pressed(*arguments):
         signal.raise_signal(signal.SIGINT)
-        return original(*given)
+        return original(*arguments)
 
     monkeypatch.setattr(optimization, "verified_optimum", pressed)
     best = da.optimize(**rod(), method=method)

@@ -27,11 +27,11 @@ def responses(values: np.ndarray) -> np.ndarray:
     """
     a, b = np.array([[0, 1], [-15, -0.5]]), np.array([[0], [0.5]])
     ad, bd, c, d, _ = cont2discrete((a, b, np.eye(1, 2), [[0]]), FINE[1], method="foh")
-    x, made = np.zeros((2, values.shape[1])), []
+    x, results = np.zeros((2, values.shape[1])), []
     for force in values:
-        made.append(c @ x + d * force)
+        results.append(c @ x + d * force)
         x = ad @ x + bd * force
-    return np.array(made)[:: (FINE.size - 1) // (TIMES.size - 1), 0]
+    return np.array(results)[:: (FINE.size - 1) // (TIMES.size - 1), 0]
 
 
 BASIS = CubicSpline(KNOTS, np.eye(KNOTS.size))
@@ -72,10 +72,10 @@ def coverage(matrix, exact, wanted, noise, order=2, seen=None, **more) -> tuple[
     rough = blocks(matrix.shape[1] // KNOTS.size, order)
     for _ in range(REPETITIONS):
         data = exact + noise * rng.normal(size=exact.size)
-        known = more.get("known", False)
-        level = noise if known else 1e-3
+        expected = more.get("known", False)
+        level = noise if expected else 1e-3
         problem = Linear(matrix / level, data / level)
-        chosen = _RegularisedProblem(problem, rough, more.get("smoothing", "likelihood"), known)
+        chosen = _RegularisedProblem(problem, rough, more.get("smoothing", "likelihood"), expected)
         try:
             fit, mu, _ = chosen.solve(np.zeros(matrix.shape[1]))
         except da.AnalysisError as error:
@@ -149,10 +149,12 @@ def test_bands_of_joint_forces():
         noise = 1e-4 * np.random.default_rng(seed).normal(size=41)
         data = {"t": times, "mass.x": np.sin(3 * times) + noise}
         paths = da.Kinematics(1.0, outputs=41)
-        found = da.invert(model, data, histories=[way], analysis=paths, order=3)
-        band = found.band("motor.effort", da.InverseDynamics(1.0, outputs=41))
+        inversion = da.invert(model, data, histories=[way], analysis=paths, order=3)
+        band = inversion.band("motor.effort", da.InverseDynamics(1.0, outputs=41))
         low, high = band.interval.T
         exact = -18 * np.sin(3 * band.time)
         share.append(np.mean((low < exact) & (exact < high)))
     assert np.mean(share) > 0.9 and band.deviation.max() < 2
-    assert found.summary()["histories"]["way"]["interval"] == found.intervals["way"].tolist()
+    assert (
+        inversion.summary()["histories"]["way"]["interval"] == inversion.intervals["way"].tolist()
+    )

@@ -38,13 +38,13 @@ def motion(pushed, noise=0.0, seed=0):
 
 def test_a_force_is_found_from_perfect_motion(pushed):
     model, push = pushed
-    found = da.invert(
+    inversion = da.invert(
         *(model, motion(pushed), {"x": "mass.x"}, [push]), analysis=ANALYSIS, smoothing=1e-16
     )
-    assert found.success
+    assert inversion.success
     # the last knots have had no time to move the mass
-    np.testing.assert_allclose(found.values["push"][:-2], wanted(KNOTS)[:-2], atol=2e-3)
-    np.testing.assert_allclose(found.predicted[0].ravel(), motion(pushed)["x"], atol=1e-7)
+    np.testing.assert_allclose(inversion.values["push"][:-2], wanted(KNOTS)[:-2], atol=2e-3)
+    np.testing.assert_allclose(inversion.predicted[0].ravel(), motion(pushed)["x"], atol=1e-7)
 
 
 @pytest.mark.parametrize("choice", ["likelihood", "l-curve", "cross-validation", "discrepancy"])
@@ -52,19 +52,21 @@ def test_noise_is_smoothed_about_as_well_as_can_be(pushed, choice):
     """Against the best of all smoothings, which only one who knows the truth can choose."""
     model, push = pushed
     data, level = motion(pushed, noise=2e-3), {"x": 2e-3}
-    given = {"measures": {"x": "mass.x"}, "histories": [push], "analysis": ANALYSIS}
+    arguments = {"measures": {"x": "mass.x"}, "histories": [push], "analysis": ANALYSIS}
 
     def error(smoothing):
-        found = da.invert(model, data, **given, noise=level, smoothing=smoothing)
-        return np.sqrt(np.mean((found.values["push"][1:-2] - wanted(KNOTS)[1:-2]) ** 2)), found
+        inversion = da.invert(model, data, **arguments, noise=level, smoothing=smoothing)
+        return np.sqrt(
+            np.mean((inversion.values["push"][1:-2] - wanted(KNOTS)[1:-2]) ** 2)
+        ), inversion
 
     best = min(error(mu)[0] for mu in np.logspace(-5, 2, 8))
-    off, found = error(choice)
+    off, computed = error(choice)
     assert off < 4 * best and off < 0.15 * np.std(wanted(KNOTS))
-    assert found.misfit_norm == pytest.approx(np.sqrt(101), rel=0.25)
+    assert computed.misfit_norm == pytest.approx(np.sqrt(101), rel=0.25)
     times = np.array([0.3, 1.1])
     truth = wanted(times)
-    assert abs(found.at("push", times) - truth).max() < 0.2 * np.std(wanted(KNOTS))
+    assert abs(computed.at("push", times) - truth).max() < 0.2 * np.std(wanted(KNOTS))
 
 
 def test_a_drive_is_found_from_the_path(pushed):
@@ -77,13 +79,13 @@ def test_a_drive_is_found_from_the_path(pushed):
     model, times = system.build(), np.linspace(0, 1, 10)
     truth = 0.5 + times**2
     data = {"t": times, "x": 0.5 * np.cos(truth), "y": 0.5 * np.sin(truth)}
-    found = da.invert(
+    inversion = da.invert(
         *(model, data, {"x": "crank.end.x", "y": "crank.end.y"}, [angle]),
         analysis=da.Kinematics(1.0, outputs=11),
         noise={"x": 1e-4, "y": 1e-4},
         smoothing="discrepancy",
     )
-    np.testing.assert_allclose(found.at("angle", times), truth, atol=3e-3)
+    np.testing.assert_allclose(inversion.at("angle", times), truth, atol=3e-3)
 
 
 @pytest.mark.parametrize(
@@ -98,8 +100,8 @@ def test_a_drive_is_found_from_the_path(pushed):
 )
 def test_what_cannot_be_is_told(pushed, more, tells):
     model, push = pushed
-    asked = {"measures": {"x": "mass.x"}, "histories": [push], "analysis": ANALYSIS} | more
+    arguments = {"measures": {"x": "mass.x"}, "histories": [push], "analysis": ANALYSIS} | more
     with pytest.raises(da.DalembertError, match=tells):
-        da.invert(model, motion(pushed, 1e-3), **asked)
+        da.invert(model, motion(pushed, 1e-3), **arguments)
     with pytest.raises(da.ModelError, match="four knots"):
         da.input_history(da.System("few"), "f", [0, 1, 2])

@@ -217,8 +217,8 @@ def test_operators_of_the_tree(name, angles):
     ]
     if not view.equations.massless:
         pairs.append((ca.mtimes(full, inertia.solve(x)), x))
-    found = at_state(view, [side for pair in pairs for side in pair])
-    for one, other in zip(found[::2], found[1::2], strict=True):
+    computed = at_state(view, [side for pair in pairs for side in pair])
+    for one, other in zip(computed[::2], computed[1::2], strict=True):
         np.testing.assert_allclose(one, other, atol=1e-12 * (1 + np.abs(other).max(initial=0)))
 
 
@@ -260,7 +260,7 @@ def test_accelerations_and_reactions_are_the_absolute_ones(name, choice):
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_motion_of_mechanisms_is_the_absolute_one(name, choice):
     """Tight error control: y, v, v̇, λ to 1e-8, and the work, whose error nobody controls."""
-    found, expected = (
+    computed, expected = (
         da.solve_dynamics(
             mechanism(name),
             0.2,
@@ -270,8 +270,8 @@ def test_motion_of_mechanisms_is_the_absolute_one(name, choice):
         )
         for coordinates in (choice, da.AbsoluteCoordinates())
     )
-    assert found.status.success
-    one, other = found.trajectory, expected.trajectory
+    assert computed.status.success
+    one, other = computed.trajectory, expected.trajectory
     assert_same(
         [one.y, one.v, one.a, one.multiplier, one.work],
         [other.y, other.v, other.a, other.multiplier, other.work],

@@ -17,10 +17,10 @@ from dalembert.elements.registry import SPACES
 from dalembert.errors import KeywordError
 
 
-def pendulum():
+def pendulum(angle=None):
     system = da.System("x", gravity=(0.0, -9.81))
     length = system.parameter("length", 0.5, bounds=(0.1, 1.0))
-    bob = system.add(planar.Bar("bob", length=length, mass=1.0))
+    bob = system.add(planar.Bar("bob", length=length, mass=1.0, angle=angle))
     system.add(planar.Revolute("O", system.ground.point(0, 0), bob.start))
     return system, bob, system.build()
 
@@ -178,9 +178,9 @@ def test_typed_keywords_are_the_fields_of_the_analyses(kind):
 
 def test_no_verb_takes_untyped_options():
     for name in da.__all__:
-        found = getattr(da, name)
-        if inspect.isfunction(found) and name.startswith(("solve_", "linearize")):
-            for one in inspect.signature(found).parameters.values():
+        computed = getattr(da, name)
+        if inspect.isfunction(computed) and name.startswith(("solve_", "linearize")):
+            for one in inspect.signature(computed).parameters.values():
                 if one.kind is one.VAR_KEYWORD and name not in (
                     "solve_dynamics",
                     "solve_equilibrium",
@@ -197,3 +197,28 @@ def test_no_verb_takes_untyped_options():
             ):
                 assert node.args.kwarg is not None and node.args.kwarg.annotation is not None
                 assert "Unpack" in ast.unparse(node.args.kwarg.annotation)
+
+
+MANY_FORMS = {
+    "arrays": lambda name: {name: [0.4, 0.5]},
+    "a list": lambda name: [{name: 0.4}, {name: 0.5}],
+    "a table": lambda name: np.array([[0.4], [0.5]]),
+}
+
+
+@pytest.mark.parametrize("form", MANY_FORMS)
+@pytest.mark.parametrize("verb", [da.linearize, da.solve_modes, da.solve_assembly])
+def test_functions_for_one_design_name_those_for_many(verb, form):
+    message = r"parameters: got .*; give name → number for one design.*solve_dynamics.*sweep\("
+    with pytest.raises(da.AnalysisError, match=message):
+        verb(pendulum()[2], parameters=MANY_FORMS[form]("length"))
+
+
+def test_analyses_without_batches_sweep():
+    """The function that the message names works where a batch does not."""
+    design = da.DesignTable.table({"length": [0.4, 0.5]})
+    response = da.at(1, "frequency")
+    study = da.sweep(pendulum(angle=-1.5)[2], design, analysis=da.Modal(), responses=response)
+    frequencies = np.sqrt(1.5 * 9.81 / np.array([0.4, 0.5])) / (2 * np.pi)
+    np.testing.assert_allclose(study.values[:, 0], frequencies)
+    assert study.units[response.label] == "Hz"

@@ -36,16 +36,16 @@ def pendulum() -> da.Model:
 
 
 def check(
-    function: ca.Function, given, count: int, in_lanes: bool, within: float = 0.0, **options
+    function: ca.Function, arguments, count: int, in_lanes: bool, within: float = 0.0, **options
 ) -> None:
     """Every set alone, and all of them side by side; equal within a relative difference."""
     lanes = LaneColumns(function, **options)
     assert (lanes.side_by_side is not None) is in_lanes
-    found, sets = lanes(count, *given), max(g.shape[0] for g in given)
+    computed, sets = lanes(count, *arguments), max(g.shape[0] for g in arguments)
     alone = VirtualMachine().columns(function, **options)
     for s in range(sets):
-        expected = alone(count, *(g[min(s, g.shape[0] - 1)] for g in given))
-        for result, wanted in zip(found, expected, strict=True):
+        expected = alone(count, *(g[min(s, g.shape[0] - 1)] for g in arguments))
+        for result, wanted in zip(computed, expected, strict=True):
             np.testing.assert_allclose(result[s], wanted, rtol=within, atol=within)
 
 
@@ -94,10 +94,10 @@ def test_sines_and_cosines_are_right_within_a_unit_in_the_last_place():
     near = rng.integers(-600_000, 600_000, 4000) * (np.pi / 2)
     spread = [rng.uniform(-size, size, 4000) for size in (1.0, 10.0, 1e6)]
     x = np.concatenate([near, *spread, 10.0 ** rng.uniform(-300, -1, 4000)]).reshape(4, -1)
-    (found,) = turned()(x.shape[1], x[:, None])
+    (computed,) = turned()(x.shape[1], x[:, None])
     for k, function in enumerate((np.sin, np.cos)):
         exact = function(x.astype(np.longdouble))
-        assert (np.abs(found[:, k] - exact) <= np.spacing(np.abs(found[:, k]))).all()
+        assert (np.abs(computed[:, k] - exact) <= np.spacing(np.abs(computed[:, k]))).all()
 
 
 def test_far_angles_are_left_to_the_library_and_change_no_neighbour():
@@ -150,13 +150,13 @@ def test_directions_of_a_step(count):
     )
     lanes = LaneTangents.of(step, Compiled(require_llvm), 10, count)
     rng = np.random.default_rng(1)
-    given = [rng.normal(size=(n, 2 * LANES + 3)) for n in (1, 1, 2)]
+    inputs = [rng.normal(size=(n, 2 * LANES + 3)) for n in (1, 1, 2)]
     changes, rates = rng.normal(size=(2, count)), rng.normal(size=(1, count))
-    found = lanes(changes, given, np.array([0.7]), rates)
+    computed = lanes(changes, inputs, np.array([0.7]), rates)
     for k in range(2 * LANES + 3):
-        at = step.entries(*(g[:, k] for g in given), 0.7)
+        at = step.entries(*(g[:, k] for g in inputs), 0.7)
         changes = step.along.map(count)(changes, np.tile(at.full(), count), rates).full()
-        np.testing.assert_allclose(found[k].T, changes, rtol=1e-12, atol=1e-14)
+        np.testing.assert_allclose(computed[k].T, changes, rtol=1e-12, atol=1e-14)
 
 
 @pytest.mark.parametrize("method", [da.RK4(), da.DormandPrince()], ids=["fixed", "controlled"])
@@ -168,8 +168,8 @@ def test_direct_gradients_side_by_side(method):
         da.solve_dynamics(model, 0.3, integrator=method, backend=backend, **options)
         for backend in ("jit", "vm")
     ]
-    found = [da.sensitivity(run, seen, method="direct").values for run in runs]
-    np.testing.assert_allclose(found[0], found[1], rtol=1e-10, atol=1e-12)
+    computed = [da.sensitivity(run, seen, method="direct").values for run in runs]
+    np.testing.assert_allclose(computed[0], computed[1], rtol=1e-10, atol=1e-12)
 
 
 def test_without_llvm_sets_are_called_one_by_one(monkeypatch):
@@ -183,10 +183,10 @@ def test_threads_may_call_at_once():
     lanes = LaneColumns(ca.Function("step", [x, p], [x + ca.sin(ca.cross(x, p)) / 100]), True, (1,))
     begins = np.random.default_rng(3).normal(size=(4, 8, 3))
     expected = [lanes(2000, begin, 1 + begin)[0] for begin in begins]
-    found: dict[int, np.ndarray] = {}
+    results: dict[int, np.ndarray] = {}
 
     def work(k: int) -> None:
-        (found[k],) = lanes(2000, begins[k], 1 + begins[k])
+        (results[k],) = lanes(2000, begins[k], 1 + begins[k])
 
     threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
     for thread in threads:
@@ -194,7 +194,7 @@ def test_threads_may_call_at_once():
     for thread in threads:
         thread.join()
     for k, values in enumerate(expected):
-        np.testing.assert_array_equal(found[k], values)
+        np.testing.assert_array_equal(results[k], values)
 
 
 def test_arguments_of_a_wrong_size_are_named():

@@ -29,8 +29,8 @@ def test_joints_transmit_what_lasting_contacts_give():
         for chosen in (da.AbsoluteCoordinates(), da.JointCoordinates())
     )
     assert joints.status.success and joints.values("A.normal_force")[-1] > 1
-    found = [motion.values("hinge.force") for motion in (absolute, joints)]
-    np.testing.assert_allclose(*found, atol=1e-5)
+    computed = [motion.values("hinge.force") for motion in (absolute, joints)]
+    np.testing.assert_allclose(*computed, atol=1e-5)
 
 
 PARTITIONED = [
@@ -52,10 +52,10 @@ SETTLING = {"parameters": {"restitution": 0.2}, "outputs": [0.9, 1.0]}
 def test_independent_speeds_follow_the_contacts_that_last(formulation, coordinates, settled):
     """Closed gaps are further constraints: fewer speeds are independent, and others may be."""
     options = {"formulation": formulation, "coordinates": coordinates, **SETTLING}
-    found = da.solve_dynamics(thrown(), 1.0, integrator=da.DormandPrince(), **options)
-    assert found.status.success and settled.values("A.normal_force")[-1] > 1
+    motion = da.solve_dynamics(thrown(), 1.0, integrator=da.DormandPrince(), **options)
+    assert motion.status.success and settled.values("A.normal_force")[-1] > 1
     for name in ("a.x", "b.angle", "A.normal_force", "hinge.force"):
-        np.testing.assert_allclose(found.values(name), settled.values(name), atol=1e-4)
+        np.testing.assert_allclose(motion.values(name), settled.values(name), atol=1e-4)
 
 
 def test_named_independent_speeds_end_where_a_contact_lasts():

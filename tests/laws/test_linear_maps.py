@@ -38,8 +38,8 @@ def jacobian(function):
 
 def test_tangents(function, jacobian):
     unit = np.eye(5)
-    found = function.tangents(5)(*POINT, unit[:3], unit[3:])
-    assert found.full() == pytest.approx(jacobian, abs=1e-14)
+    computed = function.tangents(5)(*POINT, unit[:3], unit[3:])
+    assert computed.full() == pytest.approx(jacobian, abs=1e-14)
 
 
 def test_adjoints(function, jacobian):
@@ -47,8 +47,8 @@ def test_adjoints(function, jacobian):
     weight = ca.MX.sym("w", jacobian.shape[0])
     adjoint = ca.Function("a", [*point, weight], [function.at(*point).adjoint(weight)])
     for k, row in enumerate(jacobian):
-        found = adjoint(*POINT, np.eye(len(jacobian))[k])
-        assert found.full().ravel() == pytest.approx(row, abs=1e-14)
+        computed = adjoint(*POINT, np.eye(len(jacobian))[k])
+        assert computed.full().ravel() == pytest.approx(row, abs=1e-14)
 
 
 def test_adjoints_after_the_prelude(function, jacobian):
@@ -56,17 +56,17 @@ def test_adjoints_after_the_prelude(function, jacobian):
     prelude, _ = function.prepared
     for k, row in enumerate(jacobian):
         back = function.prepared_adjoint(t, x, prelude.values(p), np.eye(len(jacobian))[k])
-        found = [*back.full().ravel()[:3], *prelude.adjoint(p, back[3:]).full().ravel()]
-        assert found == pytest.approx(row, abs=1e-14)
+        computed = [*back.full().ravel()[:3], *prelude.adjoint(p, back[3:]).full().ravel()]
+        assert computed == pytest.approx(row, abs=1e-14)
 
 
 def test_functions_after_the_prelude(function):
     t, x, p = POINT
     values, rest = before(function.function, 2)
-    for exact, found in zip(
+    for exact, computed in zip(
         function.function.call([t, x, p]), rest.call([t, x, values(p)]), strict=True
     ):
-        assert found.full() == pytest.approx(exact.full(), abs=0)
+        assert computed.full() == pytest.approx(exact.full(), abs=0)
 
 
 def test_an_unknown_that_is_identically_zero_can_be_eliminated():

@@ -36,9 +36,9 @@ def test_loop_is_closed(linkage):
     (cosine, sine), there = linkage.closed(q, linkage.branch, theta)  # the same for graphs
     direction = np.array(ca.horzcat(cosine, sine)) @ [1, 1j]
     np.testing.assert_allclose(direction, np.exp(1j * np.array(phi).ravel()), atol=1e-12)
-    known = (np.cos(out), np.sin(out)) if isinstance(there, tuple) else (out,)
+    expected = (np.cos(out), np.sin(out)) if isinstance(there, tuple) else (out,)
     listed = there if isinstance(there, tuple) else (there,)
-    for graph, value in zip(listed, known, strict=True):
+    for graph, value in zip(listed, expected, strict=True):
         np.testing.assert_allclose(np.array(graph).ravel(), value, atol=1e-12)
     sine = np.array(linkage.transmission_sine(q, phi, output)) * linkage.branch
     assert np.all(sine > 0) and linkage.crank_turns
@@ -90,23 +90,23 @@ def test_grashof_kinds():
 @pytest.mark.parametrize(("swing", "advance"), [(40, 0), (60, 10), (90, -15), (50, 20)])
 def test_dead_centres(swing, advance):
     """The follower turns by the swing while the crank turns by 180° and the advance."""
-    made = da.dead_centre_four_bar(math.radians(swing), math.radians(advance), ground=2.0)
-    assert made.kind == "crank-rocker" and made.ground == 2.0
+    linkage = da.dead_centre_four_bar(math.radians(swing), math.radians(advance), ground=2.0)
+    assert linkage.kind == "crank-rocker" and linkage.ground == 2.0
     turn = np.linspace(0, 2 * math.pi, 200_001)
-    psi = np.unwrap(made.output(turn))
+    psi = np.unwrap(linkage.output(turn))
     assert math.degrees(np.ptp(psi)) == pytest.approx(swing, abs=1e-5)
     way = math.degrees(abs(turn[np.argmax(psi)] - turn[np.argmin(psi)]))
     assert min(way, 360 - way) == pytest.approx(180 - abs(advance), abs=0.02)
-    assert made.transmission() > 0
+    assert linkage.transmission() > 0
     if advance == 0:  # the sizes of a centric crank–rocker, and the best of them
         half = math.sin(math.radians(swing) / 2)
-        assert made.crank**2 + 4.0 == pytest.approx(made.coupler**2 + made.follower**2)
-        assert made.crank == pytest.approx(made.follower * half)
+        assert linkage.crank**2 + 4.0 == pytest.approx(linkage.coupler**2 + linkage.follower**2)
+        assert linkage.crank == pytest.approx(linkage.follower * half)
         f = np.linspace(0.2 / half, 1.99 / half, 100_001)  # no crank below a tenth
         with np.errstate(invalid="ignore"):
             c = np.sqrt(4 + (f * half) ** 2 - f**2)
             best = np.nanmax(np.arccos(2 * half * f / (c * f)))
-        assert made.transmission() == pytest.approx(best, abs=1e-4)
+        assert linkage.transmission() == pytest.approx(best, abs=1e-4)
 
 
 def test_no_such_dead_centres():

@@ -11,8 +11,8 @@ from live_modules import Modules
 
 import dalembert as da
 from dalembert import planar, spatial
-from dalembert.results.live import Row
 from dalembert.results.mechanism_modes import MEASURES
+from dalembert.results.sources import Row
 from dalembert.sensitivity.gradient import history_gradients
 
 VALUES, GRADIENTS = 1e-9, 1e-8

@@ -16,7 +16,7 @@ from spatial_registry import SPATIAL_CASES, any_model_of
 from units import Units
 
 import dalembert as da
-from dalembert.results.live import Row
+from dalembert.results.sources import Row
 from dalembert.sensitivity.samples import take_sample
 
 NAMES = [*CASES, *SPATIAL_CASES]

@@ -8,7 +8,7 @@ from live_modules import Modules, Outcome
 
 import dalembert as da
 from dalembert import planar
-from dalembert.results.live import Row
+from dalembert.results.sources import Row
 
 GRAVITY = (0.0, -9.81)
 

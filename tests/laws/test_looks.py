@@ -42,22 +42,24 @@ def still(model: da.Model):
 
 @pytest.mark.parametrize("name", ELEMENTS)
 def test_every_element_looks_like_something(name):
-    found = ELEMENTS[name]
-    made = [
+    computed = ELEMENTS[name]
+    results = [
         element
         for case in CASES
         for element in model_of(case).parts.elements.values()
-        if type(element) is found
+        if type(element) is computed
     ]
-    if found is planar.UnilateralConstraint:  # no force, so among no forces
-        made = [found("floor", planar.Particle("ball", mass=1.0).y, restitution=0)]
-    if found is planar.Collisions:
-        made = [found("contacts", [planar.contact.Circle(planar.Particle("ball", mass=1.0), 0.1)])]
-    assert made or found is planar.FlexibleBody  # of a structure, see its own laws
-    for element in made:
+    if computed is planar.UnilateralConstraint:  # no force, so among no forces
+        results = [computed("floor", planar.Particle("ball", mass=1.0).y, restitution=0)]
+    if computed is planar.Collisions:
+        results = [
+            computed("contacts", [planar.contact.Circle(planar.Particle("ball", mass=1.0), 0.1)])
+        ]
+    assert results or computed is planar.FlexibleBody  # of a structure, see its own laws
+    for element in results:
         shown = element.look()
         assert all(isinstance(part, Look) for part in shown)
-        assert shown or made[0].not_drawn, "it draws nothing and does not say why"
+        assert shown or results[0].not_drawn, "it draws nothing and does not say why"
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -68,8 +70,8 @@ def test_every_case_can_be_drawn(name):
     assert all({"name", "description", "symbol"} <= item.keys() for item in drawn)
     bodies = {"ground", *(b.name for b in motion.model.bodies)}
     assert {item["body"] for item in drawn if "body" in item} <= bodies
-    known = set(motion.model.parts.elements)
-    assert {item["name"] for item in drawn} <= known
+    expected = set(motion.model.parts.elements)
+    assert {item["name"] for item in drawn} <= expected
     for item in drawn:
         for key in ("force_x", "at_x", "moment"):
             assert len(item.get(key, motion.time)) == motion.time.size
@@ -111,14 +113,14 @@ def test_drawings_of_structures_draw_their_primitives():
 def test_every_element_of_space_looks_like_something(section, name, tmp_path):
     if name == "Mesh":
         pytest.importorskip("trimesh")
-    made = written(section, name, tmp_path)
-    shown, joint = made.look(), vars(made).get("joint")
-    assert shown or made.not_drawn, "it draws nothing and does not say why"
+    path = written(section, name, tmp_path)
+    shown, joint = path.look(), vars(path).get("joint")
+    assert shown or path.not_drawn, "it draws nothing and does not say why"
     drawn = [vars(kind)["draw"].dispatcher.dispatch for kind in (SpatialPrimitives, Primitives)]
     for part in shown:
         assert any(d(type(part)) is not d(Look) for d in drawn)
         for point in (v for v in vars(part).values() if isinstance(v, Point)):
-            assert point.body in {*made.parts(), *(joint.ends() if joint else ())}
+            assert point.body in {*path.parts(), *(joint.ends() if joint else ())}
 
 
 def undrawn(primitives: type[Primitives]) -> set[type]:
@@ -224,8 +226,8 @@ def wheels() -> tuple[da.System, list]:
     """Two wheels on parallel hinges."""
     system, axis, hinges = da.System("wheels"), (0, 1, 0), []
     for k in range(2):
-        given = {"mass": 1, "inertia": (1, 1, 1), "position": (k, 0, 0)}
-        wheel = system.add(spatial.Body(f"w{k}", **given))
+        arguments = {"mass": 1, "inertia": (1, 1, 1), "position": (k, 0, 0)}
+        wheel = system.add(spatial.Body(f"w{k}", **arguments))
         seat = system.ground.frame((k, 0, 0), axis=axis)
         hinge = spatial.Revolute(f"O{k}", seat, wheel.frame((0, 0, 0), axis=axis))
         hinges.append(system.add(hinge))

@@ -155,5 +155,5 @@ def spinning(carried: bool) -> da.Model:
 @pytest.mark.parametrize("carried", [True, False])
 def test_modes_of_an_instant_are_told(carried):
     """A spinning wheel: steady by its joint, but not where it carries what does not spin."""
-    found = da.linearize(spinning(carried), equilibrium=False, coordinates=da.JointCoordinates())
-    assert bool(found.warnings) is not carried
+    modes = da.linearize(spinning(carried), equilibrium=False, coordinates=da.JointCoordinates())
+    assert bool(modes.warnings) is not carried

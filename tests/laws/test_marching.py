@@ -23,9 +23,9 @@ def test_no_step_is_attempted_at_the_end(steps):
     attempt = Attempt(ca.Function("counted", [state, fixed], out), ())
     march = AdaptiveMarch(lambda mode: attempt)
     h = 2.0**-5  # exact in binary, so that the last step arrives
-    found = march.run(0.0, steps * h, np.zeros(1), np.zeros(0), h, 1.0, 0, Watch())
-    assert found.count == steps
-    np.testing.assert_array_equal(found.x, [np.arange(steps + 1.0)])
+    trajectory = march.run(0.0, steps * h, np.zeros(1), np.zeros(0), h, 1.0, 0, Watch())
+    assert trajectory.count == steps
+    np.testing.assert_array_equal(trajectory.x, [np.arange(steps + 1.0)])
 
 
 def falling() -> da.Model:

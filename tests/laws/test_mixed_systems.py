@@ -101,14 +101,14 @@ def beside_a_body(name: str) -> da.Model:
 def test_a_rigid_body_beside_it_changes_nothing(name):
     structure, mechanism = alone(name), beside_a_body(name)
     assert isinstance(structure, da.StructuralModel) and isinstance(mechanism, da.Model)
-    expected, found = (da.solve_equilibrium(model) for model in (structure, mechanism))
+    expected, computed = (da.solve_equilibrium(model) for model in (structure, mechanism))
     node = DRAWN[name][1]
     directions = ["ux", "uy", "uz"][: structure.degrees.dimension]
     directions += ["rz"] if name == "frame" else []
-    known = np.array([np.ravel(expected[f"{node}.{d}"])[-1] for d in directions])
-    assert np.abs(known).max() > 1e-5
-    got = [float(found[f"{node}.{d}"].values[-1]) for d in directions]
-    np.testing.assert_allclose(got, known, rtol=1e-9, atol=1e-9 * np.abs(known).max())
+    reference = np.array([np.ravel(expected[f"{node}.{d}"])[-1] for d in directions])
+    assert np.abs(reference).max() > 1e-5
+    got = [float(computed[f"{node}.{d}"].values[-1]) for d in directions]
+    np.testing.assert_allclose(got, reference, rtol=1e-9, atol=1e-9 * np.abs(reference).max())
 
 
 @pytest.mark.parametrize("name", ["bars", "frame", "space frame", "solid"])
@@ -122,11 +122,11 @@ def test_vibrations_beside_a_rigid_body_are_those_of_the_structure(name):
     at_rest(structure), at_rest(mechanism)
     kinds = planar if structure.dimension == 2 else spatial
     mechanism.add(kinds.Particle("stone", mass=1.0))
-    known = np.sort(da.solve_modes(structure.build(), count=3).data["frequency"].values)
+    expected = np.sort(da.solve_modes(structure.build(), count=3).data["frequency"].values)
     linear = da.linearize(mechanism.build(), equilibrium=False)
-    found = np.sort(linear.data["frequency"].values)
-    found = found[found > 1e-3 * known[0]][: known.size]
-    np.testing.assert_allclose(found, known, rtol=1e-9)
+    computed = np.sort(linear.data["frequency"].values)
+    computed = computed[computed > 1e-3 * expected[0]][: expected.size]
+    np.testing.assert_allclose(computed, expected, rtol=1e-9)
 
 
 def test_a_body_at_a_node_is_a_point_mass_and_inertia():
@@ -141,21 +141,21 @@ def test_a_body_at_a_node_is_a_point_mass_and_inertia():
     structure.add(structures.PointInertia("J", tip, inertia_z=0.02))
     block = mechanism.add(planar.Body("block", mass=0.7, inertia=0.02, position=(1, 0)))
     mechanism.add(planar.Weld("hold", mechanism.nodes["D"], block.center))
-    known = da.solve_modes(structure.build(), count=3).data["frequency"].values
+    computed = da.solve_modes(structure.build(), count=3).data["frequency"].values
     linear = da.linearize(mechanism.build(), equilibrium=False)
-    found = np.sort(linear.data["frequency"].values)[:3]
-    np.testing.assert_allclose(found, np.sort(known), rtol=1e-9)
+    values = np.sort(linear.data["frequency"].values)[:3]
+    np.testing.assert_allclose(values, np.sort(computed), rtol=1e-9)
 
 
 def test_reactions_and_elements_have_the_same_measures():
     structure, mechanism = alone("bars"), beside_a_body("bars")
-    expected, found = da.solve_equilibrium(structure), da.solve_equilibrium(mechanism)
+    expected, equilibrium = da.solve_equilibrium(structure), da.solve_equilibrium(mechanism)
     for k in range(5):
-        known = float(np.ravel(expected[f"bar{k}.force"])[-1])
-        assert found[f"bar{k}.force"].values[-1] == pytest.approx(known, rel=1e-9)
-    reaction = found["A_support.force"].values[-1]
-    known = [float(np.ravel(expected[f"A.f{axis}"])[-1]) for axis in "xy"]
-    np.testing.assert_allclose(reaction, known, rtol=1e-9)
+        computed = float(np.ravel(expected[f"bar{k}.force"])[-1])
+        assert equilibrium[f"bar{k}.force"].values[-1] == pytest.approx(computed, rel=1e-9)
+    reaction = equilibrium["A_support.force"].values[-1]
+    computed = [float(np.ravel(expected[f"A.f{axis}"])[-1]) for axis in "xy"]
+    np.testing.assert_allclose(reaction, computed, rtol=1e-9)
 
 
 def test_a_system_of_finite_elements_is_a_structure():
@@ -184,13 +184,13 @@ def test_the_start_of_nodes_is_checked():
         system.support(a, ux=0.0, uy=0.0)
         return system, a, b
 
-    for given in ({"value": 0.1}, {}):
+    for start in ({"value": 0.1}, {}):
         system, _, b = plucked()
         with pytest.raises(da.ModelError, match="b: gets no initial motion; give one of ux, uy"):
-            system.initial(b, **given)
-    for given in ({}, {"value": 0.1, "vx": 1.0}):
+            system.initial(b, **start)
+    for start in ({}, {"value": 0.1, "vx": 1.0}):
         with pytest.raises(da.ModelError, match="initial: a measure takes one value"):
-            system.initial(b.body.x, **given)
+            system.initial(b.body.x, **start)
     for name in ("vy", "uy"):
         system, a, _ = plucked()
         system.initial(a, **{name: 1.0})
@@ -249,7 +249,7 @@ REFUSED = [
     (lambda s, b: s.heat(s.elements["bar"], temperature=1.0), "no thermal expansion"),
     (lambda s, b: s.line_load(s.elements["bar"], qy=1.0), "line_load: is not available in mech"),
     (lambda s, b: s.support(b, rz=0.0), "support b: rz: no element turns this node"),
-    (lambda s, b: s.load(b, mz=1.0), "load b: rz: no element turns this node"),
+    (lambda s, b: s.load(b, mz=1.0), "load b: mz: no element turns this node"),
     (lambda s, b: s.support(b) or s.support(b, ux=0.1), "is fixed, and ux is prescribed as 0.1"),
     (lambda s, b: s.support(b, uz=0.0), "b: unknown direction 'uz'; known: ux, uy, rz"),
     (lambda s, b: s.node("stone", 1.0, 1.0), "stone: the name is already used"),

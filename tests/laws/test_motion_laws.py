@@ -68,8 +68,8 @@ def test_derivatives_are_slopes(name, order):
     times, h = _apart(TIMES, [*breaks, -0.5, 2.6]), 1e-3
     shifted = {d: derivatives(name, times + d * h)[order - 1] for d in (-2, -1, 1, 2)}
     slope = (8 * (shifted[1] - shifted[-1]) - (shifted[2] - shifted[-2])) / (12 * h)
-    found = derivatives(name, times)[order]
-    np.testing.assert_allclose(found, slope, atol=1e-7 * (1 + np.abs(found).max()))
+    computed = derivatives(name, times)[order]
+    np.testing.assert_allclose(computed, slope, atol=1e-7 * (1 + np.abs(computed).max()))
 
 
 @pytest.mark.parametrize("name", [n for n, law in LAWS.items() if law.breaks])
@@ -117,9 +117,9 @@ def test_cubic_spline_is_scipys(gaps, periodic, ends, seed):
     function = ca.Function("s", [x], [ca.vertcat(s, first, ca.jacobian(first, x))])
     theirs = SciPySpline(knots, values, bc_type="periodic" if periodic else ends)
     places = np.sort(np.concatenate([knots[:-1], np.linspace(knots[0], knots[-1], 40)[:-1]]))
-    found = function(places[None, :]).full()
+    computed = function(places[None, :]).full()
     for order in range(3):
-        np.testing.assert_allclose(found[order], theirs(places, order), atol=1e-9)
+        np.testing.assert_allclose(computed[order], theirs(places, order), atol=1e-9)
 
 
 @pytest.mark.parametrize("ends", [*ENDS, "periodic"])
@@ -146,14 +146,14 @@ def test_splines_are_differentiable_by_their_knots_and_values(rows, ends):
             table[-1] = table[0]
         return SciPySpline(numbers[:rows], table, bc_type=ends)
 
-    given, h = np.concatenate([knots, values]), 1e-5
+    inputs, h = np.concatenate([knots, values]), 1e-5
     for place in np.linspace(knots[0] + 0.1, knots[-1] - 0.1, 7):
-        found = slopes(place, knots, values).full().ravel()
+        computed = slopes(place, knots, values).full().ravel()
         wanted = [
-            (theirs(given + h * e)(place) - theirs(given - h * e)(place)) / (2 * h)
+            (theirs(inputs + h * e)(place) - theirs(inputs - h * e)(place)) / (2 * h)
             for e in np.eye(2 * rows)
         ]
-        np.testing.assert_allclose(found, wanted, atol=1e-8)
+        np.testing.assert_allclose(computed, wanted, atol=1e-8)
 
 
 @pytest.mark.parametrize("periodic", [False, True])
@@ -166,8 +166,8 @@ def test_large_tables_are_looked_up(periodic):
     first = ca.jacobian(s, x)
     function = ca.Function("s", [x], [ca.vertcat(s, first, ca.jacobian(first, x))])
     inside = np.array([0.0, 0.3, 3.0, 6.2])
-    found = function(inside[None, :]).full()
-    np.testing.assert_allclose(found[:2], [np.sin(inside), np.cos(inside)], atol=1e-9)
+    computed = function(inside[None, :]).full()
+    np.testing.assert_allclose(computed[:2], [np.sin(inside), np.cos(inside)], atol=1e-9)
     beyond = function(np.array([[2 * np.pi + 0.5, -0.5]])).full()[0]
     wanted = np.sin([0.5, -0.5]) if periodic else [0.5, -0.5]
     np.testing.assert_allclose(beyond, wanted, atol=1e-9)
@@ -214,6 +214,6 @@ def test_rows_that_do_not_increase_with_some_parameters():
 
 def test_laws_add_and_multiply_with_formulas_and_numbers():
     law, k, x = Polynomial(velocity=2.0), da.System("k").parameter("k", 3.0), ca.SX.sym("x")
-    made = k * law - 1 + t * law - (-law) + np.float64(2.0) * law
-    function = ca.Function("f", [x, k.sx], [made.value(x)])
+    combination = k * law - 1 + t * law - (-law) + np.float64(2.0) * law
+    function = ca.Function("f", [x, k.sx], [combination.value(x)])
     assert float(function(0.5, 3.0)) == pytest.approx(3 * 1 - 1 + 0.5 + 1 + 2)

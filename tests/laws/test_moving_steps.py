@@ -83,11 +83,11 @@ def test_fixed_steps_that_follow_parameters(name):
 def test_certificates_run_fixed_steps_anew():
     """A gradient that holds the steps is contradicted; 2.6 % were lacking here."""
     motion = da.solve_dynamics(pendulum(), backend="vm", **RUNS["default steps"])
-    found = da.sensitivity(motion, RESPONSES[:2], certificate=True)
-    assert found.attrs["certificate"].passed
-    assert not any("at fixed times" in line for line in found.attrs["certificate"].summary())
+    gradient = da.sensitivity(motion, RESPONSES[:2], certificate=True)
+    assert gradient.attrs["certificate"].passed
+    assert not any("at fixed times" in line for line in gradient.attrs["certificate"].summary())
     differences = da.sensitivity(motion, RESPONSES[:2], method="finite-difference")
-    np.testing.assert_allclose(differences, found, rtol=1e-8)
+    np.testing.assert_allclose(differences, gradient, rtol=1e-8)
 
 
 def test_steps_of_structures_that_follow_parameters_are_refused():
@@ -143,20 +143,20 @@ def test_responses_over_impacts_that_move(options):
     options = {"duration": 1.0, "backend": "vm"} | options
     motion = da.solve_dynamics(bouncing_ball(), **options)
     assert len(motion.impacts) == 2
-    found = da.sensitivity(motion, BOUNCES, method="direct")
+    gradient = da.sensitivity(motion, BOUNCES, method="direct")
     adjoint = da.sensitivity(motion, BOUNCES, method="adjoint").values
     wanted = np.column_stack(
         [whole_runs(bouncing_ball(), BOUNCES, p, h=1e-5, **options) for p in ("height", "cr")]
     )
     size = np.abs(wanted).max(axis=1, keepdims=True) + 1e-9
-    np.testing.assert_allclose(found / size, adjoint / size, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(found / size, wanted / size, rtol=0, atol=1e-6)
-    assert not any("jumps" in note for note in found.attrs["notes"])
+    np.testing.assert_allclose(gradient / size, adjoint / size, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(gradient / size, wanted / size, rtol=0, atol=1e-6)
+    assert not any("jumps" in note for note in gradient.attrs["notes"])
     if "outputs" not in options:  # closed form: v = -√(2 g H)
-        assert found.values[1] == pytest.approx([-np.sqrt(10 / (2 * 0.83)), 0], abs=1e-6)
+        assert gradient.values[1] == pytest.approx([-np.sqrt(10 / (2 * 0.83)), 0], abs=1e-6)
 
 
 def test_a_certificate_over_impacts():
     motion = da.solve_dynamics(bouncing_ball(), 0.6, step=0.013, backend="vm")
-    found = da.sensitivity(motion, BOUNCES[3:5], ["height"], certificate=True)
-    assert found.attrs["certificate"].passed
+    gradient = da.sensitivity(motion, BOUNCES[3:5], ["height"], certificate=True)
+    assert gradient.attrs["certificate"].passed

@@ -63,20 +63,20 @@ def test_gradients_are_those_of_whole_runs(driven, times):
 
     motion = solve()
     responses = RESPONSES if "step" not in times else RESPONSES[:3]  # whose count of outputs jumps
-    found = {
+    results = {
         method: da.sensitivity(motion, responses, method=method).values
         for method in ("direct", "adjoint")
     }
     wanted = np.column_stack([whole_runs(solve, model, responses, n) for n in ("speed", "length")])
-    np.testing.assert_allclose(found["direct"], wanted, rtol=2e-6, atol=2e-6 * abs(wanted).max())
-    np.testing.assert_allclose(found["direct"], found["adjoint"], rtol=1e-10, atol=1e-12)
+    np.testing.assert_allclose(results["direct"], wanted, rtol=2e-6, atol=2e-6 * abs(wanted).max())
+    np.testing.assert_allclose(results["direct"], results["adjoint"], rtol=1e-10, atol=1e-12)
 
 
 def test_a_whole_turn_is_one_at_any_speed():
     """Closed form: after ``2π/ω`` the crank stands where it began; its mean height is none."""
     motion = da.solve_kinematics(crank(True), "2*pi/speed", outputs=65)
-    found = da.sensitivity(motion, [da.final("crank.end.x"), da.mean("crank.end.y")], ["speed"])
-    np.testing.assert_allclose(found.values, 0.0, atol=1e-10)
+    gradient = da.sensitivity(motion, [da.final("crank.end.x"), da.mean("crank.end.y")], ["speed"])
+    np.testing.assert_allclose(gradient.values, 0.0, atol=1e-10)
     checked = da.sensitivity(motion, da.final("crank.end.x"), ["speed"], certificate=True)
     assert checked.attrs["certificate"].passed
     assert "at fixed times" not in checked.attrs["certificate"].summary()[-1]

@@ -21,12 +21,14 @@ def pendulum() -> da.Model:
 
 
 def spring() -> da.StructuralModel:
-    made = da.Structure("spring")
-    end = made.node("end", 0.0)
-    made.add(structures.GroundSpring("k", end, stiffness_x=made.parameter("stiffness", 4.0)))
-    made.add(structures.PointMass("m", end, mass=1.0))
-    made.load(end, fx=1.0)
-    return made.build()
+    structure = da.Structure("spring")
+    end = structure.node("end", 0.0)
+    structure.add(
+        structures.GroundSpring("k", end, stiffness_x=structure.parameter("stiffness", 4.0))
+    )
+    structure.add(structures.PointMass("m", end, mass=1.0))
+    structure.load(end, fx=1.0)
+    return structure.build()
 
 
 RESULTS = {
@@ -88,15 +90,15 @@ def test_too_many_arguments_are_counted(name: str) -> None:
         pytest.skip("takes any number")
     with pytest.raises(TypeError) as raised:
         PARTS[name](*["x"] * (len(ordered) + 1))
-    told = str(raised.value)
-    assert f"{len(ordered) + 1} argument(s) without a keyword" in told
-    assert all(each in told for each in ordered)
-    assert not by_name or any(f"{each}=" in told for each in by_name)
+    message = str(raised.value)
+    assert f"{len(ordered) + 1} argument(s) without a keyword" in message
+    assert all(each in message for each in ordered)
+    assert not by_name or any(f"{each}=" in message for each in by_name)
 
 
 def test_a_name_serves_a_parameter_and_an_element() -> None:
     """The gradient by a parameter called like a body is that by any other name."""
-    found = []
+    results = []
     for name in ("bob", "e", "u", "size"):
         system = da.System("pendulum", gravity=(0, -9.81))
         length = system.parameter(name, 0.5, "m")
@@ -104,8 +106,8 @@ def test_a_name_serves_a_parameter_and_an_element() -> None:
         system.add(planar.Revolute("t", system.ground.center, bob.start))
         motion = da.solve_dynamics(system.build(), 0.2, step=0.02)
         measure = da.final(f"t.force_norm + 3*{name} + 0*t")
-        found.append(da.sensitivity(motion, measure).item())
-    assert len(set(found)) == 1
+        results.append(da.sensitivity(motion, measure).item())
+    assert len(set(results)) == 1
 
 
 def test_reserved_names_state_their_meaning() -> None:

@@ -41,14 +41,14 @@ def structure(integrator):
 @pytest.mark.parametrize("integrator", FAMILY, ids=IDS)
 def test_mechanisms_and_structures_take_the_same_steps(integrator):
     """The force begins level, so that methods with memory begin alike as well."""
-    found = []
-    for made in (mechanism, structure):
-        motion, names, offset = made(integrator)
+    results = []
+    for solve in (mechanism, structure):
+        motion, names, offset = solve(integrator)
         values = np.array([motion.values(motion.model.expression(name)) for name in names])
         values[0] -= offset
         slope = da.sensitivity(motion, [da.final(name) for name in names], method="adjoint").values
-        found.append((values, slope))
-    (values, slopes), (others, other_slopes) = found
+        results.append((values, slope))
+    (values, slopes), (others, other_slopes) = results
     np.testing.assert_allclose(values, others, atol=1e-11)
     np.testing.assert_allclose(slopes, other_slopes, atol=1e-10)
 

@@ -47,10 +47,10 @@ class Scalar(Equations):
 
 def test_convergence_is_quadratic():
     circle = Circle()
-    found = solve(circle, np.array([2.0, 0.3]), TIGHT)
+    root = solve(circle, np.array([2.0, 0.3]), TIGHT)
     errors = np.array([s for s in circle.sizes if s > 1e-12])
-    assert found.ending is Ending.CONVERGED and found.accepted
-    np.testing.assert_allclose(found.x, np.array([2.0, 1.0]) / np.sqrt(5), rtol=1e-14)
+    assert root.ending is Ending.CONVERGED and root.accepted
+    np.testing.assert_allclose(root.x, np.array([2.0, 1.0]) / np.sqrt(5), rtol=1e-14)
     assert np.all(errors[2:] < 2 * errors[1:-1] ** 2)
 
 
@@ -84,38 +84,38 @@ def test_rounding_stands_still_and_is_accepted_only_below_a_stated_residual():
         return noise * (np.floor((x - np.pi) / noise) + 0.5)
 
     settings = NewtonSettings(tolerance=1e-14, max_iterations=50)
-    found = solve(Scalar(noisy, lambda x: 1.0), np.array([4.0]), settings)
-    assert found.ending is Ending.STANDSTILL and found.accepted and found.iterations < 6
+    root = solve(Scalar(noisy, lambda x: 1.0), np.array([4.0]), settings)
+    assert root.ending is Ending.STANDSTILL and root.accepted and root.iterations < 6
     strict = NewtonSettings(tolerance=1e-14, max_iterations=50, slack=2.0)
-    found = solve(Scalar(noisy, lambda x: 1.0), np.array([4.0]), strict)
-    assert not found.accepted and found.residual > 1e-13
-    told = Scalar(noisy, lambda x: 1.0, rounding=2 * noise)
-    assert solve(told, np.array([4.0]), strict).ending is Ending.CONVERGED
+    root = solve(Scalar(noisy, lambda x: 1.0), np.array([4.0]), strict)
+    assert not root.accepted and root.residual > 1e-13
+    equation = Scalar(noisy, lambda x: 1.0, rounding=2 * noise)
+    assert solve(equation, np.array([4.0]), strict).ending is Ending.CONVERGED
 
 
 def test_a_residual_without_a_root_stands_above_it():
-    found = solve(Scalar(lambda x: x**2 + 1, lambda x: 2 * x, 1.0), np.array([0.7]), TIGHT)
-    assert found.ending is Ending.STANDSTILL and not found.accepted
-    assert found.residual > 0.5
+    root = solve(Scalar(lambda x: x**2 + 1, lambda x: 2 * x, 1.0), np.array([0.7]), TIGHT)
+    assert root.ending is Ending.STANDSTILL and not root.accepted
+    assert root.residual > 0.5
 
 
 @pytest.mark.parametrize("start", [np.nan, np.inf, 0.9])
 def test_nan_is_never_a_solution(start):
     broken = Scalar(lambda x: 2.0 if x == 0.9 else np.nan, lambda x: -1.0)
-    found = solve(broken, np.array([start]), TIGHT)
-    assert found.ending is Ending.NOT_FINITE and not found.accepted
+    root = solve(broken, np.array([start]), TIGHT)
+    assert root.ending is Ending.NOT_FINITE and not root.accepted
 
 
 def test_a_flat_equation_is_singular():
-    found = solve(Scalar(lambda x: 1.0, lambda x: 0.0), np.array([1.0]), TIGHT)
-    assert found.ending is Ending.SINGULAR and not found.accepted
+    root = solve(Scalar(lambda x: 1.0, lambda x: 0.0), np.array([1.0]), TIGHT)
+    assert root.ending is Ending.SINGULAR and not root.accepted
 
 
 def test_what_ends_early_keeps_the_best_point():
     slow = NewtonSettings(tolerance=1e-14, max_iterations=2)
-    found = solve(Scalar(lambda x: x**3, lambda x: 3 * x**2), np.array([1.0]), slow)
-    assert found.ending is Ending.ITERATIONS and found.iterations == 2
-    np.testing.assert_allclose(found.x, (2 / 3) ** 2)
+    root = solve(Scalar(lambda x: x**3, lambda x: 3 * x**2), np.array([1.0]), slow)
+    assert root.ending is Ending.ITERATIONS and root.iterations == 2
+    np.testing.assert_allclose(root.x, (2 / 3) ** 2)
 
 
 def test_nothing_left_of_nothing_is_solved():
@@ -139,8 +139,8 @@ def test_positions_may_be_points_of_a_manifold():
             c, s = np.cos(step[0]), np.sin(step[0])
             return np.array([c * x[0] - s * x[1], s * x[0] + c * x[1]])
 
-    found = solve(Across(), np.array([1.0, 0.0]), TIGHT)
-    np.testing.assert_allclose(np.abs(found.x), [0.8, 0.6], rtol=1e-14)
+    root = solve(Across(), np.array([1.0, 0.0]), TIGHT)
+    np.testing.assert_allclose(np.abs(root.x), [0.8, 0.6], rtol=1e-14)
 
 
 def test_shorter_steps_may_be_other_steps():
@@ -157,8 +157,8 @@ def test_shorter_steps_may_be_other_steps():
                 normal = jacobian.T @ jacobian + self.damping * np.eye(2)
                 yield -np.linalg.solve(normal, jacobian.T @ (residual.value / residual.scale))
 
-    found = solve(
+    root = solve(
         Marquardt(), np.zeros(2) + 1e-3, NewtonSettings(tolerance=1e-13, max_iterations=99)
     )
-    assert found.accepted
-    np.testing.assert_allclose(np.abs(found.x), np.array([2.0, 1.0]) / np.sqrt(5), rtol=1e-12)
+    assert root.accepted
+    np.testing.assert_allclose(np.abs(root.x), np.array([2.0, 1.0]) / np.sqrt(5), rtol=1e-12)

@@ -73,8 +73,8 @@ def test_every_choice_rolls_the_same_way(name):
     best = da.solve_dynamics(
         model, 0.5, outputs=[0.5], integrator=da.DormandPrince853(1e-12, 1e-12)
     )
-    found, known = (one["disc.position"].values[-1] for one in (motion, best))
-    np.testing.assert_allclose(found, known, atol=1e-7 if name == "Penalty" else 1e-6)
+    computed, expected = (one["disc.position"].values[-1] for one in (motion, best))
+    np.testing.assert_allclose(computed, expected, atol=1e-7 if name == "Penalty" else 1e-6)
     assert abs(float(motion.data.velocity_violation[-1])) < 1e-6
 
 
@@ -146,10 +146,10 @@ def test_chaplygin_sledge():
     def rate(_, s):
         return [a * s[1] ** 2, -m * a * s[0] * s[1] / (j + m * a**2)]
 
-    known = solve_ivp(rate, (0, 2), [1.0, 0.7], t_eval=times, rtol=1e-12, atol=1e-13).y
-    np.testing.assert_allclose(motion["b.angular_velocity"].values[:, 2], known[1], atol=1e-9)
+    expected = solve_ivp(rate, (0, 2), [1.0, 0.7], t_eval=times, rtol=1e-12, atol=1e-13).y
+    np.testing.assert_allclose(motion["b.angular_velocity"].values[:, 2], expected[1], atol=1e-9)
     speed = np.linalg.norm(motion["b.velocity"].values, axis=1)
-    np.testing.assert_allclose(speed, known[0], atol=1e-9)
+    np.testing.assert_allclose(speed, expected[0], atol=1e-9)
 
 
 def skater(speeds: bool = True, bent: bool = False) -> da.Model:

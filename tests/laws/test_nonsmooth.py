@@ -187,7 +187,7 @@ def test_what_may_be_is_told_where_it_is_much():
     scheme = da.MoreauJean(projection=False)
     motion = da.solve_nonsmooth(bouncing_ball(0.7), 0.8, step=1.7e-2, integrator=scheme)
     assert motion.status.success
-    assert any("a gap of floor is -0.0" in told for told in motion.warnings)
+    assert any("a gap of floor is -0.0" in warning for warning in motion.warnings)
 
 
 def test_joints_that_cannot_be_closed_end_the_run():

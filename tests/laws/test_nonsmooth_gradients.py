@@ -30,9 +30,9 @@ def both(motion: da.Motion, *responses) -> np.ndarray:
 
 
 def confirmed(motion: da.Motion, *responses) -> None:
-    found = both(motion, *responses)
+    gradient = both(motion, *responses)
     values = da.sensitivity(motion, list(responses), method=da.FiniteDifference("richardson"))
-    np.testing.assert_allclose(found, values.values, rtol=1e-5, atol=1e-7 * abs(found).max())
+    np.testing.assert_allclose(gradient, values.values, rtol=1e-5, atol=1e-7 * abs(gradient).max())
 
 
 def bouncing() -> da.Model:
@@ -59,8 +59,8 @@ def test_bouncing_ball(projection):
     end = [da.final("ball.y"), da.final("ball.vy")]
     errors = []
     for step in (2e-2, 5e-3):
-        found = both(run(bouncing(), 1.9, step, integrator=scheme), *end)
-        errors.append(abs(found / exact - 1).max())
+        gradient = both(run(bouncing(), 1.9, step, integrator=scheme), *end)
+        errors.append(abs(gradient / exact - 1).max())
     assert errors[0] < 0.4
     assert errors[1] < 0.06
 
@@ -75,8 +75,8 @@ def test_two_elastic_discs():
         like = {"mass": 1.0, "inertia": 0.1, "position": (x, 0.0), "velocity": (speed, 0.0)}
         discs.append(planar.contact.Circle(system.add(planar.Body(name, **like)), 0.1))
     system.add(planar.Collisions("discs", discs, restitution=1.0))
-    found = both(run(system.build(), 1.0, 4e-3), da.final("right.x"))
-    np.testing.assert_allclose(found, [[1.0, 0.0, 1.0, 0.0]], atol=8e-3)
+    gradient = both(run(system.build(), 1.0, 4e-3), da.final("right.x"))
+    np.testing.assert_allclose(gradient, [[1.0, 0.0, 1.0, 0.0]], atol=8e-3)
 
 
 def test_block_that_slides():
@@ -133,8 +133,8 @@ def test_pendulum_at_a_wall():
     located = da.solve_dynamics(model, 0.5, step=1e-3)
     assert len(located.impacts) == 1
     exact = da.sensitivity(located, end).values
-    found = both(run(model, 0.5, 2e-3), *end)
-    np.testing.assert_allclose(found, exact, atol=0.03 * abs(exact).max())
+    gradient = both(run(model, 0.5, 2e-3), *end)
+    np.testing.assert_allclose(gradient, exact, atol=0.03 * abs(exact).max())
 
 
 def dropped_bar(tilt: float) -> da.Model:
@@ -157,10 +157,10 @@ def test_impacts_on_one_body_one_after_the_other_in_one_step_are_refused():
 def test_impacts_on_one_body_in_one_instant_are_one():
     """A bar that falls level moves as one ball does: ``y = e g t* (T − t*) − g (T − t*)²/2``."""
     motion = run(dropped_bar(0.0), 0.3, 1e-4)
-    found = both(motion, da.final("bar.y")).item()
+    computed = both(motion, da.final("bar.y")).item()
     fall, e = np.sqrt(2 * 0.28 / 9.81), 0.5
     after = 0.3 - fall
-    assert found == pytest.approx(e * (after - fall) / fall + after / fall, abs=2e-3)
+    assert computed == pytest.approx(e * (after - fall) / fall + after / fall, abs=2e-3)
     assert any("in one instant" in note for note in gradient_notes(motion))
 
 
@@ -178,11 +178,11 @@ def test_impacts_of_different_bodies_in_one_step():
         balls.append(planar.contact.Circle(system.add(planar.Body(f"ball{x}", **like)), 0.1))
     floor = [planar.contact.HalfPlane(system.ground.point(0.0, 0.0), (0.0, 1.0))]
     system.add(planar.Collisions("floor", [*balls, *floor], restitution=0.5))
-    found = both(run(system.build(), 0.6, 4e-3), da.final("ball0.y"), da.final("ball1.y"))
+    gradient = both(run(system.build(), 0.6, 4e-3), da.final("ball0.y"), da.final("ball1.y"))
     fall, e = np.sqrt(2 * 0.9 / 10), 0.5
     left = 0.6 - fall  # y = e g t* (T − t*) − g (T − t*)²/2 with dt*/dH = 1/(g t*)
     exact = (e * 10 * (left - fall) + 10 * left) / (10 * fall)
-    np.testing.assert_allclose(found, exact * np.eye(2), atol=2e-2)
+    np.testing.assert_allclose(gradient, exact * np.eye(2), atol=2e-2)
 
 
 def test_other_schemes_and_measures_are_refused():
@@ -195,7 +195,7 @@ def test_other_schemes_and_measures_are_refused():
 
 
 def test_what_notes_tell():
-    found = da.sensitivity(run(bouncing(), 1.9, 2e-2), da.final("ball.y"))
-    text = " ".join(found.attrs["notes"])
+    gradient = da.sensitivity(run(bouncing(), 1.9, 2e-2), da.final("ball.y"))
+    text = " ".join(gradient.attrs["notes"])
     assert "1 impact moves in time" in text
     assert "slip" not in text

@@ -11,7 +11,7 @@ from thorough import crossed
 import dalembert as da
 from dalembert.formulations.null_space import LARGEST_SVD
 from dalembert.formulations.partition import largest_volume
-from dalembert.symbolic.equations.null_space import NullSpaceBasis
+from dalembert.symbolic.equations.factor import NullSpaceBasis
 
 BASES = ("partitioning", "qr", "gram-schmidt", "svd")
 ORTHONORMAL = ("qr", "gram-schmidt", "svd")
@@ -36,11 +36,11 @@ def test_basis(name, basis):
     model, rng = model_of(name), np.random.default_rng(3)
     if basis == "svd" and model.equations.speed_count > LARGEST_SVD:
         pytest.skip("too many speeds for this basis")
-    found, c = basis_of(name, basis), model.equations.jacobian
+    computed, c = basis_of(name, basis), model.equations.jacobian
     m, n = c.shape
     rhs, force = ca.SX(rng.standard_normal((m, 2))), ca.mtimes(c.T, ca.SX(np.arange(1.0, m + 1)))
     jacobian, d, x, z = evaluated(
-        model, [c, found.matrix, found.particular(rhs), found.multipliers(force)]
+        model, [c, computed.matrix, computed.particular(rhs), computed.multipliers(force)]
     )
     size = np.abs(jacobian).max()
     assert d.shape == (n, n - m)
@@ -84,11 +84,11 @@ def test_singular_values_of_many_speeds_are_refused():
 def test_runs_agree_with_range_space(basis):
     model = bars(2)
     expected = da.solve_dynamics(model, 0.5, step=0.005)
-    found = da.solve_dynamics(model, 0.5, step=0.005, formulation=da.NullSpace(basis))
-    assert found.status.success
-    np.testing.assert_allclose(found.trajectory.y, expected.trajectory.y, atol=1e-10)
+    motion = da.solve_dynamics(model, 0.5, step=0.005, formulation=da.NullSpace(basis))
+    assert motion.status.success
+    np.testing.assert_allclose(motion.trajectory.y, expected.trajectory.y, atol=1e-10)
     np.testing.assert_allclose(
-        found.trajectory.multiplier, expected.trajectory.multiplier, atol=1e-7
+        motion.trajectory.multiplier, expected.trajectory.multiplier, atol=1e-7
     )
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
+import pickle
 import re
 
 import numpy as np
@@ -9,6 +12,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar, structures
+from dalembert.io.strategies import ANALYSES, STRUCTURAL_ANALYSES
 
 FORCE = 1.7
 
@@ -65,8 +69,8 @@ def leaning(kind):
         stiffness = system.parameter("stiffness", 0.5)
         bar = system.add(planar.Bar("bar", length=1.0, mass=1.0, angle=np.pi / 2))
         system.add(planar.Revolute("O", system.ground.center, bar.start))
-        given = {"stiffness": stiffness, "free_angle": np.pi / 2}
-        system.add(planar.TorsionSpring("spring", system.ground, bar, **given))
+        arguments = {"stiffness": stiffness, "free_angle": np.pi / 2}
+        system.add(planar.TorsionSpring("spring", system.ground, bar, **arguments))
         system.add(planar.Force("push", bar.end, (0.0, -1.0)))
         return system.build()
     s = da.Structure("bar on its head")
@@ -109,6 +113,41 @@ def test_options_of_the_other_kind_are_refused(kind, analysis, option):
     many = {"k": np.array([9.0, 10.0])}
     with pytest.raises(da.UnsupportedError, match=text):
         da.solve_equilibrium(model, parameters=many, **{option: getattr(analysis, option)})
+
+
+@pytest.mark.parametrize(
+    ("kind", "registry"), [("mechanism", ANALYSES), ("structure", STRUCTURAL_ANALYSES)]
+)
+def test_files_name_the_analyses_of_their_kind(kind, registry):
+    """Names without imports, in agreement with what the classes state."""
+    classes = {**ANALYSES, **STRUCTURAL_ANALYSES}
+    assert {*registry} == {name for name, cls in classes.items() if kind in cls.kinds}
+
+
+OF_ONE_KIND = [
+    (cls, option)
+    for cls in ANALYSES.values()
+    if dataclasses.is_dataclass(cls)
+    for option in dataclasses.fields(cls)
+    if "model" in option.metadata
+]
+
+
+@pytest.mark.parametrize(
+    ("cls", "option"), OF_ONE_KIND, ids=[f"{c.__name__}.{o.name}" for c, o in OF_ONE_KIND]
+)
+def test_options_of_the_other_kind_are_refused_with_their_defaults(cls, option):
+    """Stated by a keyword, by a copy of the analysis and through a process; not when left out."""
+    own = option.metadata["model"]
+    other = next(name for name in TWINS if name != own)
+    analysis = cls(**{option.name: option.default})
+    text = rf"{option.name}=.*: {option.name} is an option for {own}s"
+    for stated in (analysis, copy.deepcopy(analysis), pickle.loads(pickle.dumps(analysis))):
+        with pytest.raises(da.UnsupportedError, match=text):
+            stated.for_model(TWINS[other][0]())
+    assert analysis == cls()
+    cls().for_model(TWINS[other][0]())
+    analysis.for_model(TWINS[own][0]())
 
 
 @pytest.mark.parametrize("kind", TWINS)
@@ -158,8 +197,8 @@ def massive(kind):
         head = system.add(planar.Particle("head", mass=1.0, position=(0.0, 1.0)))
         system.add(planar.Revolute("O", system.ground.center, bar.start))
         system.add(planar.Revolute("H", bar.end, head.center))
-        given = {"stiffness": stiffness, "free_angle": np.pi / 2}
-        system.add(planar.TorsionSpring("spring", system.ground, bar, **given))
+        arguments = {"stiffness": stiffness, "free_angle": np.pi / 2}
+        system.add(planar.TorsionSpring("spring", system.ground, bar, **arguments))
         system.add(planar.Force("push", bar.end, (0.0, -1.0)))
         return system.build()
     s = da.Structure("bar on its head")
@@ -237,3 +276,28 @@ def test_pictures(kind):
     assert ax.get_xlabel() == "time [s]"
     assert ax.get_ylabel().startswith(measure)
     assert motion.draw() is not None
+
+
+@pytest.mark.parametrize("kind", TWINS)
+def test_names_that_a_result_does_not_have_come_with_a_remedy(kind):
+    """Names of other results and misspelt ones; copies and pickles of results are unaffected."""
+    model = TWINS[kind][0]()
+    batch = da.solve_equilibrium(model, parameters={"k": np.array([8.0, 9.0])})
+    for name in ("report", "plot", "animate", "continued", "page"):
+        with pytest.raises(AttributeError, match=rf"has no '{name}'; batch\[k\] returns"):
+            getattr(batch, name)
+    with pytest.raises(AttributeError, match=r"no .succeded. .did you mean .succeeded."):
+        _ = batch.succeded
+    modes = da.solve_modes(model, 1)
+    for name in ("continued", "animate"):
+        with pytest.raises(AttributeError, match=f"has no '{name}'; "):
+            getattr(modes, name)
+    with pytest.raises(AttributeError, match=r"no .frequencys. .did you mean .frequencies."):
+        _ = modes.frequencys
+    np.testing.assert_array_equal(copy.copy(modes).frequencies, modes.frequencies)
+    if kind == "structure":
+        motion = da.solve_transient(model, 0.1, step=0.01)
+        with pytest.raises(
+            AttributeError, match=r"has no 'continued'; a run of dynamics of a mech"
+        ):
+            _ = motion.continued

@@ -88,8 +88,8 @@ def test_states_with_their_residuals(name):
     make, measures, analysis = CASES[name]
     model = make()
     problem = om.Problem(reports=None)
-    made = da.openmdao_implicit_component(model, measures, analysis=analysis)
-    problem.model.add_subsystem("it", made, promotes=["*"])
+    component = da.openmdao_implicit_component(model, measures, analysis=analysis)
+    problem.model.add_subsystem("it", component, promotes=["*"])
     problem.setup()
     problem.run_model()
     assert_check_partials(problem.check_partials(out_stream=None), atol=1e-5, rtol=1e-5)
@@ -101,8 +101,8 @@ def test_states_with_their_residuals(name):
     for mode in ("fwd", "rev"):
         problem.setup(mode=mode)
         problem.run_model()
-        found = problem.compute_totals(of=label, wrt=names, return_format="array")[-1]
-        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9 * abs(expected).max())
+        computed = problem.compute_totals(of=label, wrt=names, return_format="array")[-1]
+        np.testing.assert_allclose(computed, expected, rtol=1e-6, atol=1e-9 * abs(expected).max())
 
 
 def test_a_load_that_follows_the_state():
@@ -114,8 +114,8 @@ def test_a_load_that_follows_the_state():
     structure.load(end, fx=load)
     problem = om.Problem(reports=None)
     group = problem.model
-    made = da.openmdao_implicit_component(structure.build(), {"u": "end.ux"})
-    group.add_subsystem("spring", made, promotes=["*"])
+    component = da.openmdao_implicit_component(structure.build(), {"u": "end.ux"})
+    group.add_subsystem("spring", component, promotes=["*"])
     group.add_subsystem("crowd", om.ExecComp("load = F*(1 + u)", F=2.0), promotes=["*"])
     group.nonlinear_solver = om.NewtonSolver(solve_subsystems=False, iprint=-1)
     group.linear_solver = om.ScipyKrylov()
@@ -138,9 +138,11 @@ def test_a_design_in_their_driver(gradient):
         rods.support(foot)
     rods.load(apex, fy=-1e5)
     responses = [da.final("mass", name="mass"), da.final("-apex.uy*1e3", name="sunk")]
-    made = da.openmdao_component(rods.build(), responses, analysis=da.Statics(), gradient=gradient)
+    component = da.openmdao_component(
+        rods.build(), responses, analysis=da.Statics(), gradient=gradient
+    )
     problem = om.Problem(reports=None)
-    problem.model.add_subsystem("design", made, promotes=["*"])
+    problem.model.add_subsystem("design", component, promotes=["*"])
     problem.model.add_design_var("area", lower=1e-5, upper=1e-2, ref=1e-4)
     problem.model.add_objective("mass")
     problem.model.add_constraint("sunk", upper=1.0)

@@ -208,10 +208,10 @@ def test_whole_numbers_and_catalogues():
 def test_multistart_lists_distinct_optima():
     """Two of ``x⁴ − 2x² + 0.2x`` between the bounds, the better first."""
     best = solve({"x": (0.5, -2.0, 2.0)}, "x**4 - 2*x**2 + 0.2*x", method=da.Multistart(starts=8))
-    found = [design.parameters["x"] for design in best.optima]
+    computed = [design.parameters["x"] for design in best.optima]
     roots = np.sort(np.roots([4, 0, -4, 0.2]).real)
-    np.testing.assert_allclose(found, roots[[0, 2]], atol=1e-4)
-    assert best.success and best.x["x"] == found[0]
+    np.testing.assert_allclose(computed, roots[[0, 2]], atol=1e-4)
+    assert best.success and best.x["x"] == computed[0]
 
 
 def test_interrupted_searches_go_on(tmp_path):
@@ -261,9 +261,9 @@ def test_doubts_are_told():
 )
 def test_bad_input(options, error, words):
     model = parametric({"x": (0.5, 0.2, 0.9), "y": (1.0, 0.0, 2.0)})
-    asked = {"minimize": da.final("x*y"), "analysis": da.Statics()} | options
+    arguments = {"minimize": da.final("x*y"), "analysis": da.Statics()} | options
     with pytest.raises(error, match=words):
-        da.optimize(model, **asked)
+        da.optimize(model, **arguments)
 
 
 def test_all_designs_are_compared_whether_by_formulas_or_by_runs():
@@ -296,8 +296,8 @@ def test_all_designs_are_compared_whether_by_formulas_or_by_runs():
 def test_a_start_on_a_limit_that_is_zero():
     """``x + 2 y`` on ``x y ≥ 1``: neither bound nor value there say how large the limit is."""
     for y in (1.0, 1.0 - 1e-13):
-        found = solve({"x": (1.0, 0.1, 5), "y": (y, 0.1, 5)}, "x + 2*y", [("x*y - 1", 0.0, None)])
-        assert found.success and found.fun == pytest.approx(2 * math.sqrt(2), rel=1e-6)
+        root = solve({"x": (1.0, 0.1, 5), "y": (y, 0.1, 5)}, "x + 2*y", [("x*y - 1", 0.0, None)])
+        assert root.success and root.fun == pytest.approx(2 * math.sqrt(2), rel=1e-6)
 
 
 def test_an_objective_without_gradient_is_told():
@@ -305,10 +305,10 @@ def test_an_objective_without_gradient_is_told():
     x = {"x": (0.52, 0.0, 1.0), "y": (0.5, 0.0, 1.0)}
     cases = ("y + 0*x", "does not depend on the variables"), ("floor(5*x)", "changes in jumps")
     for objective, words in cases:
-        found = solve(x, objective, vary=["x"])
-        assert not found.success and words in found.message
+        root = solve(x, objective, vary=["x"])
+        assert not root.success and words in root.message
     assert solve(x, "(x - 0.52)**2", vary=["x"]).success  # it stands at the optimum
     with pytest.raises(ModelError, match=r"x starts at 2, outside of its bounds \[0, 1\]"):
         solve(x, "x", start={"x": 2.0})
-    found = solve(x, "x", [("10*y", None, 2.0)], vary=["x"])
-    assert "g1 is 5, above 2" in found.message
+    root = solve(x, "x", [("10*y", None, 2.0)], vary=["x"])
+    assert "g1 is 5, above 2" in root.message

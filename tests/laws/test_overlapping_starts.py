@@ -53,8 +53,8 @@ def test_a_rounded_start_is_the_touching_one(kind: str, speed: float) -> None:
     name = "b.y" if kind.startswith("planar") else "b.z"
     np.testing.assert_allclose(rounded[name].values, exact[name].values, atol=1e-9)
     assert len(rounded.impacts) == len(exact.impacts)
-    told = rounded.statistics["initial overlaps removed"]
-    assert told.startswith("floor by 1e-06 m") and told not in exact.statistics.values()
+    removed = rounded.statistics["initial overlaps removed"]
+    assert removed.startswith("floor by 1e-06 m") and removed not in exact.statistics.values()
     for method in ("direct", "adjoint"):
         slope = da.sensitivity(rounded, da.final(name), method=method).item()
         assert slope == pytest.approx(0.0, abs=1e-9)

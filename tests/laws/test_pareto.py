@@ -110,7 +110,7 @@ def test_plain_functions_for_scipy():
     )
     assert check_grad(functions.fun, functions.jac, functions.x0) < 1e-6
     assert functions.jacobian(functions.x0).shape == (2, 2)
-    found = minimize(
+    optimum = minimize(
         functions.fun,
         functions.x0,
         jac=functions.jac,
@@ -118,7 +118,7 @@ def test_plain_functions_for_scipy():
         constraints=functions.constraints,
         method="SLSQP",
     )
-    assert found.fun == pytest.approx(1.0, rel=1e-6)
+    assert optimum.fun == pytest.approx(1.0, rel=1e-6)
 
 
 def test_pymoo_problem():
@@ -147,8 +147,8 @@ def test_jax_differentiates_a_design():
     functions = da.DesignFunctions(parametric(BOX), list(aims()), analysis=da.Statics())
     slope = jax.grad(lambda x: squared(functions.jax(x)))
     points = np.array([[1.0, 2.0], [0.3, 1.5]])
-    for found in (slope(points[0]), jax.jit(slope)(points[0]), jax.vmap(slope)(points)[0]):
-        np.testing.assert_allclose(found, expected(functions, points[0]), rtol=1e-12)
+    for gradient in (slope(points[0]), jax.jit(slope)(points[0]), jax.vmap(slope)(points)[0]):
+        np.testing.assert_allclose(gradient, expected(functions, points[0]), rtol=1e-12)
 
 
 def test_torch_differentiates_a_design():

@@ -35,9 +35,9 @@ def slopes(model: da.Model, joint: Constraint) -> np.ndarray:
     rate = rate_of(joint.equations, [body], da.t.sx)
     slope = ca.jacobian(model.at_ground(rate), body.twist)
     table = ca.Function("slope", [e.t, e.y, e.p], [ca.densify(slope)])
-    found = table(0.0, model.start.y, model.nominal).full()
+    computed = table(0.0, model.start.y, model.nominal).full()
     full = 6 if body.dimension == 3 else 3  # a particle does not turn
-    return np.pad(found, ((0, 0), (0, full - found.shape[1])))
+    return np.pad(computed, ((0, 0), (0, full - computed.shape[1])))
 
 
 def gear_measure(model: da.Model, gear: GearPair) -> float:

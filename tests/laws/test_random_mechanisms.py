@@ -74,7 +74,7 @@ def run(seed: int, pinned: bool):
 
 def springs(now: Snapshot) -> list[tuple]:
     """Forces of all springs, by hand."""
-    found = []
+    faults = []
     for spring in (e for e in now.model.forces if isinstance(e, planar.Spring)):
         i, j = (now.frame(p.body).at(now.number(p.local)) for p in (spring.point_i, spring.point_j))
         s = np.linalg.norm(j - i)
@@ -82,11 +82,11 @@ def springs(now: Snapshot) -> list[tuple]:
             s - float(now.number(spring.free_length)[0])
         )
         pull = tension * (i - j) / s
-        found += [
+        faults += [
             (spring.point_j.body.name, pull, j, 0.0),
             (spring.point_i.body.name, -pull, i, 0.0),
         ]
-    return found
+    return faults
 
 
 def with_springs(motion, k: int) -> Snapshot:
@@ -138,10 +138,10 @@ def test_what_is_completed_is_right(part):
     """
     verdicts: Counter[str] = Counter()
     for seed in range(part, MECHANISMS, PARTS):
-        found = judged(seed)
-        assert not found.faults, str(found)
-        assert found.verdict == "completed" or found.message, str(found)
-        verdicts[found.verdict] += 1
+        verdict = judged(seed)
+        assert not verdict.faults, str(verdict)
+        assert verdict.verdict == "completed" or verdict.message, str(verdict)
+        verdicts[verdict.verdict] += 1
     assert verdicts["completed"] > 0.85 * verdicts.total(), verdicts
 
 

@@ -48,8 +48,8 @@ def test_drivers_give_the_power_they_report(name):
             if isinstance(joint, UserConstraint):
                 continue
             drives = isinstance(joint, Driver)
-            told = float(now.data.power.sel(driver=joint.name)) if drives else 0.0
-            assert now.power(now.reaction(joint)) == pytest.approx(told, rel=1e-10, abs=1e-10)
+            power = float(now.data.power.sel(driver=joint.name)) if drives else 0.0
+            assert now.power(now.reaction(joint)) == pytest.approx(power, rel=1e-10, abs=1e-10)
 
 
 @pytest.mark.parametrize("turned", [False, True])

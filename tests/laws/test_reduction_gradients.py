@@ -71,23 +71,23 @@ def test_frequencies_of_the_reduced_structure(name, parameter):
     dp = np.zeros(model.nominal.size)
     dp[parameter] = 1.0
     dk, dm = (c[free, free] for c in ReductionSlopes(reduced, model.degrees).push(dp))
-    found = [v @ (dk - w * dm) @ v for w, v in zip(squares, vectors.T, strict=True)]
+    computed = [v @ (dk - w * dm) @ v for w, v in zip(squares, vectors.T, strict=True)]
     step = 1e-4 * model.nominal[parameter]
     ends_of = [
         scipy.linalg.eigvalsh(*clamped(model.nominal + s * step * dp)[1]) for s in (-2, -1, 1, 2)
     ]
     one, two = (ends_of[2] - ends_of[1]) / (2 * step), (ends_of[3] - ends_of[0]) / (4 * step)
-    np.testing.assert_allclose(found, (4 * one - two) / 3, rtol=1e-6, atol=1e-8 * squares.max())
+    np.testing.assert_allclose(computed, (4 * one - two) / 3, rtol=1e-6, atol=1e-8 * squares.max())
 
 
 FLOATING = CASES | {"space": lambda: (tapered(3), ENDS)}
 
 
 def _tables(shapes) -> list[np.ndarray]:
-    found = [shapes.inertia, shapes.stiffness, shapes.critical]
+    numbers = [shapes.inertia, shapes.stiffness, shapes.critical]
     for section in shapes.sections.values():
-        found += [section.place, section.shift, section.turn]
-    return found
+        numbers += [section.place, section.shift, section.turn]
+    return numbers
 
 
 def _numbers(shapes) -> list[np.ndarray]:
@@ -113,10 +113,10 @@ def test_numbers_of_floating_shapes(name, frame, second):
         for o in (-1.0, -0.5, 0.5, 1.0)
     ]
     at = _numbers(following.at(values))
-    for found, here, *four in zip(_numbers(slopes), at, *ahead, strict=True):
+    for computed, here, *four in zip(_numbers(slopes), at, *ahead, strict=True):
         expected = np.array([1 / 6, -4 / 3, 4 / 3, -1 / 6]) @ np.array(four) / step
         size = np.abs(here).max(initial=0.0) / values[parameter]
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7 * size + 1e-300)
+        np.testing.assert_allclose(computed, expected, rtol=0, atol=1e-7 * size + 1e-300)
     weights = [np.random.default_rng(2).normal(size=x.shape) for x in _tables(slopes)]
     forwards = sum(float(np.sum(w * x)) for w, x in zip(weights, _tables(slopes), strict=True))
     inertia, stiffness, critical, *rest = weights

@@ -44,8 +44,8 @@ def test_equations_that_the_tree_satisfies_carry_no_weight(formulation):
     for seed in range(30):
         model = redundant(seed).system.build()
         expected = accelerations(model, da.AbsoluteCoordinates(), da.RangeSpace())
-        found = accelerations(model, da.JointCoordinates(), formulation)
-        assert np.abs(found - expected).max() < 1e-2 * (1 + np.abs(expected).max()), seed
+        computed = accelerations(model, da.JointCoordinates(), formulation)
+        assert np.abs(computed - expected).max() < 1e-2 * (1 + np.abs(expected).max()), seed
 
 
 def accelerations(model: da.Model, coordinates, formulation) -> np.ndarray:

@@ -69,19 +69,19 @@ def test_nataf_keeps_the_correlation():
     weight = (w[:, None, None] * w[:, None] * w).ravel()
     x = nataf.values(grid)
     x = (x - weight @ x) / np.sqrt(weight @ (x - weight @ x) ** 2)
-    found = (x * weight[:, None]).T @ x
+    computed = (x * weight[:, None]).T @ x
     for (i, j), value in wanted.items():
-        assert found["abc".index(i), "abc".index(j)] == pytest.approx(value, abs=2e-3)
+        assert computed["abc".index(i), "abc".index(j)] == pytest.approx(value, abs=2e-3)
 
 
 def test_correlated_lognormal_ratio():
     """``ln r − ln s`` is normal, so ``β`` is known."""
     r, s, rho = da.Lognormal(5.0, 0.8), da.Lognormal(2.0, 0.6), 0.35
-    found = da.reliability(None, "r - s", {"r": r, "s": s}, correlation={("r", "s"): rho})
+    result = da.reliability(None, "r - s", {"r": r, "s": s}, correlation={("r", "s"): rho})
     (mr, sr), (ms, ss) = r.logarithm, s.logarithm
     both = math.log1p(rho * 0.8 / 5 * 0.6 / 2)
     beta = (mr - ms) / math.sqrt(sr**2 + ss**2 - 2 * both)
-    assert found.success and found.beta == pytest.approx(beta, abs=1e-6)
+    assert result.success and result.beta == pytest.approx(beta, abs=1e-6)
 
 
 @pytest.fixture(scope="module")
@@ -106,18 +106,18 @@ def test_a_structure_and_its_sensitivities(bar):
         (ml, sl), (ma, sa) = (random[n].logarithm for n in ("load", "area"))
         return (math.log(2e-3 * 2e11 / length) - ml + ma) / math.hypot(sl, sa)
 
-    found = da.reliability(bar, limit, random, analysis=da.Statics())
-    assert found.success and found.beta == pytest.approx(beta(random), abs=1e-6)
+    result = da.reliability(bar, limit, random, analysis=da.Statics())
+    assert result.success and result.beta == pytest.approx(beta(random), abs=1e-6)
     changed = [random | {"load": da.Lognormal(1e5 + d, 2e4)} for d in (-10, 10)]
     slope = (beta(changed[1]) - beta(changed[0])) / 20
-    assert found.sensitivity["load"]["mean"] == pytest.approx(slope, rel=1e-5)
+    assert result.sensitivity["load"]["mean"] == pytest.approx(slope, rel=1e-5)
     changed = [random | {"load": da.Lognormal(1e5, 2e4 + d)} for d in (-10, 10)]
     slope = (beta(changed[1]) - beta(changed[0])) / 20
-    assert found.sensitivity["load"]["std"] == pytest.approx(slope, rel=1e-5)
+    assert result.sensitivity["load"]["std"] == pytest.approx(slope, rel=1e-5)
     slope = (beta(random, 2.001) - beta(random, 1.999)) / 0.002
-    assert found.parameter_sensitivity["length"] == pytest.approx(slope, rel=1e-5)
-    assert sum(found.importance.values()) == pytest.approx(1)
-    low, high = found.importance_sampling(300).interval
+    assert result.parameter_sensitivity["length"] == pytest.approx(slope, rel=1e-5)
+    assert sum(result.importance.values()) == pytest.approx(1)
+    low, high = result.importance_sampling(300).interval
     assert low < ndtr(-beta(random)) < high
 
 
@@ -135,18 +135,18 @@ def test_a_mechanism():
     system.add(planar.RotationalDriver("motor", system.ground, crank, 2 * da.t))
     random = {"r": da.Normal(0.1, 2e-3), "l": da.Normal(0.3, 1e-3)}
     limit = da.Limit(da.final("slider.x"), upper=0.367)
-    found = da.reliability(
+    result = da.reliability(
         *(system.build(), limit, random),
         analysis=da.Kinematics(0.4, outputs=2),
         correlation={("r", "l"): 0.5},
     )
-    assert found.success and found.residual < 1e-8
+    assert result.success and result.residual < 1e-8
     rng = np.random.default_rng(0)
     cov = np.array([[4, 1], [1, 1]]) * 1e-6
     radius, rod_length = rng.multivariate_normal([0.1, 0.3], cov, 1_000_000).T
     place = radius * np.cos(0.8) + np.sqrt(rod_length**2 - (radius * np.sin(0.8)) ** 2)
     share = np.mean(place > 0.367)
-    assert found.probability == pytest.approx(share, rel=0.03)
+    assert result.probability == pytest.approx(share, rel=0.03)
 
 
 def test_systems():
@@ -161,9 +161,9 @@ def test_systems():
 
 
 def test_several_design_points():
-    found = da.reliability(None, "9 - a**2 + 0.1*b", {"a": N, "b": N}, starts=12)
-    assert sorted(round(one.x["a"], 3) for one in found.points) == [-2.999, 2.999]
-    low, high = found.importance_sampling(20_000).interval
+    result = da.reliability(None, "9 - a**2 + 0.1*b", {"a": N, "b": N}, starts=12)
+    assert sorted(round(one.x["a"], 3) for one in result.points) == [-2.999, 2.999]
+    low, high = result.importance_sampling(20_000).interval
     u, w = normal_points()  # P(a² > 9 + b/10), integrated over b
     exact = w @ (2 * ndtr(-np.sqrt(9 + 0.1 * u)))
     assert low < exact < high
@@ -172,20 +172,20 @@ def test_several_design_points():
 def test_a_median_on_an_axis_of_symmetry():
     """``3 − y − x²/2`` bends around the origin: (0, 3) is farthest, √5 is nearest; and a disc."""
     normal = {"x": da.Normal(0, 1), "y": da.Normal(0, 1)}
-    found = da.reliability(None, "3 - y - x**2/2", normal, starts=1)
-    assert found.success and found.beta == pytest.approx(np.sqrt(5), rel=1e-8)
+    result = da.reliability(None, "3 - y - x**2/2", normal, starts=1)
+    assert result.success and result.beta == pytest.approx(np.sqrt(5), rel=1e-8)
     disc = da.reliability(None, "9 - x**2 - 2*y**2", normal, starts=1)
     assert disc.success and disc.beta == pytest.approx(np.sqrt(4.5), rel=1e-6)
 
 
 def test_failure_at_the_means_has_a_negative_index():
-    found = da.reliability(None, "r - s", {"r": da.Normal(2, 1), "s": da.Normal(4, 1)})
-    assert found.beta == pytest.approx(-math.sqrt(2), abs=1e-9)
+    result = da.reliability(None, "r - s", {"r": da.Normal(2, 1), "s": da.Normal(4, 1)})
+    assert result.beta == pytest.approx(-math.sqrt(2), abs=1e-9)
 
 
 def test_what_did_not_converge_says_so():
-    found = da.reliability(None, "2 - a + exp(b) - 1", {"a": N, "b": N}, max_iterations=1)
-    assert not found.success and found.residual > 1e-8 and "not converged" in repr(found)
+    result = da.reliability(None, "2 - a + exp(b) - 1", {"a": N, "b": N}, max_iterations=1)
+    assert not result.success and result.residual > 1e-8 and "not converged" in repr(result)
 
 
 @pytest.mark.parametrize(
@@ -205,11 +205,11 @@ def test_what_did_not_converge_says_so():
     ],
 )
 def test_what_cannot_be_is_told(more, tells):
-    asked = {"limit_state": "3 - a - b", "random": {"a": N, "b": N}}
+    arguments = {"limit_state": "3 - a - b", "random": {"a": N, "b": N}}
     if "lies between" in tells:
-        asked["correlation"] = {("a", "b"): -0.9}
+        arguments["correlation"] = {("a", "b"): -0.9}
     with pytest.raises(da.DalembertError, match=tells):
-        da.reliability(None, **(asked | more))
+        da.reliability(None, **(arguments | more))
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from dalembert.formulations.registry import FORMULATIONS
 from dalembert.integrators.registry import INTEGRATORS
 from dalembert.io import load
 from dalembert.io.strategies import RESPONSES
-from dalembert.text.renamed_names import RENAMED
+from dalembert.text.wording import RENAMED
 
 KEYWORDS = {
     "apart": lambda: da.Multistart(apart=1e-2),
@@ -21,6 +21,8 @@ KEYWORDS = {
     "rescued": lambda: da.SLSQP(rescued=False),
 }
 """Former keyword → a call with it."""
+RESULTS = {"allot": da.ToleranceResult, "allotted": da.ToleranceResult}
+"""Former method or attribute → class of the result."""
 BODY = "format = 1\n[bodies.a]\nmass = 1.0\ninertia = 0.1\n"
 SECTIONS = {
     **{
@@ -45,7 +47,7 @@ def _module(new: str) -> object:
     return planar if new in planar.__all__ else da
 
 
-@pytest.mark.parametrize("old", sorted(RENAMED.keys() - KEYWORDS))
+@pytest.mark.parametrize("old", sorted(RENAMED.keys() - KEYWORDS.keys() - RESULTS.keys()))
 def test_a_former_name_is_an_error_that_states_the_present_one(old):
     new = RENAMED[old]
     module = _module(new)
@@ -53,6 +55,13 @@ def test_a_former_name_is_an_error_that_states_the_present_one(old):
     assert new.partition(".")[0] in dir(module)
     with pytest.raises(AttributeError, match=f"'{old}' \\(renamed: '{new}'\\)"):
         getattr(module, old)
+
+
+@pytest.mark.parametrize("old", RESULTS)
+def test_a_former_method_is_an_error_that_states_the_present_one(old):
+    result = object.__new__(RESULTS[old])
+    with pytest.raises(AttributeError, match=f"'{old}' \\(renamed: '{RENAMED[old]}'\\)"):
+        getattr(result, old)
 
 
 @pytest.mark.parametrize("old", KEYWORDS)

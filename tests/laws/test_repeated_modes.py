@@ -50,9 +50,9 @@ def test_what_does_not_tell_equal_modes_apart_has_a_gradient():
     check_gradients(modes, responses)
     total = da.evaluate(modes, da.integral("effective_mass.ux"))
     assert total == pytest.approx(2.0 * (4 / 3 + 2 / 3) ** 2 / (4 / 3), rel=1e-12)
-    found = da.sensitivity(modes, da.mean("frequency"), ["E", "density"]).values.ravel()
+    derivative = da.sensitivity(modes, da.mean("frequency"), ["E", "density"]).values.ravel()
     half = modes.frequencies[0] / 2
-    np.testing.assert_allclose(found, [half / 3.0, -half / 2.0], rtol=1e-12)
+    np.testing.assert_allclose(derivative, [half / 3.0, -half / 2.0], rtol=1e-12)
 
 
 def test_slopes_of_equal_modes_are_one_sided():
@@ -64,8 +64,8 @@ def test_slopes_of_equal_modes_are_one_sided():
     beyond = [
         da.solve_modes(model, 2, parameters={"A_e": 1 + k * step}).frequencies for k in (1, 2)
     ]
-    found = (4 * beyond[0] - beyond[1] - 3 * modes.frequencies) / (2 * step)
-    np.testing.assert_allclose(slopes.values, found, rtol=1e-7)
+    computed = (4 * beyond[0] - beyond[1] - 3 * modes.frequencies) / (2 * step)
+    np.testing.assert_allclose(slopes.values, computed, rtol=1e-7)
     mean = da.sensitivity(modes, da.mean("frequency"), ["A_e"]).values.item()
     assert slopes.values.mean() == pytest.approx(mean, rel=1e-12)
     with pytest.raises(da.AnalysisError, match="depends on the shape"):
@@ -109,11 +109,13 @@ def test_beam_of_square_section_in_space():
     structure.support(nodes[0])
     model = structure.build()
     modes = da.solve_modes(model, 4)
-    found = modes.frequencies
-    np.testing.assert_allclose(found[::2], found[1::2], rtol=1e-10)
+    frequencies = modes.frequencies
+    np.testing.assert_allclose(frequencies[::2], frequencies[1::2], rtol=1e-10)
     with pytest.raises(da.SingularityError, match="modes 3 and 4 coincide"):
         da.sensitivity(modes, da.at(3, "frequency"))
     check_gradients(modes, [da.mean("frequency"), da.integral("effective_mass.uy")])
     # f = (βL)²/(2π L²) √(E d²/12 ρ): one of a pair grows with the depth, the other does not
     slopes = da.eigenvalue_slopes(modes, "d").values
-    np.testing.assert_allclose(slopes, [0, found[0] / 0.1, 0, found[2] / 0.1], atol=1e-6)
+    np.testing.assert_allclose(
+        slopes, [0, frequencies[0] / 0.1, 0, frequencies[2] / 0.1], atol=1e-6
+    )

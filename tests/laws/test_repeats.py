@@ -77,11 +77,13 @@ def native(function: ca.Function, toolchain: Llvm, **how) -> NativeColumns:
 
 def test_operations_of_all_kinds_with_other_constants():
     function = repeated(60)
-    given = np.random.default_rng(1).normal(size=(2, 60 * 3))
-    made = native(function, REPEATING())
-    for found, wanted in zip(made(3, given), VirtualColumns(function)(3, given), strict=True):
-        np.testing.assert_array_equal(found, wanted)
-    pieces, different = made.pieces
+    inputs = np.random.default_rng(1).normal(size=(2, 60 * 3))
+    columns = native(function, REPEATING())
+    for computed, wanted in zip(
+        columns(3, inputs), VirtualColumns(function)(3, inputs), strict=True
+    ):
+        np.testing.assert_array_equal(computed, wanted)
+    pieces, different = columns.pieces
     assert different < pieces / 3
 
 
@@ -92,11 +94,13 @@ def test_what_differs_everywhere_is_cut_all_the_same(monkeypatch):
     for k in range(12):
         value = ca.sin(value) + ca.cumsum(value) * (k + 1) - value[::-1] / (2 + x**2)
     function = ca.Function("long", [x], [value, ca.sum1(value)])
-    given = np.random.default_rng(2).random((6, 3))
-    made = native(function, Llvm(short=7))
-    for found, wanted in zip(made(3, given), VirtualColumns(function)(3, given), strict=True):
-        np.testing.assert_array_equal(found, wanted)
-    assert made.pieces[0] > 5
+    inputs = np.random.default_rng(2).random((6, 3))
+    columns = native(function, Llvm(short=7))
+    for computed, wanted in zip(
+        columns(3, inputs), VirtualColumns(function)(3, inputs), strict=True
+    ):
+        np.testing.assert_array_equal(computed, wanted)
+    assert columns.pieces[0] > 5
 
 
 def test_a_result_that_nobody_wants_is_stored_nowhere():
@@ -105,19 +109,19 @@ def test_a_result_that_nobody_wants_is_stored_nowhere():
     x = ca.MX.sym("x", 2, 40)
     last = inner(x)[1]
     function = ca.Function("outer", [x], [last, inner(2 * x)[1]])
-    given = np.random.default_rng(3).normal(size=(2, 40))
-    for found, wanted in zip(
-        native(function, REPEATING())(1, given), VirtualColumns(function)(1, given), strict=True
+    inputs = np.random.default_rng(3).normal(size=(2, 40))
+    for computed, wanted in zip(
+        native(function, REPEATING())(1, inputs), VirtualColumns(function)(1, inputs), strict=True
     ):
-        np.testing.assert_array_equal(found, wanted)
+        np.testing.assert_array_equal(computed, wanted)
 
 
 def test_steps_of_a_row_of_mechanisms():
     function, x, q = step_of(four_bars(8))
-    given = x, 0.01 * np.arange(20.0), np.full(20, 0.01), np.ones(20), q
-    made = native(function, REPEATING(), carried=True, fixed=(4,))
-    expected = VirtualColumns(function, True, (4,))(20, *given)[0]
-    np.testing.assert_array_equal(made(20, *given)[0], expected)
+    inputs = x, 0.01 * np.arange(20.0), np.full(20, 0.01), np.ones(20), q
+    columns = native(function, REPEATING(), carried=True, fixed=(4,))
+    expected = VirtualColumns(function, True, (4,))(20, *inputs)[0]
+    np.testing.assert_array_equal(columns(20, *inputs)[0], expected)
 
 
 def test_code_does_not_grow_with_the_number_of_equal_mechanisms():
@@ -133,13 +137,13 @@ def test_lanes_go_the_same_way():
     lanes, rng = 4, np.random.default_rng(4)
     values = q * rng.uniform(0.98, 1.02, (lanes, q.size))
     steps = [np.tile(v, (lanes, 1)) for v in (x, 0.01 * np.arange(5.0), np.full(5, 0.01))]
-    given = [*steps, np.ones((lanes, 5)), values]
+    inputs = [*steps, np.ones((lanes, 5)), values]
     loop = code_cache.compiled_loop(source.c_source(function), Llvm(lanes, short=300))
-    found = SideBySide(lanes, function, loop, "LLVM", True, (4,)).group(5, given)[0]
+    computed = SideBySide(lanes, function, loop, "LLVM", True, (4,)).group(5, inputs)[0]
     alone = VirtualColumns(function, True, (4,))
     for lane in range(lanes):
-        expected = alone(5, *(g[lane] for g in given))[0]
-        np.testing.assert_allclose(found[lane], expected, rtol=ROUNDING, atol=ROUNDING)
+        expected = alone(5, *(g[lane] for g in inputs))[0]
+        np.testing.assert_allclose(computed[lane], expected, rtol=ROUNDING, atol=ROUNDING)
 
 
 @pytest.mark.parametrize("method", ["direct", "adjoint"])

@@ -21,12 +21,14 @@ def thrown() -> da.Model:
 
 
 def spring() -> da.StructuralModel:
-    made = da.Structure("spring")
-    end = made.node("end", 0.0)
-    made.add(structures.GroundSpring("k", end, stiffness_x=made.parameter("stiffness", 4.0)))
+    structure = da.Structure("spring")
+    end = structure.node("end", 0.0)
+    structure.add(
+        structures.GroundSpring("k", end, stiffness_x=structure.parameter("stiffness", 4.0))
+    )
     for name, force in (("a", 1.0), ("b", 3.0)):
-        made.load(end, case=name, fx=force)
-    return made.build()
+        structure.load(end, case=name, fx=force)
+    return structure.build()
 
 
 RESULTS = {
@@ -50,10 +52,10 @@ def test_a_sum_has_the_value_and_gradient_of_its_terms(kind: str, method: str) -
     offsets = [3, 0, 0, 0, 1]
     assert [da.evaluate(result, r) for r in several] == pytest.approx(weights @ values + offsets)
     terms = da.sensitivity(result, [a, b], method=method).values
-    found = da.sensitivity(result, several, method=method)
-    np.testing.assert_allclose(found.values, weights @ terms, rtol=1e-12, atol=1e-12)
-    assert found.response_value.values == pytest.approx(weights @ values + offsets)
-    assert set(found.response_unit.values) == {"m"}
+    gradient = da.sensitivity(result, several, method=method)
+    np.testing.assert_allclose(gradient.values, weights @ terms, rtol=1e-12, atol=1e-12)
+    assert gradient.response_value.values == pytest.approx(weights @ values + offsets)
+    assert set(gradient.response_unit.values) == {"m"}
 
 
 def test_sums_in_batches_hessians_certificates_and_limits() -> None:
@@ -148,8 +150,8 @@ def test_smooth_extremes(smooth, kind) -> None:
     rate = slope(lambda e: response.reduce(times, samples + e * change))
     assert weights @ change == pytest.approx(rate, rel=1e-6)
     second = slope(lambda e: response.weights(times, samples + e * change))
-    found = response.weights_change(times, samples, change)
-    np.testing.assert_allclose(found, second, atol=1e-6 * np.abs(second).max())
+    computed = response.weights_change(times, samples, change)
+    np.testing.assert_allclose(computed, second, atol=1e-6 * np.abs(second).max())
     if not isinstance(smooth, str):  # millimetres or metres, and where the origin is
         moved = response.reduce(times, 1e3 * samples + 7.0)
         assert moved == pytest.approx(1e3 * value + 7.0, rel=1e-12)

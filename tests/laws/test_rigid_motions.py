@@ -20,9 +20,9 @@ from dalembert import structures
 from dalembert.analysis.transient.equation import EquationOfMotion, Motions
 from dalembert.elements.fem.attached import GroundSpring
 from dalembert.elements.fem.cells import CELLS
+from dalembert.elements.fem.nodal import spin_map
 from dalembert.elements.fem.registry import ELEMENTS, cell_of
-from dalembert.elements.fem.rotations import spin_map
-from dalembert.model.assembled.loads.load_case import CHANGES
+from dalembert.model.assembled.load_case import CHANGES
 
 NUMBERS = {
     "area": 0.02,
@@ -50,12 +50,12 @@ SPIN = np.array([1.1, -0.7, 1.6])
 @functools.cache
 def body(name: str, d: int, flying: bool = False, heat: float = 0.0) -> da.Structure:
     """One element with masses at its nodes, at rest or thrown and spinning, cold or heated."""
-    cls, given = ELEMENTS[name], NUMBERS | dict.fromkeys(CHANGES, heat)  # what is heated bends
+    cls, fields = ELEMENTS[name], NUMBERS | dict.fromkeys(CHANGES, heat)  # what is heated bends
     s = da.Structure(f"{name} in {d}-D")
     points = places_of(CELLS[cell_of(cls)])[:, :d]
     nodes = s.add_nodes("n", points)
     numbers = {
-        f.name: given.get(f.name, 0.3) for f in cls.quantity_fields() if f.metadata["size"] == 1
+        f.name: fields.get(f.name, 0.3) for f in cls.quantity_fields() if f.metadata["size"] == 1
     }
     s.add_elements("e", cls, nodes, [range(len(points))], **numbers)
     rest = np.random.default_rng(3).uniform(0.5, 1.5, len(points))
@@ -114,11 +114,11 @@ class RigidBody:
 
     def _flat(self, moved: np.ndarray, turned: np.ndarray) -> np.ndarray:
         """(n,) translations (nodes, 3) and rotations (3,) or (nodes, 3) as displacements."""
-        found = np.zeros(self.table.max() + 1)
-        found[self.table[:, : self.d]] = moved[:, : self.d]
+        computed = np.zeros(self.table.max() + 1)
+        computed[self.table[:, : self.d]] = moved[:, : self.d]
         if self.turning:
-            found[self.table[:, self.d :]] = turned[..., 3 - spins(self.d) :]
-        return found
+            computed[self.table[:, self.d :]] = turned[..., 3 - spins(self.d) :]
+        return computed
 
     def motion(self, rotation, spin, twist, speed) -> Motions:
         """Displacements, velocities and accelerations of a body that turns about its centre."""
@@ -211,14 +211,14 @@ def test_free_flight_is_that_of_a_rigid_body(name, d):
         speed = np.array([0.4, -0.3, 0.2]) * (np.arange(3) < d) + np.cross(spin, rigid.centre)
         arms = attitude.apply(rigid.places - rigid.centre)
         expected = (rigid.centre + speed * end + arms - rigid.places)[:, :d]
-        found = motion.displacements[rigid.table[:, :d], -1]
-        errors.append(max(np.abs(found - expected).max(), rigid.turned_from(motion, attitude)))
-        kept = []
+        computed = motion.displacements[rigid.table[:, :d], -1]
+        errors.append(max(np.abs(computed - expected).max(), rigid.turned_from(motion, attitude)))
+        momenta = []
         for k in (0, -1):
             x = (motion.displacements, motion.velocities, motion.accelerations)
             now = Motions(*(part[:, k] for part in x))
-            kept.append(rigid.resultant(now, e.momentum(now.u, now.v)))
-        changed, scale = np.abs(kept[1] - kept[0]), np.abs(kept[0]).max()
+            momenta.append(rigid.resultant(now, e.momentum(now.u, now.v)))
+        changed, scale = np.abs(momenta[1] - momenta[0]), np.abs(momenta[0]).max()
         assert changed[:3].max() <= (step**2 if e.turns else 1e-11) * scale
         assert changed[3:].max() <= step**2 * scale
     assert errors[1] < 1e-11 or (errors[1] < 2e-3 and errors[0] / errors[1] > 3.4)
@@ -248,8 +248,8 @@ def flight(rigid: RigidBody, axes: np.ndarray, end: float) -> Rotation:
         return np.concatenate([quaternion, -inverse @ np.cross(spin, rigid.inertia @ spin)])
 
     start = np.concatenate([[0, 0, 0, 1], axes @ SPIN])
-    found = solve_ivp(rate, (0.0, end), start, method="DOP853", rtol=1e-11, atol=1e-12)
-    return Rotation.from_quat(found.y[:4, -1])
+    reference = solve_ivp(rate, (0.0, end), start, method="DOP853", rtol=1e-11, atol=1e-12)
+    return Rotation.from_quat(reference.y[:4, -1])
 
 
 def test_half_a_turn_and_many_turns_of_a_pinned_bar():

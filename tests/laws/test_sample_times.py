@@ -23,9 +23,9 @@ def test_times_of_samples(kind, count):
         return (response.reduce(ahead, samples) - response.reduce(behind, samples)) / (2 * h)
 
     expected = [(4 * change(k, 5e-4) - change(k, 1e-3)) / 3 for k in range(count)]
-    found = response.time_weights(times, samples)
-    np.testing.assert_allclose(found, expected, atol=1e-9 * (1 + np.abs(samples).max()))
-    assert found.sum() == pytest.approx(0, abs=1e-12)  # a shift of all times changes nothing
+    computed = response.time_weights(times, samples)
+    np.testing.assert_allclose(computed, expected, atol=1e-9 * (1 + np.abs(samples).max()))
+    assert computed.sum() == pytest.approx(0, abs=1e-12)  # a shift of all times changes nothing
 
 
 @pytest.mark.parametrize("last", [0.6, 1e-5, 1e-14, -1e-5])
@@ -71,26 +71,26 @@ def test_instants_between_few_outputs_of_a_driven_motion(solve):
     responses = [da.event_time(event), da.at_event(event, "bar0.angle", 2), da.at(1.23, "bar1.vy")]
     expected = da.sensitivity(many, responses)
     for method in ("direct", "adjoint", "finite-difference"):
-        found = da.sensitivity(few, responses, method=method)
-        np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-8)
-        np.testing.assert_allclose(found.response_value, expected.response_value, rtol=1e-9)
+        gradient = da.sensitivity(few, responses, method=method)
+        np.testing.assert_allclose(gradient, expected, rtol=1e-6, atol=1e-8)
+        np.testing.assert_allclose(gradient.response_value, expected.response_value, rtol=1e-9)
 
 
 def test_instants_of_a_driven_mechanism_with_a_redundant_bar():
     motion = da.solve_inverse_dynamics(driven(redundant=True), 0.5, step=0.05)
     responses = [da.at(0.22, "motor.effort"), da.at(0.2, "motor.effort", name="output")]
-    found = da.sensitivity(motion, responses, "length")
-    assert found.response_value[1] == pytest.approx(float(motion["motor.effort"][4]), rel=1e-12)
+    gradient = da.sensitivity(motion, responses, "length")
+    assert gradient.response_value[1] == pytest.approx(float(motion["motor.effort"][4]), rel=1e-12)
     check = da.sensitivity(motion, responses, "length", method="finite-difference")
-    np.testing.assert_allclose(found, check, rtol=1e-8)
+    np.testing.assert_allclose(gradient, check, rtol=1e-8)
 
 
 @pytest.mark.parametrize(("turn", "few"), [(2.0, 90), (6.0, 160), (300.0, 2000)])
 def test_few_outputs_of_a_driven_motion_take_as_many_steps_as_the_way_asks_for(turn, few):
     """A tenth of a radian a step; those asked for are the same as among a thousand."""
-    outputs, given = np.linspace(0, 2, 14), {"turn": turn}
-    seldom = da.solve_kinematics(driven(), 2.0, outputs=outputs, parameters=given)
-    often = da.solve_kinematics(driven(), 2.0, outputs=outputs, step=0.002, parameters=given)
+    outputs, parameters = np.linspace(0, 2, 14), {"turn": turn}
+    seldom = da.solve_kinematics(driven(), 2.0, outputs=outputs, parameters=parameters)
+    often = da.solve_kinematics(driven(), 2.0, outputs=outputs, step=0.002, parameters=parameters)
     assert seldom.statistics["steps"] < few and often.statistics["steps"] >= 1000
     for name in ("y", "v", "a"):
         expected = getattr(often.trajectory, name)

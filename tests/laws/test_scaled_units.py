@@ -86,10 +86,10 @@ def model(units: Units, motor: bool = False, crank: float = 0.3) -> da.Model:
     return in_other_units(linkage(motor, crank), units).build()
 
 
-def same(found, wanted, tolerance: float = 1e-7) -> None:
+def same(computed, wanted, tolerance: float = 1e-7) -> None:
     """Equal relative to the largest."""
     wanted = np.asarray(wanted)
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=tolerance * np.abs(wanted).max())
+    np.testing.assert_allclose(computed, wanted, rtol=0, atol=tolerance * np.abs(wanted).max())
 
 
 def swing(units: Units, chosen: dict) -> da.Motion:
@@ -122,10 +122,10 @@ def test_gradients(units):
     responses = {da.Final("A.force_norm"): "N", da.integral("coupler.vx"): "m"}
     sizes = np.array([[units(unit)] for unit in responses.values()])
     for method in ("direct", "adjoint"):
-        found, plain = (
+        computed, plain = (
             da.sensitivity(swing(u, {}), list(responses), method=method) for u in (units, Units())
         )
-        for one, other in zip(found.values / sizes, plain.values, strict=True):
+        for one, other in zip(computed.values / sizes, plain.values, strict=True):
             same(one, other)
 
 
@@ -133,36 +133,37 @@ def test_gradients(units):
 def test_equilibrium_and_modes(units):
     rest, plain = da.solve_equilibrium(model(units)), da.solve_equilibrium(model(Units()))
     assert rest.status.outcome is plain.status.outcome is da.Outcome.COMPLETED
-    for told in ("iterations", "stable"):
-        assert rest.statistics[told] == plain.statistics[told]
+    for name in ("iterations", "stable"):
+        assert rest.statistics[name] == plain.statistics[name]
     same(rest["crank.angle"].values, plain["crank.angle"].values)
-    modes, known = da.linearize(model(units), rest), da.linearize(model(Units()), plain)
-    same(modes.eigenvalues * units.time, known.eigenvalues)
+    modes, linearized = da.linearize(model(units), rest), da.linearize(model(Units()), plain)
+    same(modes.eigenvalues * units.time, linearized.eigenvalues)
 
 
 @pytest.mark.parametrize("units", OTHERS, ids=str)
 def test_driven_motion(units):
-    found, plain = (
+    computed, plain = (
         da.solve_inverse_dynamics(model(u, True), 4 * u.time, step=STEP * u.time, outputs=9)
         for u in (units, Units())
     )
-    assert found.status.outcome is plain.status.outcome is da.Outcome.COMPLETED
-    assert found.statistics["substeps"] == plain.statistics["substeps"]
-    same(found["rocker.angle"].values, plain["rocker.angle"].values)
-    same(found["motor.effort"].values / units("N m"), plain["motor.effort"].values)
+    assert computed.status.outcome is plain.status.outcome is da.Outcome.COMPLETED
+    assert computed.statistics["substeps"] == plain.statistics["substeps"]
+    same(computed["rocker.angle"].values, plain["rocker.angle"].values)
+    same(computed["motor.effort"].values / units("N m"), plain["motor.effort"].values)
 
 
 @pytest.mark.parametrize("units", OTHERS, ids=str)
 def test_dead_centres(units):
     """A crank too long for whole turns."""
-    found, plain = (
+    computed, plain = (
         da.solve_kinematics(model(u, True, 0.9), 4 * u.time, step=STEP * u.time)
         for u in (units, Units())
     )
-    assert found.status.outcome is plain.status.outcome is da.Outcome.LOCKED
-    same(found.events[-1].time / units.time, plain.events[-1].time, 1e-9)
+    assert computed.status.outcome is plain.status.outcome is da.Outcome.LOCKED
+    same(computed.events[-1].time / units.time, plain.events[-1].time, 1e-9)
     assert (
-        found.status.message.partition("driver")[2] == plain.status.message.partition("driver")[2]
+        computed.status.message.partition("driver")[2]
+        == plain.status.message.partition("driver")[2]
     )
 
 

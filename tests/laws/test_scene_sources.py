@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import casadi as ca
 import numpy as np
 import pytest
@@ -11,10 +13,12 @@ from spatial_registry import SPATIAL_CASES, any_model_of
 
 import dalembert as da
 from dalembert import planar, spatial
+from dalembert.report.packing import pack
+from dalembert.report.page import as_json
 from dalembert.results.files.payload import report_payload
 from dalembert.results.pictures.collector import SceneCollector
 from dalembert.results.pictures.mechanism_scene import MechanismScene
-from dalembert.results.sources import InitialPicture, Sources, WorkBalance, payload_sources
+from dalembert.results.sources import InitialPicture, Row, Sources, payload_sources
 
 TOLERANCE = 1e-9
 """Of numbers and columns, relative to the largest of a column."""
@@ -147,10 +151,10 @@ def close(one, other, scale: float = 1.0) -> bool:
 def columns(sources: Sources, motion) -> list[np.ndarray]:
     """The columns of a page for another motion."""
     forms = [source for _, source in sources.columns]
-    graphs = [f.sx if isinstance(f, WorkBalance) else f for f in forms]
+    graphs = [f.sx if isinstance(f, Row) else f for f in forms]
     table = motion.table([da.Expression(sx) for sx in graphs])
     for row, form in zip(table, forms, strict=True):
-        if isinstance(form, WorkBalance):
+        if isinstance(form, Row):
             row += form.work @ motion.trajectory.work
             row -= row[0] if form.relative else 0.0
     return list(table)
@@ -180,3 +184,13 @@ def test_pages_state_what_follows_from_parameters(name, monkeypatch):
     for part in ("scene", "series"):
         differences = set(differing(page[part], expected[part], (part,)))
         assert {p for p in differences if not {p, p[:-1]} & stated} == set()
+
+
+def test_formulas_do_not_change_the_page():
+    motion = da.solve_dynamics(plates().build(), 0.3, step=STEP * 10)
+    page = report_payload(motion, None, None)
+    assert payload_sources(page).numbers
+    plain = copy.deepcopy(page)
+    assert not payload_sources(plain).numbers
+    assert as_json(page) == as_json(plain)
+    assert as_json(pack(page)) == as_json(pack(plain))

@@ -45,10 +45,10 @@ def four_bar(driven: bool) -> da.Model:
     system.add(planar.Revolute("A", bars[0].end, bars[1].start))
     system.add(planar.Revolute("B", bars[1].end, bars[2].end))
     system.add(planar.Revolute("D", width, bars[2].start))
-    given = {"stiffness": number("k", 30.0), "damping": number("d", 1.0)}
+    arguments = {"stiffness": number("k", 30.0), "damping": number("d", 1.0)}
     free = number("f", 0.5)
     system.add(
-        planar.Spring("S", ground.point(0.2, 1.4), bars[1].center, free_length=free, **given)
+        planar.Spring("S", ground.point(0.2, 1.4), bars[1].center, free_length=free, **arguments)
     )
     if driven:
         law = 1.57 + speed * da.t
@@ -118,7 +118,7 @@ def check_implicit(implicit, inputs) -> None:
     inputs = [*inputs, *(rng.standard_normal(n) for n in implicit.output_sizes)]
     rates = [rng.standard_normal(i.size) for i in inputs]
     rates[2] = relative_parameters(inputs[2], rng)
-    found = flat(implicit.reverse.tangent(*inputs, *rates))
+    computed = flat(implicit.reverse.tangent(*inputs, *rates))
     sizes = np.cumsum([i.size for i in inputs])[:-1]
     expected = difference(
         lambda z: flat(implicit.adjoint(*np.split(z, sizes))),
@@ -126,7 +126,7 @@ def check_implicit(implicit, inputs) -> None:
         np.concatenate(rates),
         h=2e-4,
     )
-    np.testing.assert_allclose(found, expected, atol=1e-8 * (1 + np.abs(found).max()))
+    np.testing.assert_allclose(computed, expected, atol=1e-8 * (1 + np.abs(computed).max()))
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -169,8 +169,8 @@ def swinging_bar() -> da.Model:
     length, mass = number("l", 0.6), number("m", 1.3)
     bar = system.add(planar.Bar("b", length=length, mass=mass, angle=number("start", 0.4)))
     system.add(planar.Revolute("B", system.ground.center, bar.start))
-    given = {"stiffness": number("k", 30.0), "damping": number("d", 1.0), "free_length": 0.5}
-    system.add(planar.Spring("S", system.ground.point(0.2, 1.1), bar.end, **given))
+    arguments = {"stiffness": number("k", 30.0), "damping": number("d", 1.0), "free_length": 0.5}
+    system.add(planar.Spring("S", system.ground.point(0.2, 1.1), bar.end, **arguments))
     return system.build()
 
 
@@ -209,8 +209,8 @@ def test_few_states_kept():
     whole = da.solve_dynamics(four_bar(False), 0.3, **options)
     few = da.solve_dynamics(four_bar(False), 0.3, memory=1e4, **options)
     assert few.record.steps.x.stored.size < whole.record.steps.x.size / 4
-    found = [da.hessian_product(m, da.rms("b.angle"), {"la": 1.0}).values for m in (few, whole)]
-    np.testing.assert_allclose(*found, atol=1e-12 * np.abs(found[1]).max())
+    computed = [da.hessian_product(m, da.rms("b.angle"), {"la": 1.0}).values for m in (few, whole)]
+    np.testing.assert_allclose(*computed, atol=1e-12 * np.abs(computed[1]).max())
 
 
 def seen(model) -> list[Response]:

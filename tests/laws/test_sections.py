@@ -28,9 +28,9 @@ def test_area_and_second_moments(name):
     side = (np.arange(2000) + 0.5) / 2000 - 0.5
     z, y = np.meshgrid(side, side)
     points = inside(z, y) / side.size**2
-    found = [points.sum(), (points * z**2).sum(), (points * y**2).sum()]
-    given = [section.area, section.second_moment_y, section.second_moment_z]
-    np.testing.assert_allclose(given, found, rtol=4e-3)
+    integrals = [points.sum(), (points * z**2).sum(), (points * y**2).sum()]
+    properties = [section.area, section.second_moment_y, section.second_moment_z]
+    np.testing.assert_allclose(properties, integrals, rtol=4e-3)
 
 
 def test_torsion_constants():

@@ -33,16 +33,16 @@ def box(x, y, z):
 def revolved(bounds, inner, radius):
     """About z, piece by piece between the bounds, from one radius to another of z."""
     turn = 2 * np.pi * np.arange(16) / 16
-    found = []
+    results = []
     for low, high in itertools.pairwise(bounds):
         z, wz = gauss(low, high)
         r, wr = gauss(inner(z), radius(z))
         z, r, w = np.broadcast_arrays(z[:, None], r, wz[:, None] * wr * r)
         ring = [z[..., None], r[..., None], w[..., None] * 2 * np.pi / 16]
         z, r, w, angle = np.broadcast_arrays(*ring, turn)
-        found.append((np.stack([r * np.cos(angle), r * np.sin(angle), z], -1), w))
-    points = np.concatenate([p.reshape(-1, 3) for p, _ in found])
-    return points, np.concatenate([w.ravel() for _, w in found])
+        results.append((np.stack([r * np.cos(angle), r * np.sin(angle), z], -1), w))
+    points = np.concatenate([p.reshape(-1, 3) for p, _ in results])
+    return points, np.concatenate([w.ravel() for _, w in results])
 
 
 def capped(r, half):
@@ -99,8 +99,8 @@ def numbers(*formulas, symbols=(), values=()):
 def test_mass_and_inertia_are_the_integrals(name):
     kind, sizes, filled = SHAPES[name]
     body = kind("b", density=DENSITY, **sizes)
-    found = numbers(body.mass.sx, body.center_of_mass.sx, tensor(body.inertia.sx))
-    for value, wanted in zip(found, integrals(*filled), strict=True):
+    computed = numbers(body.mass.sx, body.center_of_mass.sx, tensor(body.inertia.sx))
+    for value, wanted in zip(computed, integrals(*filled), strict=True):
         np.testing.assert_allclose(value, wanted, rtol=1e-12, atol=1e-14)
 
 
@@ -188,9 +188,9 @@ WRONG = {
 @pytest.mark.parametrize("wrong", WRONG)
 def test_meshes_that_are_no_solid_are_refused(tmp_path, wrong):
     pytest.importorskip("trimesh")
-    triangles, told = WRONG[wrong]
+    triangles, message = WRONG[wrong]
     path = written(tmp_path / "bad.obj", CORNERS, triangles)
-    with pytest.raises(da.ModelError, match=rf"^m\.file: .*bad\.obj ({told})"):
+    with pytest.raises(da.ModelError, match=rf"^m\.file: .*bad\.obj ({message})"):
         spatial.Mesh("m", file=path, density=1.0)
 
 
@@ -211,7 +211,7 @@ def test_without_trimesh_the_cure_is_named(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (lambda: spatial.Sphere("b", radius=1.0, mass=1.0, density=1.0), "b: give mass= or"),
         (lambda: spatial.Bar("b", length=1.0, density=1.0), "b: density= needs a radius"),
@@ -229,11 +229,11 @@ def test_without_trimesh_the_cure_is_named(tmp_path, monkeypatch):
         (lambda: spatial.Sphere("b", radius=-1.0, density=1.0), "b.radius: is -1 m, but it must"),
     ],
 )
-def test_wrong_sizes_are_refused(make, told):
+def test_wrong_sizes_are_refused(make, message):
     def built():
         system = da.System("s")
         system.add(make())
         return system.build()
 
-    with pytest.raises(da.ModelError, match=re.escape(told)):
+    with pytest.raises(da.ModelError, match=re.escape(message)):
         built()

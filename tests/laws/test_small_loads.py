@@ -46,12 +46,12 @@ def test_gradients_of_linear_transients(seed):
 def test_displacements_are_proportional_to_loads():
     model = askew(0).build()
     end = list(model.structure.nodes)[-1]
-    found = []
+    results = []
     for force in (1.0, 1e-9):
         rest = da.solve_statics(model, parameters={"force": force})
         slopes = da.sensitivity(rest, da.final(f"{end}.uy"), method="adjoint").values[0]
-        found.append(np.append(rest[f"{end}.uy"], slopes[:-1]) / force)
-    np.testing.assert_allclose(*found, rtol=1e-9)
+        results.append(np.append(rest[f"{end}.uy"], slopes[:-1]) / force)
+    np.testing.assert_allclose(*results, rtol=1e-9)
 
 
 def test_nothing_is_done_silently():
@@ -59,15 +59,15 @@ def test_nothing_is_done_silently():
     for expansion, works in ((0.0, False), (1e-5, True), (np.array([0.0, 1e-5]), True)):
         s = da.Structure("heated")
         nodes = s.add_nodes("n", [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]])
-        given = {"area": 1e-4, "modulus": 2e11, "expansion": expansion}
-        bars = s.add_elements("bar", structures.Truss, nodes, [(0, 1), (1, 2)], **given)
+        arguments = {"area": 1e-4, "modulus": 2e11, "expansion": expansion}
+        bars = s.add_elements("bar", structures.Truss, nodes, [(0, 1), (1, 2)], **arguments)
         if works:
             s.heat(bars, temperature=10.0)
             continue
         with pytest.raises(da.ModelError, match="bar: has no thermal expansion"):
             s.heat(bars, temperature=10.0)
         with pytest.raises(da.ModelError, match="own: has no thermal expansion"):
-            s.add_elements("own", structures.Truss, nodes, [(0, 1)], temperature=5.0, **given)
+            s.add_elements("own", structures.Truss, nodes, [(0, 1)], temperature=5.0, **arguments)
 
     s = da.Structure("spring")
     end, stiffness = s.node("end", 0), s.parameter("k", 10.0)

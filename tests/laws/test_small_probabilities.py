@@ -33,20 +33,20 @@ def test_probability(name, method):
     random = {f"u{k}": NORMAL for k in range(size)}
     start = {"max_iterations": 3} if name == "circle" else {}  # whose slope is zero at the median
     shifted = {**random, "u0": da.Normal(1e-3, 1.0)} if name == "circle" else random
-    found = da.reliability(None, formula, shifted, **start)
-    made = [found.sample(method, 1000, seed) for seed in range(12 if method[0] == "s" else 5)]
-    values = np.array([one.probability for one in made])
-    assert abs(values.mean() - exact) < 3 * values.std(ddof=1) / math.sqrt(len(made))
-    told = np.mean([one.variation for one in made])
-    assert told == pytest.approx(values.std(ddof=1) / values.mean(), rel=0.8)
+    result = da.reliability(None, formula, shifted, **start)
+    results = [result.sample(method, 1000, seed) for seed in range(12 if method[0] == "s" else 5)]
+    values = np.array([one.probability for one in results])
+    assert abs(values.mean() - exact) < 3 * values.std(ddof=1) / math.sqrt(len(results))
+    stated = np.mean([one.variation for one in results])
+    assert stated == pytest.approx(values.std(ddof=1) / values.mean(), rel=0.8)
 
 
 def test_an_event_of_openturns():
     """Its own algorithms know our limit states: directional sampling of a plane."""
     ot = pytest.importorskip("openturns")
-    found = da.reliability(None, "3 - (u0 + u1)/sqrt(2)", {"u0": NORMAL, "u1": NORMAL})
+    result = da.reliability(None, "3 - (u0 + u1)/sqrt(2)", {"u0": NORMAL, "u1": NORMAL})
     ot.RandomGenerator.SetSeed(1)
-    algorithm = ot.DirectionalSampling(found.openturns_event)
+    algorithm = ot.DirectionalSampling(result.openturns_event)
     algorithm.setMaximumOuterSampling(2000)
     algorithm.run()
     estimate = algorithm.getResult().getProbabilityEstimate()

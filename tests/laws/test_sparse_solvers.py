@@ -32,12 +32,12 @@ def chosen(solver, monkeypatch):
 def matrix(kind: str, n: int = 60) -> sparse.csc_matrix:
     """Sparse, with entries of very different sizes."""
     rng = np.random.default_rng(3)
-    found = sparse.random(n, n, 0.1, random_state=rng, data_rvs=rng.standard_normal)
+    random = sparse.random(n, n, 0.1, random_state=rng, data_rvs=rng.standard_normal)
     sizes = sparse.diags(10.0 ** rng.uniform(-2, 2, n))
     if kind == "general":
-        return (found + 3 * sparse.eye(n) @ sizes).tocsc()
+        return (random + 3 * sparse.eye(n) @ sizes).tocsc()
     signs = np.ones(n) if kind == "positive" else np.where(np.arange(n) < 7, -1.0, 1.0)
-    whole = found @ found.T * 0.01 + 4 * sparse.diags(signs)
+    whole = random @ random.T * 0.01 + 4 * sparse.diags(signs)
     return (sizes @ (whole + whole.T) @ sizes).tocsc()
 
 
@@ -48,10 +48,10 @@ def test_factors_solve_systems_and_transposed_ones(solver, kind):
     factors = FACTORS[solver](a)
     for trans, whole in (("N", a), ("T", a.T)):
         for rhs in (many, many[:, 0]):
-            found = factors.solve(rhs, trans)
-            size = abs(whole).sum(axis=1).max() * np.abs(found).max() + np.abs(rhs).max()
-            assert found.shape == rhs.shape
-            assert np.abs(whole @ found - rhs).max() <= 1e-13 * size
+            solution = factors.solve(rhs, trans)
+            size = abs(whole).sum(axis=1).max() * np.abs(solution).max() + np.abs(rhs).max()
+            assert solution.shape == rhs.shape
+            assert np.abs(whole @ solution - rhs).max() <= 1e-13 * size
 
 
 @DIRECT
@@ -170,10 +170,10 @@ def test_statics_by_either_factors(chosen):
     assert gradients[0] == pytest.approx(gradients[1], rel=1e-10)
 
 
-@pytest.mark.parametrize("made", [plate, block, lattice])
-def test_conjugate_gradients_find_what_factors_find(made):
+@pytest.mark.parametrize("structure", [plate, block, lattice])
+def test_conjugate_gradients_find_what_factors_find(structure):
     pytest.importorskip("pyamg")
-    model = made().build()
+    model = structure().build()
     direct, iterative = (da.solve_statics(model, solver=s) for s in ("direct", "iterative"))
     same(iterative, direct, 1e-7)
     assert iterative.statistics["solver"].startswith("conjugate gradients")

@@ -17,22 +17,24 @@ MOMENTS = (0.3, 0.25, 0.2, 0.02, -0.01, 0.03)
 SEQUENCES = ["".join(s) for s in itertools.product("xyz", repeat=3) if s[0] != s[1] != s[2]]
 
 
-def free(**given) -> da.Model:
+def free(**arguments) -> da.Model:
     system = da.System("free")
     system.parameter("p", 0.7)
-    given = {name: f(system.parameters["p"]) if callable(f) else f for name, f in given.items()}
-    system.add(spatial.Body("b", **{"mass": 1.3, "inertia": MOMENTS, **given}))
+    arguments = {
+        name: f(system.parameters["p"]) if callable(f) else f for name, f in arguments.items()
+    }
+    system.add(spatial.Body("b", **{"mass": 1.3, "inertia": MOMENTS, **arguments}))
     return system.build()
 
 
 def values(model: da.Model, *formulas, y=None, v=None, a=None):
     """Formulas of the body at a state, the start if none is given."""
     e = model.all_equations
-    inputs = [e.y, e.v, model.bodies[0].acceleration_symbols, e.p]
-    f = ca.Function("f", inputs, [ca.densify(x.sx) for x in formulas])
+    arguments = [e.y, e.v, model.bodies[0].acceleration_symbols, e.p]
+    f = ca.Function("f", arguments, [ca.densify(x.sx) for x in formulas])
     state = model.start.y if y is None else y, model.start.v if v is None else v
-    found = f.call([*state, np.zeros(6) if a is None else a, model.nominal])
-    return [x.full().ravel() for x in found]
+    computed = f.call([*state, np.zeros(6) if a is None else a, model.nominal])
+    return [x.full().ravel() for x in computed]
 
 
 def matrix_at(model, **state) -> np.ndarray:
@@ -65,8 +67,10 @@ TURNS = {
 
 @pytest.mark.parametrize("name", TURNS)
 def test_orientations_are_those_of_scipy(name):
-    given, wanted = TURNS[name]
-    np.testing.assert_allclose(matrix_at(free(rotation=given)), wanted(0.7).as_matrix(), atol=1e-14)
+    arguments, wanted = TURNS[name]
+    np.testing.assert_allclose(
+        matrix_at(free(rotation=arguments)), wanted(0.7).as_matrix(), atol=1e-14
+    )
 
 
 @pytest.mark.parametrize("sequence", SEQUENCES)
@@ -77,14 +81,14 @@ def test_angles_about_body_axes_are_those_of_scipy(sequence):
         model = free(rotation=da.rotation.euler(sequence, *angles))
         wanted = Rotation.from_euler(sequence.upper(), angles)
         np.testing.assert_allclose(matrix_at(model), wanted.as_matrix(), atol=1e-14)
-        (found,) = values(model, model.bodies[0].euler(sequence))
-        np.testing.assert_allclose(found, wanted.as_euler(sequence.upper()), atol=1e-12)
-    (found,) = values(model, model.expression("b.bryant"))
-    np.testing.assert_allclose(found, wanted.as_euler("XYZ"), atol=1e-12)
+        (computed,) = values(model, model.bodies[0].euler(sequence))
+        np.testing.assert_allclose(computed, wanted.as_euler(sequence.upper()), atol=1e-12)
+    (computed,) = values(model, model.expression("b.bryant"))
+    np.testing.assert_allclose(computed, wanted.as_euler("XYZ"), atol=1e-12)
 
 
 @pytest.mark.parametrize(
-    ("sequence", "angles", "told"),
+    ("sequence", "angles", "warning"),
     [
         ("xyz", (0.1, np.pi / 2 - 0.01, 0.2), "b: its angles xyz are 0.57° from their singular"),
         ("zxz", (0.1, np.pi / 2 - 0.01, 0.2), None),
@@ -93,18 +97,20 @@ def test_angles_about_body_axes_are_those_of_scipy(sequence):
         ("zx", (0.1, 0.0), None),
     ],
 )
-def test_angles_near_their_singular_attitude_are_told(sequence, angles, told):
+def test_angles_near_their_singular_attitude_are_told(sequence, angles, warning):
     messages = free(rotation=da.rotation.euler(sequence, *angles)).diagnosis.messages
-    found = [text for level, text in messages if "singular attitude" in text]
-    assert len(found) == (told is not None)
-    assert not found or (found[0].startswith(told) and ("warning", found[0]) in messages)
+    computed = [text for level, text in messages if "singular attitude" in text]
+    assert len(computed) == (warning is not None)
+    assert not computed or (
+        computed[0].startswith(warning) and ("warning", computed[0]) in messages
+    )
 
 
 def test_nearly_orthonormal_axes_are_corrected():
     turn = Rotation.from_rotvec([0.3, 2, 1]).as_matrix()
-    found = matrix_at(free(rotation=turn + 3e-7))
-    np.testing.assert_allclose(found @ found.T, np.eye(3), atol=1e-14)
-    assert np.abs(found - turn).max() < 1e-6
+    computed = matrix_at(free(rotation=turn + 3e-7))
+    np.testing.assert_allclose(computed @ computed.T, np.eye(3), atol=1e-14)
+    assert np.abs(computed - turn).max() < 1e-6
 
 
 def test_measures_are_the_derivatives_of_the_motion():
@@ -135,8 +141,8 @@ def test_measures_are_the_derivatives_of_the_motion():
     np.testing.assert_allclose(spin[mid], seen, atol=1e-8)
     np.testing.assert_allclose(np.einsum("kij,kj->ki", matrix, local), spin, atol=1e-13)
     for name, of in (("angular_acceleration", "angular_velocity"), ("velocity", "position")):
-        found, slope = np.array(motion[f"b.{name}"])[mid], rate(np.array(motion[f"b.{of}"]))
-        np.testing.assert_allclose(found, slope, atol=1e-7)
+        computed, slope = np.array(motion[f"b.{name}"])[mid], rate(np.array(motion[f"b.{of}"]))
+        np.testing.assert_allclose(computed, slope, atol=1e-7)
     np.testing.assert_allclose(
         np.array(motion["b.acceleration"])[mid], rate(np.array(motion["b.velocity"])), atol=1e-7
     )
@@ -148,16 +154,16 @@ def test_measures_are_the_derivatives_of_the_motion():
 
 def test_velocities_hold_in_inertial_axes_after_assembly_has_turned_the_body():
     system = da.System("wheel")
-    given = {"mass": 1.0, "inertia": MOMENTS, "center_of_mass": (0.1, 0.0, 0.2)}
+    arguments = {"mass": 1.0, "inertia": MOMENTS, "center_of_mass": (0.1, 0.0, 0.2)}
     turn = da.rotation.bryant(0.3, -0.2, 0.9)
-    wheel = spatial.Body("wheel", **given, rotation=turn, angular_velocity=(0.0, 3.0, 4.0))
+    wheel = spatial.Body("wheel", **arguments, rotation=turn, angular_velocity=(0.0, 3.0, 4.0))
     system.add(wheel)
     axis = (0.0, 0.6, 0.8)
     system.add(spatial.Revolute("O", system.ground.frame(axis=axis), wheel.frame(axis=(0, 0, 1))))
     model = system.build()
     e = model.all_equations
-    found = ca.Function("w", [e.y, e.v], [wheel.angular_velocity.sx, wheel.axes])
-    spin, axes = (x.full() for x in found(model.start.y, model.start.v))
+    computed = ca.Function("w", [e.y, e.v], [wheel.angular_velocity.sx, wheel.axes])
+    spin, axes = (x.full() for x in computed(model.start.y, model.start.v))
     np.testing.assert_allclose(axes[:, 2], axis, atol=1e-12)
     np.testing.assert_allclose(spin.ravel(), [0, 3, 4], atol=1e-11)
 
@@ -213,13 +219,13 @@ WRONG = {
 
 @pytest.mark.parametrize("wrong", WRONG)
 def test_bodies_that_there_are_not_are_refused(wrong):
-    given, told = WRONG[wrong]
-    with pytest.raises(da.DalembertError, match=re.escape(told)):
-        free(**GOOD | given)
+    arguments, message = WRONG[wrong]
+    with pytest.raises(da.DalembertError, match=re.escape(message)):
+        free(**GOOD | arguments)
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (lambda: da.rotation.axis_angle((0, 0, 0), 1.0), "a direction needs a length"),
         (lambda: da.rotation.euler("xq", 1, 2), "a sequence of axes consists of x, y and z"),
@@ -239,8 +245,8 @@ def test_bodies_that_there_are_not_are_refused(wrong):
         ),
     ],
 )
-def test_directions_that_there_are_not_are_refused(make, told):
-    with pytest.raises(da.ModelError, match=re.escape(told)):
+def test_directions_that_there_are_not_are_refused(make, message):
+    with pytest.raises(da.ModelError, match=re.escape(message)):
         make()
 
 
@@ -254,7 +260,7 @@ def test_formulas_of_axes_are_checked_at_their_values():
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (lambda b, d: spatial.Force("F", b, (1, 2)), "F.vector: expected 3 component(s), got 2"),
         (lambda b, d: spatial.Force("F", b, (1, 2, 3), follows=d), "follows d, a particle"),
@@ -269,7 +275,7 @@ def test_formulas_of_axes_are_checked_at_their_values():
         (lambda b, d: spatial.JointActuator("F", 3, 1.0), "joint must leave a motion free"),
     ],
 )
-def test_forces_that_there_are_not_are_refused(make, told):
+def test_forces_that_there_are_not_are_refused(make, message):
     body, dot = spatial.Body("b", **GOOD), spatial.Particle("d", mass=1.0)
-    with pytest.raises(da.DalembertError, match=re.escape(told)):
+    with pytest.raises(da.DalembertError, match=re.escape(message)):
         make(body, dot)

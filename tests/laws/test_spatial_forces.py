@@ -51,19 +51,23 @@ def generalised_force(name: str, t, y, v, p) -> np.ndarray:
     c = context(model, t, y, v, p)
     mass = ca.Function("m", [model.equations.p], [b.mass.sx for b in model.bodies])
     weights = [float(m) * c.p.g for m in mass.call([p])]
-    found = {b.name: [w, np.zeros(3)] for b, w in zip(model.bodies, weights, strict=True)}
+    results = {b.name: [w, np.zeros(3)] for b, w in zip(model.bodies, weights, strict=True)}
     for body, force, place, moment in SPATIAL_CASES[name].loads(c):
         about = moment + np.cross(place - c.body[body].r, force)
-        found[body][0] = found[body][0] + force
-        found[body][1] = found[body][1] + c.body[body].R.T @ about
-    return np.concatenate([np.concatenate(found[b.name])[: b.twist.numel()] for b in model.bodies])
+        results[body][0] = results[body][0] + force
+        results[body][1] = results[body][1] + c.body[body].R.T @ about
+    return np.concatenate(
+        [np.concatenate(results[b.name])[: b.twist.numel()] for b in model.bodies]
+    )
 
 
 @pytest.mark.parametrize("name", SPATIAL_CASES)
 def test_generalised_forces_are_the_textbook_wrenches(name):
     for state in states(name):
-        found = functions_of(name)(*state)[0].full().ravel()
-        np.testing.assert_allclose(found, generalised_force(name, *state), rtol=1e-11, atol=1e-11)
+        computed = functions_of(name)(*state)[0].full().ravel()
+        np.testing.assert_allclose(
+            computed, generalised_force(name, *state), rtol=1e-11, atol=1e-11
+        )
 
 
 @pytest.mark.parametrize("name", CONSERVATIVE)

@@ -81,15 +81,16 @@ def momenta(model: da.Model) -> Expression:
 
 
 @pytest.mark.parametrize(
-    ("made", "seed"), sampled([*((chain, k) for k in range(6)), *((loop, k) for k in range(4))], 3)
+    ("mechanism", "seed"),
+    sampled([*((chain, k) for k in range(6)), *((loop, k) for k in range(4))], 3),
 )
-def test_momentum_and_energy_of_what_floats_stay(made, seed):
-    model = made(seed)
-    assert len(model.diagnosis.topology.loops) == (made is loop)
+def test_momentum_and_energy_of_what_floats_stay(mechanism, seed):
+    model = mechanism(seed)
+    assert len(model.diagnosis.topology.loops) == (mechanism is loop)
     motion = da.solve_dynamics(model, 0.2, integrator=da.DormandPrince853(1e-10, 1e-11), outputs=5)
     assert motion.status.success
-    kept = np.asarray(motion.values(momenta(model)))
-    assert np.abs(kept - kept[0]).max() < 1e-9 * (1 + np.abs(kept).max())
+    computed = np.asarray(motion.values(momenta(model)))
+    assert np.abs(computed - computed[0]).max() < 1e-9 * (1 + np.abs(computed).max())
     kinetic = np.asarray(motion["kinetic_energy"])
     energy = kinetic + np.asarray(motion["potential_energy"])
     assert np.ptp(kinetic) > 1e-2

@@ -50,7 +50,7 @@ def test_orientations_go_through_welds_and_sliders(kind, backward):
     """R_j = R_i A_i R_z(angle) A_jᵀ, from either end."""
     model = chain(False, [(kind, False), (kind, backward), (kind, False)], angle=0.6)
     assert opened(model) < 1e-12
-    axes = [_axes(**given) for given in (FIRST, SECOND)]
+    axes = [_axes(**arguments) for arguments in (FIRST, SECOND)]
     first = axes[0] @ rotation(about((0, 0, 1), 0.6)) @ axes[1].T
     names = model.guesses.names
     euler = [model.start.y[names.index(f"b0.e{k}")] for k in range(4)]

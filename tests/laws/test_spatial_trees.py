@@ -157,8 +157,8 @@ def test_cost_grows_with_the_number_of_bodies():
         model = arm(n).build()
         for coordinates in (JointCoordinates(), da.AbsoluteCoordinates()):
             e = coordinates.view(model).equations
-            made = da.RangeSpace().acceleration(e, e.constraint_acceleration).function
-            count[type(coordinates), n] = made.n_nodes()
+            function = da.RangeSpace().acceleration(e, e.constraint_acceleration).function
+            count[type(coordinates), n] = function.n_nodes()
     own, all_bodies = JointCoordinates, da.AbsoluteCoordinates
     first, second = count[own, 10] - count[own, 5], count[own, 20] - count[own, 10]
     assert second == pytest.approx(2 * first, rel=0.01)
@@ -239,8 +239,8 @@ def test_modes_are_the_absolute_ones():
     system.add(spatial.Revolute("R", *hinge[::-1]))
     system.add(spatial.TorsionSpring("T", top, tip, stiffness=1.0))
     model = system.build()
-    found, expected = (
+    computed, expected = (
         np.sort(np.abs(da.linearize(model, coordinates=c).eigenvalues))
         for c in (JointCoordinates(), da.AbsoluteCoordinates())
     )
-    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    np.testing.assert_allclose(computed, expected, rtol=1e-9)

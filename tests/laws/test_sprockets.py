@@ -19,8 +19,8 @@ def distance():
     wheel = planar.Body("wheel", mass=1.0, inertia=1.0)
     sprocket = planar.contact.Sprocket(wheel.center, TEETH, PITCH, ROLLER)
     place = ca.SX.sym("place", 2)
-    found = sprocket.distance(place, False)
-    return ca.Function("distance", [wheel.pose, place], [found, ca.gradient(found, place)])
+    distance = sprocket.distance(place, False)
+    return ca.Function("distance", [wheel.pose, place], [distance, ca.gradient(distance, place)])
 
 
 def at(angle: float, radius: float = RADIUS) -> np.ndarray:
@@ -28,8 +28,8 @@ def at(angle: float, radius: float = RADIUS) -> np.ndarray:
 
 
 def test_rollers_sit_loosely_in_every_seat():
-    found = [float(distance()([0, 0, 0], at(k * TOOTH))[0]) for k in range(TEETH)]
-    np.testing.assert_allclose(np.array(found) - ROLLER / 2, 0.005 * ROLLER, rtol=1e-10)
+    computed = [float(distance()([0, 0, 0], at(k * TOOTH))[0]) for k in range(TEETH)]
+    np.testing.assert_allclose(np.array(computed) - ROLLER / 2, 0.005 * ROLLER, rtol=1e-10)
 
 
 def test_it_turns_and_moves_with_its_body():

@@ -92,9 +92,12 @@ def errors(integrator: str, stabilization, steps) -> np.ndarray:
         motion = da.solve_dynamics(
             chain(), 0.64, step=h, integrator=method, outputs=OUTPUTS, stabilization=stabilization
         )
-        found, true = motion.trajectory, exact().trajectory
+        trajectory, true = motion.trajectory, exact().trajectory
         rows.append(
-            [np.abs(getattr(found, n) - getattr(true, n)).max() for n in ("y", "v", "multiplier")]
+            [
+                np.abs(getattr(trajectory, n) - getattr(true, n)).max()
+                for n in ("y", "v", "multiplier")
+            ]
         )
     return np.array(rows)
 

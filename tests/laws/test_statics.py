@@ -135,3 +135,29 @@ def test_what_is_soft_is_solved_beside_what_is_stiff(ratio):
     assert rest.status.success, rest.status
     first, second = (float(rest[f"b{k}.angle"].values[0]) for k in range(2))
     assert abs(50.0 * (second - first) + 9.81 / 2 * np.cos(second)) < 1e-9
+
+
+def free_beside_pinned(**loads) -> da.Model:
+    """A pinned body in balance, and a body beside it that nothing holds."""
+    system = da.System("free", **loads)
+    pinned = system.add(planar.Body("pinned", mass=1.0, inertia=1.0))
+    system.add(planar.Revolute("pin", system.ground.center, pinned.center))
+    system.add(planar.Body("free", mass=1.0, inertia=1.0, position=(1.0, 0.0)))
+    return system.build()
+
+
+def test_bodies_that_nothing_holds_are_named():
+    """Each with its coordinates and the remedy; those in equilibrium by a warning."""
+    rest = da.solve_equilibrium(free_beside_pinned())
+    assert rest.status.success
+    (warning,) = rest.warnings
+    assert "pinned (angle), free (x, y, angle) in 4 directions" in warning
+    assert "attach them by a joint, spring or support" in warning
+    falling = da.solve_equilibrium(free_beside_pinned(gravity=(0.0, -GRAVITY)))
+    assert not falling.status.success
+    assert "nothing balances the forces on free (y): attach" in falling.status.message
+
+
+def test_bodies_that_springs_hold_are_not_named():
+    assert not da.solve_equilibrium(propped_bar()).warnings
+    assert not da.solve_equilibrium(hung(3.0)).warnings

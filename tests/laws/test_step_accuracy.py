@@ -44,8 +44,8 @@ def test_steps_that_are_too_long_are_told_with_those_that_do(name):
     integrator, step, trials = INTEGRATORS[name], 5e-3, 0
     while trials < 8:  # 2.5 rad a step at first
         motion = run(step, integrator, outputs=2)
-        told = [re.search("use steps below (.*) s, or", text) for text in motion.warnings]
-        wanted = [float(found[1]) for found in told if found]
+        messages = [re.search("use steps below (.*) s, or", text) for text in motion.warnings]
+        wanted = [float(match[1]) for match in messages if match]
         if motion.status.success and not wanted:
             break
         step, trials = (wanted[0] if wanted else step / 2), trials + 1
@@ -58,8 +58,8 @@ def test_the_number_is_about_the_error(memory):
     """And the same where few states are kept."""
     motion = run(1e-3, da.Trapezoidal(), outputs=2, memory=memory)
     assert any("long for this motion" in text for text in motion.warnings)
-    found = abs(motion.values("arm.angle")[-1] - exact()) / np.ptp([0, exact()])
-    assert found / 10 < motion.error_estimate.share < 100 * found
+    computed = abs(motion.values("arm.angle")[-1] - exact()) / np.ptp([0, exact()])
+    assert computed / 10 < motion.error_estimate.share < 100 * computed
 
 
 def test_short_steps_and_error_control_are_not_doubted():

@@ -157,11 +157,11 @@ def test_many_displacements_by_iteration(vibrating, monkeypatch):
     def solved():
         return da.solve_modes(model, 5) if vibrating else da.solve_buckling(model, 5)
 
-    found = solved()
+    computed = solved()
     monkeypatch.setattr("dalembert.model.assembled.evaluation.eigenpairs.DENSE", 1000)
     whole = solved()
-    np.testing.assert_allclose(found.eigenvalues, whole.eigenvalues, rtol=1e-8)
-    gap = np.abs(found.shapes - whole.shapes).max()
+    np.testing.assert_allclose(computed.eigenvalues, whole.eigenvalues, rtol=1e-8)
+    gap = np.abs(computed.shapes - whole.shapes).max()
     assert gap < 1e-5 * np.abs(whole.shapes).max()
 
 
@@ -255,7 +255,7 @@ def test_sums_over_modes_and_cases_are_plain():
     """There is nothing between two modes."""
     modes = da.solve_modes(model_of("Truss 2-D"), 3)
     f = modes.frequencies
-    found = [da.evaluate(modes, make("frequency")) for make in (da.mean, da.integral, da.rms)]
-    np.testing.assert_allclose(found, [f.mean(), f.sum(), np.sqrt((f**2).mean())], rtol=1e-14)
+    computed = [da.evaluate(modes, make("frequency")) for make in (da.mean, da.integral, da.rms)]
+    np.testing.assert_allclose(computed, [f.mean(), f.sum(), np.sqrt((f**2).mean())], rtol=1e-14)
     table = da.sensitivity(modes, [da.integral("frequency"), da.mean("frequency")])
     assert list(table["response_unit"].values) == ["Hz", "Hz"]

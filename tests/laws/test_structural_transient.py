@@ -18,7 +18,7 @@ from dalembert.analysis.transient.equation import Motions
 from dalembert.elements.fem.cells import CELLS
 from dalembert.elements.fem.registry import ELEMENTS, cell_of
 from dalembert.integrators.marching import steps as marching_steps
-from dalembert.sensitivity.checks.replays import Replays
+from dalembert.sensitivity.checks.finite_difference import Replays
 
 INTEGRATORS = {
     "average acceleration": da.Newmark(),
@@ -85,8 +85,8 @@ def exact(motion, end: float) -> tuple[np.ndarray, np.ndarray]:
         return np.concatenate([v[free], inverse @ rest[free]])
 
     start = np.concatenate([motion.displacements[free, 0], motion.velocities[free, 0]])
-    found = solve_ivp(rate, (0.0, end), start, method="DOP853", rtol=1e-12, atol=1e-13)
-    return whole(end, found.y[:, -1])[:2]
+    reference = solve_ivp(rate, (0.0, end), start, method="DOP853", rtol=1e-12, atol=1e-13)
+    return whole(end, reference.y[:, -1])[:2]
 
 
 @pytest.mark.parametrize("nonlinear", [False, True])
@@ -98,8 +98,8 @@ def test_order_two_in_displacements_and_velocities(integrator, nonlinear):
     for step in (0.02, 0.01):
         motion = da.solve_transient(model, 2.0, step=step, outputs=[0.0, 2.0], **options)
         u, v = exact(motion, 2.0)
-        found = (motion.displacements[:, -1] - u, motion.velocities[:, -1] - v)
-        errors.append([np.abs(error).max() for error in found])
+        computed = (motion.displacements[:, -1] - u, motion.velocities[:, -1] - v)
+        errors.append([np.abs(error).max() for error in computed])
     ratios = np.array(errors[0]) / np.array(errors[1])
     assert (ratios > 3.6).all()
     assert (np.array(errors[1]) < 5e-3).all()
@@ -289,8 +289,8 @@ def test_gradients_of_a_body_that_tumbles(lumped):
     s.support(nodes[0], ux=0.0, uy=0.1 * da.sin(da.t), uz=0.0)
     rates = np.cross([0.5, -0.3, 1.0], points)
     for k in range(3):
-        given = dict(zip(("vx", "vy", "vz"), spin * rates[k], strict=True)) if k else {}
-        s.initial(nodes[k], vrx=0.5 * spin, vry=-0.3 * spin, vrz=spin, **given)
+        arguments = dict(zip(("vx", "vy", "vz"), spin * rates[k], strict=True)) if k else {}
+        s.initial(nodes[k], vrx=0.5 * spin, vry=-0.3 * spin, vrz=spin, **arguments)
     damping = da.Rayleigh(s.parameter("alpha", 0.1))
     options = {"nonlinear": True, "lumped": lumped, "damping": damping}
     motion = da.solve_transient(s.build(), 0.45, step=0.05, **options)
@@ -334,11 +334,11 @@ def swung(fast: float, monkeypatch):
     s.support(nodes[0], ux=0.0, uy=0.0)
     s.gravity(0.0, -9.81)
     monkeypatch.setattr(transient_step, "FAST", fast)
-    made, factors = [], transient_step.factors
+    results, factors = [], transient_step.factors
     monkeypatch.setattr(
-        transient_step, "factors", lambda *a, **k: made.append(1) or factors(*a, **k)
+        transient_step, "factors", lambda *a, **k: results.append(1) or factors(*a, **k)
     )
-    return da.solve_transient(s.build(), 0.4, step=0.005, nonlinear=True), len(made)
+    return da.solve_transient(s.build(), 0.4, step=0.005, nonlinear=True), len(results)
 
 
 def test_factors_that_are_taken_again_change_nothing(monkeypatch):
@@ -346,10 +346,10 @@ def test_factors_that_are_taken_again_change_nothing(monkeypatch):
     with monkeypatch.context() as patch:
         every, often = swung(0.0, patch)
     with monkeypatch.context() as patch:
-        kept, seldom = swung(transient_step.FAST, patch)
-    assert every.status.success and kept.status.success
+        reused, seldom = swung(transient_step.FAST, patch)
+    assert every.status.success and reused.status.success
     scale = abs(every.displacements).max()
-    np.testing.assert_allclose(kept.displacements, every.displacements, atol=1e-10 * scale)
+    np.testing.assert_allclose(reused.displacements, every.displacements, atol=1e-10 * scale)
     assert 2 * seldom < often
 
 
@@ -393,7 +393,7 @@ def test_wrong_choices_are_refused(options, error, message):
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("set_motion", "message"),
     [
         (lambda s: s.initial(s.nodes["a"], ux=1.0), "is prescribed"),
         (lambda s: s.initial(s.nodes["c"], vx=1.0), "given twice"),
@@ -401,11 +401,11 @@ def test_wrong_choices_are_refused(options, error, message):
         (lambda s: s.initial(s.nodes["b"], vx=da.t), "depends on t"),
     ],
 )
-def test_wrong_initial_motions_are_refused(given, message):
+def test_wrong_initial_motions_are_refused(set_motion, message):
     structure = chain()
 
     def build():
-        given(structure)
+        set_motion(structure)
         structure.build()
 
     with pytest.raises(da.ModelError, match=message):

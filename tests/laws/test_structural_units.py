@@ -54,16 +54,16 @@ def results(metre: float, kilogram: float, second: float) -> dict[str, np.ndarra
     """Numbers without units from every analysis, and gradients by logarithms of parameters."""
     model = frame(metre, kilogram, second).build()
     energy = kilogram * metre**2 / second**2
-    p, found = model.nominal, {}
+    p, results = model.nominal, {}
 
     def note(name: str, result, measures: dict[str, float]) -> None:
         assert result.status.success, (name, result.status)
         assert result.status.residual < 1e-8
         scales = np.array(list(measures.values()))
-        found[name] = np.array([result.values(m) for m in measures]) / scales[:, None]
+        results[name] = np.array([result.values(m) for m in measures]) / scales[:, None]
         last = [da.at(result.time[-1], m) for m in measures]
         gradient = da.sensitivity(result, last, method="adjoint").values
-        found[f"{name}, gradient"] = gradient * p / scales[:, None]
+        results[f"{name}, gradient"] = gradient * p / scales[:, None]
 
     placed = {"c.ux": metre, "c.rz": 1.0, "strain_energy": energy, "top.moment_i": energy}
     note("statics", da.solve_statics(model), placed)
@@ -77,7 +77,7 @@ def results(metre: float, kilogram: float, second: float) -> dict[str, np.ndarra
         options = {"nonlinear": nonlinear, "step": 0.05 * second}
         motion = da.solve_transient(model, 0.5 * second, **options)
         note(f"transient, nonlinear={nonlinear}", motion, moved)
-    return found
+    return results
 
 
 @cache

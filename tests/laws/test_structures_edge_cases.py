@@ -23,8 +23,8 @@ def cantilever(length: float, slenderness: float, count: int = 4):
     structure.support(nodes[0])
     load = 1e-6 * modulus * bend / length**2
     structure.load(nodes[-1], fy=load)
-    found = da.solve_statics(structure.build())[f"n[{count}].uy"]
-    return found, load * length**3 / (3 * modulus * bend)
+    computed = da.solve_statics(structure.build())[f"n[{count}].uy"]
+    return computed, load * length**3 / (3 * modulus * bend)
 
 
 @pytest.mark.parametrize("slenderness", [10.0, 1e3, 1e5])
@@ -96,11 +96,11 @@ def plate():
     structure = da.Structure("plate")
     points, cells = structures.rectangle_mesh((2.0, 1.0), (2, 2))
     nodes = structure.add_nodes("p", points)
-    made = structure.add_elements(
+    elements = structure.add_elements(
         "e", structures.Quadrilateral, nodes, cells, modulus=1.0, thickness=1.0
     )
     structure.support(nodes.where(x=0.0))
-    return structure, nodes, made
+    return structure, nodes, elements
 
 
 def test_loads_take_meshes():
@@ -183,8 +183,8 @@ def test_wrong_use_is_refused(wrong, message):
 
 
 def set_of(structure, nodes, cells=((0, 1, 4, 3),), **numbers):
-    given = {"modulus": 1.0, "thickness": 1.0} | numbers
-    structure.add_elements("f", structures.Quadrilateral, nodes, list(cells), **given)
+    arguments = {"modulus": 1.0, "thickness": 1.0} | numbers
+    structure.add_elements("f", structures.Quadrilateral, nodes, list(cells), **arguments)
 
 
 def test_missing_numbers_are_refused():
@@ -209,12 +209,12 @@ def test_measures_that_are_none(name, message):
 
 
 def test_what_is_not_built_says_so():
-    for verb, given in (
+    for verb, argument in (
         (da.solve_statics, da.Structure("s")),
         (da.solve_kinematics, da.System("m")),
     ):
         with pytest.raises(da.AnalysisError, match=r"takes a model; .* build\(\) it first"):
-            verb(given)
+            verb(argument)
 
 
 @pytest.mark.parametrize("counts", [2, ("a", 2), (1.5, 2), (0, 2), (1, 2, 3)])

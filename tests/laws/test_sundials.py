@@ -104,8 +104,8 @@ def test_gradients_are_right_to_about_the_tolerance(method):
     true = da.sensitivity(fine, responses).values
     motion = Dynamics(0.6, step=0.2, integrator=method(1e-9, 1e-9), outputs=outputs).run(model)
     for way in (da.Direct(), da.Adjoint()):
-        found = da.sensitivity(motion, responses, method=way).values
-        np.testing.assert_allclose(found, true, rtol=0, atol=1e-6 * np.abs(true).max())
+        gradient = da.sensitivity(motion, responses, method=way).values
+        np.testing.assert_allclose(gradient, true, rtol=0, atol=1e-6 * np.abs(true).max())
 
 
 @pytest.mark.parametrize("method", [da.CVODES, da.IDA])

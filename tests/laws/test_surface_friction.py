@@ -58,12 +58,12 @@ def test_impacts_keep_the_cone_and_have_exact_gradients(poisson, options):
     assert np.diff(motion.data["dissipated_energy"]).min() > -1e-12
     assert np.abs(motion.data["balance_error"]).max() < 1e-7
     place = [da.final(model[f"box.{axis}"]) for axis in "xyz"]
-    found = [
+    computed = [
         da.sensitivity(motion, place, method=method).values
         for method in ("direct", "adjoint", "finite-difference")
     ]
-    np.testing.assert_allclose(found[0], found[1], rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(found[0], found[2], rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(computed[0], computed[1], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(computed[0], computed[2], rtol=1e-6, atol=1e-8)
 
 
 def test_newtons_law_holds_for_the_slip_of_every_impact():
@@ -126,8 +126,8 @@ def test_a_slide_begins_in_the_right_direction():
     assert motion.status.success and not motion.warnings
     steps = motion.record.steps
     assert steps.t[steps.h == 0][0] == pytest.approx(begins, rel=1e-12)
-    found = [motion.values(f"block.{axis}")[-1] for axis in "xy"]
-    np.testing.assert_allclose(found, place, atol=2e-8)
+    computed = [motion.values(f"block.{axis}")[-1] for axis in "xy"]
+    np.testing.assert_allclose(computed, place, atol=2e-8)
     direct = da.sensitivity(motion, [da.final(model["block.x"]), da.final(model["block.y"])])
     h = 1e-4
     by_pull = (slid(2.0, pull=PULL + h)[1] - slid(2.0, pull=PULL - h)[1]) / (2 * h)

@@ -71,12 +71,12 @@ def reference(name: str, p: float = 1.0) -> np.ndarray:
     formula = FORCES[name](*map(Expression, symbols)).sx
     function = ca.Function("force", [ca.vertcat(*symbols)], [ca.densify(formula)])
     buffer, evaluate = function.buffer()
-    given, force = np.zeros(4), np.zeros(1)
-    buffer.set_arg(0, memoryview(given))
+    inputs, force = np.zeros(4), np.zeros(1)
+    buffer.set_arg(0, memoryview(inputs))
     buffer.set_res(0, memoryview(force))
 
     def rate(time: float, z: np.ndarray) -> tuple[float, float]:
-        given[:] = time, *z, p
+        inputs[:] = time, *z, p
         evaluate()
         return z[1], force[0]
 
@@ -107,9 +107,9 @@ def run(name: str, method: str, rtol: float = 1e-10, **options):
 def test_motions_over_switches(name):
     for method in INTEGRATORS:
         motion = run(name, method)
-        found = [motion[f"b.{measure}"].values[-1] for measure in ("x", "vx")]
+        computed = [motion[f"b.{measure}"].values[-1] for measure in ("x", "vx")]
         assert motion.status.success, (method, motion.status)
-        np.testing.assert_allclose(found, reference(name), rtol=0, atol=1e-6, err_msg=method)
+        np.testing.assert_allclose(computed, reference(name), rtol=0, atol=1e-6, err_msg=method)
 
 
 DIFFERENTIABLE = sorted({*FORCES} - {"power left out"})  # 0·NaN, with or without
@@ -179,8 +179,8 @@ def test_notes_of_gradients_over_switches():
     adaptive = {"integrator": da.DormandPrince()}
     assert "went over switches" in notes("jump", da.final("b.x"), step=0.01)
     for response in (da.final("b.x"), da.integral("b.vx"), da.integral("b.ax")):
-        told = notes("jump", response, **adaptive)
-        assert "switch" not in told and "independent speeds" not in told
+        messages = notes("jump", response, **adaptive)
+        assert "switch" not in messages and "independent speeds" not in messages
 
 
 def test_integrals_of_what_is_continuous_over_switches():
@@ -254,10 +254,10 @@ def test_held_formulas_are_the_formulas_on_their_sides():
         ),
         ca.diag(ca.vertcat(ca.fabs(x[1]), p, ca.fmax(p, 3))),
     ]
-    found, switches = freeze_branches(formulas, x)
+    computed, switches = freeze_branches(formulas, x)
     assert switches.count == 3  # those of x₀ are one, that of p is none
     plain = ca.Function("plain", [x, p], [*formulas, switches.actual])
-    seen = ca.Function("seen", [x, switches.sides, p], found)
+    seen = ca.Function("seen", [x, switches.sides, p], computed)
     rng = np.random.default_rng(3)
     for _ in range(50):
         place, value = rng.normal(size=2), abs(rng.normal())

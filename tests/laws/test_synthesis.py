@@ -24,15 +24,15 @@ def test_path_of_a_linkage_is_found(linkage):
     kind = type(linkage)
     timed = da.synthesize(da.Target.path(linkage.path(TURN), TURN), kind, starts=12)
     closed = da.synthesize(da.Target.path(linkage.path(TURN), closed=True), kind, starts=12)
-    for found in (timed, closed):
-        assert found.best.error < 1e-12
-        assert found.best.linkage.crank_turns
+    for synthesis in (timed, closed):
+        assert synthesis.best.error < 1e-12
+        assert synthesis.best.linkage.crank_turns
 
 
 def test_cognates_are_found_too():
     """A path with timing has two crank-driven four-bars, by the theorem of Roberts."""
-    found = da.synthesize(da.Target.path(BAR.path(TURN), TURN), starts=24)
-    exact = [s.linkage for s in found.solutions if s.error < 1e-12]
+    synthesis = da.synthesize(da.Target.path(BAR.path(TURN), TURN), starts=24)
+    exact = [s.linkage for s in synthesis.solutions if s.error < 1e-12]
     for wanted in (BAR, BAR.cognates()[1]):
         sizes = [wanted.numbers[n] for n in ("crank", "coupler", "follower", "ground", "u", "v")]
         there = [[e.numbers[n] for n in ("crank", "coupler", "follower", "ground", "u", "v")]
@@ -46,8 +46,8 @@ def test_poses_and_functions_are_found(linkage):
     poses = da.Target.motion(linkage.path(PIECE), linkage.coupler_angle(PIECE) - 0.3)
     outputs = linkage.output(PIECE) + 0.7
     for target in (poses, da.Target.function(PIECE - 0.2, outputs)):
-        found = da.synthesize(target, kind, starts=16)
-        assert found.best.error < 1e-12
+        synthesis = da.synthesize(target, kind, starts=16)
+        assert synthesis.best.error < 1e-12
 
 
 def test_freudenstein():
@@ -55,10 +55,10 @@ def test_freudenstein():
 
     Source: F. Freudenstein (1955), Transactions of the ASME 77, 853-861.
     """
-    given, outputs = np.radians([0.0, 30.0, 60.0]), np.radians([0.0, 25.0, 60.0])
-    found = da.synthesize(da.Target.function(given, outputs), starts=12)
-    assert found.best.error < 1e-14
-    bar, theta = found.best.linkage, found.best.crank_angles
+    inputs, outputs = np.radians([0.0, 30.0, 60.0]), np.radians([0.0, 25.0, 60.0])
+    synthesis = da.synthesize(da.Target.function(inputs, outputs), starts=12)
+    assert synthesis.best.error < 1e-14
+    bar, theta = synthesis.best.linkage, synthesis.best.crank_angles
     psi = np.unwrap(bar.output(theta))
     np.testing.assert_allclose(psi - psi[0], outputs, atol=1e-7)
     rows = np.stack([np.cos(psi), -np.cos(theta), np.ones(3)], axis=1)
@@ -68,13 +68,13 @@ def test_freudenstein():
     assert k3 == pytest.approx((d**2 - c**2 + f**2 + g**2) / (2 * d * f), rel=1e-4)
 
 
-@pytest.mark.parametrize(("count", "known"), [(6, 2.52e-6), (10, 6.18e-6)], ids=["six", "ten"])
-def test_a_few_starts_are_enough_for_a_function(count, known):
+@pytest.mark.parametrize(("count", "best_error"), [(6, 2.52e-6), (10, 6.18e-6)], ids=["six", "ten"])
+def test_a_few_starts_are_enough_for_a_function(count, best_error):
     """A square over 90°; ``known`` is the best of 300 random starts."""
     share = np.linspace(0, 1, count)
     target = da.Target.function(math.pi / 2 * share, math.pi / 2 * share**2)
-    found = da.synthesize(target, crank_turns=False, starts=6)
-    assert found.best.error <= known
+    synthesis = da.synthesize(target, crank_turns=False, starts=6)
+    assert synthesis.best.error <= best_error
 
 
 def test_a_path_that_is_met_poorly_has_a_best_linkage():
@@ -82,16 +82,16 @@ def test_a_path_that_is_met_poorly_has_a_best_linkage():
     theta = TURN[::2]
     for sense in (1, -1):
         points = np.stack([2 * np.cos(theta), sense * np.sin(theta)], axis=1)
-        found = da.synthesize(da.Target.path(points, theta), starts=2)
-        assert found.best.error < 0.05 and found.best.linkage.crank_turns
+        synthesis = da.synthesize(da.Target.path(points, theta), starts=2)
+        assert synthesis.best.error < 0.05 and synthesis.best.linkage.crank_turns
 
 
 def test_linkages_that_differ_by_full_turns_or_names_count_once():
     poses = da.Target.motion(BAR.path(PIECE), BAR.coupler_angle(PIECE))
-    found = da.synthesize(poses, starts=8, crank_turns=False)
-    assert found.best.error < 1e-20  # exact by Burmester dyads
+    synthesis = da.synthesize(poses, starts=8, crank_turns=False)
+    assert synthesis.best.error < 1e-20  # exact by Burmester dyads
     places = [np.sort_complex(np.round(s.linkage.joints(s.crank_angles[0])[:4], 3))
-              for s in found.solutions]  # fmt: skip
+              for s in synthesis.solutions]  # fmt: skip
     assert all(np.max(abs(a - b)) > 1e-3 for k, a in enumerate(places) for b in places[:k])
 
 
@@ -99,8 +99,8 @@ def test_limits_are_kept():
     least = math.radians(40)
     ends = {"x": (2.5, 3.5), "crank": (0.2, 0.5)}
     path = da.Target.path(BAR.path(PIECE))
-    found = da.synthesize(path, bounds=ends, transmission=least, starts=12)
-    for solution in found.solutions:
+    synthesis = da.synthesize(path, bounds=ends, transmission=least, starts=12)
+    for solution in synthesis.solutions:
         linkage = solution.linkage
         assert linkage.crank_turns and linkage.transmission() > least - 1e-6
         assert all(a - 1e-7 <= getattr(linkage, n) <= b + 1e-7 for n, (a, b) in ends.items())

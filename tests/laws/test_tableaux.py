@@ -46,13 +46,13 @@ def _forests(nodes: int, largest: int) -> list[tuple[Tree, ...]]:
     """Multisets of trees with the given number of nodes together, none above ``largest``."""
     if nodes == 0:
         return [()]
-    found = []
+    groupings = []
     for size in range(1, largest + 1):
         for count in range(1, nodes // size + 1):
             rest = _forests(nodes - count * size, min(size - 1, nodes - count * size))
             equal = combinations_with_replacement(trees(size), count)
-            found += [a + b for a, b in product(equal, rest)]
-    return found
+            groupings += [a + b for a, b in product(equal, rest)]
+    return groupings
 
 
 def size(tree: Tree) -> int:
@@ -128,14 +128,16 @@ def exact(t):
 
 
 def slopes(tableau: ButcherTableau, t, h, x) -> list[np.ndarray]:
-    found: list[np.ndarray] = []
+    results: list[np.ndarray] = []
     for c, row in zip(tableau.c, ((), *tableau.a), strict=True):
-        found.append(rate(t + c * h, x + h * sum(a * k for a, k in zip(row, found, strict=True))))
-    return found
+        results.append(
+            rate(t + c * h, x + h * sum(a * k for a, k in zip(row, results, strict=True)))
+        )
+    return results
 
 
-def combined(weights, found, h):
-    return h * sum(w * k for w, k in zip(weights, found, strict=True))
+def combined(weights, slopes, h):
+    return h * sum(w * k for w, k in zip(weights, slopes, strict=True))
 
 
 @pytest.mark.parametrize("name", METHODS)
@@ -163,11 +165,11 @@ def test_error_estimate_falls_with_its_order(name):
     t, lengths = 0.7, np.array([0.04, 0.02, 0.01])
     estimates = []
     for h in lengths:
-        found = slopes(tableau, t, h, exact(t))
-        square = np.sum(combined(tableau.b_error, found, h) ** 2)
+        computed = slopes(tableau, t, h, exact(t))
+        square = np.sum(combined(tableau.b_error, computed, h) ** 2)
         low = 0
         if tableau.b_error_low is not None:
-            low = np.sum(combined(tableau.b_error_low, found, h) ** 2)
+            low = np.sum(combined(tableau.b_error_low, computed, h) ** 2)
         estimates.append(square / np.sqrt(square + 0.01 * low))
     measured = np.polyfit(np.log(lengths), np.log(estimates), 1)[0]
     assert abs(measured - tableau.error_order - 1) < 0.2, (measured, estimates)
@@ -218,8 +220,8 @@ def test_stability_function_agrees_with_exp_to_the_order(name):
 def test_bounds_of_stability(name, direction, bound):
     """Where the ray leaves |R| ≤ 1 (Hairer and Wanner 1996, IV.2)."""
     stability = METHODS[name].tableau.stability
-    found = brentq(lambda r: abs(stability(direction * r)) - 1, 0.9 * bound, 1.1 * bound)
-    assert found == pytest.approx(bound, abs=1e-4)
+    root = brentq(lambda r: abs(stability(direction * r)) - 1, 0.9 * bound, 1.1 * bound)
+    assert root == pytest.approx(bound, abs=1e-4)
     inside = np.linspace(0, 0.999 * bound, 200)
     assert np.abs(stability(direction * inside)).max() <= 1 + 1e-14
 

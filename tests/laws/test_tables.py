@@ -27,9 +27,9 @@ def test_the_spline_is_that_of_scipy_and_the_line_the_straight_one(ends):
         CubicSpline(X, y, bc_type=ends or "not-a-knot"),
         da.Interpolation(X, y, kind="linear"),
     )
-    made = da.Interpolation(X, y, **({"ends": ends} if ends else {}))
+    table = da.Interpolation(X, y, **({"ends": ends} if ends else {}))
     for x in BETWEEN:
-        assert float(made(x)) == pytest.approx(spline(x), abs=1e-13)
+        assert float(table(x)) == pytest.approx(spline(x), abs=1e-13)
         assert float(line(x)) == pytest.approx(np.interp(x, X, y), abs=1e-14)
 
 
@@ -65,9 +65,9 @@ def test_inverse_dynamics_of_a_sampled_motion():
     q, bend = 0.5 * np.cos(2 * times) + times**2, 2 - 2 * np.cos(2 * times)
     exact = (bend + 3 * 9.81 * 0.5 * np.cos(q))[::2]
     for law in (da.Table(list(times), list(q)), da.Interpolation(times, q)(da.t)):
-        effort, doubts = robot_arm(law)
+        effort, warnings = robot_arm(law)
         np.testing.assert_allclose(effort, exact, atol=2e-2)
-        assert not doubts
+        assert not warnings
     rough = [
         (da.Table(list(times), list(q), ends="natural"), "natural ends"),
         (2 * da.Interpolation(times, q / 2, ends="natural")(da.t), "natural ends"),
@@ -75,8 +75,8 @@ def test_inverse_dynamics_of_a_sampled_motion():
         (da.Table(list(times[::5]), list(q[::5])), "uncertain by"),
     ]
     for law, tells in rough:
-        effort, doubts = robot_arm(law)
-        assert len(doubts) == 1 and tells in doubts[0], tells
+        effort, warnings = robot_arm(law)
+        assert len(warnings) == 1 and tells in warnings[0], tells
 
 
 @pytest.mark.parametrize("kind", ["spline", "linear"])
@@ -94,7 +94,7 @@ def test_beyond_the_ends(kind):
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("arguments", "message"),
     [
         ({"x": [0, 1]}, "table gas: 2 abscissae but 3 values"),
         ({"x": [0, 2, 1]}, "abscissae must increase, but row 3"),
@@ -107,9 +107,9 @@ def test_beyond_the_ends(kind):
         ({"x": range(2000), "y": range(2000)}, "has 2000 rows; thin it out"),
     ],
 )
-def test_tables_that_are_none(given, message):
+def test_tables_that_are_none(arguments, message):
     with pytest.raises(da.ModelError, match=message):
-        da.Interpolation(**{"x": [0, 1, 2], "y": [1, 2, 3], "name": "gas", **given})
+        da.Interpolation(**{"x": [0, 1, 2], "y": [1, 2, 3], "name": "gas", **arguments})
 
 
 def pendulum(rows=30, kind="spline", outside="error", top=4.0, angle=0.5, constant=False):
@@ -141,8 +141,8 @@ def test_rows_that_are_looked_up_are_those_written_out(rows):
     at = np.concatenate([RNG.uniform(x[0], x[-1], 500), (x[:-1] + x[1:]) / 2])
     spline, line = CubicSpline(x, y), da.Interpolation(x, y, kind="linear")
     for order in range(3):
-        found = evaluated(da.Interpolation(x, y), at, order)
-        assert found == pytest.approx(spline(at, order), abs=1e-13)
+        computed = evaluated(da.Interpolation(x, y), at, order)
+        assert computed == pytest.approx(spline(at, order), abs=1e-13)
     assert evaluated(da.Interpolation(x, y), x) == pytest.approx(y, abs=1e-14)
     assert evaluated(line, at) == pytest.approx(np.interp(at, x, y), abs=1e-14)
 
@@ -198,13 +198,13 @@ def test_gradients_are_those_of_the_run(kind):
     model = pendulum(kind=kind)
     motion = da.solve_dynamics(model, 0.3, step=0.01)
     final = da.final("bob.angle")
-    found = {
+    results = {
         method: da.sensitivity(motion, final, method=method).values.ravel()
         for method in ("adjoint", "direct", "finite-difference")
     }
-    assert found["adjoint"] == pytest.approx(found["direct"], rel=1e-9, abs=1e-15)
-    assert found["adjoint"] == pytest.approx(found["finite-difference"], rel=1e-5, abs=1e-9)
-    assert np.abs(found["adjoint"][0]) > 1e-3
+    assert results["adjoint"] == pytest.approx(results["direct"], rel=1e-9, abs=1e-15)
+    assert results["adjoint"] == pytest.approx(results["finite-difference"], rel=1e-5, abs=1e-9)
+    assert np.abs(results["adjoint"][0]) > 1e-3
 
 
 @pytest.mark.parametrize("integrator", [da.RK4(), da.Radau()])
@@ -232,8 +232,8 @@ def test_a_batch_is_its_runs(rows):
     batch = da.solve_dynamics(model, 0.2, step=0.01, parameters={"size": sizes})
     for k, size in enumerate(sizes):
         one = da.solve_dynamics(model, 0.2, step=0.01, parameters={"size": size})
-        found = batch["bob.angle"].values[k, -1]
-        assert found == pytest.approx(one.values("bob.angle")[-1], abs=1e-12)
+        computed = batch["bob.angle"].values[k, -1]
+        assert computed == pytest.approx(one.values("bob.angle")[-1], abs=1e-12)
 
 
 @pytest.mark.parametrize("integrator", [da.RK4(), da.DormandPrince(), da.Radau()])
@@ -401,5 +401,5 @@ def test_a_driver_law_with_knots_is_followed_at_coarse_steps(share):
     twin = CubicSpline(times, values, bc_type="periodic", extrapolate="periodic")
     assert motion.status.outcome is da.Outcome.COMPLETED
     for order, name in enumerate(("angle", "angular_velocity", "angular_acceleration")):
-        found = motion[f"arm.{name}"].values
-        np.testing.assert_allclose(found, twin(motion.time, order), atol=1e-9)
+        computed = motion[f"arm.{name}"].values
+        np.testing.assert_allclose(computed, twin(motion.time, order), atol=1e-9)

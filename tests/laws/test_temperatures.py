@@ -71,15 +71,15 @@ def test_what_may_expand_has_no_stress(name, d, nonlinear):
         return  # a single bar is a mechanism in the plane and in space
     model = heated(name, d, held=False, gradients=False)
     small = {"expansion": 1e-4}
-    found = da.solve_statics(model, nonlinear=nonlinear, parameters=small)
+    result = da.solve_statics(model, nonlinear=nonlinear, parameters=small)
     growth = 1e-4 * 0.6
     places = model.structure.nodes["n"].positions
-    moved = found.displacement_of(model.structure.nodes["n"])
+    moved = result.displacement_of(model.structure.nodes["n"])
     apart, before = moved - moved[0], places - places[0]
     lengths = np.linalg.norm(before + apart, axis=1) - np.linalg.norm(before, axis=1)
     np.testing.assert_allclose(lengths, growth * np.linalg.norm(before, axis=1), atol=1e-2 * growth)
-    assert np.abs(found.forces).max() < 1e-3 * 3.0 * growth
-    assert abs(found.values("strain_energy")[0]) < 1e-3 * 3.0 * growth**2
+    assert np.abs(result.forces).max() < 1e-3 * 3.0 * growth
+    assert abs(result.values("strain_energy")[0]) < 1e-3 * 3.0 * growth**2
 
 
 @pytest.mark.parametrize(("name", "d", "analysis"), crossed(KINDS, ["linear", "nonlinear", "path"]))
@@ -121,14 +121,14 @@ def test_second_derivatives_under_heat():
         statics = functools.partial(da.solve_statics, model, nonlinear=nonlinear)
         stress = da.final("e[0].force" if name == "Frame" else "e[0].sxx")
         direction = np.random.default_rng(1).uniform(-0.1, 0.1, model.nominal.size)
-        found = da.hessian_product(statics(), stress, direction).values.ravel()
+        computed = da.hessian_product(statics(), stress, direction).values.ravel()
         step, slopes = 1e-4, []
         for sign in (1, -1):
             p = model.nominal + sign * step * direction
             moved = statics(parameters=dict(zip(model.parameters, p, strict=True)))
             slopes.append(da.sensitivity(moved, stress).values.ravel())
         expected = (slopes[0] - slopes[1]) / (2 * step)
-        np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(expected).max())
+        np.testing.assert_allclose(computed, expected, atol=1e-5 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize(

@@ -17,13 +17,13 @@ TEMPLATES = [
 ]
 
 
-@pytest.mark.parametrize(("made", "sizes"), TEMPLATES, ids=[f.__name__ for f, _ in TEMPLATES])
-def test_a_template_is_its_formula(made, sizes):
-    written = made.__wrapped__
+@pytest.mark.parametrize(("template", "sizes"), TEMPLATES, ids=[f.__name__ for f, _ in TEMPLATES])
+def test_a_template_is_its_formula(template, sizes):
+    written = template.__wrapped__
     symbols = [ca.SX.sym(f"s{k}", n) for k, n in enumerate(sizes)]
-    functions = [ca.Function("f", symbols, [ca.densify(f(*symbols))]) for f in (made, written)]
+    functions = [ca.Function("f", symbols, [ca.densify(f(*symbols))]) for f in (template, written)]
     numbers = [np.random.default_rng(k).uniform(0.5, 1.0, n) for k, n in enumerate(sizes)]
     assert np.array_equal(*(function(*numbers).full() for function in functions))
     assert functions[0].n_nodes() == functions[1].n_nodes()
     constants = [ca.SX(column.tolist()) for column in numbers]
-    assert made(*constants).is_constant()
+    assert template(*constants).is_constant()

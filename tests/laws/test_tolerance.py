@@ -1,4 +1,4 @@
-"""Tolerances: scatter and worst case against closed forms, and the cheapest allotment."""
+"""Tolerances: scatter and worst case against closed forms, and the cheapest allocation."""
 
 from __future__ import annotations
 
@@ -38,39 +38,39 @@ def place(z) -> float:
 
 
 def test_scatter_and_worst_case_of_a_slider(crank):
-    found = da.tolerance(
+    result = da.tolerance(
         crank, da.final("slider.x", name="place"), HALF, analysis=ANALYSIS, samples=200
     )
-    assert found.nominal == pytest.approx(place(np.zeros(3)), abs=1e-12)
+    assert result.nominal == pytest.approx(place(np.zeros(3)), abs=1e-12)
     steps = 1e-3 * np.eye(3)
     slopes = [(place(s) - place(-s)) / 2e-3 for s in steps]
-    np.testing.assert_allclose(list(found.effects.values()), slopes, rtol=1e-7)
+    np.testing.assert_allclose(list(result.effects.values()), slopes, rtol=1e-7)
     corners = [place(2 * np.array(corner) - 1) for corner in np.ndindex(2, 2, 2)]
-    assert found.worst == pytest.approx((min(corners), max(corners)), abs=1e-12)
-    assert found.std == pytest.approx(np.linalg.norm(slopes) / 3)
-    assert found.first_order_worst == pytest.approx(np.sum(np.abs(slopes)))
-    assert np.std(found.sampled) == pytest.approx(found.std, rel=0.2)
-    assert sum(found.contributions.values()) == pytest.approx(1)
-    assert "place" in repr(found) and "share" in found._repr_html_()
+    assert result.worst == pytest.approx((min(corners), max(corners)), abs=1e-12)
+    assert result.std == pytest.approx(np.linalg.norm(slopes) / 3)
+    assert result.first_order_worst == pytest.approx(np.sum(np.abs(slopes)))
+    assert np.std(result.sampled) == pytest.approx(result.std, rel=0.2)
+    assert sum(result.contributions.values()) == pytest.approx(1)
+    assert "place" in repr(result) and "share" in result._repr_html_()
 
 
 def test_second_order_is_exact_for_a_quadratic(crank):
     """``(r − 0.1)²`` has no first order; its mean is the variance."""
     square = da.final("(r - 0.1)**2*1e6 + (r - 0.1)*(l - 0.3)*1e6", name="square")
-    found = da.tolerance(crank, square, {"r": 3e-3, "l": 6e-3}, analysis=ANALYSIS)
-    mean, std = found.second_order
-    assert found.std == pytest.approx(0, abs=1e-9)
+    result = da.tolerance(crank, square, {"r": 3e-3, "l": 6e-3}, analysis=ANALYSIS)
+    mean, std = result.second_order
+    assert result.std == pytest.approx(0, abs=1e-9)
     assert mean == pytest.approx(1.0, rel=1e-6)
     assert std == pytest.approx(math.sqrt(2 + 1 * 4), rel=1e-6)  # var r² = 2σ⁴, var rl = σ²τ²
-    assert found.worst[1] == pytest.approx(9 + 18, rel=1e-6)
+    assert result.worst[1] == pytest.approx(9 + 18, rel=1e-6)
 
 
 @pytest.mark.parametrize("worst_case", [False, True])
-def test_cheapest_allotment(crank, worst_case):
+def test_cheapest_allocation(crank, worst_case):
     """As a general optimiser finds it, and cheaper than equal tolerances."""
-    found = da.tolerance(crank, da.final("slider.x"), HALF, analysis=ANALYSIS)
+    result = da.tolerance(crank, da.final("slider.x"), HALF, analysis=ANALYSIS)
     costs, limit = {"r": 1.0, "l": 2.0, "off": 0.5}, 0.4e-3
-    g = np.abs([found.effects[n] / HALF[n] for n in HALF])
+    g = np.abs([result.effects[n] / HALF[n] for n in HALF])
     c = np.array(list(costs.values()))
 
     def size(t):
@@ -78,8 +78,8 @@ def test_cheapest_allotment(crank, worst_case):
 
     top = {"r": (0.0, 1.0), "l": (0.0, 0.25e-3), "off": (0.0, 1.0)}
     for bounds in ((0.0, np.inf), top):
-        made = found.allot(limit, costs, bounds=bounds, worst_case=worst_case)
-        t = np.array(list(made.values()))
+        halves = result.allocate(limit, costs, bounds=bounds, worst_case=worst_case)
+        t = np.array(list(halves.values()))
         assert size(t) == pytest.approx(limit, rel=1e-9)
         best = minimize(
             lambda s: np.sum(c / s) / 1e4,
@@ -99,11 +99,11 @@ def test_cheapest_allotment(crank, worst_case):
         (lambda m, **k: da.tolerance(m, da.final("slider.x"), {"r": -1.0}, **k), "above zero"),
         (lambda m, **k: da.tolerance(m, da.final("slider.x"), {"off": 9.0}, **k), "a run fails"),
         (
-            lambda m, **k: da.tolerance(m, da.final("slider.x"), HALF, **k).allot(1, {"r": 1}),
+            lambda m, **k: da.tolerance(m, da.final("slider.x"), HALF, **k).allocate(1, {"r": 1}),
             "cost above zero for l, off",
         ),
         (
-            lambda m, **k: da.tolerance(m, da.final("slider.x"), HALF, **k).allot(
+            lambda m, **k: da.tolerance(m, da.final("slider.x"), HALF, **k).allocate(
                 1e-6, dict.fromkeys(HALF, 1.0), bounds=(1e-3, 1.0)
             ),
             "already deviate",

@@ -96,7 +96,7 @@ def test_motion_and_multipliers_stay(name, change):
     drift = ca.substitute(to.old_v, to.v, ca.SX.zeros(to.v.numel()))
     relative = to.old_v - drift
     energy = ca.dot(relative, ca.mtimes(to.seen(e, e.mass), relative)) / 2
-    found, expected, kinetic, old_kinetic = evaluated(
+    computed, expected, kinetic, old_kinetic = evaluated(
         new,
         [
             ca.vertcat(again, solution[new.speed_count :]),
@@ -107,7 +107,7 @@ def test_motion_and_multipliers_stay(name, change):
         general_state(new, 0, name),
     )
     scale = 1 + np.abs(expected).max()
-    np.testing.assert_allclose(found, expected, atol=TOLERANCE * scale)
+    np.testing.assert_allclose(computed, expected, atol=TOLERANCE * scale)
     np.testing.assert_allclose(kinetic, old_kinetic, rtol=1e-12)
 
 
@@ -130,9 +130,9 @@ def test_constraints_and_powers_follow(name, change):
     ]
     outputs = [out for pair in pairs for out in pair]
     values = evaluated(new, outputs, general_state(new, 1, name))
-    for found, expected in zip(values[::2], values[1::2], strict=True):
+    for computed, expected in zip(values[::2], values[1::2], strict=True):
         scale = 1 + np.abs(expected).max(initial=0)
-        np.testing.assert_allclose(found, expected, atol=1e-10 * scale)
+        np.testing.assert_allclose(computed, expected, atol=1e-10 * scale)
 
 
 @pytest.mark.parametrize("name", sampled(CASES, 5))
@@ -142,9 +142,9 @@ def test_speeds_without_mass_stay_known(name):
     new = to.apply(e)
     assert new.massless == e.massless
     both = [accelerations(new, method) for method in (da.RangeSpace(), da.KKT())]
-    found, expected = evaluated(new, both, general_state(new, 2, name))
+    computed, expected = evaluated(new, both, general_state(new, 2, name))
     scale = 1 + np.abs(expected).max()
-    np.testing.assert_allclose(found, expected, atol=TOLERANCE * scale)
+    np.testing.assert_allclose(computed, expected, atol=TOLERANCE * scale)
 
 
 @pytest.mark.parametrize("drifting", [False, True])
@@ -160,8 +160,8 @@ def test_two_changes_are_one(name, drifting):
     pairs = [(getattr(in_two, part), getattr(in_one, part)) for part in ("mass", "bias", "force")]
     outputs = [out for pair in pairs for out in pair]
     values = evaluated(in_one, outputs, general_state(in_one, 4, name))
-    for found, expected in zip(values[::2], values[1::2], strict=True):
-        np.testing.assert_allclose(found, expected, atol=1e-11 * (1 + np.abs(expected).max()))
+    for computed, expected in zip(values[::2], values[1::2], strict=True):
+        np.testing.assert_allclose(computed, expected, atol=1e-11 * (1 + np.abs(expected).max()))
 
 
 @pytest.mark.parametrize("drifting", [False, True])
@@ -173,8 +173,8 @@ def test_coordinates_after_speeds(name, drifting):
     direct = change_coordinates(e, change.old_y, change.y, change.v)
     around = change_coordinates(to.apply(e), change.old_y, change.y, change.v)
     both = [accelerations(direct), accelerations(around)]
-    found, expected = evaluated(direct, both, general_state(direct, 6, name))
-    np.testing.assert_allclose(found, expected, atol=TOLERANCE * (1 + np.abs(expected).max()))
+    computed, expected = evaluated(direct, both, general_state(direct, 6, name))
+    np.testing.assert_allclose(computed, expected, atol=TOLERANCE * (1 + np.abs(expected).max()))
 
 
 # explicit constraints ------------------------------------------------------------------------
@@ -205,7 +205,7 @@ def test_projective_scheme(name):
     e, motion = partition(name)
     reduced = motion.apply(e).with_rows([])
     u_rate = accelerations(reduced)
-    found, expected = evaluated(
+    computed, expected = evaluated(
         reduced,
         [
             ca.substitute(motion.old_a, motion.a, u_rate),
@@ -213,7 +213,7 @@ def test_projective_scheme(name):
         ],
         general_state(reduced, 5, name),
     )
-    np.testing.assert_allclose(found, expected, atol=TOLERANCE * (1 + np.abs(expected).max()))
+    np.testing.assert_allclose(computed, expected, atol=TOLERANCE * (1 + np.abs(expected).max()))
 
 
 @pytest.mark.parametrize("name", sampled(CONSTRAINED, 5))
@@ -224,9 +224,9 @@ def test_consistent_speeds(name):
     v = ca.SX.sym("v", e.speed_count)
     d, mass, c = motion.basis, e.mass, e.jacobian
     u = consistent_speeds(mass, d, v)
-    kept = consistent_speeds(mass, d, ca.mtimes(d, motion.v)) - motion.v
+    consistent = consistent_speeds(mass, d, ca.mtimes(d, motion.v)) - motion.v
     leaning = ca.mtimes([d.T, mass, v - ca.mtimes(d, u)])  # what is taken off is orthogonal
-    outputs = [kept, leaning, ca.densify(ca.mtimes([c, d, u]))]
+    outputs = [consistent, leaning, ca.densify(ca.mtimes([c, d, u]))]
     function = ca.Function("speeds", [e.t, e.y, motion.v, v, e.p], outputs)
     rng = np.random.default_rng(8)
     values = [rng.standard_normal(x.numel()) for x in (motion.v, v)]
@@ -263,8 +263,8 @@ def test_more_coordinates_than_speeds():
     new = change_coordinates(e, ca.vertcat(ca.cos(angle), ca.sin(angle)), angle)
     outputs = [new.pose_rate, new.mass, new.force - new.bias, new.potential]
     function = ca.Function("f", [new.y, new.v], outputs)
-    found = [float(out) for out in function(0.3, 0.7)]
-    np.testing.assert_allclose(found, [0.7, 2, -6 * np.sin(0.3), -6 * np.cos(0.3)], rtol=1e-14)
+    computed = [float(out) for out in function(0.3, 0.7)]
+    np.testing.assert_allclose(computed, [0.7, 2, -6 * np.sin(0.3), -6 * np.cos(0.3)], rtol=1e-14)
 
 
 # wrong input ---------------------------------------------------------------------------------

@@ -264,8 +264,8 @@ def test_a_lock_is_found_and_what_was_reached_is_kept(choice):
     motion = da.solve_dynamics(crank_of_a_short_rod(), 1.2, **choice)
     lock = np.arcsin(0.6) - 0.2
     assert motion.status.outcome is da.Outcome.SINGULAR
-    told = re.search(r"t = ([\d.]+)", motion.status.message)
-    assert told and float(told[1]) == pytest.approx(lock, abs=0.02)
+    match = re.search(r"t = ([\d.]+)", motion.status.message)
+    assert match and float(match[1]) == pytest.approx(lock, abs=0.02)
     assert motion.time[-1] > lock - 0.01
     assert "solve_kinematics shows" in motion.status.message
 

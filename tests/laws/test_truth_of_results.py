@@ -76,9 +76,9 @@ def _held_in_space(model: da.Model, ground, body):
 
 
 def open_by(motion: da.Motion, levels=EVERY, forces: bool = True) -> float:
-    found = ModelResiduals(motion.model, motion.trajectory, motion.parameters)
-    shares = [found.of_level(level).share for level in levels]
-    return max([*shares, found.of_motion.share] if forces else shares)
+    residuals = ModelResiduals(motion.model, motion.trajectory, motion.parameters)
+    shares = [residuals.of_level(level).share for level in levels]
+    return max([*shares, residuals.of_motion.share] if forces else shares)
 
 
 @pytest.mark.parametrize("name", PLANAR)
@@ -104,10 +104,11 @@ def test_equilibria_are_true(name):
 
 
 @pytest.mark.parametrize(
-    ("part", "told"), [(0, "m at t"), (1, "m/s at t"), (2, "m/s² at t"), (3, "equation of motion")]
+    ("part", "message"),
+    [(0, "m at t"), (1, "m/s at t"), (2, "m/s² at t"), (3, "equation of motion")],
 )
 @pytest.mark.parametrize("solve", [da.solve_kinematics, da.solve_inverse_dynamics])
-def test_a_wrong_driven_motion_is_a_status(monkeypatch, solve, part, told):
+def test_a_wrong_driven_motion_is_a_status(monkeypatch, solve, part, message):
     """Positions, speeds, accelerations or forces that a march gets wrong at one instant."""
     model, march = driven("revolute"), KinematicsRun.march
 
@@ -121,14 +122,15 @@ def test_a_wrong_driven_motion_is_a_status(monkeypatch, solve, part, told):
     if part == 3 and solve is da.solve_kinematics:
         assert motion.status.success  # it has no forces
         return
-    assert motion.status.outcome is Outcome.VIOLATED and told in motion.status.message
+    assert motion.status.outcome is Outcome.VIOLATED and message in motion.status.message
     assert "at t = 0.07 s" in motion.status.message and motion.time.size == 11
 
 
 @pytest.mark.parametrize(
-    ("moved", "told"), [((0.0, 1e-3), "is violated by"), ((1e-3, 0.0), "the equation of motion of")]
+    ("moved", "message"),
+    [((0.0, 1e-3), "is violated by"), ((1e-3, 0.0), "the equation of motion of")],
 )
-def test_a_wrong_equilibrium_is_a_status(monkeypatch, moved, told):
+def test_a_wrong_equilibrium_is_a_status(monkeypatch, moved, message):
     """Off its constraint, or along it out of balance."""
     system = da.System("hanging", gravity=(0.0, -9.81))
     ball = system.add(planar.Particle("ball", mass=2.0, position=(0.1, 1.0)))
@@ -137,14 +139,14 @@ def test_a_wrong_equilibrium_is_a_status(monkeypatch, moved, told):
     system.add(planar.Bushing("tie", place, ball.center, stiffness=(300.0, 200.0)))
     model, solve = system.build(), mechanism_equilibrium.solve
 
-    def spoilt(*given):
-        found = solve(*given)
-        return replace(found, x=found.x + moved)
+    def spoilt(*arguments):
+        root = solve(*arguments)
+        return replace(root, x=root.x + moved)
 
     assert da.solve_equilibrium(model).status.success
     monkeypatch.setattr(mechanism_equilibrium, "solve", spoilt)
     rest = da.solve_equilibrium(model)
-    assert rest.status.outcome is Outcome.VIOLATED and told in rest.status.message
+    assert rest.status.outcome is Outcome.VIOLATED and message in rest.status.message
     with pytest.raises(da.AnalysisError, match="no equilibrium"):
         da.linearize(model)
 

@@ -43,25 +43,25 @@ def spoilt(motion, field: str, row: int, by: float) -> ModelResiduals:
 
 
 def test_a_true_motion_leaves_nothing_open(motion):
-    found = ModelResiduals(motion.model, motion.trajectory, motion.parameters)
-    assert max(found.of_level(level).share for level in Level) < 1e-12
-    assert found.of_motion.share < 1e-12
+    residuals = ModelResiduals(motion.model, motion.trajectory, motion.parameters)
+    assert max(residuals.of_level(level).share for level in Level) < 1e-12
+    assert residuals.of_motion.share < 1e-12
     trajectory, natural = motion.trajectory, motion.model.scales.energy
-    assert EnergyBalance(found.energies, trajectory.work, trajectory.t, natural).worst[0] < 1e-6
+    assert EnergyBalance(residuals.energies, trajectory.work, trajectory.t, natural).worst[0] < 1e-6
 
 
 def test_each_level_notices_its_own_number(motion):
     """Position, speed, acceleration, force: which equation, by how much, and when."""
-    found = spoilt(motion, "y", 0, 0.01).of_level(Level.POSITION)
-    assert found.text == "O[0] is violated by 0.01 m at t = 0.3 s" and found.share > 5e-3
-    found = spoilt(motion, "v", 1, 0.5).of_level(Level.SPEED)
-    assert "[1] is violated by 0.5 m/s at t = 0.3 s" in found.text and found.share > 0.01
-    found = spoilt(motion, "a", 3, 2.0).of_level(Level.ACCELERATION)
-    assert found.text == "A[0] is violated by 2 m/s² at t = 0.3 s" and found.share > 0.01
-    found = spoilt(motion, "multiplier", 3, 4.0).of_motion
-    assert found.share > 0.01 and found.text.startswith("the equation of motion of bar.")
-    found = spoilt(motion, "a", 5, 2.0).of_motion
-    assert found.text == "the equation of motion of wheel.angle is open by 0.4 N m at t = 0.3 s"
+    residual = spoilt(motion, "y", 0, 0.01).of_level(Level.POSITION)
+    assert residual.text == "O[0] is violated by 0.01 m at t = 0.3 s" and residual.share > 5e-3
+    residual = spoilt(motion, "v", 1, 0.5).of_level(Level.SPEED)
+    assert "[1] is violated by 0.5 m/s at t = 0.3 s" in residual.text and residual.share > 0.01
+    residual = spoilt(motion, "a", 3, 2.0).of_level(Level.ACCELERATION)
+    assert residual.text == "A[0] is violated by 2 m/s² at t = 0.3 s" and residual.share > 0.01
+    residual = spoilt(motion, "multiplier", 3, 4.0).of_motion
+    assert residual.share > 0.01 and residual.text.startswith("the equation of motion of bar.")
+    residual = spoilt(motion, "a", 5, 2.0).of_motion
+    assert residual.text == "the equation of motion of wheel.angle is open by 0.4 N m at t = 0.3 s"
 
 
 def test_what_is_not_a_number_is_open_without_limit(motion):
@@ -111,8 +111,8 @@ def test_coarse_steps_are_told_and_may_be_refused():
 def test_drift_is_told_and_beyond_a_tenth_refused():
     model = swinging().build()
     choices = {"integrator": da.Euler(), "stabilization": da.Stabilization(), "balance": 1.0}
-    told = da.solve_dynamics(model, 1.0, step=0.005, **choices)
-    assert told.status.success and any("nothing holds it" in text for text in told.warnings)
+    motion = da.solve_dynamics(model, 1.0, step=0.005, **choices)
+    assert motion.status.success and any("nothing holds it" in text for text in motion.warnings)
     lost = da.solve_dynamics(model, 3.0, step=0.05, **choices)
     assert lost.status.outcome is Outcome.VIOLATED and "Projection()" in lost.status.message
 
@@ -127,8 +127,8 @@ def test_what_drifts_is_compared_with_what_moves():
             system.add(planar.Stop("far", wheel.y, lower=-9.0, stiffness=stiffness))
         choices = {"integrator": da.Euler(), "stabilization": da.Stabilization(), "balance": 1.0}
         motion = da.solve_dynamics(system.build(), 0.5, step=0.005, **choices)
-        found = ModelResiduals(motion.model, motion.trajectory, motion.parameters)
-        shares.append([found.of_level(level, drifts=True).share for level in Level])
+        residuals = ModelResiduals(motion.model, motion.trajectory, motion.parameters)
+        shares.append([residuals.of_level(level, drifts=True).share for level in Level])
     np.testing.assert_allclose(*shares, rtol=1e-9)
     assert min(shares[0][:2]) > 1e-3
 
@@ -154,12 +154,12 @@ def test_the_longest_step_for_a_spring_or_a_stop_is_told(name, held):
     """RK4 is stable up to ``h ω = 2√2``; methods that are always stable get no warning."""
     model, omega = rocking(**held), np.sqrt(1e4 * 2.0**2 / (3.0 * 2.0**2 / 3))
     longest = 2 * np.sqrt(2) / omega
-    for share, told in ((1.02, True), (0.98, False)):
+    for share, reported in ((1.02, True), (0.98, False)):
         warnings = da.solve_dynamics(model, 5.0, step=share * longest).warnings
-        found = [text for text in warnings if text.startswith(f"{name} alone oscillates at")]
-        assert bool(found) == told, warnings
-        if found:
-            below = float(found[0].split("use steps below ")[1].split(" s")[0])
+        computed = [text for text in warnings if text.startswith(f"{name} alone oscillates at")]
+        assert bool(computed) == reported, warnings
+        if computed:
+            below = float(computed[0].split("use steps below ")[1].split(" s")[0])
             assert below == pytest.approx(longest, rel=5e-3)
     for integrator in (da.Radau(fixed=True), da.DormandPrince()):
         motion = da.solve_dynamics(model, 0.2, step=2 * longest, integrator=integrator)

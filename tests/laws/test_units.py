@@ -37,16 +37,16 @@ def converted(name: str, units: Units) -> da.Model:
 
 def facts(model: da.Model) -> dict:
     """All that the diagnosis says without a unit."""
-    told = model.diagnosis.to_dict()
-    tables = set(told.pop("element_warnings"))  # with numbers that have units
+    document = model.diagnosis.to_dict()
+    tables = set(document.pop("element_warnings"))  # with numbers that have units
     levels = [
         (m["level"], m["text"].partition(":")[0])
-        for m in told.pop("messages")
+        for m in document.pop("messages")
         if m["text"] not in tables
     ]
     for name in ("corrections", "velocity_corrections"):
-        told[name] = sorted(told[name])
-    return told | {"messages": levels, "rows": model.closure.rows, "held": held(model)}
+        document[name] = sorted(document[name])
+    return document | {"messages": levels, "rows": model.closure.rows, "held": held(model)}
 
 
 def held(model: da.Model) -> list:
@@ -81,8 +81,8 @@ def test_forces_change_with_the_units_only(name, units):
 
     owners = [c.speed_units for c in one.coordinates]
     factors = [units("N" if unit == "m" else "N m") for own in owners for unit in own]
-    found, wanted = forces(other, 0.3 * units.time) / factors, forces(one, 0.3)
-    np.testing.assert_allclose(found, wanted, atol=1e-9 * (1 + np.abs(wanted).max(initial=0)))
+    computed, wanted = forces(other, 0.3 * units.time) / factors, forces(one, 0.3)
+    np.testing.assert_allclose(computed, wanted, atol=1e-9 * (1 + np.abs(wanted).max(initial=0)))
 
 
 def triangle(size: float, longest: float) -> da.System:

@@ -51,10 +51,10 @@ KNOWN = {  # text -> value in SI units, unit
 @pytest.mark.parametrize("text", KNOWN)
 def test_a_number_with_its_unit(text):
     value, si = KNOWN[text]
-    found = amount_of(text)
-    assert isinstance(found, Amount)
-    assert found.value == pytest.approx(value, rel=1e-15, abs=1e-16)
-    assert found.si == si
+    computed = amount_of(text)
+    assert isinstance(computed, Amount)
+    assert computed.value == pytest.approx(value, rel=1e-15, abs=1e-16)
+    assert computed.si == si
 
 
 @pytest.mark.parametrize(
@@ -105,14 +105,14 @@ def test_every_quantity_has_a_unit_that_is_one(name):
             assert unit(one).factor == 1.0, f"{name}.{field.name}"
 
 
-def bar(**given):
-    return planar.Bar("bar", **{"length": 1.0, "mass": 1.0, **given})
+def bar(**arguments):
+    return planar.Bar("bar", **{"length": 1.0, "mass": 1.0, **arguments})
 
 
 def test_texts_in_python():
-    made = bar(length="200 mm", mass="500 g", angle="90 deg", angular_velocity="60 rpm")
-    assert float(made.length) == 0.2 and float(made.mass) == 0.5
-    end = made.point("50 mm", "-1 cm")
+    element = bar(length="200 mm", mass="500 g", angle="90 deg", angular_velocity="60 rpm")
+    assert float(element.length) == 0.2 and float(element.mass) == 0.5
+    end = element.point("50 mm", "-1 cm")
     assert [float(c) for c in end.local] == [0.05, -0.01]
     top = spatial.Body("top", mass=1.0, inertia=(1, 1, 1), position=("1 ft", 0.0, "2 mm"))
     assert [float(c) for c in top.guesses()[0][:3]] == pytest.approx([0.3048, 0.0, 0.002])
@@ -124,7 +124,7 @@ def test_texts_in_python():
 
 
 @pytest.mark.parametrize(
-    ("given", "message"),
+    ("arguments", "message"),
     [
         ({"length": "3 kg"}, "bar.length: 3 kg does not fit, expected m"),
         ({"angle": "3 mm"}, "bar.angle: 0.003 m does not fit, expected rad"),
@@ -135,9 +135,9 @@ def test_texts_in_python():
         ({"length": "3 mmm"}, "bar.length: .* unknown unit 'mmm'"),
     ],
 )
-def test_units_that_do_not_fit_are_refused_by_name(given, message):
+def test_units_that_do_not_fit_are_refused_by_name(arguments, message):
     with pytest.raises(da.ExpressionError, match=message):
-        bar(**given)
+        bar(**arguments)
 
 
 def test_the_unit_of_a_parameter_is_meant():
@@ -159,8 +159,8 @@ def test_the_unit_of_a_parameter_is_meant():
 def test_new_values_may_be_texts():
     system = da.System("x", gravity=(0.0, -9.81))
     l = system.parameter("l", 0.5, unit="m")
-    made = system.add(planar.Bar("bob", length=l, mass=1.0))
-    system.add(planar.Revolute("O", system.ground.point(0, 0), made.start))
+    element = system.add(planar.Bar("bob", length=l, mass=1.0))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), element.start))
     model = system.build()
     texts = da.solve_dynamics(model, 0.1, step=0.01, parameters={"l": "400 mm"})
     numbers = da.solve_dynamics(model, 0.1, step=0.01, parameters={"l": 0.4})
@@ -171,8 +171,8 @@ def pendulum():
     system = da.System("x", gravity=(0.0, -9.81))
     l = system.parameter("l", "400 mm")
     system.parameter("turns", 3.0)
-    made = system.add(planar.Bar("bob", length=l, mass=1.0))
-    system.add(planar.Revolute("O", system.ground.point(0, 0), made.start))
+    element = system.add(planar.Bar("bob", length=l, mass=1.0))
+    system.add(planar.Revolute("O", system.ground.point(0, 0), element.start))
     return system.build()
 
 
@@ -335,11 +335,13 @@ def test_tables_are_headed_by_measures_in_the_units_wanted(tmp_path):
     }
     path = motion.to_csv(tmp_path / "run.csv", units=["mm", "deg", "ms"])
     heading, *_, last = path.read_text(encoding="utf-8").splitlines()
-    found = dict(zip(heading.split(","), map(float, last.split(",")), strict=True))
-    assert found["time [ms]"] == pytest.approx(100.0)
-    assert found["bob.angle [deg]"] == pytest.approx(math.degrees(motion.values("bob.angle")[-1]))
-    assert found["bob.end.x [mm]"] == pytest.approx(1e3 * motion.values("bob.end.x")[-1])
-    assert "bob.vx [m/s]" in found  # no unit of velocities was asked for
+    computed = dict(zip(heading.split(","), map(float, last.split(",")), strict=True))
+    assert computed["time [ms]"] == pytest.approx(100.0)
+    assert computed["bob.angle [deg]"] == pytest.approx(
+        math.degrees(motion.values("bob.angle")[-1])
+    )
+    assert computed["bob.end.x [mm]"] == pytest.approx(1e3 * motion.values("bob.end.x")[-1])
+    assert "bob.vx [m/s]" in computed  # no unit of velocities was asked for
     with pytest.raises(da.AnalysisError, match="units: unknown unit 'mmm'"):
         motion.to_csv(path, units=["mmm"])
 
@@ -415,7 +417,7 @@ def test_pint_is_imported_where_it_is_needed_only():
 def test_a_factor_after_a_unit_is_no_unit(unit_text: str, factor: str) -> None:
     """``45 rpm*t`` is a speed times the time, not revolutions per minute times tonnes."""
     text = f"3 {unit_text}{factor}"
-    found, wanted = (
+    computed, wanted = (
         parse_formula(one, {"t": da.t}.get) for one in (text, f"(3 {unit_text}){factor}")
     )
 
@@ -424,7 +426,7 @@ def test_a_factor_after_a_unit_is_no_unit(unit_text: str, factor: str) -> None:
             return formula.value
         return float(ca.Function("f", [da.t.sx], [formula.sx])(0.7))
 
-    assert value(found) == pytest.approx(value(wanted), rel=1e-14)
+    assert value(computed) == pytest.approx(value(wanted), rel=1e-14)
 
 
 LAW_FILE = """
@@ -465,13 +467,13 @@ def test_a_text_means_the_same_in_files_and_in_python(law: str, tmp_path) -> Non
         system.add(planar.RotationalDriver("m", system.ground, b, law))
         return system
 
-    found = []
+    results = []
     for make in (from_file, in_python):
         try:
-            found.append(da.solve_kinematics(make().build(), 1.0, outputs=7)["b.angle"].values)
+            results.append(da.solve_kinematics(make().build(), 1.0, outputs=7)["b.angle"].values)
         except da.ModelError:
-            found.append(None)
-    assert type(found[0]) is type(found[1])
-    assert found[0] is None or np.array_equal(*found)
+            results.append(None)
+    assert type(results[0]) is type(results[1])
+    assert results[0] is None or np.array_equal(*results)
     refused = ("0.1 m + 45 m/s*t", "3 deg + 1 kg*t", "l1 + t", "sin(t", "2 deg*b.angle")
-    assert (found[0] is None) == (law in refused)
+    assert (results[0] is None) == (law in refused)

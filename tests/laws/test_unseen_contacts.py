@@ -61,12 +61,14 @@ CASES += [(moved, pressed, 0.05, 1.0), (efforts, pressed, 0.05, 1.0)]
 
 
 @pytest.mark.parametrize("kind", SEEING)
-@pytest.mark.parametrize(("analysis", "made", "low", "high"), CASES)
-def test_a_gap_that_is_negative_is_told_and_an_open_one_is_not(analysis, made, low, high, kind):
-    told = [text for text in analysis(made(kind, low)) if "floor" in text]
-    assert len(told) == 1 and "the gap of floor is -" in told[0]
-    assert told[0].endswith(f"this analysis ignores rigid contacts; use {SEEING[kind]}")
-    assert analysis(made(kind, high)) == []
+@pytest.mark.parametrize(("analysis", "mechanism", "low", "high"), CASES)
+def test_a_gap_that_is_negative_is_told_and_an_open_one_is_not(
+    analysis, mechanism, low, high, kind
+):
+    messages = [text for text in analysis(mechanism(kind, low)) if "floor" in text]
+    assert len(messages) == 1 and "the gap of floor is -" in messages[0]
+    assert messages[0].endswith(f"this analysis ignores rigid contacts; use {SEEING[kind]}")
+    assert analysis(mechanism(kind, high)) == []
 
 
 @pytest.mark.parametrize("kind", SEEING)
@@ -84,8 +86,8 @@ def test_modes_beside_a_contact_in_a_motion():
     floor_of(system, "constraint", body)
     motion = da.solve_dynamics(system.build(), 0.1, step=0.01)
     for coordinates in (da.AbsoluteCoordinates(), da.JointCoordinates()):
-        found = da.linearize(motion.model, motion, coordinates=coordinates)
-        assert any("the gap of floor is closed" in text for text in found.warnings)
+        modes = da.linearize(motion.model, motion, coordinates=coordinates)
+        assert any("the gap of floor is closed" in text for text in modes.warnings)
 
 
 def test_dynamics_refuses_many_gaps():

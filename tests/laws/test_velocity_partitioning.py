@@ -109,10 +109,10 @@ def test_positions_drift_as_the_integrator_makes_them():
 def test_as_accurate_as_all_speeds_through_all_switches(name, every):
     """With equal steps, against range space that nothing corrects either."""
     stabilization = da.Projection(every=every) if every else da.Stabilization()
-    found = run(name, stabilization=stabilization)
-    assert found.statistics["variant changes"] >= 6
-    assert float(found.data.velocity_violation.max()) < 1e-12
-    assert error(name, found) < error(name, run(name, da.RangeSpace()))
+    motion = run(name, stabilization=stabilization)
+    assert motion.statistics["variant changes"] >= 6
+    assert float(motion.data.velocity_violation.max()) < 1e-12
+    assert error(name, motion) < error(name, run(name, da.RangeSpace()))
 
 
 @pytest.mark.parametrize("name", MECHANISMS)

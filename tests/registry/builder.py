@@ -54,18 +54,18 @@ class Builder:
     def body(self, name: str, pose, speed, mass=1.3, inertia=0.21, kind=planar.Body, **more):
         place = turn(self.observer.angle, pose[:2]) + self.observer.shift
         speeds = turn(self.observer.angle, speed[:2]) + self.observer.boost
-        given = {
+        arguments = {
             "mass": self.number(f"{name}_m", mass),
             "position": self.numbers(**{f"{name}_x0": place[0], f"{name}_y0": place[1]}),
             "velocity": self.numbers(**{f"{name}_vx0": speeds[0], f"{name}_vy0": speeds[1]}),
         }
         if not issubclass(kind, planar.Particle):
             angle = pose[2] + self.observer.angle
-            given["angle"] = self.number(f"{name}_angle0", angle)
-            given["angular_velocity"] = self.number(f"{name}_w0", speed[2])
+            arguments["angle"] = self.number(f"{name}_angle0", angle)
+            arguments["angular_velocity"] = self.number(f"{name}_w0", speed[2])
             if inertia is not None:
-                given["inertia"] = self.number(f"{name}_J", inertia)
-        return self.add(kind(name, **given, **more))
+                arguments["inertia"] = self.number(f"{name}_J", inertia)
+        return self.add(kind(name, **arguments, **more))
 
     def pair(self, b=(1.1, 0.5, -0.6)):
         """Two free bodies in general position."""
@@ -118,10 +118,10 @@ class Builder:
 
     def hold(self, body, name: str, place, axis, x=None):
         """Frame of a body: parametric place, axis ``<name>_z…`` and x axis ``<name>_x…``."""
-        given = {"axis": self.numbers(**_components(f"{name}_z{{}}", axis))}
+        arguments = {"axis": self.numbers(**_components(f"{name}_z{{}}", axis))}
         if x is not None:
-            given["x"] = self.numbers(**_components(f"{name}_x{{}}", x))
-        return body.frame(self.numbers(**_components(f"{name}_o{{}}", place)), **given)
+            arguments["x"] = self.numbers(**_components(f"{name}_x{{}}", x))
+        return body.frame(self.numbers(**_components(f"{name}_o{{}}", place)), **arguments)
 
     def holds(self, complete: bool = True, axis=(0.2, 0.4, 1.1), x=(0.9, 0.3, 0.1)):
         """A frame on each of two free bodies, ``P`` on a and ``Q`` on b, with x axes or without."""

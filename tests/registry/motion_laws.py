@@ -60,13 +60,13 @@ def _rise_twin(profile: Callable, falls: bool):
 def _rise(kind: type, falls: bool):
     def make(q):
         values = {"height": 0.7, "start": -0.2, "begin": -0.05}
-        given = {n: q.number(n, v) for n, v in values.items()}
-        given["duration"] = q.number("rise", 0.5)
+        arguments = {n: q.number(n, v) for n, v in values.items()}
+        arguments["duration"] = q.number("rise", 0.5)
         if falls:
-            given |= {
+            arguments |= {
                 n: q.number(n, v) for n, v in {"dwell": 0.1, "fall": 0.3, "period": 1.1}.items()
             }
-        return kind(**given)
+        return kind(**arguments)
 
     return make
 

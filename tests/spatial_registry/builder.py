@@ -26,7 +26,7 @@ class Builder:
         return tuple(self.number(f"{name}_{k}", x) for k, x in zip("xyzuvw", values, strict=False))
 
     def solid(self, name, place, turn, velocity, spin, kind=spatial.Body, **more):
-        given = {
+        arguments = {
             "position": self.vector(f"{name}_r0", place),
             "velocity": self.vector(f"{name}_v0", velocity),
         }
@@ -34,9 +34,9 @@ class Builder:
             size = float(np.linalg.norm(turn))
             axis = self.vector(f"{name}_n0", np.array(turn) / size)
             angle = self.number(f"{name}_angle0", size)
-            given["rotation"] = da.rotation.axis_angle(axis, angle)
-            given["angular_velocity"] = self.vector(f"{name}_w0", spin)
-        return self.system.add(kind(name, **given, **more))
+            arguments["rotation"] = da.rotation.axis_angle(axis, angle)
+            arguments["angular_velocity"] = self.vector(f"{name}_w0", spin)
+        return self.system.add(kind(name, **arguments, **more))
 
     def body(self, name, place, turn, velocity, spin, mass=1.3):
         moments = np.array([0.21, 0.17, 0.13, 0.02, -0.01, 0.03]) * mass

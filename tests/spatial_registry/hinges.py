@@ -33,8 +33,8 @@ def _(q):
 )
 def _(q):
     k, d, a0, k3 = (q.number(n, x) for n, x in {"k": 4, "d": 0.3, "a0": -0.2, "k3": 2}.items())
-    given = {"stiffness": k, "damping": d, "free_angle": a0}
-    q.add(spatial.TorsionSpring("F", *q.frames(), **given, law=lambda e, rate: k3 * e**3))
+    arguments = {"stiffness": k, "damping": d, "free_angle": a0}
+    q.add(spatial.TorsionSpring("F", *q.frames(), **arguments, law=lambda e, rate: k3 * e**3))
 
 
 def _bushing(c):
@@ -72,8 +72,8 @@ def _friction(c):
 @case("friction in hinge", spatial.JointFriction, loads=_friction)
 def _(q):
     values = {"coulomb": 0.4, "viscous": 0.1, "transition": 0.8}
-    given = {name: q.number(name, value) for name, value in values.items()}
-    q.add(spatial.JointFriction("F", q.hinge(), **given))
+    arguments = {name: q.number(name, value) for name, value in values.items()}
+    q.add(spatial.JointFriction("F", q.hinge(), **arguments))
 
 
 @case(

@@ -19,45 +19,45 @@ SPATIAL = 3
 
 
 def parser() -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(prog="python -m tests.stress", description=__doc__)
-    made.add_argument("--mechanisms", type=int, default=0, help="planar and spatial, 2 : 1")
-    made.add_argument("--models", type=int, default=0, help="flexible and contact, 1 : 1")
-    made.add_argument("--numbers", type=int, default=0, help="extreme numbers")
-    made.add_argument("--files", type=int, default=0, help="hostile files")
-    made.add_argument("--first", type=int, default=100_000, help="first seed")
-    made.add_argument("--only", nargs="*", default=[], metavar="FAMILY:SEED", help="these cases")
-    made.add_argument("--workers", type=int, default=1, help="processes; 0: in this process")
-    made.add_argument("--limit", type=float, default=300.0, help="seconds for a case")
-    made.add_argument("--journal", type=Path, help="JSON lines; an existing one is resumed")
-    return made
+    parser = argparse.ArgumentParser(prog="python -m tests.stress", description=__doc__)
+    parser.add_argument("--mechanisms", type=int, default=0, help="planar and spatial, 2 : 1")
+    parser.add_argument("--models", type=int, default=0, help="flexible and contact, 1 : 1")
+    parser.add_argument("--numbers", type=int, default=0, help="extreme numbers")
+    parser.add_argument("--files", type=int, default=0, help="hostile files")
+    parser.add_argument("--first", type=int, default=100_000, help="first seed")
+    parser.add_argument("--only", nargs="*", default=[], metavar="FAMILY:SEED", help="these cases")
+    parser.add_argument("--workers", type=int, default=1, help="processes; 0: in this process")
+    parser.add_argument("--limit", type=float, default=300.0, help="seconds for a case")
+    parser.add_argument("--journal", type=Path, help="JSON lines; an existing one is resumed")
+    return parser
 
 
-def tasks(asked: argparse.Namespace) -> list[Task]:
+def tasks(settings: argparse.Namespace) -> list[Task]:
     """Families take turns, so that an interrupted run has tried some of each."""
     counts = {
-        "planar": asked.mechanisms - asked.mechanisms // SPATIAL,
-        "spatial": asked.mechanisms // SPATIAL,
-        "flexible": asked.models - asked.models // 2,
-        "contact": asked.models // 2,
-        "numbers": asked.numbers,
-        "files": asked.files,
+        "planar": settings.mechanisms - settings.mechanisms // SPATIAL,
+        "spatial": settings.mechanisms // SPATIAL,
+        "flexible": settings.models - settings.models // 2,
+        "contact": settings.models // 2,
+        "numbers": settings.numbers,
+        "files": settings.files,
     }
     ranked = [
-        ((k + 0.5) / count, family, asked.first + k)
+        ((k + 0.5) / count, family, settings.first + k)
         for family, count in counts.items()
         for k in range(count)
     ]
-    chosen = [one.rsplit(":", 1) for one in asked.only]
+    chosen = [one.rsplit(":", 1) for one in settings.only]
     return [
         *((family, int(seed)) for family, seed in chosen),
         *((family, seed) for _, family, seed in sorted(ranked)),
     ]
 
 
-def shown(found: Iterator[Verdict], total: int) -> Iterator[Verdict]:
+def shown(verdicts_so_far: Iterator[Verdict], total: int) -> Iterator[Verdict]:
     """The same, with defects and progress on standard error."""
     begin, last = time.monotonic(), 0.0
-    for k, verdict in enumerate(found, 1):
+    for k, verdict in enumerate(verdicts_so_far, 1):
         if not verdict.sound:
             print(verdict, file=sys.stderr, flush=True)
         now = time.monotonic()
@@ -69,18 +69,18 @@ def shown(found: Iterator[Verdict], total: int) -> Iterator[Verdict]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """0: every case is sound; 1: some are not; 130: interrupted."""
-    asked = parser().parse_args(arguments)
-    every, journal, code = tasks(asked), Journal(asked.journal), 0
+    options = parser().parse_args(arguments)
+    every, journal, code = tasks(options), Journal(options.journal), 0
     if not every or any(family not in FAMILIES for family, _ in every):
         parser().error("choose how many cases, e.g. --mechanisms 100, or --only planar:7")
     left = journal.remaining(every)
-    found = (
-        verdicts(left, judge, asked.workers, asked.limit)
-        if asked.workers
+    computed = (
+        verdicts(left, judge, options.workers, options.limit)
+        if options.workers
         else in_this_process(left, judge)
     )
     try:
-        for verdict in shown(found, len(left)):
+        for verdict in shown(computed, len(left)):
             journal.add(verdict)
     except KeyboardInterrupt:
         print("interrupted; the same command with --journal resumes", file=sys.stderr)

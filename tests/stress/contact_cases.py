@@ -72,7 +72,7 @@ def rigid(seed: int, rng: np.random.Generator) -> tuple[str, str, str]:
 
 def violations(motion, count: int, friction: float) -> list[str]:
     """Signorini's and Coulomb's laws, and a balance of energy that only loses."""
-    found = []
+    faults = []
     for k in range(count):
         gap, press, rub = (
             motion.values(f"c{k}.{name}") for name in ("gap", "normal_force", "friction_force")
@@ -84,11 +84,11 @@ def violations(motion, count: int, friction: float) -> list[str]:
             "presses where it is open by": np.abs(press * np.maximum(gap, 0)).max() / scale,
             "leaves the cone of friction by": (np.abs(rub) - friction * press).max() / scale,
         }
-        found += [f"c{k} {law} {far:.2g}" for law, far in laws.items() if far > 100 * NEAR]
+        faults += [f"c{k} {law} {far:.2g}" for law, far in laws.items() if far > 100 * NEAR]
     energy = motion.values("kinetic_energy") + motion.values("potential_energy")
     if (gain := np.diff(energy).max()) > 1e-5 * np.abs(energy).max():
-        found.append(f"energy grows by {gain:.2g} J")
-    return found
+        faults.append(f"energy grows by {gain:.2g} J")
+    return faults
 
 
 # compliant ------------------------------------------------------------------------------------

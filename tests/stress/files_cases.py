@@ -49,9 +49,9 @@ def judged_command(case: str, *arguments: str) -> tuple[str, str, str]:
         (f"{len(err)} characters", len(err) > 3000),
         ("hidden characters", bool(HIDDEN.search(err))),
     ]
-    found = ", ".join(name for name, is_wrong in wrong if is_wrong)
-    if found:
-        return "crash", case, f"{found}: {err[:500]}"
+    joint = ", ".join(name for name, is_wrong in wrong if is_wrong)
+    if joint:
+        return "crash", case, f"{joint}: {err[:500]}"
     return ("completed", "ended", "refused")[code], case, err.strip()[:500]
 
 
@@ -90,11 +90,11 @@ def model(rng: np.random.Generator, folder: Path) -> tuple[str, str, str]:
     """A damaged model is run; a success has finite numbers and its own equations."""
     source = folder / "damaged.toml"
     source.write_text(damaged(GOOD, rng), encoding="utf-8")
-    kind, case, told = judged_command(
+    kind, case, message = judged_command(
         "run of a damaged model", "run", str(source), "--output", str(folder), "--no-report"
     )
     if kind != "completed":
-        return kind, case, told
+        return kind, case, message
     for path in folder.glob("*.nc"):
         data = da.load_results(path)
         for name, limit in (("position_violation", 1e-6), ("balance_error", 1e-3)):
@@ -102,7 +102,7 @@ def model(rng: np.random.Generator, folder: Path) -> tuple[str, str, str]:
                 return "false success", case, f"{name}: {np.abs(data[name].values).max():.2g}"
         if not np.isfinite(data["coordinates"].values).all():
             return "false success", case, "coordinates are not finite"
-    return kind, case, told
+    return kind, case, message
 
 
 def deck(rng: np.random.Generator, folder: Path) -> tuple[str, str, str]:
@@ -145,10 +145,11 @@ def result(rng: np.random.Generator, folder: Path) -> tuple[str, str, str]:
         data = da.load_results(path)
     except FileError as error:
         return "refused", case, str(error)
-    found = arrays(data)
-    same = found.keys() == expected.keys() and dict(data.attrs) == attributes
+    computed = arrays(data)
+    same = computed.keys() == expected.keys() and dict(data.attrs) == attributes
     if not same or any(
-        not np.array_equal(found[k], v, equal_nan=v.dtype.kind == "f") for k, v in expected.items()
+        not np.array_equal(computed[k], v, equal_nan=v.dtype.kind == "f")
+        for k, v in expected.items()
     ):
         return "false success", case, "other values are loaded"
     return "completed", case, ""

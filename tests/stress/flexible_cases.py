@@ -111,9 +111,9 @@ def frame(seed: int, rng: np.random.Generator) -> tuple[str, str, str]:
     for name, result in results.items():
         if not result.status.success:
             return "ended", case, str(result.status)
-        found = np.array([result.values(f"{last}.{u}")[-1] for u in ("ux", "uy", "rz")])
+        computed = np.array([result.values(f"{last}.{u}")[-1] for u in ("ux", "uy", "rz")])
         limit = EXACT if name == "linear" else SMALL
-        far = np.abs(found - twin.tip()).max() / np.abs(twin.tip()).max()
+        far = np.abs(computed - twin.tip()).max() / np.abs(twin.tip()).max()
         if not far <= limit:
             return "false success", case, f"{name} statics: {far:.2g} off direct stiffness"
     squares = scipy.linalg.eigh(*twin.matrices(), eigvals_only=True)[:3]
@@ -147,15 +147,15 @@ def body(seed: int, rng: np.random.Generator) -> tuple[str, str, str]:
         model = system.build()
         rest = da.solve_equilibrium(model)
         runs = [
-            da.solve_dynamics(model, 0.01, outputs=2, integrator=made)
-            for made in (da.Radau(1e-9, 1e-13), da.Radau(1e-8, 1e-12))
+            da.solve_dynamics(model, 0.01, outputs=2, integrator=integrator)
+            for integrator in (da.Radau(1e-9, 1e-13), da.Radau(1e-8, 1e-12))
         ]
     except da.DalembertError as error:
         return "refused", case, str(error)
     if not (rest.status.success and all(run.status.success for run in runs)):
         return "ended", case, str(rest.status if not rest.status.success else runs[0].status)
-    found = [float(rest.values(f"rod.tip.{x}")[-1]) for x in "xy"] - twin.places[-1]
-    far = np.abs(found - twin.tip()[:2]).max() / np.abs(twin.tip()[:2]).max()
+    computed = [float(rest.values(f"rod.tip.{x}")[-1]) for x in "xy"] - twin.places[-1]
+    far = np.abs(computed - twin.tip()[:2]).max() / np.abs(twin.tip()[:2]).max()
     if not far <= SMALL:
         return "false success", case, f"the tip is {far:.2g} off direct stiffness"
     if (gap := difference(*runs)) > 1e-4:

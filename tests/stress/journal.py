@@ -47,8 +47,8 @@ def table(verdicts: Iterable[Verdict]) -> str:
         rows.setdefault(verdict.family, []).append(verdict)
     kinds = (*SOUND, *DEFECTS)
     lines = [f"{'family':10}" + "".join(f"{k:>15}" for k in (*kinds, "median [s]", "max [s]"))]
-    for family, found in rows.items():
-        counts, times = Counter(v.kind for v in found), sorted(v.seconds for v in found)
+    for family, judged in rows.items():
+        counts, times = Counter(v.kind for v in judged), sorted(v.seconds for v in judged)
         cells = [*(str(counts[k]) for k in kinds), f"{times[len(times) // 2]:.2f}"]
         lines.append(f"{family:10}" + "".join(f"{c:>15}" for c in (*cells, f"{times[-1]:.1f}")))
     return "\n".join(lines)

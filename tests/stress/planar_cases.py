@@ -19,13 +19,13 @@ def judge(seed: int) -> tuple[str, str, str]:
 
 
 def judge_mechanism(seed: int, kind: str, m: Mechanism) -> tuple[str, str, str]:
-    found = judged_mechanism(seed, kind, m)
-    case = f"{kind} {found.choices}"
-    if found.faults:
-        return "false success", case, "; ".join(found.faults)
-    if found.verdict != "completed":
-        kind = "ended" if found.verdict in OUTCOMES else "refused"
-        return (kind, case, found.message) if found.message else ("crash", case, "no reason")
+    computed = judged_mechanism(seed, kind, m)
+    case = f"{kind} {computed.choices}"
+    if computed.faults:
+        return "false success", case, "; ".join(computed.faults)
+    if computed.verdict != "completed":
+        kind = "ended" if computed.verdict in OUTCOMES else "refused"
+        return (kind, case, computed.message) if computed.message else ("crash", case, "no reason")
     return agreeing(m.system.build(), kind, np.random.default_rng([seed, 3]))
 
 

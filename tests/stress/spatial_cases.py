@@ -72,7 +72,7 @@ def violation(twin: SpatialTreeTwin, start: list[np.ndarray], limit: float = 1e-
 
 def distance(run, end: np.ndarray) -> float:
     """Of poses and of velocities, each relative to its size."""
-    found = np.hstack([run.data[part].values[-1] for part in PARTS])
-    sign = np.sign(np.sum(found[:, 3:7] * end[:, 3:7], axis=1))[:, None]
-    found[:, 3:7] *= sign  # both signs are the same rotation
-    return max(apart(found[:, k], end[:, k]) for k in (slice(0, 7), slice(7, 13)))
+    computed = np.hstack([run.data[part].values[-1] for part in PARTS])
+    sign = np.sign(np.sum(computed[:, 3:7] * end[:, 3:7], axis=1))[:, None]
+    computed[:, 3:7] *= sign  # both signs are the same rotation
+    return max(apart(computed[:, k], end[:, k]) for k in (slice(0, 7), slice(7, 13)))

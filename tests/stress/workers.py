@@ -47,8 +47,8 @@ def judged(family: str, seed: int, judges: Callable[[str], Judge]) -> Verdict:
     try:
         kind, case, message = judges(family)(seed)
     except BaseException as error:  # whatever a case raises is a defect, ``SystemExit`` as well
-        told = traceback.format_exception(error)
-        kind, case, message = "crash", "", "".join(told)[-1500:]
+        lines = traceback.format_exception(error)
+        kind, case, message = "crash", "", "".join(lines)[-1500:]
     return Verdict(family, seed, kind, case, message[:3000], round(time.perf_counter() - begin, 3))
 
 

@@ -17,8 +17,8 @@ def cantilever(count: int, angle: float = 0.0, kind=structures.Frame, **more) ->
     direction = np.array([np.cos(angle), np.sin(angle)])
     nodes = [structure.node(f"n{k}", *(LENGTH * k / count * direction)) for k in range(count + 1)]
     for k in range(count):
-        given = {"area": A, "second_moment": INERTIA, "modulus": E} | more
-        structure.add(kind(f"e{k}", nodes[k], nodes[k + 1], **given))
+        arguments = {"area": A, "second_moment": INERTIA, "modulus": E} | more
+        structure.add(kind(f"e{k}", nodes[k], nodes[k + 1], **arguments))
     structure.support(nodes[0])
     return structure
 
@@ -111,8 +111,8 @@ def test_large_deflection_under_a_force():
         structure.load(structure.nodes[f"n{count}"], fy=5 * E * INERTIA / LENGTH**2)
         result = da.solve_statics(structure.build(), nonlinear=True)
         x, y = elastica(5.0)
-        found = (result[f"n{count}.ux"] + LENGTH) / LENGTH, result[f"n{count}.uy"] / LENGTH
-        errors.append(np.hypot(found[0] - x, found[1] - y))
+        computed = (result[f"n{count}.ux"] + LENGTH) / LENGTH, result[f"n{count}.uy"] / LENGTH
+        errors.append(np.hypot(computed[0] - x, computed[1] - y))
     slopes = np.diff(np.log(errors)) / np.log(0.5)
     np.testing.assert_allclose(slopes, 4.0, atol=0.3)
     assert errors[-1] < 2e-5

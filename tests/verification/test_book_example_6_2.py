@@ -69,8 +69,8 @@ def determinants(name: str) -> np.ndarray:
     e = model.equations
     function = ca.Function("C", [e.t, e.y, e.p], [ca.densify(e.jacobian)])
     k = model.guesses.names.index(name)
-    found = [function(0, position(angle), model.nominal).full() for angle in TURN]
-    return np.array([abs(np.linalg.det(np.delete(c, k, axis=1))) for c in found])
+    computed = [function(0, position(angle), model.nominal).full() for angle in TURN]
+    return np.array([abs(np.linalg.det(np.delete(c, k, axis=1))) for c in computed])
 
 
 def test_geometry():
@@ -85,11 +85,13 @@ def test_geometry():
 
 def test_determinant_of_the_books_partition_never_vanishes():
     """Figure 6.4: between √0.51 and 1 for a whole turn."""
-    found = determinants("crank.angle")
+    determinant_values = determinants("crank.angle")
     expected = np.sqrt(L2**2 - (B + L3 * np.sin(TURN) - L1) ** 2)
-    np.testing.assert_allclose(found, expected, rtol=1e-13)
-    assert found.min() == pytest.approx(math.sqrt(0.51), rel=1e-13)  # crank upright, TURN[18]
-    assert found.max() <= 1 + 1e-13
+    np.testing.assert_allclose(determinant_values, expected, rtol=1e-13)
+    assert determinant_values.min() == pytest.approx(
+        math.sqrt(0.51), rel=1e-13
+    )  # crank upright, TURN[18]
+    assert determinant_values.max() <= 1 + 1e-13
 
 
 def test_other_partitions_vanish():

@@ -76,8 +76,8 @@ def test_example_6_1(three_bodies, state):
     e = three_bodies.equations
     assert three_bodies.names == ["bar.angle", "guide.displacement", "rod.angle"]
     assert e.constraint_count == 0
-    found = evaluated(three_bodies, [e.mass, e.bias, e.force], *state)
-    for one, other in zip(found, by_hand(*state), strict=True):
+    computed = evaluated(three_bodies, [e.mass, e.bias, e.force], *state)
+    for one, other in zip(computed, by_hand(*state), strict=True):
         np.testing.assert_allclose(one, other, atol=1e-12)
 
 
@@ -162,16 +162,16 @@ def test_example_6_4(mechanism, theta3):
     e, order = mechanism.equations, ordered(mechanism, SLIDER_LINK_CRANK)
     q, u, c, xi = loop(theta3, -2.2)
     mass, bias, force = open_chain(q, u)
-    found = evaluated(
+    computed = evaluated(
         mechanism,
         [e.constraints, e.mass, e.bias, e.force, e.jacobian, e.constraint_acceleration],
         q[order],
         u[order],
     )
     expected = [np.zeros(2), mass[np.ix_(order, order)], bias[order], force[order]]
-    sign = np.sign(found[4][0, order.index(0)])  # which end of D comes first
+    sign = np.sign(computed[4][0, order.index(0)])  # which end of D comes first
     expected += [sign * c[:, order], sign * xi]
-    for one, other in zip(found, expected, strict=True):
+    for one, other in zip(computed, expected, strict=True):
         np.testing.assert_allclose(one, other, atol=1e-12)
     saddle = np.block([[mass, c.T], [c, np.zeros((2, 2))]])
     solution = np.linalg.solve(saddle, np.concatenate([force - bias, xi]))
@@ -189,14 +189,14 @@ def test_figure_6_4(mechanism):
     """det W = l2 cos θ2 of the partition u = θ̇3 never vanishes over a turn of the crank."""
     e, order = mechanism.equations, ordered(mechanism, SLIDER_LINK_CRANK)
     columns = [order.index(0), order.index(1)]
-    found = []
+    results = []
     for theta3 in np.linspace(0, 2 * np.pi, 41):
         q, u, _, _ = loop(theta3, 1.0)
         (c,) = evaluated(mechanism, [e.jacobian], q[order], u[order])
-        found.append(np.linalg.det(c[:, columns]))
-        assert found[-1] == pytest.approx(L2 * np.cos(q[1]), abs=1e-12)
+        results.append(np.linalg.det(c[:, columns]))
+        assert results[-1] == pytest.approx(L2 * np.cos(q[1]), abs=1e-12)
     # largest inclination of the link: crank up, sin θ2 = (1 + 0.5 − 0.8)/1
-    assert min(found) == pytest.approx(np.sqrt(1 - 0.7**2), rel=1e-12)
+    assert min(results) == pytest.approx(np.sqrt(1 - 0.7**2), rel=1e-12)
 
 
 def test_example_6_4_minimal_equation(mechanism):
@@ -278,14 +278,14 @@ def test_example_7_2_matrices(suspended, q):
     assert suspended.names == list(BAR_SLIDER_MASS)
     e, basis = suspended.model.all_equations, suspended.motion.basis
     (c,) = suspended.moved([e.jacobian])
-    found, forced, c = evaluated(
+    computed, forced, c = evaluated(
         suspended,
         [basis.times(ca.SX.eye(3)), basis.opened_times(ca.SX.eye(5)), ca.densify(c)],
         q,
         np.zeros(3),
     )
     d, expected = augmented(q)
-    np.testing.assert_allclose(found, d, atol=1e-14)
+    np.testing.assert_allclose(computed, d, atol=1e-14)
     np.testing.assert_allclose(forced, expected, atol=1e-14)
     np.testing.assert_allclose(c @ expected, np.eye(5), atol=1e-14)
 
@@ -297,14 +297,14 @@ def test_example_7_2_reactions(suspended):
     reduced = suspended.equations
     mass, bias, force = evaluated(suspended, [reduced.mass, reduced.bias, reduced.force], q, u)
     a = np.linalg.solve(mass, force - bias)
-    (found,) = evaluated(suspended, [suspended.lift(e.multiplier)], q, u, a)
+    (computed,) = evaluated(suspended, [suspended.lift(e.multiplier)], q, u, a)
     y, v = evaluated(suspended, [suspended.motion.pose, suspended.motion.speed], q, u)
     parts = [e.mass, e.force, e.jacobian, e.constraint_acceleration]
     function = ca.Function("f", [e.t, e.y, e.v, e.p], parts)
     m, f, c, xi = (x.full() for x in function(0.0, y, v, model.nominal))
     inverse = np.linalg.inv(m)
     expected = np.linalg.solve(c @ inverse @ c.T, c @ inverse @ f - xi).ravel()
-    np.testing.assert_allclose(found, expected, rtol=1e-11)
+    np.testing.assert_allclose(computed, expected, rtol=1e-11)
 
 
 def test_example_7_2_at_rest():

@@ -41,8 +41,8 @@ def test_seven_nodes_as_by_hand():
     """Examples 8.2, 8.4, 8.5, 8.7: matrix, partition, displacements and reactions."""
     model = load_deck(EXAMPLES / "springs.dat").build()
     matrix, force = by_hand(), np.array([0, 0, 10.0, 20, 30, 0, 0])
-    found = model.linearized.assembly.stiffness(np.zeros(7), model.nominal).toarray()
-    np.testing.assert_array_equal(found, matrix)
+    computed = model.linearized.assembly.stiffness(np.zeros(7), model.nominal).toarray()
+    np.testing.assert_array_equal(computed, matrix)
     free = [1, 2, 3, 4, 5]
     assert model.assembly.free.tolist() == free
     assert model.assembly.prescribed.tolist() == [0, 6]
@@ -101,8 +101,8 @@ def test_gradients_of_displacements_and_reactions(tmp_path):
     # u1 = u3 + (P1 + P2)/k1, u2 = u1 + P2/k2, reaction = −P1 − P2
     expected = [[-3, 0, 1, 1], [-3, -0.5, 1.5, 1], [0, 0, -1, 0]]
     for method in ("direct", "adjoint"):
-        found = da.sensitivity(result, responses, method=method).values
-        np.testing.assert_allclose(found, expected, atol=1e-13)
+        gradient = da.sensitivity(result, responses, method=method).values
+        np.testing.assert_allclose(gradient, expected, atol=1e-13)
 
 
 def test_design_with_the_program_of_the_book(tmp_path):
@@ -130,8 +130,8 @@ def test_difference_step_study(bridge):
 
     def error(scheme: str, step: float) -> float:
         method = da.FiniteDifference(scheme, step)
-        found = da.sensitivity(result, da.final("compliance"), wrt=["d1"], method=method)
-        return abs(float(found.values[0, 0]) + 9.0)
+        gradient = da.sensitivity(result, da.final("compliance"), wrt=["d1"], method=method)
+        return abs(float(gradient.values[0, 0]) + 9.0)
 
     forward, central = ([error(s, h) for h in (1e-1, 1e-2, 1e-3)] for s in ("forward", "central"))
     np.testing.assert_allclose(np.diff(np.log10(forward)), -1.0, atol=0.05)
@@ -171,10 +171,10 @@ def test_any_text_is_read_or_refused(tmp_path_factory, text):
     path = tmp_path_factory.mktemp("deck") / "any.dat"
     path.write_text(text)
     try:
-        made = load_deck(path).build().name
+        name_read = load_deck(path).build().name
     except (da.FileError, da.ModelError) as error:
-        made = str(error)
-    assert made
+        name_read = str(error)
+    assert name_read
 
 
 def test_deck_on_the_command_line(tmp_path, capsys):

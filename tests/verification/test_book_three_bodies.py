@@ -116,8 +116,8 @@ def test_example_6_1_joint_coordinates(equations, state):
     """M̂, d̂ and f̂ of (6.2)."""
     motion = joint_coordinates(equations)
     reduced = motion.apply(equations).with_rows([])
-    found = evaluated(motion, [reduced.mass, reduced.bias, reduced.force], state)
-    for one, other in zip(found, by_hand(*state), strict=True):
+    computed = evaluated(motion, [reduced.mass, reduced.bias, reduced.force], state)
+    for one, other in zip(computed, by_hand(*state), strict=True):
         np.testing.assert_allclose(one, other, atol=1e-12)
 
 
@@ -126,16 +126,16 @@ def test_example_6_1_joint_coordinates(equations, state):
 def test_example_6_3_gibbs_appell_and_kane(equations, state, derive):
     """The same equations by either road, for any accelerations."""
     motion, rates = joint_coordinates(equations), np.array([0.6, -1.1, 2.3])
-    (found,) = evaluated(motion, [derive(equations, motion)], state, rates)
+    (computed,) = evaluated(motion, [derive(equations, motion)], state, rates)
     mass, bias, force = by_hand(*state)
-    np.testing.assert_allclose(found, mass @ rates + bias - force, atol=1e-12)
+    np.testing.assert_allclose(computed, mass @ rates + bias - force, atol=1e-12)
 
 
 @pytest.mark.parametrize("state", STATES)
 def test_example_6_3_appell_function(equations, state):
     """S = Σ (m |r̈_C|² + J φ̈²)/2 with the accelerations of the three centres."""
     motion, rates = joint_coordinates(equations), np.array([0.6, -1.1, 2.3])
-    (found,) = evaluated(motion, [appell_function(equations, motion)], state, rates)
+    (computed,) = evaluated(motion, [appell_function(equations, motion)], state, rates)
     (phi, s, theta), (w, ds, turn) = state
     spin, slide, swing = rates
     e, n = np.array([np.cos(phi), np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])
@@ -149,7 +149,7 @@ def test_example_6_3_appell_function(equations, state):
     squares = [on_bar(A1, False), on_bar(s, True), third]
     expected = sum(m * a @ a for m, a in zip((M1, M2, M3), squares, strict=True)) / 2
     expected += ((J1 + J2) * spin**2 + J3 * swing**2) / 2
-    assert found == pytest.approx(expected, rel=1e-12)
+    assert computed == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("derive", [gibbs_appell, kane])
@@ -190,8 +190,8 @@ def test_relative_and_absolute_joint_angles(equations):
         "f", [relative.y, relative.v], [relative.mass, relative.force - relative.bias]
     )
     mass, force = (out.full() for out in function([phi, s, theta - phi], [w, ds, turn - w]))
-    found = np.linalg.solve(mass, force).ravel()
+    computed = np.linalg.solve(mass, force).ravel()
     mass, bias, force = by_hand(*STATES[0])
     expected = np.linalg.solve(mass, force - bias)
-    found[2] += found[0]
-    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    computed[2] += computed[0]
+    np.testing.assert_allclose(computed, expected, rtol=1e-12)

@@ -42,6 +42,8 @@ def test_ball_comes_to_rest(options):
 
 def test_gradient_says_that_bounces_accumulate():
     motion = bounces(integrator=da.DormandPrince())
-    found = da.sensitivity(motion, da.final(motion.model["ball.y"]))
-    assert ["bounces of floor accumulate" in note for note in found.attrs["notes"]].count(True) == 1
-    assert not any("grazed" in note for note in found.attrs["notes"])
+    gradient = da.sensitivity(motion, da.final(motion.model["ball.y"]))
+    assert ["bounces of floor accumulate" in note for note in gradient.attrs["notes"]].count(
+        True
+    ) == 1
+    assert not any("grazed" in note for note in gradient.attrs["notes"])

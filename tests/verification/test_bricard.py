@@ -60,9 +60,9 @@ def model() -> da.Model:
 
 
 def test_one_freedom_and_one_redundant_equation_are_told(model):
-    told = model.diagnosis
-    assert (told.degrees_of_freedom, told.gruebler) == (1, 0)
-    (redundancy,) = told.redundancies
+    diagnosis = model.diagnosis
+    assert (diagnosis.degrees_of_freedom, diagnosis.gruebler) == (1, 0)
+    (redundancy,) = diagnosis.redundancies
     assert {redundancy.joint, *redundancy.shared_with} == {f"J{k}" for k in range(6)}
 
 
@@ -81,7 +81,7 @@ def test_ten_seconds(model, formulation):
         outputs=list(OBSERVED),
     )
     assert motion.status.success, motion.status
-    found = np.stack([motion[f"rod2.end.{axis}"].values for axis in "xyz"], axis=1)
-    np.testing.assert_allclose(found, list(OBSERVED.values()), atol=1e-6)
+    computed = np.stack([motion[f"rod2.end.{axis}"].values for axis in "xyz"], axis=1)
+    np.testing.assert_allclose(computed, list(OBSERVED.values()), atol=1e-6)
     np.testing.assert_allclose(motion["balance_error"], 0.0, atol=1e-5)
     assert float(motion["position_violation"].max()) <= 1e-12

@@ -18,8 +18,8 @@ def column(count: int, start: dict, end: dict | None, area: float = A) -> Struct
     structure = da.Structure("column")
     nodes = [structure.node(f"n{k}", LENGTH * k / count, 0.0) for k in range(count + 1)]
     for k in range(count):
-        given = {"area": area, "second_moment": INERTIA, "modulus": E}
-        structure.add(structures.Frame(f"e{k}", nodes[k], nodes[k + 1], **given))
+        arguments = {"area": area, "second_moment": INERTIA, "modulus": E}
+        structure.add(structures.Frame(f"e{k}", nodes[k], nodes[k + 1], **arguments))
     structure.support(nodes[0], **start)
     if end is not None:
         structure.support(nodes[-1], **end)
@@ -56,7 +56,7 @@ def test_portal_frame_that_sways():
     (Timoshenko and Gere, section 2.16)."""
     structure, count = da.Structure("portal"), 16
     corners = [(0.0, 0.0), (0.0, LENGTH), (LENGTH, LENGTH), (LENGTH, 0.0)]
-    given = {"area": 1e4 * A, "second_moment": INERTIA, "modulus": E}
+    arguments = {"area": 1e4 * A, "second_moment": INERTIA, "modulus": E}
     ends = [structure.node(f"c{k}", *place) for k, place in enumerate(corners)]
     for side in range(3):
         last = ends[side]
@@ -65,17 +65,17 @@ def test_portal_frame_that_sways():
                 corners[side + 1], corners[side]
             )
             node = ends[side + 1] if k == count else structure.node(f"s{side}n{k}", *place)
-            structure.add(structures.Frame(f"s{side}e{k}", last, node, **given))
+            structure.add(structures.Frame(f"s{side}e{k}", last, node, **arguments))
             last = node
     for foot in (ends[0], ends[3]):
         structure.support(foot, ux=0, uy=0)
     for top in ends[1:3]:
         structure.load(top, fy=-1.0)
-    found = da.solve_buckling(structure.build(), 1)
+    modes = da.solve_buckling(structure.build(), 1)
     root = brentq(lambda x: x * np.tan(x) - 6.0, 1.0, 1.5)
-    assert found.load_factors[0] == pytest.approx(E * INERTIA * root**2 / LENGTH**2, rel=2e-3)
-    sway = found["c1.ux"].values[0]
-    assert found["c2.ux"].values[0] == pytest.approx(sway, rel=1e-4)
+    assert modes.load_factors[0] == pytest.approx(E * INERTIA * root**2 / LENGTH**2, rel=2e-3)
+    sway = modes["c1.ux"].values[0]
+    assert modes["c2.ux"].values[0] == pytest.approx(sway, rel=1e-4)
 
 
 def test_von_mises_truss():
@@ -94,9 +94,9 @@ def test_von_mises_truss():
             structure.support(foot)
         structure.support(top, ux=0.0)
         structure.load(top, fy=-1.0)
-        found = da.solve_buckling(structure.build(), 1).load_factors
+        load_factors = da.solve_buckling(structure.build(), 1).load_factors
         exact = 2 / 3 * E * A * np.sin(angle) ** 3 / np.cos(angle) ** 2
-        np.testing.assert_allclose(found, exact, rtol=1e-10)
+        np.testing.assert_allclose(load_factors, exact, rtol=1e-10)
 
 
 def test_column_between_springs():
@@ -109,5 +109,5 @@ def test_column_between_springs():
     structure.support(foot)
     structure.support(wall)
     structure.load(top, fy=-1.0)
-    found = da.solve_buckling(structure.build(), 1).load_factors[0]
-    assert found == pytest.approx(stiffness * LENGTH, rel=1e-9)
+    computed = da.solve_buckling(structure.build(), 1).load_factors[0]
+    assert computed == pytest.approx(stiffness * LENGTH, rel=1e-9)

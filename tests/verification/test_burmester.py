@@ -16,14 +16,14 @@ TURN = np.linspace(0, 2 * np.pi, 1800, endpoint=False)
 
 
 def random_bars(count: int, seed: int = 0):
-    rng, made = np.random.default_rng(seed), []
-    while len(made) < count:
+    rng, results = np.random.default_rng(seed), []
+    while len(results) < count:
         sizes = dict(zip(("crank", "coupler", "follower", "ground"), rng.uniform(0.3, 2, 4)))  # noqa: B905
         place = dict(zip(("x", "y", "u", "v"), rng.normal(size=4)))  # noqa: B905
         bar = da.FourBar(**sizes, **place, angle=rng.uniform(0, 6), branch=int(rng.choice([-1, 1])))
         if bar.crank_turns:
-            made.append((bar, np.sort(rng.uniform(0, 6, 5))))
-    return made
+            results.append((bar, np.sort(rng.uniform(0, 6, 5))))
+    return results
 
 
 def component(linkage: da.FourBar, theta: float, branch: int) -> tuple[int, int]:
@@ -47,15 +47,15 @@ def test_pivots_are_among_the_dyads_and_defects_are_right():
     with_defects = 0
     for bar, theta in random_bars(20):
         points, angles = bar.path(theta), bar.coupler_angle(theta)
-        found = da.pose_linkages(points, angles)
-        assert len(found.dyads) in (2, 4) and max(d.residual for d in found.dyads) < 1e-8
+        linkages = da.pose_linkages(points, angles)
+        assert len(linkages.dyads) in (2, 4) and max(d.residual for d in linkages.dyads) < 1e-8
         pivots = complex(bar.x, bar.y) + np.array([0, bar.ground * np.exp(1j * bar.angle)])
         for pivot in pivots:
-            assert min(abs(d.center - pivot) for d in found.dyads if not d.is_slider) < 1e-6
-        assert len(found.linkages) == len(found.dyads) * (len(found.dyads) - 1) // 2
-        own = [o for o in found.linkages if is_same(o.linkage, bar)]
+            assert min(abs(d.center - pivot) for d in linkages.dyads if not d.is_slider) < 1e-6
+        assert len(linkages.linkages) == len(linkages.dyads) * (len(linkages.dyads) - 1) // 2
+        own = [o for o in linkages.linkages if is_same(o.linkage, bar)]
         assert own and own[0].defects == ()
-        for one in found.linkages:
+        for one in linkages.linkages:
             with_defects += bool(one.defects)
             there = one.linkage
             turned = angles - angles[0] + there.coupler_angle(one.crank_angles[0])
@@ -85,8 +85,8 @@ def test_counts_are_even():
 def test_a_slider_is_a_dyad_too():
     slider = da.SliderCrank(crank=0.4, coupler=1.3, offset=0.2, u=0.5, v=0.3, x=1, y=-1, angle=0.3)
     turn = np.array([0.2, 0.9, 1.7, 2.6, 3.4])
-    found = da.pose_linkages(slider.path(turn), slider.coupler_angle(turn))
-    same = [o.linkage for o in found.linkages if isinstance(o.linkage, da.SliderCrank)]
+    linkages = da.pose_linkages(slider.path(turn), slider.coupler_angle(turn))
+    same = [o.linkage for o in linkages.linkages if isinstance(o.linkage, da.SliderCrank)]
     assert any(abs(s.crank - 0.4) + abs(s.coupler - 1.3) < 1e-6 for s in same)
 
 
@@ -94,9 +94,9 @@ def test_a_slider_is_a_dyad_too():
 def test_fewer_poses_have_families(count):
     rng = np.random.default_rng(count)
     points, angles = rng.normal(size=(count, 2)), rng.uniform(-1, 1, count)
-    found = da.pose_linkages(points, angles, samples=8)
-    assert len(found.dyads) >= 8 and max(d.residual for d in found.dyads) < 1e-8
-    assert found.linkages and max(one.residual for one in found.linkages) < 1e-6
+    linkages = da.pose_linkages(points, angles, samples=8)
+    assert len(linkages.dyads) >= 8 and max(d.residual for d in linkages.dyads) < 1e-8
+    assert linkages.linkages and max(one.residual for one in linkages.linkages) < 1e-6
 
 
 def test_wrong_poses():

@@ -43,8 +43,8 @@ def test_radau(form, projected):
     np.testing.assert_allclose(motion.data.position[0], POSITION, atol=1e-9)
     np.testing.assert_allclose(motion.data.velocity[0], VELOCITY, atol=3e-8 if loose else 1e-9)
     upright, link = motion.data.multiplier.values[0]
-    found = [-upright, -link / (2 * L)]  # the reference writes +Cᵀλ, and the axle as |d|² − L²
-    np.testing.assert_allclose(found, MULTIPLIERS, atol=1e-8 if loose else 1e-9)
+    results = [-upright, -link / (2 * L)]  # the reference writes +Cᵀλ, and the axle as |d|² − L²
+    np.testing.assert_allclose(results, MULTIPLIERS, atol=1e-8 if loose else 1e-9)
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -41,5 +41,5 @@ def test_load_at_which_it_buckles(column):
         rate = modes["eigenvalue_real"].values + 1j * modes["eigenvalue_imag"].values
         return float((rate[np.argmin(abs(rate))] ** 2).real)
 
-    found = brentq(growth, 0.99 * euler, euler, xtol=1e-4)
-    assert found == pytest.approx(expected, rel=1e-6)
+    root = brentq(growth, 0.99 * euler, euler, xtol=1e-4)
+    assert root == pytest.approx(expected, rel=1e-6)

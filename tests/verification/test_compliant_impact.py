@@ -45,25 +45,25 @@ def impact(law, duration: float = 0.02, **options) -> da.Motion:
     return da.solve_dynamics(system.build(), duration, integrator=integrator, **options)
 
 
-@pytest.mark.parametrize(("kind", "asked"), ACHIEVED)
-def test_the_restitution_that_laws_achieve(kind, asked):
-    law = kind(stiffness=STIFFNESS, restitution=asked, impact_speed=SPEED)
+@pytest.mark.parametrize(("kind", "restitution"), ACHIEVED)
+def test_the_restitution_that_laws_achieve(kind, restitution):
+    law = kind(stiffness=STIFFNESS, restitution=restitution, impact_speed=SPEED)
     motion = impact(law)
     assert motion.status.success
-    assert motion["ball.vy"].values[-1] == pytest.approx(ACHIEVED[kind, asked], abs=1e-6)
+    assert motion["ball.vy"].values[-1] == pytest.approx(ACHIEVED[kind, restitution], abs=1e-6)
     factor = float(law.factor())
-    assert kit.achieved_restitution(factor) == pytest.approx(ACHIEVED[kind, asked], abs=1e-8)
+    assert kit.achieved_restitution(factor) == pytest.approx(ACHIEVED[kind, restitution], abs=1e-8)
     assert np.abs(motion.data.balance_error).max() < 1e-9
 
 
-@pytest.mark.parametrize("asked", [0.1, 0.5, 0.9, 1.0])
+@pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9, 1.0])
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
-def test_a_restitution_that_is_asked_for_can_be_had(asked, exponent):
+def test_a_restitution_that_is_asked_for_can_be_had(restitution, exponent):
     """By the factor that belongs to it, whatever the exponent."""
-    damping = kit.damping_factor(asked) / SPEED
+    damping = kit.damping_factor(restitution) / SPEED
     law = kit.HuntCrossley(stiffness=STIFFNESS, damping=damping, exponent=exponent)
-    found = impact(law, duration=0.05)["ball.vy"].values[-1]
-    assert found == pytest.approx(asked, abs=1e-7)
+    computed = impact(law, duration=0.05)["ball.vy"].values[-1]
+    assert computed == pytest.approx(restitution, abs=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -77,6 +77,6 @@ def test_depth_and_duration(law, depth, lasts):
     motion = impact(law, duration=0.01, events={"deepest": "ball.vy", "touch": "ball.y"})
     times = motion.data.event_time.values
     begin, deepest, end = np.sort(times[times > 0])
-    found = da.at(float(deepest), "floor.penetration")
-    assert da.evaluate(motion, found) == pytest.approx(depth, rel=2e-7)
+    computed = da.at(float(deepest), "floor.penetration")
+    assert da.evaluate(motion, computed) == pytest.approx(depth, rel=2e-7)
     assert end - begin == pytest.approx(lasts, rel=2e-7)

@@ -38,9 +38,9 @@ def test_sticks(options):
     assert np.ptp(x[at_rest]) == 0.0  # it sticks, and does not creep
     assert motion.values("floor.friction_force")[-1] == pytest.approx(x[-1], rel=1e-12)
     # the arcs lie about ±1 in turn, so it stops at 15 − √((x0 + 1)² + 6²)
-    found = [
+    computed = [
         da.sensitivity(motion, da.final(model["mass.x"]), method=m).sel(parameter="x0").item()
         for m in ("direct", "adjoint")
     ]
-    assert found[0] == pytest.approx(found[1], rel=1e-11)
-    assert found[0] == pytest.approx(-13 / np.sqrt(205), rel=1e-6)
+    assert computed[0] == pytest.approx(computed[1], rel=1e-11)
+    assert computed[0] == pytest.approx(-13 / np.sqrt(205), rel=1e-6)

@@ -47,9 +47,9 @@ def test_cantilever_of_the_reduced_beam(model, modes):
 
 
 def test_frequencies_fall_to_the_exact_ones(model):
-    found = model.floating(["n0", "n40"], 12, frame="n0").frequencies[:3]
-    np.testing.assert_allclose(found, EXACT, rtol=2e-5)
-    assert np.all(found >= EXACT)
+    computed = model.floating(["n0", "n40"], 12, frame="n0").frequencies[:3]
+    np.testing.assert_allclose(computed, EXACT, rtol=2e-5)
+    assert np.all(computed >= EXACT)
 
 
 def test_modes_up_to_a_frequency(model):

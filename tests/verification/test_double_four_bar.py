@@ -78,8 +78,8 @@ def test_motion_up_to_the_singular_position():
         mechanism().build(), end, integrator=da.DormandPrince(1e-12, 1e-12), outputs=times
     )
     expected = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    found = motion.data.point_position.sel(point="crank0.end").values
-    np.testing.assert_allclose(found, expected, atol=1e-8)
+    computed = motion.data.point_position.sel(point="crank0.end").values
+    np.testing.assert_allclose(computed, expected, atol=1e-8)
     np.testing.assert_allclose(motion.data.balance_error, 0.0, atol=1e-8)
 
 
@@ -107,5 +107,5 @@ def test_forty_windows_through_singular_positions():
     """81 bars in 40 loops, 5 s; no step ends exactly where all bars align."""
     motion = da.solve_dynamics(mechanism(40).build(), 5.0, step=0.002, outputs=2)
     angle = exact([5.0], through=True, count=40).y[0, 0]
-    found = motion.data.point_position.sel(point="crank0.end").values[-1]
-    np.testing.assert_allclose(found, [np.cos(angle), np.sin(angle)], atol=1e-5)
+    computed = motion.data.point_position.sel(point="crank0.end").values[-1]
+    np.testing.assert_allclose(computed, [np.cos(angle), np.sin(angle)], atol=1e-5)

@@ -89,9 +89,9 @@ def test_bend(shapes):
     assert shapes.status.success
     beam = da.solve_dynamics(with_rod(exact).build(), 0.05, step=1e-4, integrator=da.HHT())
     assert beam.status.success
-    expected, found = bend(beam, "node3"), bend(shapes, "middle")
-    np.testing.assert_allclose(found, expected, atol=0.05 * abs(expected).max())
-    assert abs(found).max() == pytest.approx(abs(expected).max(), rel=0.01)
+    expected, computed = bend(beam, "node3"), bend(shapes, "middle")
+    np.testing.assert_allclose(computed, expected, atol=0.05 * abs(expected).max())
+    assert abs(computed).max() == pytest.approx(abs(expected).max(), rel=0.01)
 
 
 def test_other_steps_find_the_same(shapes):

@@ -37,9 +37,9 @@ def thick(shear: float, height: float = 0.5, **more) -> tuple[da.System, planar.
 
 
 def tip(system: da.System, *measures: str) -> list[float]:
-    found = da.solve_equilibrium(system.build())
-    assert found.status.success
-    return [float(found[f"arm.end.{m}"].values[0]) for m in measures]
+    equilibrium = da.solve_equilibrium(system.build())
+    assert equilibrium.status.success
+    return [float(equilibrium[f"arm.end.{m}"].values[0]) for m in measures]
 
 
 def test_force_and_moment_on_a_thick_cantilever():
@@ -105,9 +105,9 @@ def test_arc_bent_out_of_its_plane():
     system.add(spatial.Force("F", arm.end.center, (0, 0, 600.0)))
     x, y, z = tip(system, "x", "y", "z")
     start = radius * np.array([math.sin(math.pi / 4), 1 - math.cos(math.pi / 4)])
-    found = [y - start[1], x - start[0], z]
+    results = [y - start[1], x - start[0], z]
     expected = [-13.577383726758564, -23.545303336988038, 53.45800757548929]
-    np.testing.assert_allclose(found, expected, rtol=3e-3)
+    np.testing.assert_allclose(results, expected, rtol=3e-3)
 
 
 def test_lateral_buckling():
@@ -136,5 +136,5 @@ def test_lateral_buckling():
     critical = 4.0126 * math.sqrt(weak * twist)
     critical /= math.sqrt((1 - weak / strong) * (1 - twist / strong))
     for share, stable in ((0.995, True), (1.005, False)):
-        found = da.solve_equilibrium(model, parameters={"load": share * critical})
-        assert ("not a stable" not in found.status.message) is stable
+        equilibrium = da.solve_equilibrium(model, parameters={"load": share * critical})
+        assert ("not a stable" not in equilibrium.status.message) is stable

@@ -124,9 +124,9 @@ def test_exudyn_converges_to_the_same_motion(kind):
     assert motion.status.success
     ours = np.array([motion[f"{name}.position"].values[-1] for name in NAMES])
     assert np.linalg.norm(ours - MIDDLES, axis=1).min() > 0.05  # it has gone somewhere
-    found = [theirs(motion, kind, step) for step in STEPS]
-    errors = [np.abs(one - ours).max() for one in found]
+    computed = [theirs(motion, kind, step) for step in STEPS]
+    errors = [np.abs(one - ours).max() for one in computed]
     for coarse, fine in itertools.pairwise(errors):
         assert 3.6 < coarse / fine < 4.4
-    extrapolated = (4 * found[-1] - found[-2]) / 3
+    extrapolated = (4 * computed[-1] - computed[-2]) / 3
     assert np.abs(extrapolated - ours).max() < 1e-2 * errors[-1]

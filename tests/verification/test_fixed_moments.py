@@ -26,14 +26,14 @@ DIRECTIONS = ("mx", "my", "mz")
 
 def cantilever(moment, force=FORCE, count=4, fixed_axes=True, **section):
     s = da.Structure("cantilever")
-    given = {d: s.parameter(d, m) for d, m in zip(DIRECTIONS, moment, strict=True)}
+    arguments = {d: s.parameter(d, m) for d, m in zip(DIRECTIONS, moment, strict=True)}
     modulus = s.parameter("modulus", 100.0)
     nodes = [s.node(f"n{k}", k / count, 0, 0) for k in range(count + 1)]
     numbers = SECTION | {"modulus": modulus} | section
     for k in range(count):
         s.add(structures.SpaceFrame(f"b{k}", *nodes[k : k + 2], **numbers))
     s.support(nodes[0])
-    s.load(nodes[-1], fixed_axes=fixed_axes, **given)
+    s.load(nodes[-1], fixed_axes=fixed_axes, **arguments)
     s.load(nodes[-1], **dict(zip(("fx", "fy", "fz"), force, strict=True)))
     return s.build()
 
@@ -70,9 +70,9 @@ def test_gradients_of_statics():
     assert np.abs(direct - adjoint).max() < 1e-12
 
     def values(p):
-        given = dict(zip(model.parameters, p, strict=True))
-        found = da.solve_statics(model, parameters=given, nonlinear=True)
-        return np.array([np.ravel(found[name])[0] for name in names])
+        parameters = dict(zip(model.parameters, p, strict=True))
+        result = da.solve_statics(model, parameters=parameters, nonlinear=True)
+        return np.array([np.ravel(result[name])[0] for name in names])
 
     steps = 1e-5 * np.maximum(1.0, np.abs(model.nominal))
     for k, h in enumerate(steps):
@@ -120,10 +120,10 @@ def test_body_turned_by_a_constant_moment():
     assert abs(direct - adjoint) < 1e-10
 
     def at_end(share):
-        found = da.solve_transient(
+        motion = da.solve_transient(
             model, 3.0, step=3.0 / 400, nonlinear=True, parameters={"share": share}
         )
-        return float(np.ravel(found["a.vry"])[-1])
+        return float(np.ravel(motion["a.vry"])[-1])
 
     assert abs((at_end(1 + 1e-5) - at_end(1 - 1e-5)) / 2e-5 - direct) < 1e-7
 

@@ -42,7 +42,7 @@ def test_tip():
     motion = da.solve_dynamics(
         system.build(), 1.0, step=5e-4, integrator=da.HHT(), outputs=list(TIP)
     )
-    found = np.c_[motion["arm.end.x"].values, motion["arm.end.y"].values]
-    np.testing.assert_allclose(found, list(TIP.values()), atol=1e-4)
+    computed = np.c_[motion["arm.end.x"].values, motion["arm.end.y"].values]
+    np.testing.assert_allclose(computed, list(TIP.values()), atol=1e-4)
     energy = motion["kinetic_energy"].values + motion["potential_energy"].values
     assert np.ptp(energy) < 1e-3 * motion["kinetic_energy"].values.max()

@@ -46,15 +46,15 @@ def motion() -> da.Motion:
 
 
 def test_ends(motion):
-    found = np.c_[
+    computed = np.c_[
         motion["rod.start.x"].values - 6,
         motion["rod.start.y"].values + 8,
         motion["rod.end.x"].values,
         motion["rod.end.y"].values,
     ]
     expected = np.array(list(ENDS.values()))
-    np.testing.assert_allclose(found[0], expected[0], atol=5e-3)
-    np.testing.assert_allclose(found, expected, atol=2e-2)
+    np.testing.assert_allclose(computed[0], expected[0], atol=5e-3)
+    np.testing.assert_allclose(computed, expected, atol=2e-2)
 
 
 def test_nothing_is_lost_in_flight(motion):

@@ -27,10 +27,10 @@ def governor(angle: float, spin: float, opening: float = 0.0) -> da.Model:
     def body(name, mass, inertia, place, turn=0.0, turning=0.0, **more):
         axes = da.rotation.axis_angle(ASIDE, turn)
         spinning = {"angular_velocity": (0, turning, spin)}
-        made = spatial.Body(
+        body = spatial.Body(
             name, mass=mass, inertia=inertia, position=place, rotation=axes, **spinning, **more
         )
-        return system.add(made)
+        return system.add(body)
 
     spindle = body("spindle", 1.0, (0.01, 0.01, SHAFT), (0, 0, 0))
     sleeve = body("sleeve", SLEEVE, (ROUND,) * 3, (0, 0, -2 * LINK * np.cos(angle)))
@@ -85,5 +85,5 @@ def test_small_oscillation_about_the_steady_motion():
     modes = da.linearize(
         governor(angle, spin), equilibrium=False, coordinates=da.JointCoordinates()
     )
-    (found,) = [z for z in modes.eigenvalues if z.imag > 1e-3]
-    assert found == pytest.approx(1j * frequency, abs=1e-9 * frequency)
+    (computed,) = [z for z in modes.eigenvalues if z.imag > 1e-3]
+    assert computed == pytest.approx(1j * frequency, abs=1e-9 * frequency)

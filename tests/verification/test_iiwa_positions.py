@@ -28,12 +28,12 @@ JOINTS = [  # origin in the parent, and roll, pitch and yaw
 
 def transformed(angles) -> list[tuple[np.ndarray, Rotation]]:
     """Origin and orientation of every link."""
-    place, turn, found = np.zeros(3), Rotation.identity(), []
+    place, turn, results = np.zeros(3), Rotation.identity(), []
     for (origin, tilt), angle in zip(JOINTS, angles, strict=True):
         place = place + turn.apply(origin)
         turn = turn * Rotation.from_euler("xyz", tilt) * Rotation.from_rotvec([0, 0, angle])
-        found.append((place, turn))
-    return found
+        results.append((place, turn))
+    return results
 
 
 def arm(angles) -> da.Model:
@@ -77,6 +77,6 @@ def test_any_angles(seed):
     angles = np.random.default_rng(seed).uniform(-2, 2, 7)
     model = arm(angles)
     for k, (place, turn) in enumerate(transformed(angles), start=1):
-        found, orientation = pose(model, f"link{k}")
-        np.testing.assert_allclose(found, place, atol=1e-11)
+        computed, orientation = pose(model, f"link{k}")
+        np.testing.assert_allclose(computed, place, atol=1e-11)
         np.testing.assert_allclose(orientation.as_matrix(), turn.as_matrix(), atol=1e-11)

@@ -35,8 +35,8 @@ def test_discs(integrator, step):
     motion = da.solve_dynamics(model, 1.0, step=step, integrator=integrator)
     assert motion.impacts[0].time == pytest.approx(0.32, abs=1e-14)
     for method in ("direct", "adjoint"):
-        found = da.sensitivity(motion, da.final(model["b.x"]), method=method).values
-        np.testing.assert_allclose(found, [[1, 0, 1, 0]], atol=1e-13)
+        gradient = da.sensitivity(motion, da.final(model["b.x"]), method=method).values
+        np.testing.assert_allclose(gradient, [[1, 0, 1, 0]], atol=1e-13)
 
 
 TIME = 1.9
@@ -67,9 +67,9 @@ def test_ball(integrator, step):
     system.add(planar.UnilateralConstraint("floor", ball.y, restitution=e))
     model = system.build()
     motion = da.solve_dynamics(model, TIME, step=step, integrator=integrator)
-    found = [motion.values(name)[-1] for name in ("ball.y", "ball.vy")]
-    np.testing.assert_allclose(found, [3.1399189570, -1.0991000225], atol=6e-11)
-    np.testing.assert_allclose(found, bounced(5.0, -0.1, 10.0, 0.8), rtol=1e-12)
+    computed = [motion.values(name)[-1] for name in ("ball.y", "ball.vy")]
+    np.testing.assert_allclose(computed, [3.1399189570, -1.0991000225], atol=6e-11)
+    np.testing.assert_allclose(computed, bounced(5.0, -0.1, 10.0, 0.8), rtol=1e-12)
     published = [
         [0.8378281129, 0.1015317211, -0.1039068435, 9.0999549761],
         [1.7999100067, 0.9820008999, -1.0000449966, 10.0004999875],
@@ -78,5 +78,5 @@ def test_ball(integrator, step):
     np.testing.assert_allclose(exact, published, atol=6e-11)
     responses = [da.final(model[name]) for name in ("ball.y", "ball.vy")]
     for method in ("direct", "adjoint"):
-        found = da.sensitivity(motion, responses, method=method).values
-        np.testing.assert_allclose(found, exact, rtol=1e-11)
+        computed = da.sensitivity(motion, responses, method=method).values
+        np.testing.assert_allclose(computed, exact, rtol=1e-11)

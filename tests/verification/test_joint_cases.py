@@ -111,14 +111,14 @@ def _minimal(times: np.ndarray, pose: Pose, count: int) -> Twin:
     tiny, short = 1e-30, 1e-5
 
     def jacobians(q: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-        found = [(np.zeros((3, count)), np.zeros((3, count))) for _ in pose(q)]
+        computed = [(np.zeros((3, count)), np.zeros((3, count))) for _ in pose(q)]
         now = pose(q)
         for k in range(count):
             moved = pose(q + 1j * tiny * np.eye(count)[k])
-            for (v, w), (_, _, r, turn), (_, _, _, still) in zip(found, moved, now, strict=True):
+            for (v, w), (_, _, r, turn), (_, _, _, still) in zip(computed, moved, now, strict=True):
                 spin = np.imag(turn) / tiny @ np.real(still).T
                 v[:, k], w[:, k] = np.imag(r) / tiny, (spin[2, 1], spin[0, 2], spin[1, 0])
-        return found
+        return computed
 
     def accelerations(q: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         here = jacobians(q)

@@ -16,11 +16,11 @@ from dalembert import structures
 
 
 def space_truss(name: str, places, bars, groups, start: float, bounds) -> da.Structure:
-    made = da.Structure(name)
-    nodes = [made.node(f"n{k}", *place) for k, place in enumerate(places, 1)]
-    areas = [made.parameter(f"a{k}", start, bounds=bounds) for k in range(max(groups) + 1)]
+    structure = da.Structure(name)
+    nodes = [structure.node(f"n{k}", *place) for k, place in enumerate(places, 1)]
+    areas = [structure.parameter(f"a{k}", start, bounds=bounds) for k in range(max(groups) + 1)]
     for k, ((i, j), group) in enumerate(zip(bars, groups, strict=True)):
-        made.add(
+        structure.add(
             structures.Truss(
                 f"bar{k}",
                 nodes[i - 1],
@@ -30,10 +30,12 @@ def space_truss(name: str, places, bars, groups, start: float, bounds) -> da.Str
                 density=0.1,
             )
         )
-    return made
+    return structure
 
 
-def lightest(made: da.Structure, stresses, moved: dict[str, tuple[str, ...]], most: float, cases):
+def lightest(
+    structure: da.Structure, stresses, moved: dict[str, tuple[str, ...]], most: float, cases
+):
     limits = []
     for case in range(cases):
         for bar, (low, high) in stresses.items():
@@ -43,7 +45,7 @@ def lightest(made: da.Structure, stresses, moved: dict[str, tuple[str, ...]], mo
                 name = f"{node} {way} {case}"
                 limits.append(da.Limit(da.at(case, f"{node}.{way}", name), -most, most))
     return da.optimize(
-        made.build(),
+        structure.build(),
         da.at(0, "mass", "weight"),
         subject_to=limits,
         analysis=da.Statics(),
@@ -68,18 +70,18 @@ def test_twenty_five_bars():
     ]
     bars = [bar for own, _ in table for bar in own]
     groups = [k for k, (own, _) in enumerate(table) for _ in own]
-    made = space_truss("25 bars", places, bars, groups, 2.0, (0.01, 3.4))
+    truss = space_truss("25 bars", places, bars, groups, 2.0, (0.01, 3.4))
     for foot in range(7, 11):
-        made.support(made.nodes[f"n{foot}"])
+        truss.support(truss.nodes[f"n{foot}"])
     first = {"n1": (0, 20, -5), "n2": (0, -20, -5)}
     second = {"n1": (1, 10, -5), "n2": (0, 10, -5), "n3": (0.5, 0, 0), "n6": (0.5, 0, 0)}
     for name, loads in (("first", first), ("second", second)):
         for node, force in loads.items():
             forces = dict(zip(("fx", "fy", "fz"), force, strict=True))
-            made.load(made.nodes[node], case=name, **forces)
+            truss.load(truss.nodes[node], case=name, **forces)
     stresses = {f"bar{k}": (-table[group][1], 40.0) for k, group in enumerate(groups)}
     moved = {f"n{k}": ("ux", "uy", "uz") for k in (1, 2)}
-    best = lightest(made, stresses, moved, 0.35, 2)
+    best = lightest(truss, stresses, moved, 0.35, 2)
     assert best.success, best.message
     assert best.violation < 1e-6
     assert best.fun == pytest.approx(545.16, abs=0.01)
@@ -103,15 +105,15 @@ def test_seventy_two_bars():
             bars += own
             groups += [4 * level + k] * len(own)
     assert len(bars) == 72
-    made = space_truss("72 bars", places, bars, groups, 1.0, (0.1, 4.0))
+    truss = space_truss("72 bars", places, bars, groups, 1.0, (0.1, 4.0))
     for foot in range(17, 21):
-        made.support(made.nodes[f"n{foot}"])
-    made.load(made.nodes["n1"], case="first", fx=5, fy=5, fz=-5)
+        truss.support(truss.nodes[f"n{foot}"])
+    truss.load(truss.nodes["n1"], case="first", fx=5, fy=5, fz=-5)
     for k in range(1, 5):
-        made.load(made.nodes[f"n{k}"], case="second", fz=-5)
+        truss.load(truss.nodes[f"n{k}"], case="second", fz=-5)
     stresses = {f"bar{k}": (-25.0, 25.0) for k in range(72)}
     moved = {f"n{k}": ("ux", "uy") for k in range(1, 5)}
-    best = lightest(made, stresses, moved, 0.25, 2)
+    best = lightest(truss, stresses, moved, 0.25, 2)
     assert best.success, best.message
     assert best.fun == pytest.approx(379.62, abs=0.01)
     printed = [0.1565, 0.5456, 0.4104, 0.5697, 0.5237, 0.5171, 0.1, 0.1]

@@ -92,8 +92,8 @@ def test_buckling_under_way():
     assert motion.status.success
     middle = np.c_[motion["beam.node4.y"].values, motion["beam.node4.z"].values]
     for time, height in HEIGHTS.items():
-        found = middle[np.argmin(abs(motion.time - time)), 1]
-        assert found == pytest.approx(height, rel=2.5e-3)
+        computed = middle[np.argmin(abs(motion.time - time)), 1]
+        assert computed == pytest.approx(height, rel=2.5e-3)
     before = motion.time < 0.1
     assert abs(middle[before, 0]).max() < OFFSET
     assert abs(middle[:, 0]).max() == pytest.approx(SIDEWAYS, rel=0.1)

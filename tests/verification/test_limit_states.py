@@ -47,28 +47,28 @@ BRANCHES = [
 @pytest.mark.parametrize("name", ["R-S", "RP22", "RP107"])
 def test_first_order(name, method):
     formula, random, exact, printed = CASES[name]
-    found = da.reliability(None, formula, random, method=method, starts=1)
-    assert found.success and found.residual < 1e-8
-    assert found.beta == pytest.approx(BETAS[name], abs=1e-6)
-    assert found.probability == pytest.approx(printed or exact, rel=2e-6)  # as it is printed
+    result = da.reliability(None, formula, random, method=method, starts=1)
+    assert result.success and result.residual < 1e-8
+    assert result.beta == pytest.approx(BETAS[name], abs=1e-6)
+    assert result.probability == pytest.approx(printed or exact, rel=2e-6)  # as it is printed
 
 
 def test_first_order_of_a_flat_quartic():
     formula, random, _, printed = CASES["RP24"]
-    found = da.reliability(None, formula, random)
-    assert found.success and found.probability == pytest.approx(printed, rel=1e-6)
-    assert found.beta == pytest.approx(2.500024, abs=1e-6)
+    result = da.reliability(None, formula, random)
+    assert result.success and result.probability == pytest.approx(printed, rel=1e-6)
+    assert result.beta == pytest.approx(2.500024, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", ["R-S", "RP22", "RP24"])
 def test_sampling(name):
     """Each interval of 95 % holds the exact probability, widened by the digits printed."""
     formula, random, exact, _ = CASES[name]
-    found = da.reliability(None, formula, random)
-    for estimate in (found.monte_carlo(300_000, rng=1), found.importance_sampling(50_000, rng=1)):
+    result = da.reliability(None, formula, random)
+    for estimate in (result.monte_carlo(300_000, rng=1), result.importance_sampling(50_000, rng=1)):
         low, high = estimate.interval
         assert low - 1e-5 * (name == "RP24") <= exact <= high + 1e-5 * (name == "RP24")
-    subset = found.subset_simulation(20_000, rng=1)
+    subset = result.subset_simulation(20_000, rng=1)
     assert abs(subset.probability - exact) < 3 * subset.variation * exact
 
 
@@ -89,10 +89,10 @@ def test_a_small_probability_by_subsets():
 
 def test_four_branches():
     exact = 0.002222795066194
-    found = da.reliability(None, BRANCHES, {"x0": N, "x1": N})
-    assert [one.beta for one in found.points] == pytest.approx([3, 3, 3.5, 3.5], abs=1e-6)
-    assert found.point.probability == pytest.approx(0.00134989803, rel=1e-6)
-    low, high = found.importance_sampling(50_000, rng=1).interval
+    result = da.reliability(None, BRANCHES, {"x0": N, "x1": N})
+    assert [one.beta for one in result.points] == pytest.approx([3, 3, 3.5, 3.5], abs=1e-6)
+    assert result.point.probability == pytest.approx(0.00134989803, rel=1e-6)
+    low, high = result.importance_sampling(50_000, rng=1).interval
     assert low <= exact <= high
     # planes touch a surface that bends away from the origin: the probability is from above
-    assert exact < found.probability < 1.5 * exact
+    assert exact < result.probability < 1.5 * exact

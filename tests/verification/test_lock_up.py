@@ -33,9 +33,9 @@ def test_short_rod_locks():
     assert motion.status.outcome is da.Outcome.LOCKED
     expected = (np.arcsin(0.95) - np.pi / 4) / (2 * np.pi)
     assert motion.events[-1].time == pytest.approx(expected, abs=1e-6)
-    told = motion.status.message
-    assert "driver 'motor' at crank.angle = 1.2532 rad (71.81°)" in told  # arcsin 0.95
-    assert told.endswith("joints at their limit: A, B, C")  # what the crank turns on is not
+    message = motion.status.message
+    assert "driver 'motor' at crank.angle = 1.2532 rad (71.81°)" in message  # arcsin 0.95
+    assert message.endswith("joints at their limit: A, B, C")  # what the crank turns on is not
 
 
 @pytest.mark.parametrize("rod_length", [2.1, 2.2, 2.5, 3.5])

@@ -25,10 +25,10 @@ def block(friction, push=0.0, speed: float = 0.0, weight: float = G) -> da.Model
     mu = system.parameter("mu", ROUGH)
     force = system.parameter("force", 1.0)
     start = {"position": (0.0, -DEPTH), "velocity": (speed, 0.0)}
-    made = system.add(planar.Particle("block", mass=1.0, **start))
-    system.add(planar.Force("push", made.center, (force * push, 0.0)))
+    element = system.add(planar.Particle("block", mass=1.0, **start))
+    system.add(planar.Force("push", element.center, (force * push, 0.0)))
     law = kit.KelvinVoigt(stiffness=weight / DEPTH, damping=500.0)
-    ends = kit.HalfPlane(system.ground.point(0, 0)), made.center
+    ends = kit.HalfPlane(system.ground.point(0, 0)), element.center
     system.add(planar.Contact("floor", *ends, law=law, friction=friction(mu)))
     return system.build()
 
@@ -53,12 +53,12 @@ def test_it_slides_by_the_curve_of_stribeck():
     """Dragged by a stiff damper at 5 mm/s, with static friction above dynamic."""
     speed, held, fallen, viscous = 5e-3, 0.45, 1e-2, 0.7
     system = da.System("dragged", gravity=(0.0, -G))
-    made = planar.Particle("block", mass=1.0, position=(0, -DEPTH), velocity=(speed, 0))
-    made = system.add(made)
-    system.add(planar.Force("drag", made.center, (2e3 * (speed - made.vx), 0)))
+    particle = planar.Particle("block", mass=1.0, position=(0, -DEPTH), velocity=(speed, 0))
+    element = system.add(particle)
+    system.add(planar.Force("drag", element.center, (2e3 * (speed - element.vx), 0)))
     law = kit.KelvinVoigt(stiffness=G / DEPTH, damping=500.0)
     friction = kit.LuGre(ROUGH, held, damping=1.0, viscous=viscous, stribeck_speed=fallen)
-    ends = kit.HalfPlane(system.ground.point(0, 0)), made.center
+    ends = kit.HalfPlane(system.ground.point(0, 0)), element.center
     system.add(planar.Contact("floor", *ends, law=law, friction=friction))
     motion = da.solve_dynamics(system.build(), 0.5, integrator=STIFF)
     u, rubbed = (float(motion[name].values[-1]) for name in ("block.vx", "floor.friction_force"))
@@ -74,10 +74,10 @@ def test_it_comes_to_rest(space):
     else:
         system = da.System("block", gravity=(0, 0, -G))
         start = {"position": (0, 0, -DEPTH), "velocity": (0.6, 0.8, 0)}
-        made = system.add(spatial.Particle("block", mass=1.0, **start))
+        element = system.add(spatial.Particle("block", mass=1.0, **start))
         law = kit.KelvinVoigt(stiffness=G / DEPTH, damping=500.0)
         friction = kit.LuGre(ROUGH, stiffness=1e5, damping=50.0)
-        ends = spatial.contact.HalfSpace(system.ground.frame()), made.center
+        ends = spatial.contact.HalfSpace(system.ground.frame()), element.center
         system.add(spatial.Contact("floor", *ends, law=law, friction=friction))
         model = system.build()
     motion = da.solve_dynamics(model, 0.6, integrator=STIFF)

@@ -50,9 +50,9 @@ def rigid(tilt: tuple) -> da.Model:
 
 
 def test_parallel_hinges_leave_one_freedom():
-    told = rigid(ACROSS).diagnosis
-    assert told.degrees_of_freedom == 1
-    assert len(told.redundancies) == 3
+    diagnosis = rigid(ACROSS).diagnosis
+    assert diagnosis.degrees_of_freedom == 1
+    assert len(diagnosis.redundancies) == 3
 
 
 def test_a_tilted_hinge_locks_rigid_bars():
@@ -95,13 +95,13 @@ def test_flexible_bars_give_way():
     model = flexible()
 
     def turned(angle: float) -> da.Motion:
-        found = da.solve_equilibrium(model, parameters={"angle": angle})
-        assert found.status.success
-        return found
+        equilibrium = da.solve_equilibrium(model, parameters={"angle": angle})
+        assert equilibrium.status.success
+        return equilibrium
 
     def energy(angle: float) -> float:
-        found = turned(angle)
-        return sum(float(found[f"{name}.strain_energy"][0]) for name in BARS)
+        computed = turned(angle)
+        return sum(float(computed[f"{name}.strain_energy"][0]) for name in BARS)
 
     assert energy(0.0) < 1e-12
     slope = (energy(0.601) - energy(0.599)) / 0.002

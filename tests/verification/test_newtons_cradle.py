@@ -28,6 +28,6 @@ def test_three_balls(between, speeds):
         gap = balls[k + 1].x - balls[k].x - size
         system.add(planar.UnilateralConstraint(f"c{k}", gap, restitution=1.0))
     motion = da.solve_dynamics(system.build(), 1.0, step=0.01)
-    found = [motion.values(f"b{k}.vx")[-1] for k in range(3)]
-    np.testing.assert_allclose(found, speeds, atol=1e-13)
+    computed = [motion.values(f"b{k}.vx")[-1] for k in range(3)]
+    np.testing.assert_allclose(computed, speeds, atol=1e-13)
     assert [impact.name for impact in motion.impacts] == ["c0", "c1"]

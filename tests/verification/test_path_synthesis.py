@@ -35,8 +35,8 @@ def test_printed_design():
 
 
 def test_better_than_printed():
-    found = da.synthesize(da.Target.path(POINTS), bounds=BOUNDS, starts=16)
-    best = found.best
+    synthesis = da.synthesize(da.Target.path(POINTS), bounds=BOUNDS, starts=16)
+    best = synthesis.best
     assert best.error <= 4.1e-5
     linkage = best.linkage
     np.testing.assert_allclose(((linkage.path(best.crank_angles) - POINTS) ** 2).sum(), best.error)

@@ -107,7 +107,7 @@ class Twin:
         q, v, data = np.array(self.q), np.array(self.v), self.tree.createData()
         a = pin.aba(self.tree, data, q, v, np.zeros(v.size))
         pin.forwardKinematics(self.tree, data, q, v, a)
-        found = []
+        computed = []
         for body in self.model.bodies:
             index, _, origin = self.joints[body.name]
             _, axes, _, spin = self.state[body.name]
@@ -116,8 +116,8 @@ class Twin:
             )
             arm, w = axes @ (value(body.center_of_mass.sx) - origin), axes @ spin
             centre = moved.linear + np.cross(moved.angular, arm) + np.cross(w, np.cross(w, arm))
-            found += [*centre, *(axes.T @ moved.angular)]
-        return np.array(found)
+            computed += [*centre, *(axes.T @ moved.angular)]
+        return np.array(computed)
 
 
 def value(sx) -> np.ndarray:
@@ -135,6 +135,6 @@ def in_body(point) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("seed", range(5))
 def test_random_trees(seed, floating):
     model = SpatialTree(seed).grow(7, [kind.__name__ for kind in PEERS], floating).system.build()
-    _, _, found, _ = accelerations(da.JointCoordinates().view(model), da.RangeSpace())
+    _, _, computed, _ = accelerations(da.JointCoordinates().view(model), da.RangeSpace())
     expected = Twin(model).accelerations()
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
+    np.testing.assert_allclose(computed, expected, rtol=0, atol=1e-9 * np.abs(expected).max())

@@ -20,16 +20,16 @@ def patch(kind: str, plane_strain: bool):
     for k in range(16):
         place = np.array([k % 4, k // 4]) / 3 + SHIFTS.get(k, (0.0, 0.0))
         nodes.append(structure.node(f"n{k}", *place))
-    given = {"thickness": T, "modulus": E, "poisson": NU, "plane_strain": plane_strain}
+    arguments = {"thickness": T, "modulus": E, "poisson": NU, "plane_strain": plane_strain}
     for i in range(3):
         for j in range(3):
             a, b = 4 * j + i, 4 * j + i + 1
             corners = (nodes[a], nodes[b], nodes[b + 4], nodes[a + 4])
             if kind == "quadrilateral":
-                structure.add(structures.Quadrilateral(f"q{i}{j}", corners, **given))
+                structure.add(structures.Quadrilateral(f"q{i}{j}", corners, **arguments))
                 continue
-            structure.add(structures.Triangle(f"a{i}{j}", corners[:3], **given))
-            structure.add(structures.Triangle(f"b{i}{j}", (corners[0], *corners[2:]), **given))
+            structure.add(structures.Triangle(f"a{i}{j}", corners[:3], **arguments))
+            structure.add(structures.Triangle(f"b{i}{j}", (corners[0], *corners[2:]), **arguments))
     return structure, nodes
 
 
@@ -48,14 +48,14 @@ def test_linear_fields_are_exact(kind, plane_strain):
     result = da.solve_statics(structure.build())
     for k in inside:
         place = np.array([float(c) for c in (nodes[k].position.x, nodes[k].position.y)])
-        found = result[f"n{k}.ux"], result[f"n{k}.uy"]
-        np.testing.assert_allclose(found, gradient @ place, atol=1e-14)
+        computed = result[f"n{k}.ux"], result[f"n{k}.uy"]
+        np.testing.assert_allclose(computed, gradient @ place, atol=1e-14)
     strain = (gradient + gradient.T) / 2
     second = E * NU / ((1 + NU) * (1 - 2 * NU)) if plane_strain else E * NU / (1 - NU**2)
     stress = second * np.trace(strain) * np.eye(2) + E / (1 + NU) * strain
     for name in structure.elements:
-        found = [result[f"{name}.{s}"] for s in ("sxx", "syy", "sxy")]
-        np.testing.assert_allclose(found, [stress[0, 0], stress[1, 1], stress[0, 1]], atol=1e-13)
+        computed = [result[f"{name}.{s}"] for s in ("sxx", "syy", "sxy")]
+        np.testing.assert_allclose(computed, [stress[0, 0], stress[1, 1], stress[0, 1]], atol=1e-13)
 
 
 @pytest.mark.parametrize("kind", ["triangle", "quadrilateral"])
@@ -94,15 +94,17 @@ def bending(kind: str, fine: int) -> float:
         for i in range(nx + 1)
         for j in range(ny + 1)
     }
-    given = {"thickness": 1.0, "modulus": 1.0, "poisson": NU}
+    arguments = {"thickness": 1.0, "modulus": 1.0, "poisson": NU}
     for i in range(nx):
         for j in range(ny):
             corners = (node[i, j], node[i + 1, j], node[i + 1, j + 1], node[i, j + 1])
             if kind == "quadrilateral":
-                structure.add(structures.Quadrilateral(f"q{i}_{j}", corners, **given))
+                structure.add(structures.Quadrilateral(f"q{i}_{j}", corners, **arguments))
             else:
-                structure.add(structures.Triangle(f"a{i}_{j}", corners[:3], **given))
-                structure.add(structures.Triangle(f"b{i}_{j}", (corners[0], *corners[2:]), **given))
+                structure.add(structures.Triangle(f"a{i}_{j}", corners[:3], **arguments))
+                structure.add(
+                    structures.Triangle(f"b{i}_{j}", (corners[0], *corners[2:]), **arguments)
+                )
     second, force, length = 1 / 12, 1.0, 4.0
     for j in range(ny + 1):  # the exact displacements of the clamped end
         y = j / ny - 0.5
@@ -141,23 +143,23 @@ def curved_ring(fine: int):
 
 def pressed_edges(points, cells) -> dict[int, np.ndarray]:
     """Consistent forces of a unit traction along the outward normal of edges of 3 nodes."""
-    found: dict[int, np.ndarray] = {}
+    results: dict[int, np.ndarray] = {}
     for edge in cells:
         for s, w in zip(*np.polynomial.legendre.leggauss(3), strict=True):
             shapes = np.array([s * (s - 1) / 2, s * (s + 1) / 2, 1 - s * s])
             tangent = np.array([s - 0.5, s + 0.5, -2 * s]) @ points[edge]
             for node, value in zip(edge, shapes, strict=True):
                 force = w * value * np.array([tangent[1], -tangent[0]])
-                found[int(node)] = found.get(int(node), np.zeros(2)) + force
-    return found
+                results[int(node)] = results.get(int(node), np.zeros(2)) + force
+    return results
 
 
 def test_elliptic_membrane():
     """NAFEMS LE1: 10 MPa outwards on the outer edge, σ_yy at D = 92.7 MPa."""
     points, cells, natural = curved_ring(16)
     structure, thick = da.Structure("LE1"), 0.1
-    given = {"modulus": 210e9, "poisson": 0.3, "thickness": thick}
-    nodes = structure.add_mesh("m", (points, {"quad8": cells}), **given).nodes()
+    arguments = {"modulus": 210e9, "poisson": 0.3, "thickness": thick}
+    nodes = structure.add_mesh("m", (points, {"quad8": cells}), **arguments).nodes()
     r, s = natural.T
     structure.support(nodes[np.flatnonzero(s > 1 - 1e-9)], ux=0.0)
     structure.support(nodes[np.flatnonzero(s < 1e-9)], uy=0.0)
@@ -185,8 +187,8 @@ def test_cook_membrane(shape, fine, tolerance):
         [48 * natural[:, 0], 44 * natural[:, 1] + natural[:, 0] * (44 - 28 * natural[:, 1])]
     )
     structure = da.Structure("Cook")
-    given = {"modulus": 1.0, "poisson": 1 / 3, "thickness": 1.0}
-    nodes = structure.add_mesh("m", (points, {shape: cells}), **given).nodes()
+    arguments = {"modulus": 1.0, "poisson": 1 / 3, "thickness": 1.0}
+    nodes = structure.add_mesh("m", (points, {shape: cells}), **arguments).nodes()
     structure.support(nodes[np.flatnonzero(natural[:, 0] < 1e-9)])
     end = np.flatnonzero(natural[:, 0] > 1 - 1e-9)
     end = end[np.argsort(natural[end, 1])]

@@ -123,11 +123,11 @@ def test_kanes_puzzle(mu):
 
 
 def test_both_laws_agree_without_friction():
-    found = [
+    motions = [
         da.solve_dynamics(rod(0.8, (1.0, -1.0), 0.5, 0.6, 0.0, poisson), 1e-3, step=1e-4)
         for poisson in (False, True)
     ]
-    impulses = [motion.impacts[0].normal for motion in found]
+    impulses = [motion.impacts[0].normal for motion in motions]
     assert impulses[0] == pytest.approx(impulses[1], rel=1e-13)
 
 

@@ -36,7 +36,7 @@ def model() -> da.Model:
 
 @pytest.mark.parametrize("case", range(7))
 def test_deflections_of_the_tip(model, case):
-    found = da.solve_equilibrium(model, parameters={"angle": np.radians(15.0 * case)})
-    assert found.status.success
-    y, z = (float(found[f"beam.end.{axis}"][0]) for axis in "yz")
+    equilibrium = da.solve_equilibrium(model, parameters={"angle": np.radians(15.0 * case)})
+    assert equilibrium.status.success
+    y, z = (float(equilibrium[f"beam.end.{axis}"][0]) for axis in "yz")
     np.testing.assert_allclose([y, z], [ALONG[case], ACROSS[case]], rtol=0.01, atol=1e-9)

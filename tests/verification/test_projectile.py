@@ -17,8 +17,8 @@ def test_projectile(terminal):
     """From height h: ``t* = (v_y + √(v_y² + 2 g h))/g``, range ``v_x t*``; RK4 is exact."""
     g, h, vx, vy = 9.81, 1.3, 2.0, 3.1
     system = da.System("projectile")
-    given = {"h": h, "vx": vx, "vy": vy, "g": g}
-    p = {n: system.parameter(n, v) for n, v in given.items()}
+    inputs = {"h": h, "vx": vx, "vy": vy, "g": g}
+    p = {n: system.parameter(n, v) for n, v in inputs.items()}
     start = {"position": (0, p["h"]), "velocity": (p["vx"], p["vy"])}
     ball = system.add(planar.Particle("ball", mass=1.0, **start))
     system.add(planar.Force("weight", ball.center, (0.0, -p["g"])))
@@ -40,7 +40,7 @@ def test_projectile(terminal):
         values += [2.0, vx * time]
         expected += [np.zeros(4), expected[1]]
     for method in ("adjoint", "direct"):
-        found = da.sensitivity(motion, listed, method=method)
-        np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-10)
-    found = [da.evaluate(motion, response) for response in listed]
-    np.testing.assert_allclose(found, values, rtol=1e-11)
+        gradient = da.sensitivity(motion, listed, method=method)
+        np.testing.assert_allclose(gradient, expected, rtol=1e-10, atol=1e-10)
+    gradient = [da.evaluate(motion, response) for response in listed]
+    np.testing.assert_allclose(gradient, values, rtol=1e-11)

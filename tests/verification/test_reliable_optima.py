@@ -46,14 +46,14 @@ def scanned() -> np.ndarray:
         x1, x2 = d[:, None] + ring
         return float(np.min(eval(limit, {"x1": x1, "x2": x2})))
 
-    found = minimize(
+    optimum = minimize(
         np.sum,
         [5.0, 5.0],
         method="SLSQP",
         constraints=[{"type": "ineq", "fun": least, "args": (limit,)} for limit in LIMITS],
         tol=1e-10,
     )
-    return found.x
+    return optimum.x
 
 
 def test_two_normal_variables(numbers):
@@ -123,8 +123,8 @@ def test_what_does_not_vary_keeps_its_own_mean():
     structure.add(structures.Truss("rod", fixed, end, area=area, modulus=modulus, density=7850.0))
     structure.support(fixed)
     structure.load(end, fx=1e5)
-    given = da.Lognormal(1.5e11, 1e9)
-    sunk = da.robust(da.final("end.ux"), {"modulus": given}, 0.0)
+    distribution = da.Lognormal(1.5e11, 1e9)
+    sunk = da.robust(da.final("end.ux"), {"modulus": distribution}, 0.0)
     aim = da.combined("2*sunk", "doubled", sunk=sunk)
     for limit in (da.Limit(sunk, upper=1e-3), da.Limit(aim, upper=2e-3)):
         best = da.optimize(
@@ -134,7 +134,7 @@ def test_what_does_not_vary_keeps_its_own_mean():
             vary=["area"],
             analysis=da.Statics(),
         )
-        mean, spread = given.logarithm
+        mean, spread = distribution.logarithm
         assert best.x["area"] == pytest.approx(2e5 / 1e-3 * math.exp(spread**2 / 2 - mean))
 
 
@@ -165,8 +165,8 @@ def test_what_cannot_be_is_told(numbers):
     limit = da.Limit(da.final("x1"), lower=1.0)
 
     def ask(**changed):
-        asked = {"subject_to": [limit], "random": random, "analysis": STILL} | changed
-        return da.optimize_reliable(numbers, cost, **asked)
+        arguments = {"subject_to": [limit], "random": random, "analysis": STILL} | changed
+        return da.optimize_reliable(numbers, cost, **arguments)
 
     for changed, words in (
         ({"beta": -1.0}, "beta is -1.0"),

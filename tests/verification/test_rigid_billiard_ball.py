@@ -49,8 +49,8 @@ def test_path_and_rolling(options, near):
     assert motion.status.success and not motion.warnings
     half = 0.5 * ROLLS
     bend = SLIP / np.linalg.norm(SLIP) * ROUGH * G
-    found = motion.at([half])["ball.position"].values[0]
-    np.testing.assert_allclose(found[:2], (SPEED * half - bend * half**2 / 2)[:2], atol=near)
+    computed = motion.at([half])["ball.position"].values[0]
+    np.testing.assert_allclose(computed[:2], (SPEED * half - bend * half**2 / 2)[:2], atol=near)
     np.testing.assert_allclose(motion["ball.velocity"].values[-1], SPEED - 2 / 7 * SLIP, atol=near)
     assert np.linalg.norm(motion["cloth.slip"].values[-1]) < 1e-12
 
@@ -67,8 +67,8 @@ def test_a_bowling_ball_rolls_at_five_sevenths():
     response = da.final(model["ball.x"])
     wanted = [-3.0 * rolls / 7 / ROUGH, 5 / 7 * time + 2 * rolls / 7]
     for method in ("direct", "adjoint"):
-        found = da.sensitivity(motion, response, method=method).values.ravel()
-        np.testing.assert_allclose(found, wanted, rtol=1e-8)
+        derivative = da.sensitivity(motion, response, method=method).values.ravel()
+        np.testing.assert_allclose(derivative, wanted, rtol=1e-8)
 
 
 @pytest.mark.parametrize("fall", [0.5, 4.0])
@@ -77,9 +77,9 @@ def test_bounces_slide_or_stick(fall, poisson):
     speed = np.array([1.2, -0.3, -fall])
     model = ball(speed, height=1e-9, restitution=0.6, poisson=poisson)
     motion = da.solve_dynamics(model, 0.02, integrator=da.DormandPrince())
-    found, (first,) = motion["ball.velocity"].values[-1], motion.impacts
-    given = min(ROUGH * 1.6 * fall, 2 / 7 * np.linalg.norm(SLIP))
-    wanted = speed - given * SLIP / np.linalg.norm(SLIP)
-    np.testing.assert_allclose(found[:2], wanted[:2], atol=1e-7)
+    computed, (first,) = motion["ball.velocity"].values[-1], motion.impacts
+    speed_change = min(ROUGH * 1.6 * fall, 2 / 7 * np.linalg.norm(SLIP))
+    wanted = speed - speed_change * SLIP / np.linalg.norm(SLIP)
+    np.testing.assert_allclose(computed[:2], wanted[:2], atol=1e-7)
     assert first.normal == pytest.approx(MASS * 1.6 * fall, rel=1e-6)
-    assert np.linalg.norm(first.tangential) == pytest.approx(MASS * given, rel=1e-6)
+    assert np.linalg.norm(first.tangential) == pytest.approx(MASS * speed_change, rel=1e-6)

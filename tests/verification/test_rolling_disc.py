@@ -62,11 +62,11 @@ def classical(state) -> tuple[np.ndarray, np.ndarray]:
     momentum = np.array([ACROSS, ACROSS, AXIAL]) * spin
     weight = G * np.array([0, up, level])
     e2 = np.array([0.0, 1.0, 0.0])
-    known = np.cross(frame_spin, velocity) + weight
-    right = -np.cross(frame_spin, momentum) - RADIUS * MASS * np.cross(e2, known)
+    expected = np.cross(frame_spin, velocity) + weight
+    right = -np.cross(frame_spin, momentum) - RADIUS * MASS * np.cross(e2, expected)
     rate = right / (np.array([ACROSS, ACROSS, AXIAL]) + MASS * RADIUS**2 * np.array([1, 0, 1]))
     frame = tangent_frame(heading, inclination)
-    force = MASS * frame @ (known + RADIUS * np.array([-rate[2], 0, rate[0]]))
+    force = MASS * frame @ (expected + RADIUS * np.array([-rate[2], 0, rate[0]]))
     moved = (frame @ velocity)[:2]
     return np.array([precession, spin[0], spin[2] - precession * level, *rate, *moved]), force
 

@@ -52,11 +52,11 @@ def shaft() -> da.Model:
 
 
 def test_sag(shaft):
-    found = da.solve_equilibrium(shaft)
-    assert found.status.success
+    equilibrium = da.solve_equilibrium(shaft)
+    assert equilibrium.status.success
     bending = DISC * G * LENGTH**3 / (192 * EI) + MASS * G * LENGTH**4 / (384 * EI)
     shearing = DISC * G * LENGTH / (4 * GA) + MASS * G * LENGTH**2 / (8 * GA)
-    assert float(found["disc.z"][0]) == pytest.approx(-bending - shearing, rel=1e-3)
+    assert float(equilibrium["disc.z"][0]) == pytest.approx(-bending - shearing, rel=1e-3)
 
 
 def critical_speed() -> float:

@@ -55,8 +55,8 @@ def test_pendulum(make):
     motion = da.solve_dynamics(
         make().build(), 10.0, integrator=da.DormandPrince(1e-12, 1e-12), outputs=TIMES
     )
-    found = motion.data.position.sel(body="bob").values
-    np.testing.assert_allclose(found, exact(TIMES), atol=1e-9)
+    computed = motion.data.position.sel(body="bob").values
+    np.testing.assert_allclose(computed, exact(TIMES), atol=1e-9)
     np.testing.assert_allclose(motion.data.energy, 0.0, atol=1e-9)
 
 

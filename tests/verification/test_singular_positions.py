@@ -35,8 +35,8 @@ def test_double_four_bar_through_all_singular_positions(integrator):
         outputs=times,
     )
     angle = exact(times, through=True).y[0]
-    found = motion.data.point_position.sel(point="crank0.end").values
-    np.testing.assert_allclose(found.T, [np.cos(angle), np.sin(angle)], atol=1e-6)
+    computed = motion.data.point_position.sel(point="crank0.end").values
+    np.testing.assert_allclose(computed.T, [np.cos(angle), np.sin(angle)], atol=1e-6)
     np.testing.assert_allclose(motion.data.balance_error, 0.0, atol=1e-5)
     assert float(motion.data.position_violation.max()) < 1e-12
 

@@ -33,8 +33,8 @@ def example():
 @cache
 def motion(play: float) -> da.Motion:
     """Two turns with a play in the pin, or with none."""
-    made = example()
-    return made.run(made.build(ideal=not play, play=play or 1e-3).build(), turns=2)
+    module = example()
+    return module.run(module.build(ideal=not play, play=play or 1e-3).build(), turns=2)
 
 
 @cache
@@ -52,12 +52,14 @@ PLAYS = [5e-4, 2e-4, 1e-4]
 
 @pytest.mark.parametrize("play", PLAYS)
 def test_the_slider_keeps_its_path_within_the_play(play):
-    found = motion(play)
-    assert found.status.success
-    depth = float(found["B.penetration"].max())
+    computed = motion(play)
+    assert computed.status.success
+    depth = float(computed["B.penetration"].max())
     tilt = 0.05 / 0.12  # what play across the rod does along it, at most
     assert off(play) < (play + depth) * (1 + tilt)
-    assert np.abs(found.data.balance_error).max() < 1e-4 * float(found["kinetic_energy"].max())
+    assert np.abs(computed.data.balance_error).max() < 1e-4 * float(
+        computed["kinetic_energy"].max()
+    )
 
 
 def test_a_smaller_play_is_nearer_to_the_ideal_joint():

@@ -52,8 +52,8 @@ def test_sliding_to_rolling():
     # x = v t_r − μ g t_r²/2 + 5/7 v (T − t_r), with t_r in proportion to v
     slope = 5 / 7 + 2 * time * (1 - 5 / 7) - friction * G * time**2 / speed
     for method in ("direct", "adjoint"):
-        found = da.sensitivity(motion, da.final(model["ball.x"]), method=method).item()
-        assert found == pytest.approx(slope, rel=1e-12)
+        derivative = da.sensitivity(motion, da.final(model["ball.x"]), method=method).item()
+        assert derivative == pytest.approx(slope, rel=1e-12)
 
 
 def test_two_corners_share_a_load_until_both_slide():
@@ -74,5 +74,5 @@ def test_two_corners_share_a_load_until_both_slide():
     shared = motion.values("c0.friction_force") + motion.values("c1.friction_force")
     np.testing.assert_allclose(shared[resting], -motion.time[resting], atol=1e-12)
     for method in ("direct", "adjoint"):
-        found = da.sensitivity(motion, da.final(model["box.x"]), method=method).item()
-        assert found == pytest.approx(-(slides**2) / 2 * G, rel=1e-11)
+        derivative = da.sensitivity(motion, da.final(model["box.x"]), method=method).item()
+        assert derivative == pytest.approx(-(slides**2) / 2 * G, rel=1e-11)

@@ -52,10 +52,10 @@ def test_published_accurate_and_independent_results():
         mechanism().build(), 10.0, integrator=da.DormandPrince(1e-12, 1e-12), outputs=TIMES
     )
     columns = ("slider.x", "rod.angle", "slider.vx", "rod.angular_velocity")
-    found = np.stack([motion[c].values for c in columns], axis=1)
-    np.testing.assert_allclose(found[:, :2], STORED[:, :2], atol=1e-5)
-    np.testing.assert_allclose(found[-1], ACCURATE, atol=1e-8)
+    computed = np.stack([motion[c].values for c in columns], axis=1)
+    np.testing.assert_allclose(computed[:, :2], STORED[:, :2], atol=1e-5)
+    np.testing.assert_allclose(computed[-1], ACCURATE, atol=1e-8)
     start = [0.999999405396684, 0.523601521953373, 0.0, 0.0]
     own = solve_ivp(lagrange, (0, 10), start, "DOP853", TIMES, rtol=1e-13, atol=1e-13)
-    np.testing.assert_allclose(found, own.y.T, atol=1e-9)
-    np.testing.assert_allclose(found, STORED, rtol=1e-5, atol=3e-6)
+    np.testing.assert_allclose(computed, own.y.T, atol=1e-9)
+    np.testing.assert_allclose(computed, STORED, rtol=1e-5, atol=3e-6)

@@ -25,13 +25,13 @@ def force(y, a=A, h=H, ea=EA):
 
 
 def limit_load(a=A, h=H, ea=EA):
-    found = minimize_scalar(
+    minimum = minimize_scalar(
         lambda y: -force(y, a, h, ea),
         bounds=(0.05 * h, h),
         method="bounded",
         options={"xatol": 1e-12},
     )
-    return -found.fun
+    return -minimum.fun
 
 
 @functools.cache
@@ -75,8 +75,8 @@ def test_points_lie_on_the_closed_form(spring):
 def test_limit_points_are_located(spring):
     path = path_of(spring)
     assert path.limits.size == 2
-    found = path.load_factors[path.limits] * LOAD
-    np.testing.assert_allclose(found, [limit_load(), -limit_load()], rtol=1e-10)
+    computed = path.load_factors[path.limits] * LOAD
+    np.testing.assert_allclose(computed, [limit_load(), -limit_load()], rtol=1e-10)
 
 
 def test_stability_is_lost_between_the_limit_points():

@@ -25,8 +25,8 @@ def material(cls, **options) -> dict:
 def meshed(shape: str, points, cells, **options):
     """Structure and its nodes from a mesh."""
     structure = da.Structure(shape)
-    given = material(CLASSES[shape], **options)
-    mesh = structure.add_mesh("m", (points, {shape: cells}), **given)
+    constants = material(CLASSES[shape], **options)
+    mesh = structure.add_mesh("m", (points, {shape: cells}), **constants)
     return structure, mesh.nodes()
 
 
@@ -71,8 +71,8 @@ def test_integration_points(dimension, count):
         rows = np.array(rule(dimension, count))
         for powers in np.ndindex(*[2 * count] * dimension):
             if sum(powers) < 2 * count:
-                found = rows[:, -1] @ np.prod(rows[:, :-1] ** powers, axis=1)
-                assert found == pytest.approx(exact(powers), abs=1e-13)
+                computed = rows[:, -1] @ np.prod(rows[:, :-1] ** powers, axis=1)
+                assert computed == pytest.approx(exact(powers), abs=1e-13)
 
 
 # patch tests ------------------------------------------------------------------------------
@@ -95,8 +95,8 @@ def test_linear_fields_are_exact_on_distorted_meshes(shape):
     result = da.solve_statics(model)
     place = nodes.positions
     for k in np.flatnonzero(inside):
-        found = [result[f"m_nodes[{k}].u{c}"] for c in "xyz"[:d]]
-        np.testing.assert_allclose(found, gradient @ place[k], atol=1e-14)
+        computed = [result[f"m_nodes[{k}].u{c}"] for c in "xyz"[:d]]
+        np.testing.assert_allclose(computed, gradient @ place[k], atol=1e-14)
     strain = (gradient + gradient.T) / 2
     second = E * NU / (1 - NU**2) if d == 2 else E * NU / ((1 + NU) * (1 - 2 * NU))
     stress = second * np.trace(strain) * np.eye(d) + E / (1 + NU) * strain
@@ -153,8 +153,8 @@ def error(shape: str, count: int) -> float:
     natural = np.array(REFERENCE_CELLS[shape].centre) + 0.13
     values = shape_values(shape, natural)
     places = np.einsum("a,ead->ed", values, nodes.positions[cells])
-    found = np.einsum("a,ade->ed", values, u)
-    return float(np.sqrt(np.mean(np.sum((found - harmonic(places)) ** 2, axis=1))))
+    computed = np.einsum("a,ade->ed", values, u)
+    return float(np.sqrt(np.mean(np.sum((computed - harmonic(places)) ** 2, axis=1))))
 
 
 @pytest.mark.parametrize("shape", CLASSES)
@@ -182,22 +182,22 @@ def pressure_forces(points, cells, pressure: float) -> dict[int, float]:
     place = ca.SX.sym("place", 2)
     shapes = REFERENCE_CELLS["quad8"].shape_functions(place)
     both = ca.Function("both", [place], [shapes, ca.jacobian(shapes, place)])
-    found: dict[int, float] = {}
+    results: dict[int, float] = {}
     for cell in cells:
         for *natural, weight in gauss_box(2, 3):
             values, slopes = (np.array(f) for f in both(natural))
             area = abs(np.linalg.det(points[cell, :2].T @ slopes))
             for node, value in zip(cell, values.ravel(), strict=True):
-                found[int(node)] = found.get(int(node), 0.0) - weight * area * value * pressure
-    return found
+                results[int(node)] = results.get(int(node), 0.0) - weight * area * value * pressure
+    return results
 
 
 def test_thick_plate():
     """NAFEMS LE10: pressure of 1 MPa on a thick elliptic plate, σ_yy at D = −5.38 MPa."""
     points, cells, natural = quarter_ring(6, 8, 4)
     structure = da.Structure("LE10")
-    given = {"modulus": 210e9, "poisson": 0.3}
-    nodes = structure.add_mesh("m", (points, {"hexahedron20": cells}), **given).nodes()
+    arguments = {"modulus": 210e9, "poisson": 0.3}
+    nodes = structure.add_mesh("m", (points, {"hexahedron20": cells}), **arguments).nodes()
     r, s, t = natural.T
     structure.support(nodes[np.flatnonzero(s > 1 - 1e-9)], ux=0.0)
     structure.support(nodes[np.flatnonzero((s < 1e-9) | (r > 1 - 1e-9))], uy=0.0)

@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 import dalembert as da
 from dalembert import structures
 from dalembert.elements.fem.graphs import ElementGraphs
-from dalembert.elements.fem.rotations import rotation_matrix, rotation_vector
+from dalembert.elements.fem.nodal import rotation_matrix, rotation_vector
 from dalembert.model.assembled.evaluation.block import ElementKind
-from dalembert.model.assembled.loads.load_case import CHANGES
+from dalembert.model.assembled.load_case import CHANGES
 
 SECTION = {
     "area": 2.0,
@@ -29,8 +29,8 @@ SHEAR = {"shear_area_y": 1.5, "shear_area_z": 1.2}
 def of_kind(cls, ends, orientation, **section):
     """Kind and data (m, 1) of one element."""
     kind = ElementKind(ElementGraphs(cls, 3, 2))
-    given = {**COLD, "density": 0.0, "orientation": orientation, **section}
-    numbers = [np.atleast_1d(given[name]) for name in kind.quantities]
+    inputs = {**COLD, "density": 0.0, "orientation": orientation, **section}
+    numbers = [np.atleast_1d(inputs[name]) for name in kind.quantities]
     return kind, np.concatenate([np.ravel(ends), *numbers])[:, None]
 
 
@@ -68,9 +68,9 @@ def test_rotation_vectors():
     both = ca.Function("both", [r], [matrix, back, ca.jacobian(back, r)])
     axis = np.array([0.36, -0.48, 0.8])
     for angle in (0.0, 1e-9, 1e-3, 0.45, 0.4999, 0.5001, 2.0, 3.0):
-        found, again, slope = (np.array(f) for f in both(angle * axis))
+        computed, again, slope = (np.array(f) for f in both(angle * axis))
         expected = Rotation.from_rotvec(angle * axis).as_matrix()
-        np.testing.assert_allclose(found, expected, atol=1e-15)
+        np.testing.assert_allclose(computed, expected, atol=1e-15)
         np.testing.assert_allclose(again.ravel(), angle * axis, atol=1e-14)
         np.testing.assert_allclose(slope, np.eye(3), atol=1e-12)
     slope = ca.vec(matrix)  # third derivatives at rest: of −θ²/6 [r]× and of the symmetric part
@@ -97,8 +97,8 @@ def test_stiffness_matrix_of_the_textbooks(shear):
             12 * e * SECTION["second_moment_y"] / (g * SHEAR["shear_area_z"] * length**2),
         )
     kind, data = of_kind(cls, (start, end), towards, **SECTION, **more)
-    found = kind.tangents(np.zeros((12, 1)), data)[:, :, 0]
-    np.testing.assert_allclose(found, own.T @ textbook_matrix(length, soft) @ own, atol=1e-13)
+    computed = kind.tangents(np.zeros((12, 1)), data)[:, :, 0]
+    np.testing.assert_allclose(computed, own.T @ textbook_matrix(length, soft) @ own, atol=1e-13)
 
 
 @pytest.mark.parametrize(
@@ -203,11 +203,11 @@ def test_section_forces_of_a_cantilever():
     structure, end = bent(places, SECTION, orientation=(0, 1, 0))
     structure.load(end, fy=3e-3, fz=5e-3, mx=2e-3)
     result = da.solve_statics(structure.build())
-    found = [
+    computed = [
         result[f"e0.{m}"] for m in ("moment_z_i", "moment_y_i", "shear_y", "shear_z", "torque")
     ]
     # shear is that of the force on the end i
-    np.testing.assert_allclose(found, [-6e-3, 1e-2, -3e-3, -5e-3, 2e-3], atol=1e-14)
+    np.testing.assert_allclose(computed, [-6e-3, 1e-2, -3e-3, -5e-3, 2e-3], atol=1e-14)
     assert result["n0.mz"] == pytest.approx(-6e-3, rel=1e-9)
 
 

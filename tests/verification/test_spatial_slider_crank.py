@@ -116,14 +116,14 @@ def test_start_is_the_published_one(motion):
 
 
 def test_slider_within_1e_6(motion):
-    found = motion["slider.x"].values
-    np.testing.assert_allclose(found, SLIDER, atol=1e-6)
-    np.testing.assert_allclose(found, PUBLISHED, atol=1e-4)
+    computed = motion["slider.x"].values
+    np.testing.assert_allclose(computed, SLIDER, atol=1e-6)
+    np.testing.assert_allclose(computed, PUBLISHED, atol=1e-4)
 
 
 def test_crank_and_energy(motion):
-    found, turns = motion["A.angle"].values, 2 * np.pi
-    np.testing.assert_allclose((found - ANGLE + np.pi) % turns, np.pi, atol=1e-6)
+    computed, turns = motion["A.angle"].values, 2 * np.pi
+    np.testing.assert_allclose((computed - ANGLE + np.pi) % turns, np.pi, atol=1e-6)
     np.testing.assert_allclose(motion["energy"] - motion["energy"][0], 0.0, atol=1e-7)
 
 
@@ -159,5 +159,5 @@ def test_longer_rod_runs_through():
     between = np.array([0.1234, 0.5031, 0.777])  # no outputs: reached from the nearest positions
     angle = angle[0] + 2 * np.pi * between
     square = 0.0308 + 0.016 * np.cos(angle) + 0.0192 * np.sin(angle)
-    found = motion.at(between)["slider.x"]
-    np.testing.assert_allclose(found, np.sqrt(length**2 - square), atol=1e-9)
+    computed = motion.at(between)["slider.x"]
+    np.testing.assert_allclose(computed, np.sqrt(length**2 - square), atol=1e-9)

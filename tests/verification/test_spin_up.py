@@ -52,7 +52,7 @@ def test_tip_in_the_axes_of_the_hub():
         motion[m].values for m in ("arm.end.x", "arm.end.y", "arm.end.angle", "hub.angle")
     )
     c, s = np.cos(turned), np.sin(turned)
-    found = np.c_[c * x + s * y - 10, c * y - s * x, turn - turned]
-    np.testing.assert_allclose(found, list(TIP.values()), atol=1e-4)
+    computed = np.c_[c * x + s * y - 10, c * y - s * x, turn - turned]
+    np.testing.assert_allclose(computed, list(TIP.values()), atol=1e-4)
     extension = 36 * 1.2 * 10**3 / (3 * 2.8e7)  # ω² ρA L³/(3 EA), linear theory
-    assert found[-1, 0] == pytest.approx(extension, rel=1e-2)
+    assert computed[-1, 0] == pytest.approx(extension, rel=1e-2)

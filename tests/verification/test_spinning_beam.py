@@ -49,6 +49,6 @@ def test_frequencies_in_the_plane_of_rotation(speed):
     system.add(planar.RotationalDriver("motor", system.ground, arm, speed * da.t))
     steady = da.solve_dynamics(system.build(), 2.0, step=2e-3)  # until it is stretched
     spectrum = da.linearize(steady.model, about=steady).data["frequency"].values
-    found = np.sort(2 * np.pi * spectrum[spectrum > 0.1])[:3]
+    computed = np.sort(2 * np.pi * spectrum[spectrum > 0.1])[:3]
     expected = np.sqrt(np.array(ACROSS[speed]) ** 2 - speed**2)
-    np.testing.assert_allclose(found, expected, rtol=1e-2)
+    np.testing.assert_allclose(computed, expected, rtol=1e-2)

@@ -17,12 +17,12 @@ def cantilever(count: int = 4, dimension: int = 2):
     """A beam along x of length 2 m, every number a parameter."""
     s = da.Structure("cantilever")
     length = s.parameter("L", 2.0)
-    given = {"area": 1e-3, "modulus": 2e11, "density": 7800.0}
-    given |= {"second_moment": 8e-7} if dimension == 2 else {
+    values = {"area": 1e-3, "modulus": 2e11, "density": 7800.0}
+    values |= {"second_moment": 8e-7} if dimension == 2 else {
         "second_moment_y": 8e-7, "second_moment_z": 8e-7, "torsion_constant": 1e-6,
         "shear_modulus": 8e10,
     }  # fmt: skip
-    numbers = {name: s.parameter(name, value) for name, value in given.items()}
+    numbers = {name: s.parameter(name, value) for name, value in values.items()}
     rest = (0.0,) * (dimension - 1)
     nodes = [s.node(f"n{k}", length * (k / count), *rest) for k in range(count + 1)]
     cls = structures.Frame if dimension == 2 else structures.SpaceFrame
@@ -63,11 +63,11 @@ def test_gradients_under_spread_loads(nonlinear, method):
     s.support(s.nodes["n4"], uy=0)
     result = da.solve_statics(s.build(), nonlinear=nonlinear)
     responses = [da.final(name) for name in ("n2.uy", "n0.fy", "n0.mz", "n4.fy", "b1.moment_i")]
-    found = da.sensitivity(result, responses, method=method).values
+    gradient = da.sensitivity(result, responses, method=method).values
     near = da.sensitivity(result, responses, method="finite-difference").values
-    found, near = found * result.parameters, near * result.parameters
+    computed, near = gradient * result.parameters, near * result.parameters
     scale = np.abs(near).max(axis=1, keepdims=True)
-    np.testing.assert_allclose(found / scale, near / scale, atol=1e-6)
+    np.testing.assert_allclose(computed / scale, near / scale, atol=1e-6)
 
 
 SOLIDS = {

@@ -35,8 +35,8 @@ def test_damped_oscillator_under_a_harmonic_load():
     cosine = 2 * zeta * r * size
     sine = (zeta * omega * cosine - size * (1 - r**2) * drive) / damped
     free = np.exp(-zeta * omega * t) * (cosine * np.cos(damped * t) + sine * np.sin(damped * t))
-    found = motion.values("b.ux")
-    np.testing.assert_allclose(found, steady + free, atol=1e-4 * np.abs(steady).max())
+    computed = motion.values("b.ux")
+    np.testing.assert_allclose(computed, steady + free, atol=1e-4 * np.abs(steady).max())
 
 
 @pytest.mark.parametrize("lumped", [False, True])

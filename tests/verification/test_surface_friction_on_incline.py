@@ -44,8 +44,8 @@ def test_where_it_stops(kappa):
     model, (time, place) = pushed(kappa), rest(kappa)
     motion = da.solve_dynamics(model, 1.3 * time, integrator=da.DormandPrince(1e-9, 1e-11))
     assert motion.status.success and not motion.warnings
-    found = [motion.values(f"block.{axis}")[-1] for axis in "xy"]
-    np.testing.assert_allclose(found, place, atol=1e-9)
+    computed = [motion.values(f"block.{axis}")[-1] for axis in "xy"]
+    np.testing.assert_allclose(computed, place, atol=1e-9)
     force = motion.values("plane.friction_force")[-1]
     np.testing.assert_allclose(force, [-MASS * PULL, 0.0], atol=1e-9)
     assert np.abs(motion.data["balance_error"]).max() < 1e-10
@@ -62,8 +62,8 @@ def test_where_it_stops(kappa):
 def test_steps_of_given_length_come_to_the_same():
     model, (time, place) = pushed(1.5), rest(1.5)
     motion = da.solve_dynamics(model, 1.3 * time, step=time / 50)
-    found = [motion.values(f"block.{axis}")[-1] for axis in "xy"]
-    np.testing.assert_allclose(found, place, atol=1e-6)
+    computed = [motion.values(f"block.{axis}")[-1] for axis in "xy"]
+    np.testing.assert_allclose(computed, place, atol=1e-6)
 
 
 def test_it_never_stops_where_friction_is_less_than_the_pull():

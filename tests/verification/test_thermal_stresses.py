@@ -79,27 +79,30 @@ def test_panel_between_walls(plane_strain):
     )
     s.support(nodes, ux=0.0)
     s.support(nodes[[0, 1]], uy=0.0)
-    found = da.solve_statics(s.build())
+    result = da.solve_statics(s.build())
     whole = MODULUS * ALPHA * HEAT
     expected = whole / (1 - poisson) if plane_strain else whole
-    assert found.values("e[0].sxx")[0] == pytest.approx(-expected, rel=1e-9)
-    assert abs(found.values("e[0].syy")[0]) < 1e-9 * whole
+    assert result.values("e[0].sxx")[0] == pytest.approx(-expected, rel=1e-9)
+    assert abs(result.values("e[0].syy")[0]) < 1e-9 * whole
 
 
 def test_two_bars_of_one_length():
     """Steel between copper (Gere, section 2.5): forces in balance, one elongation."""
-    s, given = da.Structure("pair"), {"steel": (2e11, 1e-4, 12e-6), "copper": (1.2e11, 3e-4, 17e-6)}
+    s, inputs = (
+        da.Structure("pair"),
+        {"steel": (2e11, 1e-4, 12e-6), "copper": (1.2e11, 3e-4, 17e-6)},
+    )
     a, b = s.node("a", 0.0), s.node("b", 1.5)
     s.support(a)
-    for name, (modulus, area, alpha) in given.items():
+    for name, (modulus, area, alpha) in inputs.items():
         numbers = {"area": area, "modulus": modulus, "expansion": alpha}
         s.heat(s.add(structures.Truss(name, a, b, **numbers)), "hot", temperature=HEAT)
     s.load(b, "pulled", fx=1000.0)
-    found = da.solve_statics(s.build())
-    (e1, a1, k1), (e2, a2, k2) = given.values()
+    result = da.solve_statics(s.build())
+    (e1, a1, k1), (e2, a2, k2) = inputs.values()
     force = (k2 - k1) * HEAT / (1 / (e1 * a1) + 1 / (e2 * a2))
-    assert found.values("steel.force")[found.case("hot")] == pytest.approx(force, rel=1e-9)
-    assert found.values("copper.force")[found.case("hot")] == pytest.approx(-force, rel=1e-9)
-    cold = found.case("pulled")
+    assert result.values("steel.force")[result.case("hot")] == pytest.approx(force, rel=1e-9)
+    assert result.values("copper.force")[result.case("hot")] == pytest.approx(-force, rel=1e-9)
+    cold = result.case("pulled")
     share = e1 * a1 / (e1 * a1 + e2 * a2)
-    assert found.values("steel.force")[cold] == pytest.approx(1000.0 * share, rel=1e-9)
+    assert result.values("steel.force")[cold] == pytest.approx(1000.0 * share, rel=1e-9)

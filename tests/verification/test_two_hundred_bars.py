@@ -73,7 +73,7 @@ def least_weight(places, bars, loads):
         slopes = [-(unit * s) @ np.eye(29)[group] for s in stress.T]
         return stress.T.ravel() / STRESS, np.vstack(slopes) / STRESS
 
-    found = minimize(
+    optimum = minimize(
         lambda a: weights @ a / 1e4,
         np.full(29, 10.0),
         jac=lambda a: weights / 1e4,
@@ -86,33 +86,33 @@ def least_weight(places, bars, loads):
         method="SLSQP",
         options={"maxiter": 200, "ftol": 1e-12},
     )
-    assert found.success
-    return float(weights @ found.x), found.x
+    assert optimum.success
+    return float(weights @ optimum.x), optimum.x
 
 
 def test_two_hundred_bars():
     places, bars, levels = data()
     loads = forces(levels)
     assert len(places) == 77 and len(bars) == 200
-    made = da.Structure("200 bars")
-    nodes = [made.node(f"n{k}", *map(float, place)) for k, place in enumerate(places, 1)]
-    areas = [made.parameter(f"a{k}", 10.0, bounds=(0.1, 20)) for k in range(29)]
+    structure = da.Structure("200 bars")
+    nodes = [structure.node(f"n{k}", *map(float, place)) for k, place in enumerate(places, 1)]
+    areas = [structure.parameter(f"a{k}", 10.0, bounds=(0.1, 20)) for k in range(29)]
     for k, (i, j, group) in enumerate(bars):
-        given = {"area": areas[group], "modulus": MODULUS, "density": DENSITY}
-        made.add(structures.Truss(f"bar{k}", nodes[i], nodes[j], **given))
+        arguments = {"area": areas[group], "modulus": MODULUS, "density": DENSITY}
+        structure.add(structures.Truss(f"bar{k}", nodes[i], nodes[j], **arguments))
     for foot in nodes[75:]:
-        made.support(foot)
+        structure.support(foot)
     for case, table in enumerate(loads):
         for node in np.flatnonzero(table.any(axis=1)):
             fx, fy = map(float, table[node])
-            made.load(nodes[node], case=f"case{case}", fx=fx, fy=fy)
+            structure.load(nodes[node], case=f"case{case}", fx=fx, fy=fy)
     limits = [
         da.Limit(da.at(case, f"bar{k}.stress", f"bar{k} {case}"), -STRESS, STRESS)
         for case in range(3)
         for k in range(200)
     ]
     best = da.optimize(
-        made.build(),
+        structure.build(),
         da.at(0, "mass", "weight"),
         subject_to=limits,
         analysis=da.Statics(),

@@ -95,7 +95,7 @@ def reference(name: str) -> tuple[np.ndarray, list[float]]:
     t, z, touching, times = 0.0, np.array(start), False, []
     while t < END:
         touch.direction = 1 if touching else -1
-        found = solve_ivp(
+        reference = solve_ivp(
             lambda t, z, side=touching: rate(z, side),
             (t, END),
             z,
@@ -104,8 +104,8 @@ def reference(name: str) -> tuple[np.ndarray, list[float]]:
             rtol=1e-12,
             atol=1e-13,
         )
-        t, z = found.t[-1], found.y[:, -1]
-        if found.status == 1:
+        t, z = reference.t[-1], reference.y[:, -1]
+        if reference.status == 1:
             touching = not touching
             times.append(t)
     return z, times
@@ -137,17 +137,17 @@ def test_tyre(method, name, rtol):
     """Every integrator gets over the touch, in few steps and as exactly as it was told to."""
     wanted, touches = reference(name)
     integrator, formulation = INTEGRATORS[method]
-    made, measures = model(name)
+    system, measures = model(name)
     motion = da.solve_dynamics(
-        made,
+        system,
         END,
         integrator=integrator(rtol=rtol, atol=rtol / 100),
         formulation=formulation,
     )
     assert motion.status.success, motion.status
-    found = np.array([motion[measure].values[-1] for measure in measures])
+    computed = np.array([motion[measure].values[-1] for measure in measures])
     size = np.maximum(np.abs(wanted), 1.0)
-    assert np.max(np.abs(found - wanted) / size) < 100 * rtol
+    assert np.max(np.abs(computed - wanted) / size) < 100 * rtol
     # the order of the error estimates of Radau is 3: steps grow as rtol^(-1/4)
     order = 4 if integrator is da.Radau else 5
     assert motion.statistics["steps"] < 300 * (1e-4 / rtol) ** (1 / order)

@@ -17,9 +17,9 @@ def beam(count: int, *supports: dict, kind=structures.Frame, **more) -> Structur
     """A straight beam of ``count`` elements with supports at its two ends."""
     structure = da.Structure("beam")
     nodes = [structure.node(f"n{k}", LENGTH * k / count, 0.0) for k in range(count + 1)]
-    given = {"area": A, "second_moment": INERTIA, "modulus": E, "density": DENSITY} | more
+    arguments = {"area": A, "second_moment": INERTIA, "modulus": E, "density": DENSITY} | more
     for k in range(count):
-        structure.add(kind(f"e{k}", nodes[k], nodes[k + 1], **given))
+        structure.add(kind(f"e{k}", nodes[k], nodes[k + 1], **arguments))
     for node, held in zip((nodes[0], nodes[-1]), supports, strict=True):
         if held is not None:
             structure.support(node, **held)
@@ -59,8 +59,8 @@ def test_beams_converge_with_the_fourth_order(name):
 
 def test_lumped_masses_err_to_the_other_side():
     exact = np.array(BEAMS["pinned-pinned"][1]) ** 2
-    found = bending(da.solve_modes(beam(16, PINNED, ROLLING), 8, lumped=True))[:3]
-    assert np.all(np.abs(found / exact - 1) < 1e-2)
+    computed = bending(da.solve_modes(beam(16, PINNED, ROLLING), 8, lumped=True))[:3]
+    assert np.all(np.abs(computed / exact - 1) < 1e-2)
 
 
 @pytest.mark.parametrize("lumped", [False, True])
@@ -74,9 +74,9 @@ def test_axial_bar(lumped):
     structure.support(nodes[0])
     modes = da.solve_modes(structure.build(), 3, lumped=lumped)
     exact = (np.arange(1, 4) - 0.5) * np.pi
-    found = modes["angular_frequency"].values * LENGTH / np.sqrt(E / DENSITY)
+    computed = modes["angular_frequency"].values * LENGTH / np.sqrt(E / DENSITY)
     leading = (exact / count) ** 2 / 24
-    np.testing.assert_allclose(found / exact - 1, -leading if lumped else leading, rtol=0.05)
+    np.testing.assert_allclose(computed / exact - 1, -leading if lumped else leading, rtol=0.05)
 
 
 def test_timoshenko_beam():
@@ -100,9 +100,9 @@ def test_tension_stiffens_a_beam():
     """Pinned: ``ω² = (kπ/L)² (N + E I (kπ/L)²)/(ρ A)``."""
     structure, count, force = da.Structure("string"), 32, 5e5
     nodes = [structure.node(f"n{k}", LENGTH * k / count, 0.0) for k in range(count + 1)]
-    given = {"area": 1e3 * A, "second_moment": INERTIA, "modulus": E, "density": DENSITY / 1e3}
+    arguments = {"area": 1e3 * A, "second_moment": INERTIA, "modulus": E, "density": DENSITY / 1e3}
     for k in range(count):  # stiff along its axis, so that it keeps its length
-        structure.add(structures.Frame(f"e{k}", nodes[k], nodes[k + 1], **given))
+        structure.add(structures.Frame(f"e{k}", nodes[k], nodes[k + 1], **arguments))
     structure.support(nodes[0], ux=0, uy=0)
     structure.support(nodes[-1], uy=0)
     structure.load(nodes[-1], fx=force)
@@ -111,8 +111,8 @@ def test_tension_stiffens_a_beam():
     exact = np.sqrt(k**2 * (force + E * INERTIA * k**2) / (DENSITY * A))
     for nonlinear in (False, True):
         loaded = da.solve_statics(model, nonlinear=nonlinear)
-        found = da.solve_modes(model, 3, about=loaded)["angular_frequency"].values
-        np.testing.assert_allclose(found, exact, rtol=2e-3)
+        computed = da.solve_modes(model, 3, about=loaded)["angular_frequency"].values
+        np.testing.assert_allclose(computed, exact, rtol=2e-3)
 
 
 def test_cross_of_beams():
@@ -121,7 +121,7 @@ def test_cross_of_beams():
     for Natural Frequency Analysis, 1987; target values for such a mesh)."""
     structure, width, arm = da.Structure("FV2"), 0.125, 5.0
     middle = structure.node("m", 0.0, 0.0)
-    given = {
+    arguments = {
         "area": width**2,
         "second_moment": width**4 / 12,
         "modulus": 200e9,
@@ -133,7 +133,7 @@ def test_cross_of_beams():
         last = middle
         for k in range(1, count + 1):
             node = structure.node(f"a{a}n{k}", *(arm * k / count * direction))
-            structure.add(structures.Frame(f"a{a}e{k}", last, node, **given))
+            structure.add(structures.Frame(f"a{a}e{k}", last, node, **arguments))
             last = node
         structure.support(last, ux=0, uy=0)
     modes = da.solve_modes(structure.build(), 16)

@@ -37,7 +37,7 @@ def bicycle(speed: float) -> da.System:
     system = da.System("bicycle", gravity=(0.0, 0.0, G))
 
     def body(name, mass, inertia, place, spin=0.0):
-        made = spatial.Body(
+        body = spatial.Body(
             name,
             mass=mass,
             inertia=inertia,
@@ -46,7 +46,7 @@ def bicycle(speed: float) -> da.System:
             velocity=(speed, 0, 0),
             angular_velocity=(0, spin, 0),
         )
-        return system.add(made)
+        return system.add(body)
 
     frame = body("frame", 85.0, [[9.2, 0, 2.4], [0, 11, 0], [2.4, 0, 2.8]], (0.3, 0, -0.9))
     rear_wheel = body("rear_wheel", 2.0, (0.0603, 0.12, 0.0603), (0, 0, -REAR), -speed / REAR)
@@ -109,11 +109,11 @@ def linearised(system: da.System) -> np.ndarray:
     )  # fmt: skip
     state = model.assemble(model.values(None), 0.0)
     still = np.zeros(unknown.numel())
-    known = (0.0, state.y, state.v, model.values(None))
-    off, inertia, *_ = (part.full() for part in now(*known, still))
+    expected = (0.0, state.y, state.v, model.values(None))
+    off, inertia, *_ = (part.full() for part in now(*expected, still))
     forces = np.linalg.solve(inertia, -off.ravel())
     _, inertia, motion_by, holds_by, u_by, rate_by, by_forces, steady = (
-        part.full() for part in now(*known, forces)
+        part.full() for part in now(*expected, forces)
     )
     np.testing.assert_allclose(steady, 0.0, atol=1e-10)
     ways = null_space(holds_by)
@@ -131,8 +131,10 @@ def test_eigenvalues(speed):
     np.testing.assert_allclose(matrix[:4, :4], expected, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(matrix[4], 0.0, atol=1e-9)
     printed = {z for root in EIGENVALUES[speed] for z in (complex(root), np.conj(root))}
-    found = np.linalg.eigvals(matrix[:4, :4])
-    np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(list(printed)), atol=1e-6)
+    eigenvalues = np.linalg.eigvals(matrix[:4, :4])
+    np.testing.assert_allclose(
+        np.sort_complex(eigenvalues), np.sort_complex(list(printed)), atol=1e-6
+    )
 
 
 @pytest.mark.parametrize("speed", EIGENVALUES)
@@ -141,6 +143,6 @@ def test_eigenvalues_in_joint_coordinates(speed):
     modes = da.linearize(
         bicycle(speed).build(), equilibrium=False, coordinates=da.JointCoordinates()
     )
-    found = modes.eigenvalues[abs(modes.eigenvalues) > 1e-4]
+    computed = modes.eigenvalues[abs(modes.eigenvalues) > 1e-4]
     printed = [z for z in map(complex, EIGENVALUES[speed]) if z.imag >= 0]
-    np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(printed), atol=1e-6)
+    np.testing.assert_allclose(np.sort_complex(computed), np.sort_complex(printed), atol=1e-6)

@@ -68,5 +68,5 @@ def test_published_states():
     )
     assert motion.status.success and not motion.warnings
     assert [impact.name for impact in motion.impacts] == ["upper", "beak", "upper"]
-    found = np.column_stack([motion.values("sleeve.y"), motion.values("bird.angle")])[1:]
-    np.testing.assert_allclose(found, list(STATES.values()), atol=1e-6)
+    computed = np.column_stack([motion.values("sleeve.y"), motion.values("bird.angle")])[1:]
+    np.testing.assert_allclose(computed, list(STATES.values()), atol=1e-6)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+BETWEEN_COLUMNS = 2
+"""Width of the space between two columns of a table."""
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 AsJson = Annotated[
@@ -123,3 +126,51 @@ def aligned_table(title: str = "", columns_touch: bool = True) -> Table:
         pad_edge=False,
         collapse_padding=columns_touch,
     )
+
+
+def print_table(
+    headings: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    title: str = "",
+    columns_touch: bool = True,
+) -> None:
+    """Print a table, its first column to the left.
+
+    Columns beyond the width of a terminal follow in further tables, which repeat the first one;
+    files and pipes get one table.
+    """
+    from rich.text import Text
+
+    columns = [[_visible_lines(cell) for cell in c] for c in zip(headings, *rows, strict=True)]
+    widths = [max(len(line) for cell in column for line in cell.split("\n")) for column in columns]
+    terminal = console()
+    limited = terminal.is_terminal or "COLUMNS" in os.environ
+    for k, block in enumerate(_blocks(widths, terminal.width if limited else None)):
+        table = aligned_table("" if k else title, columns_touch)
+        for j in block:
+            table.add_column(Text(columns[j][0]), justify="right" if j else "left", no_wrap=True)
+        for row in zip(*(columns[j][1:] for j in block), strict=True):
+            table.add_row(*map(Text, row))
+        terminal.width = max(
+            terminal.width, sum(widths[j] for j in block) + BETWEEN_COLUMNS * len(block)
+        )
+        if k:
+            print_line("")
+        terminal.print(table)
+
+
+def _visible_lines(text: str) -> str:
+    return "\n".join(map(visible, text.split("\n")))
+
+
+def _blocks(widths: Sequence[int], limit: int | None) -> list[list[int]]:
+    """Numbers of the columns of each table, the first column in all of them."""
+    blocks = [[0]]
+    for k in range(1, len(widths)):
+        block = [*blocks[-1], k]
+        width = sum(widths[j] + BETWEEN_COLUMNS for j in block) - BETWEEN_COLUMNS
+        if limit is not None and width > limit and len(block) > 2:
+            blocks.append([0, k])
+        else:
+            blocks[-1] = block
+    return blocks

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dalembert.cli.console import aligned_table, console, print_line
+from dalembert.cli.console import print_line, print_table
 from dalembert.results.pictures.influence import by_influence, relative_influence
 
 if TYPE_CHECKING:
@@ -93,7 +92,7 @@ def _print_table(title: str, table: xr.DataArray, format_entry: Any) -> None:
         for k, line in enumerate(table.values)
     ]
     headings = [rows, "value", *("\n".join(part for part in head if part) for head in column_heads)]
-    _print_box(title, headings, lines)
+    print_table(headings, lines, title, columns_touch=False)
 
 
 def _head(entry: xr.DataArray, dimension: str) -> tuple[str, str]:
@@ -112,20 +111,6 @@ def _share(value: float) -> str:
     return "0" if abs(value) < 5e-13 else f"{value:+.4g}"
 
 
-def _print_box(title: str, headings: list[str], lines: list[list[str]]) -> None:
-    from rich.text import Text
-
-    terminal = console()
-    if not (terminal.is_terminal or "COLUMNS" in os.environ):
-        terminal.width = 1000  # unlimited width in files and pipes
-    table = aligned_table(title, columns_touch=False)
-    for k, heading in enumerate(headings):
-        table.add_column(Text(heading), justify="right" if k else "left", no_wrap=k == 0)
-    for line in lines:
-        table.add_row(*map(Text, line))
-    terminal.print(table)
-
-
 def _show_certificate(certificate: Certificate) -> None:
     table = certificate.table().sort_values("error", ascending=False)
     lines = [
@@ -141,7 +126,7 @@ def _show_certificate(certificate: Certificate) -> None:
         for row in table.head(MAX_ROWS).itertuples()
     ]
     headings = ["certificate", "adjoint", "− direct", "difference", "step", "error", "verdict"]
-    _print_box("", headings, lines)
+    print_table(headings, lines, columns_touch=False)
     if len(table) > MAX_ROWS:
         _print_indented(f"… and {len(table) - MAX_ROWS} more entries, with smaller errors")
     for line in certificate.summary():

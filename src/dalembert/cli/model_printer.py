@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, Generic, TypeVar
 
-from dalembert.cli.console import aligned_table, console, format_value, print_heading, print_line
+from dalembert.cli.console import format_value, print_heading, print_line, print_table
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.model import Model
 
@@ -161,13 +161,8 @@ class StructurePrinter(ModelPrinter[StructuralModel]):
 
 def _print_states(rows: list[dict[str, Any]]) -> None:
     """Print load cases, instants or modes as a table."""
-    table = aligned_table()
-    for k, heading in enumerate(rows[0]):
-        side: Any = "right" if k else "left"
-        table.add_column(heading.replace("_", " "), justify=side, no_wrap=True)
-    for row in rows[:MAX_ROWS]:
-        table.add_row(*(_cell(value) for value in row.values()))
-    console().print(table)
+    headings = [heading.replace("_", " ") for heading in rows[0]]
+    print_table(headings, [list(map(_cell, row.values())) for row in rows[:MAX_ROWS]])
     if len(rows) > MAX_ROWS:
         print_line(f"  … and {len(rows) - MAX_ROWS} more in the result file")
 

@@ -29,7 +29,7 @@ def schema(
         Write it to this file instead.
     """
     from dalembert.files import atomic_path
-    from dalembert.io.json_schema import json_schema
+    from dalembert.io.documents import json_schema
 
     document = json_schema(kind)
     if output is None:

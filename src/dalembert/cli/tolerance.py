@@ -39,16 +39,16 @@ def tolerance(
         from dalembert.io.analyses import make_analysis
         from dalembert.io.decisions.reliability import make_tolerance
 
-        arguments, allotment = make_tolerance(
+        arguments, allocation = make_tolerance(
             with_keys(file, "tolerance", {"samples": samples}), built
         )
         analysis = make_analysis(file, built)
 
         def run(show: bool) -> Any:
             decision = analyse_tolerances(built, **arguments, analysis=analysis, progress=show)
-            if allotment is not None:
-                with file.located("tolerance", "allot"):
-                    decision.allotted = decision.allot(**allotment)
+            if allocation is not None:
+                with file.located("tolerance", "allocate"):
+                    decision.allocated = decision.allocate(**allocation)
             return decision
 
         return run
@@ -69,7 +69,7 @@ def _show(summary: dict[str, Any]) -> None:
         print_line(f"  worst case {low:.8g} … {high:.8g} {unit}".rstrip())
     for name, width in summary["tolerances"].items():
         share, effect = 100 * summary["contributions"][name], summary["effects"][name]
-        enough = f"   enough: ± {summary['allotted'][name]:.4g}" if summary["allotted"] else ""
+        enough = f"   enough: ± {summary['allocated'][name]:.4g}" if summary["allocated"] else ""
         print_line(f"  {name:<10} ± {width:.4g}   {effect:+.4g} {unit}   {share:5.1f} %{enough}")
     if summary["sampled"]:
         sampled = summary["sampled"]

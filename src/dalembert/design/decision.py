@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from dalembert.text.wording import nearest
+
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
@@ -41,10 +43,10 @@ class Decision(ABC):
     message : how it ended
     interrupted : ended by Ctrl-C, with the results so far
     name : of the model
-    warnings : reasons to doubt the result, each with the number that shows it
+    warnings : reservations about the result, each with the number that shows it
     """
 
-    word: ClassVar[str]
+    file_suffix: ClassVar[str]
     """Part of file names, such as ``pump.pareto.nc``."""
     page_functions: ClassVar[str]
     """``module:prefix`` in ``design.pages``: its ``prefix_page`` and ``prefix_views``."""
@@ -53,6 +55,13 @@ class Decision(ABC):
     name: str
     interrupted: bool = False
     warnings: Sequence[str] = ()
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            known = [own for own in dir(type(self)) if not own.startswith("_")]
+            close = "" if name.startswith("_") else nearest(name, known)
+            raise AttributeError(f"{type(self).__name__} has no {name!r}{close}")
 
     @property
     def ok(self) -> bool:
@@ -140,7 +149,7 @@ class Decision(ABC):
         from dalembert.results.files.store import save_dataset
 
         page = self.page(**first_view)
-        stem = f"{base.name}.{self.word}"
+        stem = f"{base.name}.{self.file_suffix}"
         data = self.data.assign(report=((), as_json(page)))
         return [
             save_dataset(data, base.with_name(f"{stem}.nc")),

@@ -199,6 +199,7 @@ class Motor(Rotary):
 class Belt(Rotary):
     """Couples the rotations of two wheels on a carrier; ``ratio`` is that of the radii i to j."""
 
+    body_i: BodyElement
     ratio: ca.SX
     carrier: BodyElement | None
 

@@ -23,8 +23,7 @@ from dalembert.formulations.partition import best_partition, largest_ratio
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.inertia import Inertia
 from dalembert.options import options
-from dalembert.symbolic.equations.factor import LdlFactor
-from dalembert.symbolic.equations.null_space import NullSpaceBasis, PartitionBasis
+from dalembert.symbolic.equations.factor import LdlFactor, NullSpaceBasis, PartitionBasis
 
 LARGEST_SVD = 12
 """Upper limit of the number of speeds for ``basis="svd"``."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import casadi as ca
 
-from dalembert.symbolic.equations.factor import cleared
-from dalembert.symbolic.equations.null_space import NullSpaceBasis
+from dalembert.symbolic.equations.factor import NullSpaceBasis, cleared
 
 
 class HouseholderBasis(NullSpaceBasis):

@@ -1,4 +1,4 @@
-"""Choice of independent speeds and of independent constraint equations (6.4).
+"""Choice of independent speeds and constraint equations (6.4), and corrections consistent with it.
 
 With ``C = [U W]`` the dependent speeds are ``−W⁻¹U u``. Speeds are scaled by ``√m_kk``, so that
 metres and radians are compared by kinetic energy. The independent ones are chosen so that no
@@ -17,9 +17,10 @@ import numpy as np
 import scipy
 
 from dalembert.errors import SingularityError
+from dalembert.formulations.base import Formulation, state_symbols
 from dalembert.model.graph.equations import Equations
-from dalembert.symbolic.equations.factor import LdlFactor
-from dalembert.symbolic.equations.null_space import PartitionBasis
+from dalembert.symbolic.equations.factor import LdlFactor, PartitionBasis
+from dalembert.symbolic.equations.implicit import ImplicitFunction, Solver, Stage
 
 MASSLESS = 1e-6
 """Substitute for a zero mass, in natural units: such a speed is independent only if it must."""
@@ -130,3 +131,46 @@ def best_rows(
     if not np.all(np.isfinite(jacobian)):
         raise SingularityError(f"the constraint equations have no value at t = {t:.9g} s")
     return largest_volume(np.linalg.svd(jacobian)[0][:, : len(rows)], rows)
+
+
+def with_consistent_speeds(
+    e: Equations, formulation: Formulation, correction: ImplicitFunction | None
+) -> ImplicitFunction | None:
+    """``(t, x, p) → x``: the formulation's consistent speeds, then the correction with them.
+
+    If all speeds are states it is the correction itself. Positions are returned to their manifold,
+    from which integration drifts.
+    """
+    if correction is None and not e.manifold.flat:
+        settled = ca.vertcat(e.manifold.settled(e.y), state_symbols(e)[e.coordinate_count :])
+        correction = ImplicitFunction("settled", [e.t, state_symbols(e), e.p], [], [settled])
+    speeds = formulation.consistent_speeds(e)
+    if speeds is None:
+        return correction
+    unknown = speeds.unknown
+
+    def with_speeds(expression: ca.SX) -> ca.SX:
+        return ca.substitute(expression, e.v, unknown)
+
+    def with_speeds_in(solve: Solver) -> Solver:
+        def solved(rhs: ca.SX) -> ca.SX:
+            placeholder = ca.SX.sym("rhs", *rhs.shape)
+            return ca.substitute(with_speeds(solve(placeholder)), placeholder, ca.densify(rhs))
+
+        return solved
+
+    stages, outputs = [speeds], [state_symbols(e)]
+    if correction is not None:
+        outputs = correction.outputs
+        stages += [
+            Stage(
+                stage.unknown,
+                with_speeds(stage.residual),
+                with_speeds(stage.value),
+                with_speeds_in(stage.solve),
+                with_speeds_in(stage.solve_transposed),
+            )
+            for stage in correction.stages
+        ]
+    inputs = [e.t, state_symbols(e), e.p]
+    return ImplicitFunction("consistent", inputs, stages, [with_speeds(out) for out in outputs])

@@ -20,8 +20,8 @@ from dalembert.formulations.partition import best_partition, largest_ratio, scal
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.inertia import Inertia
 from dalembert.options import options
+from dalembert.symbolic.equations.factor import PartitionBasis
 from dalembert.symbolic.equations.implicit import Stage
-from dalembert.symbolic.equations.null_space import PartitionBasis
 from dalembert.symbolic.equations.semi_explicit import SemiExplicit
 from dalembert.text.wording import similar
 

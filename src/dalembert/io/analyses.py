@@ -21,10 +21,11 @@ from dalembert.io.tables import EventTable
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.model import Model
 from dalembert.results.structural.result import StructuralResult
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import unknown
 
 
-def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
+def make_analysis(file: ModelFile, model: ParametricModel, kind: str | None = None) -> Any:
     """The analysis of the file, or one of another type with the same options.
 
     Raises
@@ -44,7 +45,7 @@ def make_analysis(file: ModelFile, model: Any, kind: str | None = None) -> Any:
     return _create(file, model, classes[name], table, "analysis")
 
 
-def make_table(file: ModelFile, model: Any, table: Any, *where: str) -> Any:
+def make_table(file: ModelFile, model: ParametricModel, table: Any, *where: str) -> Any:
     """The analysis of another table of the file, such as that of a case.
 
     Raises
@@ -56,7 +57,11 @@ def make_table(file: ModelFile, model: Any, table: Any, *where: str) -> Any:
 
 
 def make_method(
-    file: ModelFile, model: Any, registry: Mapping[str, Any], entry: str | BaseModel, *where: str
+    file: ModelFile,
+    model: ParametricModel,
+    registry: Mapping[str, Any],
+    entry: str | BaseModel,
+    *where: str,
 ) -> Any:
     """A method by its name, or from a table whose options may be strategies.
 
@@ -70,7 +75,7 @@ def make_method(
     return _create(file, model, registry[entry.type], entry, *where)  # type: ignore[attr-defined]
 
 
-def _create(file: ModelFile, model: Any, cls: type, table: Any, *where: str) -> Any:
+def _create(file: ModelFile, model: ParametricModel, cls: type, table: Any, *where: str) -> Any:
     with file.located(*where):
         analysis = cls(**_options(file, model, cls, table, where))
     for option, check in analysis.checks(model).items():
@@ -81,7 +86,11 @@ def _create(file: ModelFile, model: Any, cls: type, table: Any, *where: str) -> 
 
 
 def _options(
-    file: ModelFile, model: Any, cls: type, table: BaseModel | None, where: tuple[str, ...]
+    file: ModelFile,
+    model: ParametricModel,
+    cls: type,
+    table: BaseModel | None,
+    where: tuple[str, ...],
 ) -> dict[str, Any]:
     options: dict[str, Any] = {}
     for field in keyed_fields(cls, frozenset()):

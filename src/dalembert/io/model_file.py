@@ -15,8 +15,7 @@ from dalembert.io.builder import Builder
 from dalembert.io.documents import Document, StructureDocument, document_of
 from dalembert.io.location import Located
 from dalembert.io.messages import explain, key_path
-from dalembert.io.older_names import with_present_names
-from dalembert.io.reading import read_document
+from dalembert.io.reading import read_document, with_present_names
 from dalembert.io.schema import ModelDocument, ParameterTable
 from dalembert.io.values import in_own_unit, short_repr
 from dalembert.model.assembled.model import StructuralModel

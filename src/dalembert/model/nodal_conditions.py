@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.fem.between_bodies import NodeBody
-from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
+from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS, effort, missing_rotation
 from dalembert.elements.fem.node import Node
 from dalembert.elements.fem.node_set import Nodes
 from dalembert.errors import ModelError
@@ -99,7 +99,7 @@ class NodalConditions(Parts):
         for node in self._listed(nodes):
             if not isinstance(fixed_axes, bool):
                 raise ModelError(f"fixed_axes is {fixed_axes!r}; give True or False", node.name)
-            directions = {d.replace("u", "f").replace("r", "m"): d for d in self._directions(node)}
+            directions = {effort(d): d for d in self._directions(node)}
             if not forces:
                 raise ModelError(f"gets no load; give one of {', '.join(directions)}", node.name)
             for direction, value in forces.items():
@@ -166,7 +166,7 @@ class NodalConditions(Parts):
         supports = dict(self.supports)
         for name, direction in supports:
             if direction not in directions(name):
-                raise ModelError(f"{direction}: no element turns this node", f"support {name}")
+                raise missing_rotation(direction, f"support {name}")
         for name in self.fixed:
             for direction in directions(name):
                 value = supports.setdefault((name, direction), Expression(0.0))

@@ -19,6 +19,8 @@ class Structure(System):
     Parameters
     ----------
     name : str
+    gravity : (2,) or, in space, (3,) acceleration of gravity [m/s²], a load of the unnamed load
+        case; other cases and one coordinate by the method ``gravity``
     description : str
 
     Examples
@@ -39,9 +41,6 @@ class Structure(System):
 
     meanings = CONSTANTS
     reserved: ClassVar[Mapping[str, str]] = {}
-
-    def __init__(self, name: str, description: str = ""):
-        super().__init__(name, description=description)
 
     def add(self, element: E) -> E:
         """Add a finite element; returns it."""

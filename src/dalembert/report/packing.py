@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import base64
 import zlib
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -91,8 +92,13 @@ def _column(value: Any) -> np.ndarray | None:
         return value.astype(float) if value.ndim == 1 and value.size >= MIN_LENGTH else None
     if not isinstance(value, (list, tuple)) or len(value) < MIN_LENGTH:
         return None
-    types = set(map(type, value))
-    return np.array(value, dtype=float) if types <= {float, int, type(None)} else None
+    return np.array(value, dtype=float) if are_numbers(value) else None
+
+
+def are_numbers(values: Sequence[Any]) -> bool:
+    """Whether all values are numbers or None."""
+    kinds = set(map(type, values))
+    return all(issubclass(kind, float | int | None) and kind is not bool for kind in kinds)
 
 
 def _encode(column: np.ndarray) -> tuple[dict[str, Any], bytes]:

@@ -18,7 +18,7 @@ from typing import Any
 
 from dalembert.errors import FileError
 from dalembert.files import atomic_path
-from dalembert.report.packing import pack
+from dalembert.report.packing import are_numbers, pack
 from dalembert.report.scripts import KINDS, asset, page_kind, page_script
 from dalembert.text.wording import visible
 
@@ -49,8 +49,9 @@ def render_page(payload: dict[str, Any]) -> str:
         "worker": "",
         "rights": "",
     }
-    if "code" in payload.get("live", {}):
-        script = INDENT.sub("", page_script("worker"))
+    live = payload.get("live", {})
+    if "code" in live:
+        script = INDENT.sub("", page_script(live["kind"]))
         parts["worker"] = f'<script type="text/plain" id="worker">{script}</script>'
         parts["rights"] = " 'wasm-unsafe-eval' blob:; worker-src blob:"
     # One pass over the template, so that inserted parts are not searched again.
@@ -87,8 +88,7 @@ def as_json(value: Any) -> str:
             + "}"
         )
     if isinstance(value, (list, tuple)):
-        kinds = set(map(type, value))
-        if float in kinds and kinds <= {float, int, type(None)}:
+        if any(isinstance(item, float) for item in value) and are_numbers(value):
             return f"[{_numbers(value)}]"
         return "[" + ",".join(map(as_json, value)) + "]"
     raise TypeError(f"a report cannot hold a {type(value).__name__}")

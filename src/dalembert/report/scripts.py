@@ -19,9 +19,14 @@ PAGES = {
     "decision": "decision.js",
     "live mechanism": "live_planar.js",
     "live spatial mechanism": "live_spatial.js",
-    "worker": "live_worker.js",
+    "dynamics": "live_dynamics_worker.js",
+    "kinematics": "live_kinematics_worker.js",
+    "equilibrium": "live_equilibrium_worker.js",
+    "modes": "live_modes_worker.js",
+    "statics": "live_statics_worker.js",
+    "vibration": "live_vibration_worker.js",
 }
-"""Kind of page, and its dimension → main module."""
+"""Kind of page, and its dimension, or of a worker → main module."""
 KINDS = ("mechanism", "spatial", "structure", "decision")
 """Kinds of payloads."""
 

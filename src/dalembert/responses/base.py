@@ -16,7 +16,7 @@ import numpy as np
 
 from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.events import Occurrence
-from dalembert.errors import AnalysisError, ExpressionError
+from dalembert.errors import AnalysisError, ExpressionError, UnsupportedError
 from dalembert.options import options
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
@@ -167,6 +167,20 @@ class Response:
     def time_derivatives(self, times: np.ndarray) -> np.ndarray:
         """``∂t_k/∂t_K``: shift of each sampling time per shift of the last one by an event."""
         return np.eye(1, times.size, times.size - 1).ravel()
+
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        """Kind and constants of the reduction in a page with outputs at ``times``, as plain data.
+
+        Raises
+        ------
+        UnsupportedError
+            Pages do not compute this response.
+        """
+        raise UnsupportedError(
+            f"response {self.label}: a page does not compute {type(self).__name__}; it "
+            "computes final values, values at outputs, extremes, means, rms, integrals, totals "
+            "and their sums"
+        )
 
     def unit(self, unit: str) -> str:
         """Unit of the response for a measure in ``unit``."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -11,8 +12,7 @@ from dalembert.analysis.events import Occurrence
 from dalembert.errors import AnalysisError
 from dalembert.options import options
 from dalembert.responses.base import Response, scalar_measure
-from dalembert.responses.integrals import Weighted
-from dalembert.responses.quadrature import rule_over
+from dalembert.responses.quadrature import Weighted, rule_over
 from dalembert.responses.smooth_extreme import SmoothExtreme
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
@@ -108,6 +108,12 @@ class Maximum(Response):
         return self._smooth(
             Weighted(self.measure, self.label, rule=rule_over(sampled), over_span=True)
         )
+
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        if self.smooth is None:
+            return {"kind": "maximum" if self.sign > 0 else "minimum"}
+        width = {"smooth": float(self.smooth), "relative": self.relative}
+        return {"kind": "smooth", "sign": self.sign} | width
 
     def _smooth(self, mean: Weighted | None = None) -> SmoothExtreme:
         return SmoothExtreme(

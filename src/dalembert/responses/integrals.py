@@ -8,90 +8,24 @@ and load cases are discrete; sums replace integrals there.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from dalembert.analysis.dynamics.event_search import end_by_event
 from dalembert.analysis.events import Occurrence
 from dalembert.responses.base import Response
-from dalembert.responses.quadrature import Count, Quadrature, Rule, rule_over
+from dalembert.responses.quadrature import (
+    Count,
+    Quadrature,
+    RootOfSquares,
+    Rule,
+    Weighted,
+    rule_over,
+)
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.arguments import check_arguments
-
-
-@dataclass(frozen=True, kw_only=True)
-class Weighted(Response):
-    """``wᵀ m`` with the weights of a quadrature rule; divided by its span, a mean."""
-
-    rule: Rule
-    over_span: bool = False
-
-    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
-        return float(self.weights(times, samples) @ samples)
-
-    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        return self.rule.weights / (self.rule.span if self.over_span else 1.0)
-
-    def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        weights = self.rule.time_weights(samples)
-        if not self.over_span:
-            return weights
-        span_change = self.reduce(times, samples) * self.rule.span_weights
-        return (weights - span_change) / self.rule.span
-
-    def jump_weight(
-        self, times: np.ndarray, samples: np.ndarray, before: float, after: float
-    ) -> float:
-        return (before - after) / (self.rule.span if self.over_span else 1.0)
-
-    def time_derivatives(self, times: np.ndarray) -> np.ndarray:
-        return self.rule.time_derivatives
-
-    def unit(self, unit: str) -> str:
-        times_time = unit and self.rule.continuous and not self.over_span
-        return f"{unit} s" if times_time else unit  # formulas may have an unknown unit
-
-
-@dataclass(frozen=True, kw_only=True)
-class RootOfSquares(Response):
-    """``√(wᵀ m²)`` with the weights of a mean."""
-
-    mean: Weighted
-
-    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
-        return float(np.sqrt(max(self.mean.reduce(times, samples**2), 0.0)))
-
-    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        value = self.reduce(times, samples)
-        if value == 0.0:  # not differentiable; zero is a subgradient
-            return np.zeros_like(samples)
-        return self.mean.weights(times, samples) * samples / value
-
-    def weights_change(
-        self, times: np.ndarray, samples: np.ndarray, change: np.ndarray
-    ) -> np.ndarray:
-        value, gradient = self.reduce(times, samples), self.weights(times, samples)
-        if value == 0.0:
-            return np.zeros_like(samples)
-        return (self.mean.weights(times, samples) * change - gradient * (gradient @ change)) / value
-
-    def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
-        value = self.reduce(times, samples)
-        if value == 0.0:
-            return np.zeros_like(samples)
-        return self.mean.time_weights(times, samples**2) / (2 * value)
-
-    def jump_weight(
-        self, times: np.ndarray, samples: np.ndarray, before: float, after: float
-    ) -> float:
-        value = self.reduce(times, samples)
-        if value == 0.0:
-            return 0.0
-        return self.mean.jump_weight(times, samples**2, before**2, after**2) / (2 * value)
-
-    def time_derivatives(self, times: np.ndarray) -> np.ndarray:
-        return self.mean.time_derivatives(times)
 
 
 @dataclass(frozen=True)
@@ -140,6 +74,9 @@ class Integral(OverRun):
     2.0
     """
 
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        return {"kind": "integral"}
+
     def by(self, rule: Rule) -> Response:
         return Weighted(self.measure, self.label, rule=rule)
 
@@ -161,6 +98,9 @@ class Mean(OverRun):
     >>> round(da.evaluate(motion, da.Mean("crank.end.y**2")), 6)  # l²/2
     2.0
     """
+
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        return {"kind": "mean"}
 
     def by(self, rule: Rule) -> Response:
         rule = rule if rule.weights.size > 1 else Count(1)  # the mean of one sample is its value
@@ -185,6 +125,9 @@ class RMS(OverRun):
     2.0
     """
 
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        return {"kind": "rms"}
+
     def by(self, rule: Rule) -> Response:
         rule = rule if rule.weights.size > 1 else Count(1)
         mean = Weighted(self.measure, self.label, rule=rule, over_span=True)
@@ -208,6 +151,9 @@ class Total(Response):
     >>> round(da.evaluate(motion, da.Total("crank.end.y**2 + crank.end.x**2")), 6)  # 101 of l²
     404.0
     """
+
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        return {"kind": "sum"}
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
         return float(samples.sum())

@@ -1,4 +1,4 @@
-"""Quadrature rules for integrals over a run from samples of a measure."""
+"""Quadrature rules for integrals over a run from samples of a measure, and reductions with them."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from dalembert.analysis.dynamics.step_quadrature import StepQuadrature
+from dalembert.responses.base import Response
 from dalembert.results.result import Result
 
 SHORT = 1e-3
@@ -168,3 +169,77 @@ def _quadrature(buffer: bytes) -> Quadrature:
     return Quadrature(
         all_times.size, float(all_times[-1] - all_times[0]), nodes[index], powers, parts
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Weighted(Response):
+    """``wᵀ m`` with the weights of a quadrature rule; divided by its span, a mean."""
+
+    rule: Rule
+    over_span: bool = False
+
+    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
+        return float(self.weights(times, samples) @ samples)
+
+    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        return self.rule.weights / (self.rule.span if self.over_span else 1.0)
+
+    def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        weights = self.rule.time_weights(samples)
+        if not self.over_span:
+            return weights
+        span_change = self.reduce(times, samples) * self.rule.span_weights
+        return (weights - span_change) / self.rule.span
+
+    def jump_weight(
+        self, times: np.ndarray, samples: np.ndarray, before: float, after: float
+    ) -> float:
+        return (before - after) / (self.rule.span if self.over_span else 1.0)
+
+    def time_derivatives(self, times: np.ndarray) -> np.ndarray:
+        return self.rule.time_derivatives
+
+    def unit(self, unit: str) -> str:
+        times_time = unit and self.rule.continuous and not self.over_span
+        return f"{unit} s" if times_time else unit  # formulas may have an unknown unit
+
+
+@dataclass(frozen=True, kw_only=True)
+class RootOfSquares(Response):
+    """``√(wᵀ m²)`` with the weights of a mean."""
+
+    mean: Weighted
+
+    def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
+        return float(np.sqrt(max(self.mean.reduce(times, samples**2), 0.0)))
+
+    def weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        value = self.reduce(times, samples)
+        if value == 0.0:  # not differentiable; zero is a subgradient
+            return np.zeros_like(samples)
+        return self.mean.weights(times, samples) * samples / value
+
+    def weights_change(
+        self, times: np.ndarray, samples: np.ndarray, change: np.ndarray
+    ) -> np.ndarray:
+        value, gradient = self.reduce(times, samples), self.weights(times, samples)
+        if value == 0.0:
+            return np.zeros_like(samples)
+        return (self.mean.weights(times, samples) * change - gradient * (gradient @ change)) / value
+
+    def time_weights(self, times: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        value = self.reduce(times, samples)
+        if value == 0.0:
+            return np.zeros_like(samples)
+        return self.mean.time_weights(times, samples**2) / (2 * value)
+
+    def jump_weight(
+        self, times: np.ndarray, samples: np.ndarray, before: float, after: float
+    ) -> float:
+        value = self.reduce(times, samples)
+        if value == 0.0:
+            return 0.0
+        return self.mean.jump_weight(times, samples**2, before**2, after**2) / (2 * value)
+
+    def time_derivatives(self, times: np.ndarray) -> np.ndarray:
+        return self.mean.time_derivatives(times)

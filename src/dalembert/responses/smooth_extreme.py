@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.responses.base import Response
-from dalembert.responses.integrals import Weighted
+from dalembert.responses.quadrature import Weighted
 
 SAME = 1e-10
 """Threshold for a spread that is round-off, relative to the largest sample."""

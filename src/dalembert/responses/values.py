@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.options import options
 from dalembert.responses.base import Response
-from dalembert.results.numbered import Numbered
+from dalembert.results.modes import Numbered
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.arguments import check_arguments
 
 ALIKE = 1e-12
 """Threshold for values that are equal, relative to the largest."""
+INSTANT = 1e-9
+"""Largest distance of a time from an output, relative to the time span."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,9 @@ class Final(Response):
             "an extreme over all"
         )
 
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        return {"kind": "final"}
+
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
         return float(samples[-1])
 
@@ -91,6 +97,15 @@ class At(Response):
 
     def sample_times(self, motion: Result) -> np.ndarray | None:
         return np.array([float(self.time)])
+
+    def reduction(self, times: np.ndarray) -> dict[str, Any]:
+        (matches,) = np.nonzero(np.abs(times - self.time) <= INSTANT * np.ptp(times))
+        if not matches.size:
+            raise UnsupportedError(
+                f"response {self.label}: {self.time:g} is not an output of the page; take one of "
+                "its outputs, or request this one by outputs=…"
+            )
+        return {"kind": "at", "instant": int(matches[0])}
 
     def reduce(self, times: np.ndarray, samples: np.ndarray) -> float:
         return float(samples[0])

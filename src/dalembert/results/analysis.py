@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, Field, fields
+from dataclasses import Field, fields
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
 
 from dalembert.errors import AnalysisError, UnsupportedError
+from dalembert.options import is_stated
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.text.wording import unknown
 
 if TYPE_CHECKING:
-    from dalembert.results.live import LiveFunctions, Row
+    from dalembert.results.live import LiveFunctions
+from dalembert.results.sources import Row
 
 ParameterValues = Mapping[str, float] | np.ndarray | None
 """Parameter values: some by name, all in order, or None for those of the model."""
@@ -151,9 +153,9 @@ class Analysis(ABC, Generic[M, R]):
 
 
 def _refuse_option(analysis: Any, option: Field[Any], model: Any) -> None:
-    """Raise if an option for the other kind of model is set."""
-    value, factory = getattr(analysis, option.name), option.default_factory
-    if value != (option.default if factory is MISSING else factory()):
+    """Raise if an option for the other kind of model is stated, even with its default."""
+    if is_stated(analysis, option.name):
+        value = getattr(analysis, option.name)
         raise UnsupportedError(
             f"{type(analysis).__name__}({option.name}={value!r:.60}): {option.name} is an option "
             f"for {option.metadata['model']}s, and {model.name!r} is a {model.kind}"

@@ -20,22 +20,6 @@ if TYPE_CHECKING:
     from dalembert.symbolic.native.webassembly import WebModule
 
 
-@dataclass(frozen=True)
-class Row:
-    """Scalar output over time.
-
-    Attributes
-    ----------
-    expression : SX of coordinates, speeds, accelerations, multipliers, time and parameters
-    work : factors of the dissipated energy and of the energy input, which are added
-    relative : whether the value at the first output is subtracted
-    """
-
-    expression: ca.SX
-    work: tuple[float, float] = (0.0, 0.0)
-    relative: bool = False
-
-
 @dataclass(frozen=True, eq=False)
 class LiveFunctions:
     """Functions of an analysis and the constants of its script.
@@ -71,4 +55,5 @@ class LiveFunctions:
         }
         code = base64.b64encode(zlib.compress(module.code, 9)).decode("ascii")
         exact = json.dumps({**self.data, **more}, default=lambda array: array.tolist())
-        return {"functions": sizes, "memory": module.data_end, "code": code, "exact": exact}
+        constants = {"kind": self.data["kind"], "memory": module.data_end, "functions": sizes}
+        return constants | {"code": code, "exact": exact}

@@ -13,6 +13,7 @@ from dalembert.results.files.contents import Contents
 from dalembert.results.modes import Modes
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.formulas.parser import Names
+from dalembert.text.wording import counted, listed
 
 REAL, IMAG = ca.SX.sym("eigenvalue_real"), ca.SX.sym("eigenvalue_imag")
 MAGNITUDE = ca.sqrt(REAL**2 + IMAG**2)
@@ -94,8 +95,7 @@ class MechanismModes(Modes):
         return super().contents.plus(shapes, {"coordinate": list(names)})
 
     def __repr__(self) -> str:
-        rows = ", ".join(
-            f"{f:.6g} Hz (ζ {z:+.3g})"
-            for f, z in zip(self.frequencies, self.damping_ratios, strict=True)
-        )
-        return f"<{type(self).__name__} of {self.model.name!r}: {rows}>"
+        pairs = zip(self.frequencies, self.damping_ratios, strict=True)
+        count = counted(len(self.frequencies), "mode")
+        rows = listed(f"{f:.6g} Hz (ζ {z:+.3g})" for f, z in pairs)
+        return f"<{type(self).__name__} of {self.model.name!r}: {count}, {rows}>"

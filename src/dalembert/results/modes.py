@@ -1,12 +1,151 @@
-"""Modes of small motions of mechanisms and structures about a state."""
+"""Modes of small motions of mechanisms and structures, and results whose states are numbered."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
-from dalembert.results.numbered import Numbered
+from dalembert.errors import AnalysisError
+from dalembert.results.analysis import Analysis
+from dalembert.results.files.contents import Contents
+from dalembert.results.result import Instants, Result
+from dalembert.results.status import Status
+from dalembert.symbolic.formulas.expression import Expression
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Numbered(Result):
+    """Modes by number; responses treat the numbers like the instants of a motion.
+
+    Attributes
+    ----------
+    model : analysed model
+    analysis : analysis that computed it
+    parameters : (n,) values used, followed by derived values
+    numbers : (k,) of the modes, from 1
+    eigenvalues : (k,)
+    shapes : (n, k) displacements
+    status : Status, with a residual
+    positions : (k,) indices of the modes in the spectrum of the record
+    record : data for gradients
+    statistics : name → number or text
+    warnings : reservations about the accuracy or validity of the modes
+    """
+
+    model: Any
+    analysis: Analysis
+    parameters: np.ndarray
+    numbers: np.ndarray
+    eigenvalues: np.ndarray
+    shapes: np.ndarray
+    status: Status
+    positions: np.ndarray
+    record: Any = None
+    statistics: dict[str, Any] = field(default_factory=dict)
+    warnings: Sequence[str] = ()
+
+    in_sequence: ClassVar[bool] = False
+
+    continuous = False
+    """Modes are discrete: integrals over them are sums."""
+    named: ClassVar[dict[str, Expression]] = {}
+    """Reported measures of the eigenvalue alone."""
+    main: ClassVar[str] = "frequency"
+    """Main measure in texts."""
+
+    @property
+    def time(self) -> np.ndarray:
+        """(k,) numbers of the modes, in the role of the instants of a motion."""
+        return self.numbers.astype(float)
+
+    def places(self, numbers: np.ndarray) -> list[int]:
+        """Indices of modes, by number.
+
+        Raises
+        ------
+        AnalysisError
+            A mode of this number does not exist.
+        """
+        requested = np.asarray(numbers, dtype=float)
+        for number in requested:
+            if number not in self.numbers:
+                listed = ", ".join(map(str, self.numbers)) or "none"
+                raise AnalysisError(f"there is no mode {number:g} (known: {listed})")
+        return [int(np.flatnonzero(self.numbers == number)[0]) for number in requested]
+
+    def at(self, numbers: Instants) -> Self:
+        """Some of the modes, by number."""
+        index = self.places(np.atleast_1d(np.asarray(numbers)))
+        return replace(
+            self,
+            numbers=self.numbers[index],
+            eigenvalues=self.eigenvalues[index],
+            shapes=self.shapes[:, index],
+            positions=self.positions[index],
+        )
+
+    @classmethod
+    def formula(cls, model: Any, measure: str | Expression) -> Expression:
+        """A measure of modes by its name, or a formula of such measures and of parameters."""
+        raise NotImplementedError
+
+    def expression(self, measure: str | Expression) -> Expression:
+        """A measure by name, or a formula of measures and parameters."""
+        return self.formula(self.model, measure)
+
+    def keys(self) -> list[str]:
+        return [*self.reported_measures, *self.model.parameters]
+
+    @property
+    def reported_measures(self) -> list[str]:
+        """Measures that ``contents`` includes."""
+        return list(self.named)
+
+    @cached_property
+    def contents(self) -> Contents:
+        """Measures of the modes, and their shapes."""
+        variables: dict[str, Any] = {}
+        for name in self.reported_measures:
+            unit = self.expression(name).unit
+            variables[name] = ("mode", self.values(name), {"units": unit, "long_name": name})
+        return Contents.from_arrays(variables, {"mode": self.numbers}, self.attributes)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A table of the measures of the modes."""
+        return self.data[self.reported_measures].to_dataframe()
+
+    @property
+    def state_names(self) -> list[str]:
+        """Number and main measure of each mode."""
+        unit = f" {self.named[self.main].unit}".rstrip()
+        values = zip(self.numbers, self.values(self.main), strict=True)
+        return [f"mode {number}: {value:.5g}{unit}" for number, value in values]
+
+    def summary(self) -> dict[str, Any]:
+        """Status and measures of each mode."""
+        values = {name: self.values(name) for name in self.named}
+        return {
+            "status": str(self.status),
+            "residual": self.status.residual,
+            "statistics": self.statistics,
+            "warnings": list(self.warnings),
+            "states": [
+                {"mode": label} | {name: float(column[k]) for name, column in values.items()}
+                for k, label in enumerate(self.state_names)
+            ],
+        }
+
+    def __getitem__(self, measure: str | Expression) -> xr.DataArray:
+        """A measure by name, or a formula of measures, as a labelled array over the modes."""
+        return self.labelled(measure, {"mode": self.numbers})
 
 
 class Modes(Numbered):

@@ -14,8 +14,10 @@ from dalembert.text.wording import card, folded, messages, table
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
 
     from dalembert.report.page import InlinePage
+    from dalembert.results.files.live_responses import PageResponse
     from dalembert.results.structural.motion import RecoveredStates
 
 
@@ -144,13 +146,13 @@ class Motion(LabelledRecording):
 
         return series_table(self, measures)
 
-    def plot(self, *measures: str | Expression, ax: Any = None) -> Any:
+    def plot(self, *measures: str | Expression, ax: Axes | None = None) -> Axes:
         """Draw measures over time with Matplotlib; returns the axes."""
         from dalembert.results.pictures.plot import plot_measures
 
         return plot_measures(self, measures, ax)
 
-    def draw(self, time: float = 0.0, ax: Any = None) -> Any:
+    def draw(self, time: float = 0.0, ax: Axes | None = None) -> Axes:
         """Draw the mechanism at the output nearest to a time [s] (Matplotlib); returns the axes."""
         from dalembert.results.pictures.animation import still
 
@@ -170,6 +172,7 @@ class Motion(LabelledRecording):
         units: Units = (),
         views: Views = (),
         live: bool | None = None,
+        responses: Sequence[PageResponse] = (),
     ) -> Path:
         """Write the interactive report, one self-contained HTML file.
 
@@ -184,12 +187,20 @@ class Motion(LabelledRecording):
         views : further cards, from functions of ``dalembert.report.views``
         live : whether the page is live; by default if the model has parameters with bounds and the
             compiled functions have at most 300 kB. A page that is not live states the reason
+        responses : responses that a live page lists with their slopes, such as
+            ``[da.maximum("A.force_norm")]``, reduced over the instants of the page; by default the
+            maxima of the plotted measures
+
+        Raises
+        ------
+        UnsupportedError
+            A page does not compute one of the responses.
         """
         from dalembert.report.page import write_page
         from dalembert.results.files.live_page import live_page
 
         page = self.page(plots=plots, trace=trace, units=units, views=views)
-        return write_page(live_page(self, page, live), path)
+        return write_page(live_page(self, page, live, responses), path)
 
     def page(
         self, plots: Groups = None, trace: Names = None, units: Units = (), views: Views = ()

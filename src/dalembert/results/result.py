@@ -14,7 +14,7 @@ from dalembert.results.files.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import CacheOwner
-from dalembert.text.wording import card, messages, table
+from dalembert.text.wording import card, messages, nearest, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,6 +26,29 @@ if TYPE_CHECKING:
 
 Instants = float | Sequence[float] | np.ndarray
 """One or several instants; of load cases and modes, one or several numbers."""
+REMEDIES = {
+    "continued": "a run of dynamics of a mechanism can be continued; repeat this one over the "
+    "whole duration",
+    "animate": "it is for motions of mechanisms; report() writes a page with moving pictures",
+}
+"""Name that some results have → remedy for others."""
+OTHER_NAMES = "result['measure'] returns the values of a measure"
+
+
+def missing_name(owner: Any, name: str, remedy: str, other: str) -> AttributeError:
+    """Error about a name that a result does not have.
+
+    Parameters
+    ----------
+    remedy : for this name, which other results have; empty if there is none
+    other : remedy for unknown names
+    """
+    kind = type(owner)
+    if name.startswith("_"):  # looked up by copy, pickle and notebooks
+        return AttributeError(f"{kind.__name__} has no {name!r}")
+    close = "" if remedy else nearest(name, [own for own in dir(kind) if not own.startswith("_")])
+    model = getattr(vars(owner).get("model"), "name", "")
+    return AttributeError(f"{kind.__name__} of {model!r} has no {name!r}{close}; {remedy or other}")
 
 
 class Result(CacheOwner, Protocol):
@@ -77,6 +100,11 @@ class Result(CacheOwner, Protocol):
     def values(self, measure: str | Expression) -> np.ndarray:
         """(K,) values of a scalar measure."""
         ...
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            raise missing_name(self, name, REMEDIES.get(name, ""), OTHER_NAMES)
 
     @property
     def over_steps(self) -> Self:

@@ -46,30 +46,33 @@ class Column(list[float]):
 
 
 @dataclass(frozen=True, eq=False)
-class WorkBalance:
-    """Energy to which work since the start is added.
+class Row:
+    """Scalar over time.
 
     Attributes
     ----------
-    sx : energy, a scalar SX
-    work : factors of the dissipated energy and of the energy input
+    sx : SX of coordinates, speeds, accelerations, multipliers, time and parameters
+    work : factors of the dissipated energy and of the energy input, which are added
     relative : whether the value at the first output is subtracted
     """
 
     sx: ca.SX
-    work: tuple[float, float]
+    work: tuple[float, float] = (0.0, 0.0)
     relative: bool = False
 
-    def __truediv__(self, factor: float) -> WorkBalance:
-        """The balance in another unit."""
+    def __truediv__(self, factor: float) -> Row:
+        """The row in another unit."""
         dissipated, supplied = self.work
-        return WorkBalance(
-            self.sx / factor, (dissipated / factor, supplied / factor), self.relative
-        )
+        return Row(self.sx / factor, (dissipated / factor, supplied / factor), self.relative)
 
 
-Source = ca.SX | WorkBalance
+Source = ca.SX | Row
 """Formula of a column."""
+
+
+def as_row(source: Source) -> Row:
+    """The row of a formula."""
+    return Row(source) if isinstance(source, ca.SX) else source
 
 
 class Series(dict[str, Any]):
@@ -133,7 +136,7 @@ class Sources:
     ----------
     numbers : places and formulas of parameters
     columns : places and formulas of time, coordinates, speeds, accelerations, multipliers and
-        parameters, or balances of work
+        parameters, or rows with work since the start
     initial : names of bodies and elements whose picture remains that of the initial parameters
     """
 

@@ -10,10 +10,10 @@ import casadi as ca
 from dalembert.elements.base import ForceElement
 from dalembert.elements.driver import Driver
 from dalembert.elements.pair import Pair
-from dalembert.model.graph.measures import element_measures
 from dalembert.model.graph.model import Model
+from dalembert.model.graph.parts import element_measures
 from dalembert.results.files.contents import COMPONENTS
-from dalembert.results.sources import Source, WorkBalance
+from dalembert.results.sources import Row, Source
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 
@@ -168,9 +168,9 @@ def energy_sources(model: Model) -> dict[str, Source]:
     total = e.kinetic_energy + e.potential
     return {
         "energy": total,
-        "dissipated_energy": WorkBalance(none, (1.0, 0.0)),
-        "input_energy": WorkBalance(none, (0.0, 1.0)),
-        "balance_error": WorkBalance(total, (1.0, -1.0), relative=True),
+        "dissipated_energy": Row(none, (1.0, 0.0)),
+        "input_energy": Row(none, (0.0, 1.0)),
+        "balance_error": Row(total, (1.0, -1.0), relative=True),
     }
 
 

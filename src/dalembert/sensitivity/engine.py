@@ -45,10 +45,10 @@ class Engine:
             derivatives.append(rows.reshape(len(single), len(columns)))
         return derivatives
 
-    def gathered(self, rows: Sequence[np.ndarray]) -> np.ndarray:
+    def parameter_gradients(self, rows: Sequence[np.ndarray]) -> np.ndarray:
         """(responses, np) gradients from derivatives (n,) by the full parameter vector."""
         motion = self.samples[0].motion
-        return motion.model.gathered(motion.parameters, np.array(rows))
+        return motion.model.parameter_gradients(motion.parameters, np.array(rows))
 
     def hessian_product(self, direction: np.ndarray) -> np.ndarray:
         """(responses, np) change of the adjoint gradient along a direction of the parameters.
@@ -103,7 +103,7 @@ class RowEngine(Engine):
         return np.array([row.direct(columns) for row in self._rows()])
 
     def adjoint(self) -> np.ndarray:
-        return self.gathered([row.adjoint() for row in self._rows()])
+        return self.parameter_gradients([row.adjoint() for row in self._rows()])
 
     def _rows(self) -> list[Any]:
         shared: dict = {}

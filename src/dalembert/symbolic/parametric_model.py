@@ -4,14 +4,22 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
+from dalembert.errors import AnalysisError
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.formulas.parameter import Parameter, parameter_vector
 from dalembert.symbolic.formulas.parser import Names
 from dalembert.symbolic.once import CacheOwner
+
+MANY = (
+    "arrays for solve_dynamics, solve_kinematics, solve_inverse_dynamics, solve_equilibrium and "
+    "solve_statics, or sweep(model, DesignTable.table({name: values}), analysis=…, "
+    "responses=…)"
+)
+"""Functions for many designs."""
 
 
 class ParametricModel(CacheOwner, ABC):
@@ -52,7 +60,10 @@ class ParametricModel(CacheOwner, ABC):
         ------
         ModelError
             Unknown parameter, or a value that is not finite or that ``check_values`` refuses.
+        AnalysisError
+            Values of many designs.
         """
+        _refuse_designs(parameters)
         if isinstance(parameters, np.ndarray):
             return self.completed(parameters)
         p = parameter_vector(self.parameters, parameters, self.name)
@@ -68,7 +79,7 @@ class ParametricModel(CacheOwner, ABC):
         """(n, columns) changes of this vector with some of the parameters."""
         return np.eye(p.size)[:, list(columns)]
 
-    def gathered(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
+    def parameter_gradients(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
         """(rows, np) gradients by the parameters from (rows, n) by the vector."""
         return gradients
 
@@ -101,3 +112,19 @@ class ParametricModel(CacheOwner, ABC):
             A formula outside the grammar; ``UnknownNameError`` for an unknown name.
         """
         return self.names.expression(measure)
+
+
+def _refuse_designs(parameters: Any) -> None:
+    """Raise unless parameter values are those of one design."""
+    if isinstance(parameters, Mapping):
+        several = [str(name) for name, value in parameters.items() if np.ndim(value)]
+        if not several:
+            return
+        values = f"{', '.join(several)} with several values each"
+    elif parameters is None or (isinstance(parameters, np.ndarray) and parameters.ndim == 1):
+        return
+    else:
+        values = " ".join(f"{type(parameters).__name__} {parameters!r:.60}".split())
+    raise AnalysisError(
+        f"parameters: got {values}; give name → number for one design. Many designs at once: {MANY}"
+    )

@@ -1,4 +1,7 @@
-"""Text for terminals, result files, pages and notebooks, and suggestions for unknown names."""
+"""Text for terminals, result files, pages and notebooks, and suggestions for unknown names.
+
+``RENAMED`` lists the former public names and their successors.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,6 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from dalembert.errors import ModelError
-from dalembert.text.renamed_names import successor
 
 HIDDEN = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff\ud800-\udfff]"
@@ -171,3 +173,59 @@ def display_text(value: Any) -> str:
 def escaped(text: str) -> str:
     """Text with HTML escapes."""
     return html.escape(visible(text))
+
+
+RENAMED: dict[str, str] = {
+    # elements of the plane
+    "Moment": "Torque",
+    "RotationalSpring": "TorsionSpring",
+    "Translational": "Prismatic",
+    # strategies and responses
+    "Bdf": "BDF",
+    "Ccsaq": "CCSAQ",
+    "CmaEs": "CMAES",
+    "Cvodes": "CVODES",
+    "Dae": "DAE",
+    "Ida": "IDA",
+    "Kkt": "KKT",
+    "Mma": "MMA",
+    "Rms": "RMS",
+    "Slsqp": "SLSQP",
+    # design tasks
+    "Design": "DesignTable",
+    "Front": "ParetoResult",
+    "History": "InputHistory",
+    "Identification": "IdentificationResult",
+    "Inversion": "InversionResult",
+    "OptimalTrajectory": "TrajectoryResult",
+    "Optimum": "OptimizationResult",
+    "Reliability": "ReliabilityResult",
+    "ReliableOptimum": "ReliableOptimizationResult",
+    "Study": "SweepResult",
+    "Synthesis": "SynthesisResult",
+    "Toleranced": "ToleranceResult",
+    # analyses
+    "Linearization": "Modal",
+    "NonlinearStatics": "Equilibrium",
+    "Transient": "Dynamics",
+    # functions and variables
+    "history": "input_history",
+    "table": "Interpolation",
+    "u": "curves.u",
+    # methods and attributes of results
+    "allotted": "allocated",
+    # keywords, methods and keys of files
+    "allot": "allocate",
+    "apart": "minimum_distance",
+    "given": "inputs",
+    "least_crank": "minimum_crank_ratio",
+    "least_radius": "minimum_radius",
+    "rescued": "ipopt_fallback",
+}
+"""Former name → present name; each is unique among the names of its place."""
+
+
+def successor(name: object, known: Iterable[str]) -> str | None:
+    """The present name of a former one, if it is known where the former one was used."""
+    new = RENAMED.get(name) if isinstance(name, str) else None
+    return new if new and new.partition(".")[0] in known else None

@@ -59,7 +59,7 @@ class Starts:
     def _parameters(self) -> tuple[np.ndarray, np.ndarray]:
         """(designs, n) parameters including computed ones, and numbers of valid designs."""
         table, model = self.designs.values, self.model
-        suspect = model.doubtful(table)
+        suspect = model.unverified(table)
         p = np.tile(model.nominal, (self.count, 1))
         if model.parts.space.computed:
             for k in np.flatnonzero(~suspect):

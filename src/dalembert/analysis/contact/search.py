@@ -20,8 +20,8 @@ from dalembert.analysis.contact.guards import (
 )
 from dalembert.analysis.contact.modes import ContactModes
 from dalembert.analysis.contact.pattern import ActiveSet
-from dalembert.analysis.cubics import cubic, minimum_of_cubic
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.step_outputs import cubic, minimum_of_cubic
 from dalembert.analysis.dynamics.transition import SIMULTANEOUS, StepReplacement
 from dalembert.analysis.events import locate
 from dalembert.errors import SingularityError, UnsolvedPart, UnsupportedError

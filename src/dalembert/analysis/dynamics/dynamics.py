@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.batch.adaptive_steps import AdaptiveSteps
-from dalembert.analysis.batch.fixed_steps import FixedSteps
+from dalembert.analysis.batch.marches import AdaptiveSteps, FixedSteps
 from dalembert.analysis.contact.gap_checks import refuse_overlap
 from dalembert.analysis.dynamics.continuation import ContinuedRun, extended, refuse_ended
 from dalembert.analysis.dynamics.dense_outputs import peak_quadrature
@@ -38,8 +37,9 @@ from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.graph.coordinates import AbsoluteCoordinates, Coordinates
 from dalembert.model.graph.model import Model
 from dalembert.options import only_for, options
-from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
+from dalembert.results.sources import Row
 from dalembert.symbolic.evaluation.backends import BACKENDS
 from dalembert.symbolic.formulas.expression import Expression
 

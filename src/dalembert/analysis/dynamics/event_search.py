@@ -14,9 +14,9 @@ from functools import cached_property, partial
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.cubics import cubic
 from dalembert.analysis.dynamics.flow import Flow
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
+from dalembert.analysis.dynamics.step_outputs import cubic
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.events import Event, Occurrence, as_events, locate, locate_again
 from dalembert.analysis.output_places import OutputPlaces

@@ -15,13 +15,16 @@ from dalembert.analysis.dynamics.record import DynamicsRecord
 from dalembert.analysis.dynamics.residual_check import DynamicsResidualCheck
 from dalembert.analysis.dynamics.status import RunEnd, statistics
 from dalembert.analysis.dynamics.step_accuracy import StepAccuracy
-from dalembert.analysis.dynamics.step_length_checks import BranchJumps, unstable_step_warnings
+from dalembert.analysis.dynamics.step_length_checks import (
+    BranchJumps,
+    strategy_warnings,
+    unstable_step_warnings,
+)
 from dalembert.analysis.dynamics.switch_search import SwitchSearch
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.events import as_events
 from dalembert.analysis.output_places import outputs_of
 from dalembert.analysis.progress import progress_reporter
-from dalembert.analysis.strategy_warnings import strategy_warnings
 from dalembert.analysis.timeline import (
     Pace,
     afford_states,

@@ -1,4 +1,7 @@
-"""Evaluation of the steps of a run: states of all bodies at its outputs."""
+"""States of all bodies at the outputs of a run, and cubic Hermite polynomials inside its steps.
+
+Slopes of the polynomials are rates times the length of the step.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,6 @@ from collections.abc import Callable, Iterator
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.cubics import cubic
 from dalembert.analysis.dynamics.variant import Variant
 from dalembert.analysis.output_places import OutputPlaces
 from dalembert.integrators.marching.checkpoints import States
@@ -122,3 +124,19 @@ def columns_by_mode(modes: np.ndarray, chosen: np.ndarray) -> Iterator[tuple[int
         part = chosen[modes == mode]
         for begin in range(0, part.size, BLOCK):
             yield int(mode), part[begin : begin + BLOCK]
+
+
+def cubic(c, begin, end, slope, slope_end) -> np.ndarray:
+    """Values at fractions ``c`` of steps."""
+    values = (1 + 2 * c) * (1 - c) ** 2 * begin + c**2 * (3 - 2 * c) * end
+    return values + c * (1 - c) ** 2 * slope - c**2 * (1 - c) * slope_end
+
+
+def minimum_of_cubic(begin, end, slope, slope_end) -> np.ndarray:
+    """Fraction of every step at the minimum of the cubic inside; the middle without one."""
+    a = 6 * (begin - end) + 3 * (slope + slope_end)
+    b = -6 * (begin - end) - 4 * slope - 2 * slope_end
+    with np.errstate(all="ignore"):
+        root = np.sqrt(b**2 - 4 * a * slope)
+        fraction = np.where(b > 0, -2 * slope / (b + root), (root - b) / (2 * a))
+    return np.where((fraction > 0) & (fraction < 1), fraction, 0.5)

@@ -15,9 +15,12 @@ from dalembert.formulations.base import (
     state_sizes,
     state_symbols,
 )
-from dalembert.formulations.consistency import with_consistent_speeds
-from dalembert.formulations.partition import LARGEST_COEFFICIENT, largest_coefficient
-from dalembert.formulations.sliding import SlidingSolver
+from dalembert.formulations.kkt import SlidingSolver
+from dalembert.formulations.partition import (
+    LARGEST_COEFFICIENT,
+    largest_coefficient,
+    with_consistent_speeds,
+)
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.step import Step

@@ -24,7 +24,7 @@ from dalembert.analysis.equilibrium.static_equations import Balance, StaticEquat
 from dalembert.errors import AnalysisError, SingularityError
 from dalembert.model.assembled.evaluation.assembly import Assembly
 from dalembert.model.assembled.evaluation.stiffness_solvers import factors_of, free_displacements
-from dalembert.model.assembled.loads.load_case import ConfigurationLoad
+from dalembert.model.assembled.load_case import ConfigurationLoad
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.assembled.reduction.rigid import node_positions, rigid_motions
 from dalembert.sparse.solver import Factors, SparseSolver

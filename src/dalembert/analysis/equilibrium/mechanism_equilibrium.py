@@ -14,8 +14,10 @@ import numpy as np
 
 from dalembert.analysis.contact.gap_checks import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_warnings
+from dalembert.analysis.equilibrium.neutral_motion import neutral_warnings, unbalanced_text
 from dalembert.analysis.equilibrium.stability import equilibrium_text, instability_warnings
 from dalembert.analysis.equilibrium.static_balance import (
+    Forces,
     StaticBalance,
     StaticsKernel,
     statics_kernel,
@@ -68,6 +70,8 @@ def mechanism_equilibrium(
     stable = bool(np.all(forces.resistance > 0)) if forces.conservative else forces.stable
     text = equilibrium_text(residual, solution.iterations, stable, forces.conservative)
     outcome = Outcome.COMPLETED if solution.accepted else Outcome.NOT_CONVERGED
+    if not solution.accepted:
+        text += unbalanced_text(model, forces)
     column = (-1, 1)
     trajectory = Trajectory(
         np.array([time]),
@@ -87,9 +91,14 @@ def mechanism_equilibrium(
         check.verify(Status(outcome, text, time, solution.residual)),
         {"iterations": solution.iterations, "stable": stable, "residual [N or N m]": residual},
         warnings=[
-            *instability_warnings(forces.negative if solution.accepted else 0, LEAVES),
+            *(_stability_warnings(model, forces) if solution.accepted else []),
             *ignored_contacts(model, trajectory, p),
             *elastic_warnings(model, trajectory, p),
         ],
         record=EquilibriumRecord(kernel),
     )
+
+
+def _stability_warnings(model: Model, forces: Forces) -> list[str]:
+    """Warnings about directions of negative stiffness and of none."""
+    return [*instability_warnings(forces.negative, LEAVES), *neutral_warnings(model, forces)]

@@ -24,9 +24,10 @@ from dalembert.errors import AnalysisError
 from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.batch.batch import Batch
-from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
+from dalembert.results.sources import Row
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import once
 from dalembert.text.arguments import check_arguments

@@ -19,8 +19,9 @@ from dalembert.analysis.singular_positions import LOST
 from dalembert.formulations.base import WORK, Level
 from dalembert.integrators.marching.steps import Steps
 from dalembert.model.graph.model import Model
-from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
+from dalembert.results.sources import Row
 from dalembert.symbolic.evaluation.columns import compiled_form
 
 

@@ -14,8 +14,9 @@ from dalembert.analysis.live.rows import smooth_rows
 from dalembert.analysis.residual_check import MOTION
 from dalembert.formulations.base import Level
 from dalembert.model.graph.model import Model
-from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
+from dalembert.results.sources import Row
 
 NO_EQUILIBRIUM = "no equilibrium was found"
 

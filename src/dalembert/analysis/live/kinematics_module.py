@@ -22,8 +22,9 @@ from dalembert.analysis.live.start import closing, violation
 from dalembert.analysis.residual_check import MOTION
 from dalembert.formulations.base import Level
 from dalembert.model.graph.model import Model
-from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
+from dalembert.results.sources import Row
 
 
 def obstacle(motion: Motion) -> str:
@@ -74,7 +75,7 @@ def kinematics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray)
     unknown = [
         k
         for k, row in enumerate(rows)
-        if any(row.work) or (not forces and ca.depends_on(row.expression, e.multiplier))
+        if any(row.work) or (not forces and ca.depends_on(row.sx, e.multiplier))
     ]
     anchor_p, anchor_y = model.closure.anchor[:2]
     data: dict[str, Any] = {

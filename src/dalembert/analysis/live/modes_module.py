@@ -12,8 +12,9 @@ from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.analysis.live.equilibrium_module import NO_EQUILIBRIUM, following
 from dalembert.analysis.live.start import closing, violation
 from dalembert.analysis.modes.linearization_kernel import Linearized
-from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.live import LiveFunctions
 from dalembert.results.mechanism_modes import IMAG, REAL, MechanismModes
+from dalembert.results.sources import Row
 from dalembert.symbolic.formulas.expression import stack
 
 
@@ -63,7 +64,7 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
     slopes = system.forward.adjoint(t, x, p, 0, q, still, a, b)[1:3]
     pushed = system.tangent(t, x, p, 0, q, still)
     number, parts, bars = ca.SX.sym("number"), ca.vertcat(REAL, IMAG), ca.SX.sym("w", len(rows))
-    column = ca.densify(stack(row.expression for row in rows))
+    column = ca.densify(stack(row.sx for row in rows))
     back = [ca.densify(ca.jtimes(column, of, bars, True)) for of in (parts, e.p)]
     functions = {
         **start,

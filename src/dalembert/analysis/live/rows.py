@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from dalembert.results.live import Row
+from dalembert.results.sources import Row
 from dalembert.symbolic.formulas.expression import Expression, stack
 
 
@@ -15,6 +15,6 @@ def smooth_rows(rows: Sequence[Row]) -> tuple[Expression, list[int]]:
 
     Norms have no derivative at zero, where their weights usually vanish.
     """
-    roots = [k for k, row in enumerate(rows) if row.expression.op() == ca.OP_SQRT]
-    parts = [row.expression.dep(0) if k in roots else row.expression for k, row in enumerate(rows)]
+    roots = [k for k, row in enumerate(rows) if row.sx.op() == ca.OP_SQRT]
+    parts = [row.sx.dep(0) if k in roots else row.sx for k, row in enumerate(rows)]
     return Expression(stack(parts)), roots

@@ -15,7 +15,7 @@ import numpy as np
 from dalembert.analysis.contact.gap_checks import ignored_contacts
 from dalembert.analysis.elastic_range import elastic_warnings
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
-from dalembert.elements.fem.elastic_element import ElasticElement
+from dalembert.elements.fem.base import ElasticElement
 from dalembert.elements.flexible.nodes import Noded
 from dalembert.formulations.base import state_rate
 from dalembert.formulations.kkt import KKT

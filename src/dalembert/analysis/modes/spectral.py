@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from dalembert.results.analysis import Analysis, ParameterValues
-from dalembert.results.numbered import Numbered
+from dalembert.results.modes import Numbered
 from dalembert.results.status import eigenpairs_status
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.timing import Timing

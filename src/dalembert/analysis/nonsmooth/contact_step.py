@@ -9,8 +9,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion, Solve
 from dalembert.integrators.contact.contact_solver import ContactSolver, Impulses
-from dalembert.integrators.contact.contacts import Contacts
-from dalembert.integrators.contact.friction_problem import FrictionProblem
+from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import dense_array

@@ -8,8 +8,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep
 from dalembert.analysis.nonsmooth.smooth_motion import Solve
-from dalembert.integrators.contact.contacts import Contacts
-from dalembert.integrators.contact.friction_problem import FrictionProblem
+from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.symbolic.equations import newton
 from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
 

@@ -16,7 +16,7 @@ from dalembert.elements.base import Scalar
 from dalembert.errors import ModelError, SingularityError, UnsupportedError
 from dalembert.integrators.newmark.rule import Moving
 from dalembert.model.assembled.evaluation.pattern import combine
-from dalembert.model.assembled.loads.load_case import ConfigurationLoad, Expansion
+from dalembert.model.assembled.load_case import ConfigurationLoad, Expansion
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.sparse.factorise import indefinite_factors, symmetric_factors
 from dalembert.sparse.solver import Factors
@@ -56,6 +56,18 @@ class Rayleigh(CheckedArguments):
 
     mass: Scalar = 0.0
     stiffness: Scalar = 0.0
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Rayleigh) and self._identity == other._identity
+
+    def __hash__(self) -> int:
+        return hash(self._identity)
+
+    @property
+    def _identity(self) -> tuple[object, ...]:
+        """Numbers by their values, formulas by the object."""
+        terms = self.mass, self.stiffness
+        return tuple(term if isinstance(term, (float, int)) else id(term) for term in terms)
 
     def coefficients(self, model: StructuralModel) -> ParametricArray:
         """``(α, β)`` as functions of the model's parameters.

@@ -64,7 +64,7 @@ class IdentificationResult(Decision):
     (True, True)
     """
 
-    word = "identification"
+    file_suffix = "identification"
     page_functions = "identification:identification"
     x: dict[str, float]
     success: bool
@@ -170,7 +170,7 @@ class IdentificationResult(Decision):
     # for people ----------------------------------------------------------------------------
     @property
     def notes(self) -> list[str]:
-        """Reasons to doubt the result."""
+        """Reservations about the result."""
         notes = [f"{name} is at a bound; its interval is not meaningful" for name in self.at_bounds]
         notes += [f"poorly determined by the data: {c}" for c in self.poorly_determined]
         notes += [

@@ -79,7 +79,7 @@ class InversionResult(Decision):
     (True, array([3., 6.]))
     """
 
-    word = "inversion"
+    file_suffix = "inversion"
     page_functions = "identification:inversion"
     values: dict[str, np.ndarray]
     deviation: dict[str, np.ndarray]

@@ -61,7 +61,7 @@ class OptimizationResult(Decision):
     (True, ['stress'], 7.85)
     """
 
-    word = "optimum"
+    file_suffix = "optimum"
     page_functions = "optimum:optimum"
     x: dict[str, float]
     fun: float

@@ -70,7 +70,7 @@ def synthesis_designs(candidates: Candidates[Candidate]) -> dict[str, Any]:
         values = [row[name] for row in numbers]
         if np.ptp(values) > 0 or any(values):
             columns.append((name, solutions[0].units.get(name, ""), "parameter", values))
-    labels = [f"{candidates.noun[:-1]} {k + 1}" for k in range(len(solutions))]
+    labels = [f"{candidates.candidate_kind[:-1]} {k + 1}" for k in range(len(solutions))]
     return views.designs(columns, labels=labels)
 
 

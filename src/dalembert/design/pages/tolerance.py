@@ -68,9 +68,9 @@ def tolerance_views(result: ToleranceResult) -> list[dict[str, Any]]:
 
 def _table(result: ToleranceResult) -> dict[str, Any]:
     heads, columns = ["Tolerance ±"], [result.tolerances]
-    if result.allotted is not None:
-        heads.append("Allotted ±")
-        columns.append(result.allotted)
+    if result.allocated is not None:
+        heads.append("Allocated ±")
+        columns.append(result.allocated)
     rows = [
         {"name": n, "cells": [float(c[n]) for c in columns], "unit": result.units.get(n, "")}
         for n in result.tolerances

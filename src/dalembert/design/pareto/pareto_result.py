@@ -61,7 +61,7 @@ class ParetoResult(Decision):
     [[1.0, 20.0], [10.0, 2.0]]
     """
 
-    word = "pareto"
+    file_suffix = "pareto"
     page_functions = "front:front"
     labels: list[str]
     units: list[str]

@@ -63,7 +63,7 @@ class ReliabilityResult(Decision):
     {'r': 0.64, 's': 0.36}
     """
 
-    word = "reliability"
+    file_suffix = "reliability"
     page_functions = "reliability:reliability"
     points: list[DesignPoint]
     system: str

@@ -85,7 +85,7 @@ class ReliableOptimizationResult(Decision):
     16.0
     """
 
-    word = "optimum"
+    file_suffix = "optimum"
     page_functions = "reliability:reliable"
     optimum: OptimizationResult
     beta: float

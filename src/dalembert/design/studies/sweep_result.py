@@ -55,7 +55,7 @@ class SweepResult(Decision):
     (True, [True, False], array([10.]))
     """
 
-    word = "study"
+    file_suffix = "study"
     page_functions = "study:study"
     name: str
     design: DesignTable

@@ -6,7 +6,8 @@ import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
@@ -59,8 +60,9 @@ class StudyTask:
     def units(self) -> dict[str, str]:
         """Unit of every parameter and response."""
         units = {name: p.unit for name, p in self.model.parameters.items()}
+        measures = SimpleNamespace(expression=partial(self.analysis.expression, self.model))
         for response in self.responses:
-            units[response.label] = response.unit_of(self.model)
+            units[response.label] = response.unit_of(measures)
         return units
 
     def failed(self, number: int, reason: str) -> Answer:

@@ -84,9 +84,9 @@ class Candidates(Decision, Generic[CandidateT]):
     interrupted : by Ctrl-C; the solutions computed so far are available
     """
 
-    word = "synthesis"
+    file_suffix = "synthesis"
     page_functions = "synthesis:synthesis"
-    noun: ClassVar[str] = "mechanisms"
+    candidate_kind: ClassVar[str] = "mechanisms"
     target: Target
     solutions: Sequence[CandidateT]
     starts: int
@@ -102,7 +102,7 @@ class Candidates(Decision, Generic[CandidateT]):
     def message(self) -> str:  # type: ignore[override]
         """Number of candidates, and the smallest error."""
         count = len(self.solutions)
-        noun = self.noun if count != 1 else self.noun[:-1]
+        noun = self.candidate_kind if count != 1 else self.candidate_kind[:-1]
         text = f"{count} {noun}, least error {self.best.error:.3g}"
         return f"{text}; interrupted after {self.starts} starts" if self.interrupted else text
 
@@ -162,5 +162,5 @@ class Candidates(Decision, Generic[CandidateT]):
         return designs
 
     def __repr__(self) -> str:
-        count, error = f"{len(self.solutions)} {self.noun}", self.best.error
+        count, error = f"{len(self.solutions)} {self.candidate_kind}", self.best.error
         return f"<{type(self).__name__}: {count}, least error {error:.3g}>"

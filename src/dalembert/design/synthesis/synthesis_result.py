@@ -119,7 +119,7 @@ class SynthesisResult(Candidates[Solution]):
     True
     """
 
-    noun = "linkages"
+    candidate_kind = "linkages"
 
     @property
     def kind(self) -> str:

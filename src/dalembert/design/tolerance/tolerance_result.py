@@ -49,7 +49,7 @@ class ToleranceResult(Decision):
     {'a': 0.36, 'b': 0.64}
     """
 
-    word = "tolerance"
+    file_suffix = "tolerance"
     page_functions = "tolerance:tolerance"
     label: str
     nominal: float
@@ -62,7 +62,7 @@ class ToleranceResult(Decision):
     name: str = ""
     unit: str = ""
     units: dict[str, str] = field(default_factory=dict)
-    allotted: dict[str, float] | None = None
+    allocated: dict[str, float] | None = None
     interrupted: bool = False
     run: Result | None = field(default=None, repr=False)
 
@@ -111,7 +111,7 @@ class ToleranceResult(Decision):
         total = float(squares.sum()) or 1.0
         return dict(zip(self.effects, map(float, squares / total), strict=True))
 
-    def allot(
+    def allocate(
         self,
         limit: float,
         costs: Mapping[str, float],
@@ -141,31 +141,31 @@ class ToleranceResult(Decision):
         names = list(self.effects)
         missing = [n for n in names if not costs.get(n, 0) > 0]
         if missing:
-            raise AnalysisError(f"allot: give a cost above zero for {', '.join(missing)}")
+            raise AnalysisError(f"allocate: give a cost above zero for {', '.join(missing)}")
         if not (limit > 0 and exponent > 0):
-            raise AnalysisError("allot: limit and exponent must be above zero")
+            raise AnalysisError("allocate: limit and exponent must be above zero")
         ranges = {n: bounds[n] if isinstance(bounds, Mapping) else bounds for n in names}
         low, high = np.array(list(ranges.values()), dtype=float).T
         g = np.abs([self.effects[n] / self.tolerances[n] for n in names])
         c, power = np.array([costs[n] for n in names]), 1.0 if worst_case else 2.0
         if not np.any(g > 0):
-            raise AnalysisError("allot: the response does not depend on any of the tolerances")
+            raise AnalysisError("allocate: the response does not depend on any of the tolerances")
 
         def deviation(t: np.ndarray) -> float:
             return float(np.sum(np.where(g > 0, g * t, 0.0) ** power) ** (1 / power))
 
         if deviation(low) > limit:
             raise AnalysisError(
-                f"allot: the minimum tolerances already deviate by {deviation(low):.6g}, above the "
-                f"limit {limit:.6g}"
+                f"allocate: the minimum tolerances already deviate by {deviation(low):.6g}, above "
+                f"the limit {limit:.6g}"
             )
 
-        def allotted(logarithm: float) -> np.ndarray:
+        def allocated(logarithm: float) -> np.ndarray:
             with np.errstate(divide="ignore", over="ignore"):
                 free = np.exp(logarithm) * np.where(g > 0, c / g**power, np.inf)
             return np.clip(free ** (1 / (exponent + power)), low, high)
 
-        optimal = allotted(_multiplier(allotted, deviation, limit))
+        optimal = allocated(_multiplier(allocated, deviation, limit))
         return dict(zip(names, map(float, optimal), strict=True))
 
     def findings(self) -> dict[str, Any]:
@@ -182,7 +182,7 @@ class ToleranceResult(Decision):
             "tolerances": self.tolerances,
             "effects": self.effects,
             "contributions": self.contributions,
-            "allotted": self.allotted,
+            "allocated": self.allocated,
             "samples": None if self.sampled is None else int(self.sampled.size),
             "sampled": None if self.sampled is None else self._of_samples(self.sampled),
         }
@@ -245,13 +245,13 @@ class ToleranceResult(Decision):
 
 
 def _multiplier(
-    allotted: Callable[[float], np.ndarray], deviation: Callable[[np.ndarray], float], limit: float
+    allocated: Callable[[float], np.ndarray], deviation: Callable[[np.ndarray], float], limit: float
 ) -> float:
     """Logarithm of the multiplier for which the limit is reached, by bisection."""
     low, high = -700.0, 700.0
-    if deviation(allotted(high)) <= limit:
+    if deviation(allocated(high)) <= limit:
         return high
     for _ in range(200):
         midpoint = (low + high) / 2
-        low, high = (midpoint, high) if deviation(allotted(midpoint)) <= limit else (low, midpoint)
+        low, high = (midpoint, high) if deviation(allocated(midpoint)) <= limit else (low, midpoint)
     return low

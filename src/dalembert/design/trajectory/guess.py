@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
@@ -12,6 +12,10 @@ from dalembert.design.trajectory.physics import Physics
 from dalembert.design.trajectory.quantities import Conditions
 from dalembert.errors import AnalysisError
 from dalembert.symbolic.formulas.expression import stack
+
+if TYPE_CHECKING:
+    from dalembert.design.trajectory.trajectory_result import TrajectoryResult
+    from dalembert.results.motion import Motion
 
 Guess = dict[str, np.ndarray]
 ITERATIONS = 60
@@ -47,7 +51,7 @@ def initial_guess(
     return _sample_motion(physics, guess, intervals)
 
 
-def from_plan(physics: Physics, plan: Any, intervals: int) -> Guess:
+def from_plan(physics: Physics, plan: TrajectoryResult, intervals: int) -> Guess:
     """A plan as initial guess of the next one, on other intervals."""
     guess = _sample_motion(physics, plan.planned, intervals)
     times = np.linspace(0, plan.duration, 2 * intervals + 1)
@@ -71,7 +75,7 @@ def from_plan(physics: Physics, plan: Any, intervals: int) -> Guess:
     }
 
 
-def _sample_motion(physics: Physics, motion: Any, intervals: int) -> Guess:
+def _sample_motion(physics: Physics, motion: Motion, intervals: int) -> Guess:
     """A motion, sampled at the knots."""
     if motion.model.equations.y.numel() != physics.equations.y.numel():
         raise AnalysisError("the guess is a motion of another mechanism; give one of this model")

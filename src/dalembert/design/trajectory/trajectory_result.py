@@ -62,7 +62,7 @@ class TrajectoryResult(Decision):
     1.0
     """
 
-    word = "trajectory"
+    file_suffix = "trajectory"
     page_functions = "trajectory:trajectory"
     status: Status
     fun: float

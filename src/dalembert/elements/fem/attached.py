@@ -10,8 +10,7 @@ import casadi as ca
 from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.energies import Named
-from dalembert.elements.fem.nodal import Nodal
-from dalembert.elements.fem.rotations import turn_of, vector_of
+from dalembert.elements.fem.nodal import Nodal, turn_of, vector_of
 from dalembert.errors import ModelError
 
 AXES = ("x", "y", "z")

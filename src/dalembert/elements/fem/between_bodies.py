@@ -166,10 +166,12 @@ class BetweenBodies:
         return [pair for pair in pairs if not pair[1].is_zero()]
 
     def masses(self) -> list[tuple[ca.SX, ca.SX]]:
-        """(position, mass) of its nodes."""
+        """(position, mass) of its mass centre, or of its nodes if these have all of its mass."""
         if self.functions.massless:
             return []
-        shares = self.functions.shares(self.data)
+        shares, center = self.functions.shares(self.data), self.functions.mass_center
+        if center is not None:
+            return [(center(self.u, self.data), ca.sum1(shares))]
         return list(zip((n.place for n in self.nodes), ca.vertsplit(shares), strict=True))
 
     def recovered(self) -> dict[str, tuple[ca.SX, str]]:

@@ -164,6 +164,14 @@ class CellFunctions:
         return ca.Function("shares", [g.data], [momentum[::per_node]])
 
     @cached_property
+    def mass_center(self) -> ca.Function | None:
+        """``(u, data)`` → mass centre; None if it is that of the masses of the nodes."""
+        g = self.graphs
+        if g.mass_center is None:
+            return None
+        return ca.Function("mass_center", [g.u, g.data], [g.mass_center], {"cse": True})
+
+    @cached_property
     def checks(self) -> list[tuple[ca.Function, str]]:
         """(``data`` → value that must be positive, message) at every sample."""
         g = self.graphs

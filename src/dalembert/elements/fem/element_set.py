@@ -11,10 +11,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.fem.base import StructuralElement, check_options
+from dalembert.elements.fem.base import ElasticElement, StructuralElement, check_options
 from dalembert.elements.fem.between_bodies import BetweenBodies
 from dalembert.elements.fem.cell_functions import functions_of
-from dalembert.elements.fem.elastic_element import ElasticElement
 from dalembert.elements.fem.node_set import Nodes
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.conversion import as_expression

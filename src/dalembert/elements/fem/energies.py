@@ -119,6 +119,14 @@ class Energies(Element):
         return cls.kinetic(v, x, q)
 
     @classmethod
+    def mass_center(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX | None:
+        """Mass centre of the displaced element; None if it is that of masses at the nodes.
+
+        Its derivative in the initial position, times the mass, is the momentum of ``kinetic``.
+        """
+        return None
+
+    @classmethod
     def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:
         """Measures of the displaced element: name → (expression, unit).
 

@@ -16,9 +16,8 @@ import casadi as ca
 import numpy as np
 
 from dalembert.elements.base import Scalar, quantity
-from dalembert.elements.fem.beams import Bending, linear_kinetic
 from dalembert.elements.fem.energies import Named
-from dalembert.elements.fem.lines import Line
+from dalembert.elements.fem.lines import Bending, Line, linear_kinetic
 from dalembert.elements.look import Diagram
 from dalembert.errors import ModelError
 
@@ -155,6 +154,11 @@ class Frame(Line):
         ends = [motion for end in v for motion in (end[1], end[2])]
         bending = cls.bending(x, q).kinetic(ends, mass, cls.rotary_inertia(q))
         return linear_kinetic(first, second, mass * length) + bending
+
+    @classmethod
+    def mass_center(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        deflection = cls.bending(x, q).mean_deflection(*cls.end_turns(u, x))
+        return cls.middle(u, x) + cls.own_axes(u, x, q)[:, 1] * deflection
 
     @classmethod
     def recovered(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> Named:

@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 
 from dalembert.elements.fem.energies import Energies
-from dalembert.elements.fem.rotations import in_node_axes, spin_map
+from dalembert.elements.fem.nodal import in_node_axes, spin_map
 from dalembert.symbolic.once import CacheOwner
 
 
@@ -40,6 +40,11 @@ class InertiaGraphs(CacheOwner):
         """Total mass: twice the kinetic energy at a unit velocity of all nodes."""
         unit = [ca.vertcat(1, ca.DM.zeros(v.numel() - 1)) for v in self._v]
         return 2 * ca.substitute(self.kinetic, self.v, ca.vertcat(*unit))
+
+    @cached_property
+    def mass_center(self) -> ca.SX | None:
+        """Mass centre of the displaced element; None if it is that of the masses of its nodes."""
+        return self.cls.mass_center(self._u, self._x, self._q)
 
     # mass matrices ------------------------------------------------------------------------
     def _masses(self):

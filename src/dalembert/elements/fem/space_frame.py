@@ -15,10 +15,9 @@ from typing import ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Scalar, Vector, quantity
-from dalembert.elements.fem.beams import Bending, linear_kinetic
 from dalembert.elements.fem.energies import Named
-from dalembert.elements.fem.lines import Line
-from dalembert.elements.fem.rotations import rotation_vector, turn_of
+from dalembert.elements.fem.lines import Bending, Line, linear_kinetic
+from dalembert.elements.fem.nodal import rotation_vector, turn_of
 from dalembert.elements.look import Diagram
 from dalembert.errors import ModelError
 
@@ -217,6 +216,14 @@ class SpaceFrame(Line):
         side = [motion for speed, spin in velocities for motion in (speed[1], spin[2])]
         total += about_y.kinetic(down, mass, inertia_y)
         return total + about_z.kinetic(side, mass, inertia_z)
+
+    @classmethod
+    def mass_center(cls, u: list[ca.SX], x: list[ca.SX], q: dict[str, ca.SX]) -> ca.SX:
+        (about_y, about_z), (first, second) = cls.bending(x, q), cls.end_rotations(u, x, q)
+        along_y = about_z.mean_deflection(first[2], second[2])
+        along_z = -about_y.mean_deflection(first[1], second[1])
+        deflection = ca.mtimes(cls.own_axes(u, x, q)[:, 1:], ca.vertcat(along_y, along_z))
+        return cls.middle(u, x) + deflection
 
     # measures -----------------------------------------------------------------------------
     @classmethod

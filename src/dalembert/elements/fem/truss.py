@@ -8,9 +8,8 @@ from typing import ClassVar
 import casadi as ca
 
 from dalembert.elements.base import Scalar, quantity
-from dalembert.elements.fem.beams import linear_kinetic
 from dalembert.elements.fem.energies import Named
-from dalembert.elements.fem.lines import Line
+from dalembert.elements.fem.lines import Line, linear_kinetic
 from dalembert.elements.look import Diagram
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.integrators.contact.friction_problem import FrictionProblem
+from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.options import options
 
 MAX_ITERATIONS, STEP_FRACTIONS = 100, (1.0, 0.5, 0.25, 0.125)

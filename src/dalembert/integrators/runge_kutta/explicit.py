@@ -11,8 +11,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.base import Attempt, Integrator, Problem
 from dalembert.integrators.error_control import ErrorControlled, absolute, share
-from dalembert.integrators.runge_kutta.embedded import embedded_attempt
-from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep
+from dalembert.integrators.runge_kutta.explicit_step import ExplicitStep, embedded_attempt
 from dalembert.integrators.runge_kutta.tableau import (
     CLASSICAL,
     DORMAND_PRINCE,

@@ -150,7 +150,7 @@ class ReliabilityTable(Record):
     rng: Integer = Field(default=0, description="seed of starts and samples")
 
 
-class AllotTable(Record):
+class AllocateTable(Record):
     """Cost-optimal tolerances that keep a response within a limit."""
 
     limit: Number = Field(description="limit of the deviation of the response, on both sides")
@@ -174,7 +174,7 @@ class ToleranceTable(Record):
     worst_case: Flag = Field(default=True, description="extremes within all tolerances")
     samples: Integer = Field(default=0, description="samples of an additional Monte Carlo estimate")
     rng: Integer = Field(default=0, description="seed of the samples")
-    allot: AllotTable = Field(  # type: ignore[assignment]
+    allocate: AllocateTable = Field(  # type: ignore[assignment]
         default=None, description="allocation of tolerances, a table as below"
     )
 

@@ -8,7 +8,7 @@ from typing import Any
 from dalembert.design.reliability.distribution import Distribution
 from dalembert.design.reliability.nataf import Nataf
 from dalembert.io.analyses import table_options
-from dalembert.io.decisions.design_tables import AllotTable, ToleranceTable, distribution
+from dalembert.io.decisions.design_tables import AllocateTable, ToleranceTable, distribution
 from dalembert.io.decisions.responses import (
     find_response,
     make_limits,
@@ -61,7 +61,7 @@ def make_reliability(file: ModelFile, model: ParametricModel) -> dict[str, Any]:
 def make_tolerance(
     file: ModelFile, model: ParametricModel
 ) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """Arguments of ``tolerance``, and of ``allot`` if the file requests it.
+    """Arguments of ``tolerance``, and of ``allocate`` if the file requests it.
 
     Raises
     ------
@@ -88,26 +88,26 @@ def make_tolerance(
         raise file.located.error(text, "tolerance", "sigmas")
     keys = ("tolerances", "sigmas", "second_order", "worst_case", "samples", "rng")
     arguments = {"response": response, **{key: getattr(table, key) for key in keys}}
-    return arguments, None if table.allot is None else _allotment_options(
-        file, table, table.allot, response.declared_unit
+    return arguments, None if table.allocate is None else _allocation_options(
+        file, table, table.allocate, response.declared_unit
     )
 
 
-def _allotment_options(
-    file: ModelFile, table: ToleranceTable, allot: AllotTable, unit: str
+def _allocation_options(
+    file: ModelFile, table: ToleranceTable, allocate: AllocateTable, unit: str
 ) -> dict[str, Any]:
     for name in table.tolerances:
-        if name not in allot.costs:
+        if name not in allocate.costs:
             text = f"has no cost of {name}; give every tolerance one"
-            raise file.located.error(text, "tolerance", "allot", "costs")
-    with file.located("tolerance", "allot", "limit"):
-        check_measured([allot.limit], unit, "")
+            raise file.located.error(text, "tolerance", "allocate", "costs")
+    with file.located("tolerance", "allocate", "limit"):
+        check_measured([allocate.limit], unit, "")
     for key in ("limit", "exponent"):
-        if not getattr(allot, key) > 0:
-            text = f"is {getattr(allot, key):g}; it must be above zero"
-            raise file.located.error(text, "tolerance", "allot", key)
-    options = table_options(allot)
-    options["costs"] = dict(allot.costs)
+        if not getattr(allocate, key) > 0:
+            text = f"is {getattr(allocate, key):g}; it must be above zero"
+            raise file.located.error(text, "tolerance", "allocate", key)
+    options = table_options(allocate)
+    options["costs"] = dict(allocate.costs)
     return options
 
 

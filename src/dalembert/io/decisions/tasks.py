@@ -22,7 +22,9 @@ from dalembert.io.documents import Document
 from dalembert.io.model_file import ModelFile
 from dalembert.io.report import report_choices
 from dalembert.io.strategies import STRATEGIES
+from dalembert.model.graph.model import Model
 from dalembert.responses.base import Response
+from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.units.measured import check_measured
 
 STRATEGY_KINDS = {
@@ -34,7 +36,7 @@ STRATEGY_KINDS = {
 """Key of ``[compare]`` → key of ``STRATEGIES``."""
 
 
-def make_gradient(file: ModelFile, model: Any) -> tuple[dict[str, Response], list[str]]:
+def make_gradient(file: ModelFile, model: ParametricModel) -> tuple[dict[str, Response], list[str]]:
     """Responses and parameters of ``[sensitivity]``; all if none are named."""
     table, available = file.document.sensitivity, make_responses(file, model)
     names = table.responses or list(available) or [""]
@@ -49,7 +51,7 @@ def make_gradient(file: ModelFile, model: Any) -> tuple[dict[str, Response], lis
     return responses, select_parameters(file, table.wrt, "sensitivity", "wrt")
 
 
-def make_sweep(file: ModelFile, model: Any) -> tuple[DesignTable, list[Response]]:
+def make_sweep(file: ModelFile, model: ParametricModel) -> tuple[DesignTable, list[Response]]:
     """Designs and responses of ``[sweep]``.
 
     Raises
@@ -87,7 +89,7 @@ def make_sweep(file: ModelFile, model: Any) -> tuple[DesignTable, list[Response]
         return random[table.type](ranges, table.samples, table.rng), responses
 
 
-def make_comparison(file: ModelFile, model: Any, preset: Mapping[str, Any]) -> dict[str, Any]:
+def make_comparison(file: ModelFile, model: Model, preset: Mapping[str, Any]) -> dict[str, Any]:
     """Arguments of ``compare`` from ``[compare]`` and the times of ``[analysis]``.
 
     Parameters
@@ -119,7 +121,7 @@ def make_comparison(file: ModelFile, model: Any, preset: Mapping[str, Any]) -> d
     return arguments | times
 
 
-def _times(file: ModelFile, model: Any) -> dict[str, Any]:
+def _times(file: ModelFile, model: ParametricModel) -> dict[str, Any]:
     """Span and outputs of ``[analysis]``."""
     table: Any = file.document.analysis
     if table is None or table.type != "Dynamics":
@@ -151,7 +153,7 @@ READERS: dict[str, Callable[[ModelFile, Any], Any]] = {
 """Section of a file → its reader."""
 
 
-def check_tasks(file: ModelFile, model: Any) -> None:
+def check_tasks(file: ModelFile, model: ParametricModel) -> None:
     """Check that all tasks of a file can be constructed; nothing is computed."""
     make_responses(file, model)
     report_choices(file, model)

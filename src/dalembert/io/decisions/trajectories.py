@@ -15,11 +15,12 @@ from dalembert.io.decisions.responses import make_limits, select_parameters
 from dalembert.io.decisions.task_tables import GUESSES
 from dalembert.io.model_file import ModelFile
 from dalembert.io.strategies import TRAJECTORY_METHODS
+from dalembert.model.graph.model import Model
 from dalembert.responses.values import Final
 from dalembert.text.wording import unknown
 
 
-def make_trajectory(file: ModelFile, model: Any) -> dict[str, Any]:
+def make_trajectory(file: ModelFile, model: Model) -> dict[str, Any]:
     """Arguments of ``optimize_trajectory`` from ``[trajectory]``.
 
     Raises
@@ -59,7 +60,7 @@ def make_trajectory(file: ModelFile, model: Any) -> dict[str, Any]:
     }
 
 
-def _objective_and_limits(file: ModelFile, model: Any, table: Any) -> dict[str, Any]:
+def _objective_and_limits(file: ModelFile, model: Model, table: Any) -> dict[str, Any]:
     """Objective and limits."""
     quantities = Quantities(file, model)
     if table.minimize == "time" and "time" not in quantities.names:
@@ -75,7 +76,7 @@ def _objective_and_limits(file: ModelFile, model: Any, table: Any) -> dict[str, 
     return {"minimize": objective, "subject_to": limits}
 
 
-def _conditions(file: ModelFile, model: Any, key: str, table: dict[str, Any]) -> dict[str, Any]:
+def _conditions(file: ModelFile, model: Model, key: str, table: dict[str, Any]) -> dict[str, Any]:
     """Measure → value, or bounds; None is no bound."""
     conditions: dict[str, Any] = {}
     for measure, value in table.items():
@@ -90,7 +91,7 @@ def _finite_or_none(side: float | None) -> float | None:
     return None if side is None or not np.isfinite(side) else side
 
 
-def _measures(file: ModelFile, model: Any, names: list[str]) -> list[str]:
+def _measures(file: ModelFile, model: Model, names: list[str]) -> list[str]:
     for k, name in enumerate(names):
         with file.located("trajectory", "cyclic", k):
             model.expression(name)

@@ -18,9 +18,9 @@ from dalembert.model.assembled.evaluation.assembly import Assembly
 from dalembert.model.assembled.evaluation.block import ElementBlock
 from dalembert.model.assembled.evaluation.blocks import BlockMaker
 from dalembert.model.assembled.evaluation.numbering import Numbering
-from dalembert.model.assembled.loads.load_cases import InitialConditions, LoadCaseMaker
-from dalembert.model.assembled.measuring.measures import Measure
-from dalembert.model.assembled.measuring.named_measures import StructuralMeasures
+from dalembert.model.assembled.load_cases import InitialConditions, LoadCaseMaker
+from dalembert.model.assembled.measures import Measure
+from dalembert.model.assembled.named_measures import StructuralMeasures
 from dalembert.model.assembled.reduction.basis import MEAN
 from dalembert.model.assembled.reduction.craig_bampton import CraigBampton, craig_bampton
 from dalembert.model.assembled.reduction.following import FollowingShapes

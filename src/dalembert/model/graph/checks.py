@@ -159,7 +159,7 @@ class ValueChecks:
         for check, part in zip(self._checks, numbers, strict=False):
             check(part)
 
-    def doubtful(self, table: np.ndarray) -> np.ndarray:
+    def unverified(self, table: np.ndarray) -> np.ndarray:
         """(designs,) whether a row of parameter values may be invalid and must be checked alone."""
         with np.errstate(all="ignore"):
             numbers = np.asarray(self._values.map(len(table))(table.T).full())
@@ -175,7 +175,7 @@ def element_warnings(d: Description, values: Sequence[float] | np.ndarray) -> tu
     symbols, warnings = d.space.symbols, []
     for element in d.elements.values():
         for condition, message, *parts in element.warnings():
-            function = ca.Function("doubt", [symbols], [condition, stack(parts)])
+            function = ca.Function("margins", [symbols], [condition, stack(parts)])
             margins, numbers = (x.full().ravel() for x in function(values))
             if not np.all(margins >= 0):
                 warnings.append(f"{element.name}: {message.format(*numbers)}")

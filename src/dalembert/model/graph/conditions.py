@@ -13,7 +13,7 @@ import numpy as np
 from dalembert.elements import planar, spatial
 from dalembert.elements.base import Element
 from dalembert.elements.fem.element_set import Elements
-from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS
+from dalembert.elements.fem.nodal import ROTATIONS, TRANSLATIONS, effort, missing_rotation
 from dalembert.errors import ModelError
 from dalembert.model.load_records import LineLoad, Load, Weight
 from dalembert.model.supports_and_loads import SupportsAndLoads
@@ -101,9 +101,8 @@ class MechanismConditions:
         for name, directed in values.items():
             for direction in directed:
                 if direction not in self._directions(name):
-                    raise ModelError(
-                        f"{direction}: no element turns this node", f"{section} {name}"
-                    )
+                    condition = effort(direction) if section == "load" else direction
+                    raise missing_rotation(condition, f"{section} {name}")
             yield self.system.node_body(name), directed
 
     def _support(self, node: Any, values: dict[str, Expression]) -> Iterator[Element]:

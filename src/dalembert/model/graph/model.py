@@ -157,9 +157,9 @@ class Model(ParametricModel):
     def check_values(self, p: np.ndarray) -> None:
         self._value_checks(p[: len(self.parameters)])
 
-    def doubtful(self, table: np.ndarray) -> np.ndarray:
+    def unverified(self, table: np.ndarray) -> np.ndarray:
         """(designs,) rows of parameter values that must be checked by ``check_values``."""
-        return self._value_checks.doubtful(table)
+        return self._value_checks.unverified(table)
 
     def completed(self, p: np.ndarray) -> np.ndarray:
         return self.parts.space.complete(p)
@@ -167,8 +167,8 @@ class Model(ParametricModel):
     def tangents(self, p: np.ndarray, columns: Sequence[int]) -> np.ndarray:
         return self.parts.space.tangents(p, columns)
 
-    def gathered(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
-        return self.parts.space.gathered(p, gradients)
+    def parameter_gradients(self, p: np.ndarray, gradients: np.ndarray) -> np.ndarray:
+        return self.parts.space.parameter_gradients(p, gradients)
 
     def shapes(self, body: FloatingFrame, p: np.ndarray) -> FloatingShapes:
         """The shapes of a flexible body at parameter values."""

@@ -24,8 +24,7 @@ from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.inertia import BlockInertia
 from dalembert.model.graph.manifold import Manifold
 from dalembert.model.graph.scales import Scales
-from dalembert.symbolic.equations.factor import LdlFactor, QrFactor
-from dalembert.symbolic.equations.null_space import PartitionBasis
+from dalembert.symbolic.equations.factor import LdlFactor, PartitionBasis, QrFactor
 
 
 @dataclass(frozen=True, eq=False)

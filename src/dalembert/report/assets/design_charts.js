@@ -6,7 +6,11 @@
 import { Chart, Scale, clipped, hint, pathOf, written } from "./charts.js";
 import { el, shape } from "./dom.js";
 import { clamp, extent, isNum, tidy } from "./numbers.js";
+import { inRows } from "./text_rows.js";
 import { Theme } from "./theme.js";
+
+/** Height of a row of texts [px], and fonts of the texts. */
+const ROW = 14, NAME_FONT = "650 12px", VALUE_FONT = "11.5px";
 
 /** Chart of designs that follows the selected design, the ranges and the theme. */
 class DesignChart extends Chart {
@@ -86,9 +90,13 @@ export class ParallelChart extends DesignChart {
   /** @param {number} w @param {number} h @override */
   draw(w, h) {
     const { choice } = this, { columns } = choice, last = columns.length - 1;
-    const left = 30, right = w - 30, top = 62, bottom = h - 32, gap = (right - left) / Math.max(1, last);
+    const left = 30, right = w - 30, gap = (right - left) / Math.max(1, last);
     const at = (/** @type {number} */ c) => (last > 0 ? left + c * gap : w / 2);
     const scales = columns.map((c) => new Scale(choice.order.map((k) => c.values[k]), false, 0));
+    const places = columns.map((_, c) => at(c)), unit = (/** @type {string} */ text) => (text ? ` [${text}]` : "");
+    const names = inRows(places, (c, limit) => clipped(columns[c].name, limit) + unit(columns[c].unit), w, NAME_FONT);
+    const [highest, lowest] = [scales.map(({ hi }) => hi), scales.map(({ lo }) => lo)].map((ends) => inRows(places, (c) => tidy(ends[c], 3), w, VALUE_FONT));
+    const head = highest.rows * ROW + 6, top = names.rows * ROW + head + 4, bottom = h - lowest.rows * ROW - 6;
     const y = (/** @type {number} */ c, /** @type {number} */ v) => bottom - scales[c].share(v) * (bottom - top);
     this.svg.append(shape("g", { class: "lines" }, choice.order.map((k) => {
       const points = columns.map((c, i) => (isNum(c.values[k]) ? `${at(i).toFixed(1)} ${y(i, c.values[k]).toFixed(1)}` : "")).filter(Boolean);
@@ -97,16 +105,13 @@ export class ParallelChart extends DesignChart {
       line.style.strokeOpacity = choice.count > 100 ? "0.35" : "0.75";
       return line;
     })));
-    const crowded = gap < 74, room = Math.max(4, Math.floor(gap / 6.6));
     columns.forEach((c, i) => {
-      const { lo, hi } = scales[i], drop = crowded && i % 2 ? 14 : 0, range = choice.ranges.get(i);
-      const [anchor, tx] = i === 0 ? ["start", 4] : i === last ? ["end", w - 4] : ["middle", at(i)];
-      const value = { class: "value", "text-anchor": anchor };
+      const { lo, hi } = scales[i], range = choice.ranges.get(i), [name, high, low] = [names, highest, lowest].map(({ texts }) => texts[i]);
+      const value = { class: "value", "text-anchor": "middle" };
       this.svg.append(shape("g", { class: `axis ${c.role}` }, shape("line", { x1: at(i), x2: at(i), y1: top, y2: bottom }),
-        written(tx, 14 + drop, clipped(c.name, crowded ? 2 * room - 2 : room + 3), { "text-anchor": anchor, class: "label" }, hint(c.name)),
-        written(tx, 28 + drop, c.unit ? clipped(`[${c.unit}]`, room) : "", value),
-        written(tx, bottom + 14 + (drop && 12), tidy(lo, 3), value, hint(`from ${tidy(lo, 5)} to ${tidy(hi, 5)}`)),
-        written(tx, top - 6, tidy(hi, 3), value),
+        written(name.x, top - head - name.row * ROW, name.text, { "text-anchor": "middle", class: "label" }, hint(choice.title(c))),
+        written(low.x, bottom + 14 + low.row * ROW, low.text, value, hint(`from ${tidy(lo, 5)} to ${tidy(hi, 5)}`)),
+        written(high.x, top - 6 - high.row * ROW, high.text, value),
         range && shape("rect", { x: at(i) - 7, width: 14, y: y(i, range[1]), height: Math.max(2, y(i, range[0]) - y(i, range[1])), rx: 3, class: "range" }),
         this.handle(i, at(i), top, bottom, scales[i])));
     });

@@ -21,7 +21,9 @@ export class Design {
     this.future = [];
     /** Emitted with the origin of a change. @type {Signal<string>} */
     this.onChange = new Signal();
-    this.read();
+    /** Design in the address, or the one with which the page was saved. */
+    this.values = this.readFrom(location.hash) ?? this.readFrom(document.documentElement.dataset.design ?? "") ?? this.values;
+    addEventListener("hashchange", () => { const values = this.readFrom(location.hash); if (values) { this.begin(); this.replace(values, "address"); } });
   }
 
   /** Lower and upper end of the slider of a parameter. @param {number} k @returns {[number, number]} */
@@ -80,14 +82,17 @@ export class Design {
 
   get hash() { return this.changed ? `#p=${this.changes.map(([name, value]) => `${encodeURIComponent(name)}:${value}`).join(",")}` : ""; }
 
-  /** Take values from the address; unknown names and other texts have no effect. */
-  read() {
-    const text = /^#p=(.*)$/.exec(location.hash)?.[1];
-    for (const part of text?.split(",") ?? []) {
+  /** Values in the text of an address, null without any; unknown names and other texts have no effect. @param {string} address */
+  readFrom(address) {
+    const text = /^#p=(.*)$/.exec(address)?.[1];
+    if (text === undefined) return null;
+    const values = [...this.initial];
+    for (const part of text.split(",")) {
       const at = part.lastIndexOf(":"), value = /^[-+.\deE]{1,32}$/.test(part.slice(at + 1)) ? Number(part.slice(at + 1)) : NaN;
       const k = this.parameters.findIndex(({ name }) => encodeURIComponent(name) === part.slice(0, at));
-      if (k >= 0 && isNum(value)) this.values[k] = this.bounded(k, value);
+      if (k >= 0 && isNum(value)) values[k] = this.bounded(k, value);
     }
+    return values;
   }
 
   /** Show the design in the address, where the browser permits it. */

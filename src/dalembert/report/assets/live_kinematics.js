@@ -5,7 +5,7 @@
 import { LiveInstants } from "./live_instants.js";
 import { RunFailure } from "./live_run.js";
 
-const CHUNK = 200;
+const STRETCH = 200;
 
 /** Motions of one driven mechanism, one after the other. */
 export class LiveKinematics extends LiveInstants {
@@ -20,7 +20,7 @@ export class LiveKinematics extends LiveInstants {
       throw new RunFailure(`at t = ${path[0]} s the mechanism stands in a singular position and velocities are not determined`, undefined, undefined, "singular position");
     engine.view(columns, size).set(first);
     for (let k = 0; k < h.length; ) {
-      const mark = engine.top, count = Math.min(CHUNK, h.length - k);
+      const mark = engine.top, count = Math.min(STRETCH, h.length - k);
       const { done, to: [, moved] } = engine.call("step", count, [columns + 8 * size * k, ts + 8 * (k + 1), hs + 8 * k, ps], new Set([3]), true);
       const largest = engine.view(moved, count).slice();
       let good = 0;

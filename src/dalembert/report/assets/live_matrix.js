@@ -18,6 +18,13 @@ export function product(a, b) {
   return result;
 }
 
+/** @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
+export function dot(a, b) {
+  let sum = 0;
+  for (let k = 0; k < a.length; k++) sum += a[k] * b[k];
+  return sum;
+}
+
 /** Orthonormal basis of the null space of a matrix with independent rows, as columns, and of the space of its rows: Householder's method.
  * @param {Matrix} a @param {number} n number of its columns @returns {{ free: Matrix, bound: Matrix }} (n, n − m) and (n, m) */
 export function spaces(a, n) {

@@ -3,11 +3,10 @@
 /** @import { Matrix } from "./live_matrix.js" */
 
 import { eigenvalues, eigenvector } from "./live_eigenvalues.js";
-import { matrixOf, product, solved, spaces, transposed } from "./live_matrix.js";
+import { dot, matrixOf, product, solved, spaces, transposed } from "./live_matrix.js";
 import { LiveRun, RunFailure } from "./live_run.js";
 
-const CONJUGATE = 1e-12, CONVERGED = 1e-6, COINCIDE = 1e-8;
-const dot = (/** @type {Float64Array} */ a, /** @type {Float64Array} */ b) => a.reduce((sum, x, k) => sum + x * b[k], 0);
+const CONJUGATE = 1e-12, SETTLED = 1e-6, COINCIDE = 1e-8;
 /** Product of a matrix and a vector. @param {Matrix} a @param {Float64Array} x */
 const times = (a, x) => Float64Array.from(a, (row) => dot(row, x));
 
@@ -40,7 +39,7 @@ export class LiveModes extends LiveRun {
     wanted.forEach((value, k) => engine.evaluate("outputs", [k + 1], value, p)?.[0].forEach((output, r) => { table[n * r + k] = output; }));
     const size = Math.max(...a.map((row) => Math.max(...row.map(Math.abs))), Number.MIN_VALUE);
     const left = Math.max(0, ...wanted.map((value) => open(a, value) / size)), count = wanted.length;
-    const success = left < CONVERGED, message = success ? `${data.name}: ${count} mode(s)` : `residual ${left.toExponential(2)}`;
+    const success = left < SETTLED, message = success ? `${data.name}: ${count} mode(s)` : `residual ${left.toExponential(2)}`;
     const status = { outcome: success ? "completed" : "not converged", message, time: data.start, residual: left, success };
     return { times: this.times, table, rows, status, modes: { p, near, x, j, g, basis, bound, a, wanted, values } };
   }

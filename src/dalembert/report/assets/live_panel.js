@@ -89,8 +89,10 @@ export class ParameterPanel {
     this.redo = iconButton("redo", "Redo", () => design.redo(), { id: "redo" });
     this.reset = el("button", { type: "button", class: "button", id: "reset-design", onclick: () => design.reset() }, icon("back"), "Reset");
     this.status = el("p", { class: "live-status", role: "status", "aria-live": "polite" });
+    this.elapsed = el("span");
+    this.progress = el("p", { class: "caption live-progress", hidden: true }, el("i"), this.elapsed);
     this.tools = el("div", { class: "live-tools" }, this.undo, this.redo, this.reset);
-    this.node = el("div", {}, el("div", { class: "plot-head" }, el("h2", {}, "Parameters"), this.tools), el("div", { class: "parameters" }, this.rows.map(({ node }) => node)), this.status);
+    this.node = el("div", {}, el("div", { class: "plot-head" }, el("h2", {}, "Parameters"), this.tools), el("div", { class: "parameters" }, this.rows.map(({ node }) => node)), this.progress, this.status);
     design.onChange.on(() => this.update());
     this.update();
   }
@@ -108,6 +110,13 @@ export class ParameterPanel {
     if (!slopes || !response) return;
     const most = Math.max(...this.rows.map(({ low, high }, k) => Math.abs(slopes[k] * (high - low)) / 100));
     this.rows.forEach((row, k) => row.showSlope(slopes[k], most, response));
+  }
+
+  /** Show that a run takes long. @param {number | null} time since its start [ms] */
+  busy(time) {
+    this.node.classList.toggle("busy", time !== null);
+    this.progress.hidden = time === null;
+    if (time !== null) this.elapsed.textContent = `computing, ${(time / 1000).toFixed(1)} s`;
   }
 
   /** @param {string} text @param {string} [kind] */

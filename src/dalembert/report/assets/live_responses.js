@@ -1,16 +1,44 @@
-// Responses of live pages: reductions of the samples of a row, and their derivatives.
+// Responses of live pages: reductions of the samples of rows, and their derivatives.
 
-/** @import { LiveResponse } from "./types.d.ts" */
+/** @import { LiveResponse, LiveTerm } from "./types.d.ts" */
 
-/** Weights of an integral over the samples: straight lines between them. @param {ArrayLike<number>} times */
-function integral(times) {
-  const weights = new Float64Array(times.length);
-  for (let i = 1; i < times.length; i++) {
-    const half = (times[i] - times[i - 1]) / 2;
-    weights[i - 1] += half;
-    weights[i] += half;
+import { dot } from "./live_matrix.js";
+
+/** Threshold for joining the last interval to the one before, relative to its length. */
+const SHORT_INTERVAL = 1e-3;
+/** Spread of samples that is round-off, relative to the largest one; squared range of a uniform distribution divided by its variance. */
+const ALIKE = 1e-10, UNIFORM = 12;
+
+/** Integrals over [0, h] of the parabola through nodes 0, h and b: weights of the values there. @param {number} h @param {number} b */
+function parabola(h, b) {
+  return [h / 2 - (h * h) / (6 * b), h / 2 + (h * h) / (6 * (b - h)), (-h * h * h) / (6 * b * (b - h))];
+}
+
+/** Weights for instants that were used before. @type {WeakMap<ArrayLike<number>, Float64Array>} */
+const rules = new WeakMap();
+
+/** Weights of an integral over the samples: on each interval the mean of the parabolas through it and a neighbour.
+ * @param {ArrayLike<number>} times */
+function integralWeights(times) {
+  const before = rules.get(times);
+  if (before) return before;
+  const weights = new Float64Array(times.length), nodes = Array.from(times, (_, k) => k), end = times.length - 1;
+  if (end > 1 && times[end] - times[end - 1] < SHORT_INTERVAL * (times[end - 1] - times[end - 2])) nodes.splice(end - 1, 1);
+  const last = nodes.length - 1;
+  for (let k = 0; k < last; k++) {
+    const [p, q] = [nodes[k], nodes[k + 1]], h = times[q] - times[p];
+    const third = [nodes[k - 1], nodes[k + 2]].filter((node) => node !== undefined);
+    if (!third.length) { weights[p] += h / 2; weights[q] += h / 2; }
+    for (const node of third) parabola(h, times[node] - times[p]).forEach((w, i) => { weights[[p, q, node][i]] += w / third.length; });
   }
+  rules.set(times, weights);
   return weights;
+}
+
+/** Weights of a mean over time. @param {ArrayLike<number>} times */
+function meanWeights(times) {
+  const span = times[times.length - 1] - times[0];
+  return times.length > 1 ? integralWeights(times).map((w) => w / span) : new Float64Array(1).fill(1);
 }
 
 /** Index of the largest of `sign` times the samples. @param {ArrayLike<number>} samples @param {number} sign */
@@ -20,25 +48,51 @@ function peak(samples, sign) {
   return most;
 }
 
-/** @param {LiveResponse} response @param {ArrayLike<number>} times @param {Float64Array} samples */
-export function valueOf({ kind }, times, samples) {
-  const n = samples.length;
-  if (kind === "maximum" || kind === "minimum") return samples[peak(samples, kind === "maximum" ? 1 : -1)];
-  if (kind === "final") return samples[n - 1];
-  const weights = integral(times), span = kind === "integral" ? 1 : times[n - 1] - times[0];
-  let sum = 0;
-  for (let i = 0; i < n; i++) sum += weights[i] * (kind === "rms" ? samples[i] ** 2 : samples[i]);
-  return kind === "rms" ? Math.sqrt(sum / span) : sum / span;
+/** Value and derivatives by the samples of the function of Kreisselmeier and Steinhauser, as `SmoothExtreme`.
+ * @param {LiveTerm} term @param {Float64Array} samples @returns {[number, Float64Array]} */
+function smoothExtreme({ sign = 1, smooth = 0, relative = false }, samples) {
+  const n = samples.length, m = samples.map((v) => sign * v), top = m.reduce((a, b) => Math.max(a, b)), mean = m.reduce((a, b) => a + b, 0) / n;
+  const share = smooth * Math.sqrt(UNIFORM), spread = share * Math.sqrt(m.reduce((sum, v) => sum + (v - mean) ** 2, 0) / n);
+  const width = !relative ? smooth : spread > ALIKE * m.reduce((most, v) => Math.max(most, Math.abs(v)), 0) ? spread : 0;
+  if (!width) return [sign * top, new Float64Array(n).fill(1 / n)];
+  const exponents = m.map((v) => (v - top) / width), powers = exponents.map((e) => Math.exp(e) / n), total = powers.reduce((a, b) => a + b, 0);
+  const shares = powers.map((power) => power / total), byWidth = Math.log(total) - dot(shares, exponents);
+  return [sign * (top + width * Math.log(total)), shares.map((s, k) => s + (relative ? (byWidth * share ** 2 * (m[k] - mean)) / (n * width) : 0))];
 }
 
-/** Derivatives of the value by the samples. @param {LiveResponse} response @param {ArrayLike<number>} times @param {Float64Array} samples */
-export function samplesWeights(response, times, samples) {
-  const { kind } = response, n = samples.length, weights = new Float64Array(n);
-  if (kind === "maximum" || kind === "minimum") weights[peak(samples, kind === "maximum" ? 1 : -1)] = 1;
-  else if (kind === "final") weights[n - 1] = 1;
-  else {
-    const span = kind === "integral" ? 1 : times[n - 1] - times[0], size = kind === "rms" ? valueOf(response, times, samples) : 1;
-    integral(times).forEach((w, i) => { weights[i] = (w / span) * (kind === "rms" ? samples[i] / (size || 1) : 1); });
+/** Value of a term and its derivatives by the samples. @param {LiveTerm} term @param {ArrayLike<number>} times @param {Float64Array} samples
+ * @returns {[number, Float64Array]} */
+function reduced(term, times, samples) {
+  const n = samples.length, { kind } = term;
+  const single = (/** @type {number} */ k) => { const weights = new Float64Array(n); weights[k] = 1; return /** @type {[number, Float64Array]} */ ([samples[k], weights]); };
+  const linear = (/** @type {Float64Array} */ weights) => /** @type {[number, Float64Array]} */ ([dot(weights, samples), weights]);
+  switch (kind) {
+    case "maximum": return single(peak(samples, 1));
+    case "minimum": return single(peak(samples, -1));
+    case "final": return single(n - 1);
+    case "at": return single(term.instant ?? 0);
+    case "sum": return linear(new Float64Array(n).fill(1));
+    case "integral": return linear(integralWeights(times));
+    case "mean": return linear(meanWeights(times));
+    case "smooth": return smoothExtreme(term, samples);
+    case "rms": {
+      const weights = meanWeights(times), value = Math.sqrt(Math.max(dot(weights, samples.map((v) => v * v)), 0));
+      return [value, value ? weights.map((w, k) => (w * samples[k]) / value) : new Float64Array(n)];
+    }
   }
-  return weights;
+}
+
+/** Value of a response, and the derivatives by the samples of each row.
+ * @param {LiveResponse} response @param {ArrayLike<number>} times @param {(row: number) => Float64Array} samplesOf
+ * @returns {{ value: number, weights: Map<number, Float64Array> }} */
+export function responseOf({ terms, constant = 0 }, times, samplesOf) {
+  /** @type {Map<number, Float64Array>} */
+  const weights = new Map();
+  let value = constant;
+  for (const term of terms) {
+    const [part, slopes] = reduced(term, times, samplesOf(term.row)), before = weights.get(term.row);
+    value += term.weight * part;
+    weights.set(term.row, slopes.map((slope, k) => term.weight * slope + (before?.[k] ?? 0)));
+  }
+  return { value, weights };
 }

@@ -1,6 +1,6 @@
 // Worker of a live page: requests, results, cancellation of runs that take long.
 
-/** @import { LiveData, LiveFailure, LiveRequest, LiveResult, LiveSlopes } from "./types.d.ts" */
+/** @import { LiveAnswer, LiveData, LiveFailure, LiveRequest, LiveResult, LiveSlopes } from "./types.d.ts" */
 
 import { bytesOf, inflated } from "./payload.js";
 import { Signal } from "./theme.js";
@@ -8,67 +8,107 @@ import { Signal } from "./theme.js";
 /** Time after which a run is given up for a newer design [ms]. */
 const PATIENCE = 250;
 
+/** @typedef {{ request: LiveRequest, since: number, resolve: (answer: LiveAnswer | null) => void }} Task */
+
 export class Solver {
   /** @param {LiveData} data */
   constructor(data) {
     this.data = data;
     /** @type {Signal<LiveResult>} */
     this.onResult = new Signal();
-    /** Gradient of the last result, by the parameters. @type {Signal<LiveSlopes>} */
+    /** Gradients of the last result, by the parameters. @type {Signal<LiveSlopes>} */
     this.onSlopes = new Signal();
     /** @type {Signal<LiveFailure>} */
     this.onFailure = new Signal();
-    /** @type {Signal<boolean>} */
+    /** Time for which the present run takes [ms], null when none takes long. @type {Signal<number | null>} */
     this.onBusy = new Signal();
     this.number = 0;
-    /** Request that the worker computes, and since when. @type {{ request: LiveRequest, since: number } | null} */
+    /** @type {Task | null} */
     this.running = null;
-    /** @type {LiveRequest | null} */
+    /** @type {Task | null} */
     this.waiting = null;
+    /** Result whose gradients are still computed. @type {LiveResult | null} */
+    this.result = null;
     /** @type {Worker | null} */
     this.worker = null;
     this.script = URL.createObjectURL(new Blob([document.getElementById("worker")?.textContent ?? ""], { type: "text/javascript" }));
+    /** Resolved when the worker is ready; rejected where the browser does not permit it. */
     this.ready = this.compile();
   }
 
   async compile() {
+    if (typeof WebAssembly === "undefined" || typeof Worker === "undefined") throw new Error("it has no WebAssembly or no workers");
     this.module = await WebAssembly.compile(await inflated(bytesOf(this.data.code)));
-    this.start();
+    await this.start();
   }
 
+  /** Start a worker. @returns {Promise<void>} */
   start() {
-    const { code: _, exact: __, ...data } = this.data;
-    this.worker = new Worker(this.script);
-    this.worker.postMessage({ module: this.module, data });
-    this.worker.onmessage = ({ data: answer }) => this.receive(answer);
-    this.worker.onerror = (event) => this.receive({ number: this.number, failure: { outcome: "failed", message: event.message || "the worker of the page failed", time: NaN, residual: NaN, success: false } });
+    const { code: _, exact: __, ...data } = this.data, worker = new Worker(this.script);
+    this.worker = worker;
+    return new Promise((resolve, reject) => {
+      worker.onmessage = ({ data: answer }) => { if ("ready" in answer) resolve(); else if (worker === this.worker) this.receive(answer); };
+      worker.onerror = (event) => {
+        event.preventDefault();
+        reject(new Error(event.message || "its worker cannot start"));
+        if (worker === this.worker && this.running) this.receive({ number: this.running.request.number, failure: { outcome: "failed", message: event.message || "the worker of the page failed", time: NaN, residual: NaN, success: false } });
+      };
+      worker.postMessage({ module: this.module, data });
+    });
   }
 
-  /** Compute a design; of several waiting ones only the newest. @param {Omit<LiveRequest, "number">} request */
+  /** Compute a design; of several waiting ones only the newest. Resolved with null if a newer one replaces it.
+   * @param {Omit<LiveRequest, "number">} request @returns {Promise<LiveAnswer | null>} */
   request(request) {
-    this.waiting = { ...request, number: ++this.number };
-    if (this.running && performance.now() - this.running.since > PATIENCE) {
-      this.worker?.terminate();
-      this.running = null;
-      this.start();
-    }
-    this.send();
+    this.waiting?.resolve(null);
+    return new Promise((resolve) => {
+      this.waiting = { request: { ...request, number: ++this.number }, since: 0, resolve };
+      if (this.running && performance.now() - this.running.since > PATIENCE) this.cancel();
+      this.send();
+    });
+  }
+
+  /** Give up the present run. */
+  cancel() {
+    if (!this.running) return;
+    this.worker?.terminate();
+    this.running.resolve(null);
+    this.running = this.result = null;
+    this.start().catch(() => {});
+    this.onBusy.emit(null);
   }
 
   send() {
     if (this.running || !this.waiting || !this.worker) return;
-    this.running = { request: this.waiting, since: performance.now() };
-    this.worker.postMessage(this.waiting);
-    this.waiting = null;
-    setTimeout(() => this.onBusy.emit(this.running !== null), PATIENCE);
+    const task = this.waiting;
+    [this.running, this.waiting] = [task, null];
+    task.since = performance.now();
+    this.worker.postMessage(task.request);
+    const report = () => {
+      if (this.running !== task) return;
+      this.onBusy.emit(performance.now() - task.since);
+      setTimeout(report, PATIENCE);
+    };
+    setTimeout(report, PATIENCE);
   }
 
   /** @param {LiveResult | LiveSlopes | LiveFailure} answer */
   receive(answer) {
-    if ("table" in answer) { this.onResult.emit(answer); return; }
-    this.running = null;
-    this.onBusy.emit(false);
-    if ("failure" in answer) this.onFailure.emit(answer); else this.onSlopes.emit(answer);
+    if ("table" in answer) {
+      this.result = answer;
+      this.onResult.emit(answer);
+      return;
+    }
+    const { running, result } = this;
+    this.running = this.result = null;
+    this.onBusy.emit(null);
+    if ("failure" in answer) {
+      this.onFailure.emit(answer);
+      running?.resolve({ failure: answer });
+    } else {
+      this.onSlopes.emit(answer);
+      running?.resolve(result && { result, slopes: answer.slopes });
+    }
     this.send();
   }
 }

@@ -2,11 +2,10 @@
 
 /** @import { Matrix } from "./live_matrix.js" */
 
-import { backward, cholesky, forward, matrixOf, symmetricEigenpairs } from "./live_matrix.js";
+import { backward, cholesky, dot, forward, matrixOf, symmetricEigenpairs } from "./live_matrix.js";
 import { LiveRun, RunFailure, largest } from "./live_run.js";
 
 const COINCIDE = 1e-8, MOVES = "the structure can move without strain";
-const dot = (/** @type {ArrayLike<number>} */ a, /** @type {ArrayLike<number>} */ b) => { let sum = 0; for (let k = 0; k < a.length; k++) sum += a[k] * b[k]; return sum; };
 
 /** Analyses with the matrices of a structure. */
 class LiveStructure extends LiveRun {

@@ -242,7 +242,7 @@ export class Marks {
       stroke(ctx, ink, 1.5);
       this.write(metres(size), [x + length / 2, y - 11], ink);
     }
-    if (ratio && motion.moves && !motion.swings) this.write(`t = ${clock(motion.now, motion.span)} s`, [w - 16, 24], ink, "12px", "right");
+    if (ratio && motion.moves && !motion.swings) this.write(motion.inTime ? `t = ${clock(motion.now, motion.span)} s` : motion.timeText(motion.now), [w - 16, 24], ink, "12px", "right");
     let right = w - 18;
     for (const role of /** @type {LoadKind[]} */ (Object.keys(LOADS))) {
       const { reaction, unit } = LOADS[role], shown = reaction ? show.forces : show.loads;

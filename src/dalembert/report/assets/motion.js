@@ -119,7 +119,10 @@ export class Motion extends Timeline {
   }
 
   /** The present time, or the name of the present state. @param {number} t */
-  timeText(t) { return this.states.kind && this.states.kind !== "instant" ? this.states.names[this.state] : `${clock(t, this.span)} s`; }
+  timeText(t) { return this.inTime ? `${clock(t, this.span)} s` : this.states.names[this.state]; }
+
+  /** Whether its states follow each other in time; those of a load path do not. */
+  get inTime() { return !this.states?.kind || this.states.kind === "instant"; }
 
   /** Number of the present state. */
   get state() { return this.cursor.i + (this.cursor.f >= 0.5 ? 1 : 0); }

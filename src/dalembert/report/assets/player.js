@@ -16,10 +16,17 @@ function automaticSpeed(span) {
   return +speeds.reduce((best, speed) => (miss(speed) < miss(best) ? speed : best)).toPrecision(3);
 }
 
-/** @param {number} automatic */
-function speedChoices(automatic) {
+/** Speeds around the automatic one, and real time. @param {Player} player */
+function speedChoices({ automatic, motion }) {
   const speeds = [0.1, 0.2, 0.5, 1, 2, 5, 10].map((factor) => +(factor * automatic).toPrecision(3));
-  return [...new Set([...speeds, 1])].sort((a, b) => a - b);
+  return [...new Set(motion.inTime ? [...speeds, 1] : speeds)].sort((a, b) => a - b);
+}
+
+/** Name of a speed: a multiple of real time, or of the automatic speed of states that are not in time.
+ * @param {Player} player @param {number} speed */
+function speedName({ automatic, motion }, speed) {
+  if (motion.inTime) return speed === 1 ? "Real time" : `${speed}×`;
+  return `${+(speed / automatic).toPrecision(3)}×`;
 }
 
 export class Player {
@@ -116,14 +123,15 @@ export function buildPlayer(root, player) {
 function timeControls(player, play) {
   const { motion } = player;
   const slider = el("input", {
-    type: "range", id: "scrub", min: "0", max: "1", step: "any", value: "0", "aria-label": "Time",
+    type: "range", id: "scrub", min: "0", max: "1", step: "any", value: "0", "aria-label": motion.inTime ? "Time" : "State",
     oninput: () => player.seek(motion.start + slider.valueAsNumber * motion.span),
     onpointerdown: () => player.pause(),
   });
   const now = el("output", { class: "now", id: "clock", for: "scrub", "aria-live": "off" });
   const spoken = el("span", { class: "unseen", id: "spoken", role: "status" });
-  const options = speedChoices(player.automatic).map((factor) => el("option", { value: String(factor) }, factor === 1 ? "Real time" : `${factor}×`));
-  const speed = el("select", { id: "speed", "aria-label": "Speed", title: "Speed, as a multiple of real time", onchange: () => player.setSpeed(+speed.value) }, options);
+  const options = speedChoices(player).map((factor) => el("option", { value: String(factor) }, speedName(player, factor)));
+  const title = `Speed, as a multiple of ${motion.inTime ? "real time" : "the usual one"}`;
+  const speed = el("select", { id: "speed", "aria-label": "Speed", title, onchange: () => player.setSpeed(+speed.value) }, options);
   const loop = toggleButton(icon("loop"), player.loop, (on) => player.setLoop(on), { class: "icon", "aria-label": "Loop", title: "Loop", id: "loop" });
   // Screen readers report the time at rest, not while it runs.
   let resting = 0;
@@ -141,7 +149,7 @@ function timeControls(player, play) {
   });
   player.onState.on(() => {
     speak();
-    if (![...speed.options].some(({ value }) => +value === player.speed)) speed.append(el("option", { value: String(player.speed) }, `${player.speed}×`));
+    if (![...speed.options].some(({ value }) => +value === player.speed)) speed.append(el("option", { value: String(player.speed) }, speedName(player, player.speed)));
     speed.value = String(player.speed);
     loop.setAttribute("aria-pressed", String(player.loop));
   });

@@ -137,6 +137,7 @@ export type View = FactsView | RowsView | NotesView | BarsView | HistogramView |
 /** Sizes of a function: entries of its arguments and results, lengths of its work vectors. */
 export interface LiveFunction { inputs: number[]; outputs: number[]; work: [number, number, number, number] }
 export interface LiveCode {
+  kind: "dynamics" | "kinematics" | "equilibrium" | "modes";
   /** Deflated module in base64. */
   code: string;
   /** JSON of `LiveData`, with all digits. */
@@ -146,7 +147,6 @@ export interface LiveCode {
   memory: number;
 }
 export interface LiveData extends LiveCode {
-  kind: "dynamics" | "kinematics";
   /** Start of the run and shortest distance of two instants [s]. */
   start: number;
   instant: number;
@@ -183,6 +183,10 @@ export interface LiveData extends LiveCode {
   /** Number of free displacements of a structure, and the message of its status. */
   free?: number;
   message?: string;
+  /** Responses that are shown first, those of the plots by default. */
+  responses?: LiveResponse[];
+  /** Constraint equations in the order of `violation`. */
+  joints?: JointRow[];
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
@@ -219,14 +223,31 @@ export interface LiveStatus { outcome: string; message: string; time: number; re
 
 /** Parameter in SI units; `factor` leads to the unit that is shown. */
 export interface LiveParameter extends Bounds { name: string; unit: string; factor: number; description?: string }
-/** Reduction of a row over time. */
-export interface LiveResponse { kind: "final" | "maximum" | "minimum" | "mean" | "rms" | "integral"; row: number; label: string; unit: string }
-/** Request to the worker: `gradient` is the number of the response that is differentiated. */
-export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradient: number | null; point?: { instant: number; rows: number[] } | null }
+/** Reduction of a row over time, multiplied by `weight`. */
+export interface LiveTerm {
+  kind: "final" | "at" | "maximum" | "minimum" | "mean" | "rms" | "integral" | "sum" | "smooth";
+  row: number;
+  weight: number;
+  /** Number of the instant of `at`. */
+  instant?: number;
+  /** Width of a smooth extreme, whether it is relative, and the sign of a maximum. */
+  smooth?: number;
+  relative?: boolean;
+  sign?: number;
+}
+/** Sum of terms and a constant, in `unit`. */
+export interface LiveResponse { label: string; unit: string; terms: LiveTerm[]; constant?: number }
+/** Request to the worker: `gradients` are the numbers of the responses that are differentiated, `point` the rows of coordinates at an instant. */
+export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradients: number[]; point?: { instant: number; rows: number[] } | null }
 export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number }
-/** Gradient of the selected response, and of the coordinates of a point. */
-export interface LiveSlopes { number: number; slopes: Float64Array | null; jacobian: Float64Array[] | null }
-export interface LiveFailure { number: number; failure: LiveStatus; loop?: string }
+/** Gradients by the parameters, in SI units, null for responses that are not differentiated; and of the coordinates of a point. */
+export interface LiveSlopes { number: number; slopes: (Float64Array | null)[]; jacobian: Float64Array[] | null }
+/** Constraint equation of a joint: name, natural size and unit. */
+export interface JointRow { name: string; size: number; unit: string }
+export interface OpenJoint extends JointRow { gap: number }
+export interface LiveFailure { number: number; failure: LiveStatus; open?: OpenJoint | null }
+/** Answer to a request: the result with its gradients, or a failure. */
+export type LiveAnswer = { result: LiveResult; slopes: LiveSlopes["slopes"] } | { failure: LiveFailure };
 
 // Parts of a page -----------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from dalembert.results.analysis import Analysis
 from dalembert.results.batch.designs import Designs
 from dalembert.results.batch.samples import Samples
 from dalembert.results.files.contents import COMPONENTS
-from dalembert.results.result import Result
+from dalembert.results.result import REMEDIES, Result, missing_name
 from dalembert.results.status import Outcome, Status
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.parametric_model import ParametricModel
@@ -23,6 +23,11 @@ from dalembert.symbolic.parametric_model import ParametricModel
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+
+OF_ONE_DESIGN = (
+    "batch[k] returns the result of one design, with its report and pictures, batch['measure'] "
+    "the values of all designs"
+)
 
 
 @dataclass(eq=False, repr=False)
@@ -64,6 +69,12 @@ class Batch:
     results: Mapping[int, Result] = field(default_factory=dict)
     statistics: dict[str, Any] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            of_results = name in REMEDIES or hasattr(Result, name)
+            raise missing_name(self, name, OF_ONE_DESIGN if of_results else "", OF_ONE_DESIGN)
 
     def __len__(self) -> int:
         return len(self.statuses)
@@ -159,13 +170,13 @@ class Batch:
     @property
     def sample_dimension(self) -> str:
         """Dimension of the samples of a design."""
-        first_result: Any = next(iter(self.results.values()), None)
+        first_result = next(iter(self.results.values()), None)
         return "case" if hasattr(first_result, "cases") else "time"
 
     @property
     def coords(self) -> dict[str, Any]:
         """Coordinates of designs and instants."""
-        first_result: Any = next(iter(self.results.values()), None)
+        first_result = next(iter(self.results.values()), None)
         cases = getattr(first_result, "cases", None)
         instants = ("time", self.time, {"units": "s"}) if cases is None else ("case", cases)
         return {**self.designs.coords, self.sample_dimension: instants}

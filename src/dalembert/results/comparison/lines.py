@@ -8,6 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
 
 COLOURS = (
     "#0072b2",
@@ -52,13 +53,13 @@ def line_styles(table: pd.DataFrame, order: tuple[str, ...]) -> list[LineStyle]:
 
 
 def draw_lines(
-    ax: Any, table: pd.DataFrame, column: str, styles: list[LineStyle], background: bool = False
+    ax: Axes, table: pd.DataFrame, column: str, styles: list[LineStyle], background: bool = False
 ) -> None:
     for names, rows in table.groupby([name for name, _ in styles], sort=False):
         colour, dash, marker, fill = (
             look[value] for (_, look), value in zip(styles, names, strict=True)
         )
-        look = {"color": "0.85", "lw": 1.0, "zorder": 1}
+        look: dict[str, Any] = {"color": "0.85", "lw": 1.0, "zorder": 1}
         if not background:
             full = fill == "full"
             look = {"color": colour, "lw": 1.6, "ls": dash, "marker": marker, "ms": 5}
@@ -66,7 +67,7 @@ def draw_lines(
         ax.plot(1e3 * rows["time"], np.maximum(rows[column], MIN_VALUE), **look)
 
 
-def decimal_ticks(ax: Any) -> None:
+def decimal_ticks(ax: Axes) -> None:
     """Tick labels 1, 2, 5, 10, … instead of powers; 1, 10, 100, … if these are too dense."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -78,7 +79,7 @@ def decimal_ticks(ax: Any) -> None:
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
-def shade_uncertainty(ax: Any, uncertainty: float, labelled: bool) -> None:
+def shade_uncertainty(ax: Axes, uncertainty: float, labelled: bool) -> None:
     """Shade the band below the uncertainty of the reference."""
     if not uncertainty > 0:
         return
@@ -115,7 +116,7 @@ def reserve_label_space(ax: Any, table: pd.DataFrame, names: list[str]) -> None:
     ax.set_xlim(low, high * (high / low) ** (share / (1 - share)))
 
 
-def label_lines(ax: Any, table: pd.DataFrame, column: str, style: LineStyle) -> None:
+def label_lines(ax: Axes, table: pd.DataFrame, column: str, style: LineStyle) -> None:
     """Label each colour once, at the right end of its lines."""
     from matplotlib.patheffects import withStroke
 
@@ -158,7 +159,7 @@ def _label_offsets(ax: Any, points: list[tuple[float, float]], gap: float = 12.0
     return list(heights - positions[:, 1])
 
 
-def add_legend(ax: Any, styles: list[LineStyle]) -> None:
+def add_legend(ax: Axes, styles: list[LineStyle]) -> None:
     """Add a small legend of the dashes and markers that vary."""
     from matplotlib.lines import Line2D
 
@@ -174,7 +175,7 @@ def add_legend(ax: Any, styles: list[LineStyle]) -> None:
         ax.legend(handles=entries, frameon=False, fontsize=8, loc="best")
 
 
-def logarithmic(ax: Any) -> None:
+def logarithmic(ax: Axes) -> None:
     ax.set(xscale="log", yscale="log")
     ax.grid(alpha=0.25)
     ax.spines[["top", "right"]].set_visible(False)

@@ -22,6 +22,7 @@ from dalembert.results.comparison.table import brief
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
 
     from dalembert.results.comparison.data import ComparisonData
 
@@ -61,7 +62,7 @@ KINDS = {
 }
 
 
-def plot_comparison(comparison: ComparisonData, kind: str, ax: Any = None) -> Any:
+def plot_comparison(comparison: ComparisonData, kind: str, ax: Axes | None = None) -> Any:
     """Draw one of ``KINDS``; returns the axes, or an array of axes for several panels."""
     if kind not in KINDS:
         raise AnalysisError(f"no picture {kind!r}; known: {', '.join(KINDS)}")
@@ -77,7 +78,11 @@ def plot_comparison(comparison: ComparisonData, kind: str, ax: Any = None) -> An
 
 
 def _draw_panels(
-    comparison: ComparisonData, table: pd.DataFrame, picture: PictureKind, styles: Any, ax: Any
+    comparison: ComparisonData,
+    table: pd.DataFrame,
+    picture: PictureKind,
+    styles: Any,
+    ax: Axes | None,
 ) -> np.ndarray:
     """Draw all lines in one pair of axes per quantity."""
     import matplotlib.pyplot as plt

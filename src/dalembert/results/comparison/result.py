@@ -6,12 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dalembert.files import atomic_path
 from dalembert.results.comparison.data import COLUMNS, TEXTS, ComparisonData
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(eq=False, repr=False)
@@ -42,7 +45,7 @@ class Comparison(ComparisonData):
         return summary(self)
 
     # files and pictures --------------------------------------------------------------
-    def plot(self, kind: str = "work-precision", ax: Any = None) -> Any:
+    def plot(self, kind: str = "work-precision", ax: Axes | None = None) -> Any:
         """Draw with Matplotlib: ``"work-precision"``, ``"violations"`` or ``"energy"``.
 
         Returns the axes (two of them for violations, where ``ax`` is a pair).

@@ -12,6 +12,8 @@ from dalembert.results.comparison.data import BETWEEN
 from dalembert.results.status import Outcome
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from dalembert.results.comparison.data import ComparisonData
 
 TARGETS = (1e-3, 1e-6, 1e-9)
@@ -185,7 +187,7 @@ def _describe_run(comparison: ComparisonData, row: Row) -> str:
     )
 
 
-def _range(values: Any) -> str:
+def _range(values: pd.Series) -> str:
     low, high = f"{values.min():.1f}", f"{values.max():.1f}"
     return low if low == high else f"{low}–{high}"
 

@@ -11,10 +11,13 @@ import hashlib
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from dalembert.budget import MEMORY, check_budget
 from dalembert.errors import FileError
+
+if TYPE_CHECKING:
+    import h5py
 
 SEAL = b"\ndalembert sha256\n"
 BLOCK = 1 << 20
@@ -97,7 +100,7 @@ def inspect(path: str | Path) -> None:
                 memory += _text_bytes(path, name, item, size, memory)
 
 
-def _walk(path: str | Path, file: Any) -> Iterator[tuple[str, Any]]:
+def _walk(path: str | Path, file: h5py.File) -> Iterator[tuple[str, h5py.Group | h5py.Dataset]]:
     """Groups and datasets by all of their names; links are refused."""
     import h5py
 
@@ -121,13 +124,13 @@ def _walk(path: str | Path, file: Any) -> Iterator[tuple[str, Any]]:
                 groups.append((f"{full_name}/", item))
 
 
-def _address(item: Any) -> int:
+def _address(item: h5py.Group) -> int:
     import h5py
 
     return int(h5py.h5o.get_info(item.id).addr)
 
 
-def _check_storage(path: str | Path, name: str, dataset: Any) -> None:
+def _check_storage(path: str | Path, name: str, dataset: h5py.Dataset) -> None:
     import h5py
 
     properties = dataset.id.get_create_plist()
@@ -140,7 +143,7 @@ def _check_storage(path: str | Path, name: str, dataset: Any) -> None:
         raise FileError(f"{path}: {name[:80]!r} is packed in a way that results do not use")
 
 
-def _has_variable_length(kind: Any) -> bool:
+def _has_variable_length(kind: h5py.h5t.TypeID) -> bool:
     """Whether entries have variable length, which the size of the array does not include."""
     import h5py
 
@@ -155,7 +158,9 @@ def _has_variable_length(kind: Any) -> bool:
     )
 
 
-def _text_bytes(path: str | Path, name: str, dataset: Any, size: int, counted: float) -> float:
+def _text_bytes(
+    path: str | Path, name: str, dataset: h5py.Dataset, size: int, counted: float
+) -> float:
     """Bytes of texts, which may share storage in the file."""
     if not _has_variable_length(dataset.id.get_type()) or dataset.shape is None:
         return 0.0
@@ -170,7 +175,9 @@ def _text_bytes(path: str | Path, name: str, dataset: Any, size: int, counted: f
     return total
 
 
-def _check_attributes(path: str | Path, name: str, item: Any, size: int) -> None:
+def _check_attributes(
+    path: str | Path, name: str, item: h5py.Group | h5py.Dataset, size: int
+) -> None:
     """Refuse attributes that are much larger than the file."""
     import h5py
 

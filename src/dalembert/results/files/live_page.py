@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.model.graph.absolute import at_ground
+from dalembert.results.files.live_responses import PageResponse, joint_rows, page_responses
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.live import Row
-from dalembert.results.sources import Place, Sources, payload_sources
+from dalembert.results.sources import Row, Source, as_row, payload_sources
 
 MAX_BYTES = 300_000
 """Upper limit of the size of a module that a page contains without a request."""
 
 
-def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None) -> dict[str, Any]:
+def live_page(
+    motion: LabelledRecording,
+    page: dict[str, Any],
+    live: bool | None,
+    responses: Sequence[PageResponse] = (),
+) -> dict[str, Any]:
     """A page with its live part, or with the reason why it has none.
 
     Parameters
@@ -27,6 +32,7 @@ def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None
     page : its payload
     live : whether the page computes; by default if the model has parameters with bounds and its
         module is small
+    responses : responses that the page lists, by default the maxima of the plotted series
     """
     model = motion.model
     bounded = any(None not in parameter.bounds for parameter in model.parameters.values())
@@ -38,9 +44,12 @@ def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None
     if reason:
         return page | {"live": {"reason": reason}}
     sources = payload_sources(page)
-    columns, rows = _rows(sources, model.ground)
+    table = _RowTable(model.ground)
+    columns = [(place, table.number(source)) for place, source in sources.columns]
+    times = np.array(page["time"])
+    listed = page_responses(motion, responses, times, table.number)
     try:
-        functions = motion.analysis.live_functions(motion, rows, np.array(page["time"]))
+        functions = motion.analysis.live_functions(motion, table.rows, times)
         functions = functions.with_numbers([sx for _, sx in sources.numbers], model.equations.p)
         module = functions.module
     except UnsupportedError as error:
@@ -51,6 +60,7 @@ def live_page(motion: LabelledRecording, page: dict[str, Any], live: bool | None
     parameters = _parameters(motion, page["parameters"])
     numbers = [place for place, _ in sources.numbers]
     more = {"columns": columns, "numbers": numbers, "initial": sources.initial}
+    more |= {"responses": listed, "joints": joint_rows(model)}
     return page | {"live": functions.page_data(parameters=parameters, **more)}
 
 
@@ -66,16 +76,23 @@ def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[
     return rows
 
 
-def _rows(sources: Sources, ground: Any) -> tuple[list[tuple[Place, int]], list[Row]]:
-    """Places of columns in the payload with the numbers of their rows, and the distinct rows."""
-    rows: dict[Any, Row] = {}
-    numbers: dict[Any, int] = {}
-    columns = []
-    for place, source in sources.columns:
-        plain = Row(source) if isinstance(source, ca.SX) else None
-        row = plain or Row(source.sx, source.work, source.relative)
-        key = (row.expression.element_hash(), row.work, row.relative)
-        if key not in rows:
-            rows[key] = replace(row, expression=at_ground(ground, row.expression))
-        columns.append((place, numbers.setdefault(key, len(numbers))))
-    return columns, list(rows.values())
+class _RowTable:
+    """Distinct rows of a module.
+
+    Parameters
+    ----------
+    ground : body at rest
+    """
+
+    def __init__(self, ground: Any):
+        self.ground, self.rows = ground, list[Row]()
+        self._numbers: dict[Any, int] = {}
+
+    def number(self, source: Source) -> int:
+        """Number of the row of a formula."""
+        row = as_row(source)
+        key = (row.sx.element_hash(), row.work, row.relative)
+        if key not in self._numbers:
+            self._numbers[key] = len(self.rows)
+            self.rows.append(replace(row, sx=at_ground(self.ground, row.sx)))
+        return self._numbers[key]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from dalembert.results.files.inspection import check_seal, inspect, seal
 from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
+    import h5netcdf
     import pandas as pd
     import xarray as xr
 
@@ -154,7 +155,7 @@ def write_netcdf(contents: Contents, path: str | Path) -> None:
             file.attrs["coordinates"] = " ".join(auxiliary)
 
 
-def _write(file: Any, name: str, array: Labelled) -> None:
+def _write(file: h5netcdf.File, name: str, array: Labelled) -> None:
     dims, values, attributes = array
     kind, dtype, fill_value = values.dtype.kind, values.dtype, None
     if kind in TEXTS:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -17,6 +17,9 @@ from dalembert.results.pictures.mesh_picture import MeshPicture
 from dalembert.results.pictures.picture import Picture, ScenePicture
 from dalembert.text.wording import unknown
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 DEFAULT_LENGTH = 5.0
 """Length of an animation without a given speed [s]."""
 
@@ -28,7 +31,7 @@ class Film(FuncAnimation):
         return self.to_jshtml()
 
 
-def still(motion: LabelledRecording, time: float, ax: Any = None) -> Any:
+def still(motion: LabelledRecording, time: float, ax: Axes | None = None) -> Axes:
     """Draw the mechanism at the output nearest to a time; returns the axes."""
     _check_outputs(motion)
     k = int(np.argmin(np.abs(motion.time - time)))
@@ -38,7 +41,7 @@ def still(motion: LabelledRecording, time: float, ax: Any = None) -> Any:
 
 
 def animate(
-    motion: LabelledRecording, *, fps: int = 20, speed: float | None = None, ax: Any = None
+    motion: LabelledRecording, *, fps: int = 20, speed: float | None = None, ax: Axes | None = None
 ) -> Film:
     """Matplotlib animation; ``save`` writes it as a film.
 

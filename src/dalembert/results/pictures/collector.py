@@ -8,6 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from dalembert.elements.base import Element
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.elements.look import Belt, Rail
@@ -161,7 +162,7 @@ class SceneCollector:
         """A moment, padded to the rotation axes of the drawing."""
         return sx
 
-    def reaction(self, joint: Any) -> dict[str, list[float]]:
+    def reaction(self, joint: Element) -> dict[str, list[float]]:
         """Columns of the reaction force and moment of a joint."""
         if joint.name not in self.data.labels("joint"):
             return {}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.results.pictures.mesh_symbols import draw_loads, draw_supports
-from dalembert.results.structural.fields import Field
+from dalembert.results.structural.states import Field
 
 PREFIXED = ("N", "Pa", "J", "m", "N m")
 """Units shown with prefixes: kN, MPa, mm."""

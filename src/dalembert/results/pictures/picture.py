@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -12,6 +12,9 @@ from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pictures.outlines import outline
 from dalembert.results.pictures.scene import is_spatial, motion_scene
 from dalembert.symbolic.rotation import EULER_PARAMETERS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31")
 LINE_WIDTHS = {"bar": 4.0, "capsule": 4.0, "line": 1.5}
@@ -127,7 +130,7 @@ class Picture(ScenePicture):
     ax : axes, in three dimensions for a mechanism in space; new ones if None
     """
 
-    def __init__(self, motion: LabelledRecording, keep: np.ndarray, ax: Any = None):
+    def __init__(self, motion: LabelledRecording, keep: np.ndarray, ax: Axes | None = None):
         scene = motion_scene(motion, keep, loads=False)
         super().__init__(scene, is_spatial(motion.model), len(keep), motion.model.name, ax)
 

@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Look
+from dalembert.elements.base import Element, Look
 from dalembert.elements.look import Block, Segment
 from dalembert.elements.planar.body import Body
 from dalembert.results.pictures.mechanism_scene import MechanismScene
@@ -23,7 +23,7 @@ class PlanarPrimitives(Primitives):
 
     # primitives ------------------------------------------------------------------------
     @singledispatchmethod
-    def draw(self, look: Look, element: Any) -> None:
+    def draw(self, look: Look, element: Element) -> None:
         super().draw(look, element)
 
     @draw.register

@@ -12,13 +12,16 @@ from dalembert.symbolic.formulas.expression import Expression
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
 
 BEFORE = 1e-9
 """Offset of the sample before an impact, relative to the run."""
 
 
-def plot_measures(motion: Any, measures: Sequence[str | Expression], ax: Any = None) -> Any:
+def plot_measures(
+    motion: Any, measures: Sequence[str | Expression], ax: Axes | None = None
+) -> Axes:
     """Plot measures over time in one pair of axes, with units and events."""
     import matplotlib.pyplot as plt
 
@@ -65,7 +68,7 @@ def split_at_impacts(
 ORDERS = {"forward": 1, "backward": 1, "central": 2, "richardson": 4}
 
 
-def plot_step_study(data: xr.Dataset, ax: Any = None) -> Any:
+def plot_step_study(data: xr.Dataset, ax: Axes | None = None) -> Axes:
     """Draw the errors, relative ones where the exact derivative is not zero; returns the axes.
 
     An error of zero is drawn at round-off level, because the axis is logarithmic.
@@ -104,7 +107,9 @@ def plot_step_study(data: xr.Dataset, ax: Any = None) -> Any:
         loc="left",
     )
     for text, position, side in (("← round-off", 0.02, "left"), ("truncation →", 0.98, "right")):
-        style = {"ha": side, "va": "top", "size": 8.5, "color": "0.35"}
-        ax.annotate(text, (position, 0.985), xycoords="axes fraction", **style)
+        place = (position, 0.985)
+        ax.annotate(
+            text, place, xycoords="axes fraction", ha=side, va="top", size=8.5, color="0.35"
+        )
     ax.legend(frameon=False, loc="lower right", fontsize=8.5)
     return ax

@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Look
+from dalembert.elements.base import Element, Look
 from dalembert.elements.body import BodyElement
 from dalembert.elements.look import (
     Arrow,
@@ -41,17 +41,17 @@ class Primitives(SceneCollector):
     """Collector of primitives; subclasses add those of the plane or of space."""
 
     @singledispatchmethod
-    def draw(self, look: Look, element: Any) -> None:
+    def draw(self, look: Look, element: Element) -> None:
         """Record the data of a primitive of an element."""
         raise NotImplementedError(f"{type(look).__name__} has no drawing")
 
     @draw.register
-    def _(self, look: Segment, element: Any) -> None:
+    def _(self, look: Segment, element: Element) -> None:
         ends = {"from": self.local(look.point_i), "to": self.local(look.point_j)}
         self.shapes[look.point_i.body.display_name].insert(0, {"kind": "bar", **ends})
 
     @draw.register
-    def _(self, look: Ball, element: Any) -> None:
+    def _(self, look: Ball, element: Element) -> None:
         shape = {"kind": "particle", "center": self.local(look.point)}
         self.shapes[look.point.body.display_name].append(shape)
 
@@ -65,7 +65,7 @@ class Primitives(SceneCollector):
         self.shapes[look.point.body.display_name].append(shape)
 
     @draw.register
-    def _(self, look: Path, element: Any) -> None:
+    def _(self, look: Path, element: Element) -> None:
         u = ca.SX.sym("u")
         position = self.padded(look.position(u))
         curve = ca.Function("path", [u, self.parameters], [position])
@@ -80,18 +80,18 @@ class Primitives(SceneCollector):
         self.shapes[look.body.display_name].append(shape)
 
     @draw.register
-    def _(self, look: Link, element: Any) -> None:
+    def _(self, look: Link, element: Element) -> None:
         ends = {"i": self.point_data(look.point_i), "j": self.point_data(look.point_j)}
         self.links.append(symbol_header(look, element) | ends)
 
     @draw.register
-    def _(self, look: Disc, element: Any) -> None:
+    def _(self, look: Disc, element: Element) -> None:
         shape: dict[str, Any] = {"kind": "disc", "center": self.local(look.point)}
         shape |= {"radius": self.size_of(look.radius), "axis": self.axis(look.point) or NORMAL}
         self.shapes[look.point.body.display_name].append(shape)
 
     @draw.register
-    def _(self, look: Mark, element: Any) -> None:
+    def _(self, look: Mark, element: Element) -> None:
         bodies, ends = body_names(look.point, look.base), [self.anchor(look.point)]
         if isinstance(look.base, Point):
             ends.append(self.anchor(look.base))
@@ -102,7 +102,7 @@ class Primitives(SceneCollector):
         self.joints.append(symbol | self.reaction(element))
 
     @draw.register
-    def _(self, look: Mesh, element: Any) -> None:
+    def _(self, look: Mesh, element: Element) -> None:
         symbol = symbol_header(look, element) | self.anchor(look.point) | {"grounded": False}
         symbol["mesh"] = [
             self.anchor(p) | {"radius": self.size_of(r)}
@@ -112,27 +112,27 @@ class Primitives(SceneCollector):
         self.joints.append(symbol | {"internal": look.internal} | self.reaction(element))
 
     @draw.register
-    def _(self, look: Rotary, element: Any) -> None:
+    def _(self, look: Rotary, element: Element) -> None:
         pivot = self.pivots.between(look.body_i, look.body_j)
         ends = [b.name if b is not None else "ground" for b in (look.body_i, look.body_j)]
         symbol = symbol_header(look, element) | self.anchor(pivot)
         self.symbols.append(symbol | dict(zip("ij", ends, strict=True)))
 
     @draw.register
-    def _(self, look: Belt, element: Any) -> None:
+    def _(self, look: Belt, element: Element) -> None:
         wheels, crossed = self.wheels(look)
         symbol = symbol_header(look, element) | {"wheels": wheels, "crossed": crossed}
         self.joints.append(symbol | wheels[1] | {"grounded": False} | self.reaction(element))
 
     @draw.register
-    def _(self, look: Travel, element: Any) -> None:
+    def _(self, look: Travel, element: Element) -> None:
         on = look.body.name if look.body is not None else "ground"
         axis = self.number(self.padded(look.direction))
         symbol = symbol_header(look, element) | self.point_data(look.point)
         self.symbols.append(symbol | {"on": on, "axis": axis})
 
     @draw.register
-    def _(self, look: Limit, element: Any) -> None:
+    def _(self, look: Limit, element: Element) -> None:
         """A wall at the limit; for a rotation in space, a mark on its axis."""
         moving = [b for b in self.model.bodies if ca.jacobian(look.coordinate, b.pose).nnz()]
         if not (moving and self.loads):
@@ -154,13 +154,13 @@ class Primitives(SceneCollector):
                 self.time_dependent.append((symbol, self.components(name, part), part))
 
     @draw.register
-    def _(self, look: Contact, element: Any) -> None:
+    def _(self, look: Contact, element: Element) -> None:
         symbol = symbol_header(look, element) | {"body": "ground", "point": [0.0] * self.dimension}
         self.joints.append(symbol | {"grounded": False} | self.reaction(element))
         self.time_dependent.append((self.joints[-1], self.components("at", look.place), look.place))
 
     @draw.register
-    def _(self, look: Arrow, element: Any) -> None:
+    def _(self, look: Arrow, element: Element) -> None:
         self.load(
             "force",
             self.padded(look.force),
@@ -168,7 +168,7 @@ class Primitives(SceneCollector):
         )
 
     @draw.register
-    def _(self, look: Twist, element: Any) -> None:
+    def _(self, look: Twist, element: Element) -> None:
         pivot = self.pivots.between(None, look.body)
         self.load(
             "moment",
@@ -177,7 +177,7 @@ class Primitives(SceneCollector):
         )
 
 
-def symbol_header(look: Look, element: Any) -> dict[str, Any]:
+def symbol_header(look: Look, element: Element) -> dict[str, Any]:
     """Name and type of the element, and the symbol of the primitive."""
     description = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(element).__name__).lower()
     return {"name": element.name, "description": description, "symbol": type(look).__name__.lower()}

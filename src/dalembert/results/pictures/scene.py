@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.model.graph.description import Description
+from dalembert.model.graph.model import Model
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.pictures.planar_scene import PlanarScene
 from dalembert.results.pictures.spatial_scene import SpatialScene
@@ -30,6 +32,6 @@ def standing(body: dict[str, Any], k: int) -> dict[str, Any]:
     return {"shapes": body["shapes"], **poses}
 
 
-def is_spatial(model: Any) -> bool:
+def is_spatial(model: Model | Description) -> bool:
     """Whether some of its bodies are spatial."""
     return any(body.dimension == 3 for body in model.bodies)

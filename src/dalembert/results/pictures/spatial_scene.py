@@ -13,7 +13,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.elements.base import Look
+from dalembert.elements.base import Element, Look
+from dalembert.elements.body import BodyElement
 from dalembert.elements.frame import Frame
 from dalembert.elements.look import Block
 from dalembert.elements.point import AXES, Point
@@ -42,7 +43,7 @@ class SpatialPrimitives(Primitives):
 
     # primitives ------------------------------------------------------------------------
     @singledispatchmethod
-    def draw(self, look: Look, element: Any) -> None:
+    def draw(self, look: Look, element: Element) -> None:
         super().draw(look, element)
 
     @draw.register
@@ -51,13 +52,13 @@ class SpatialPrimitives(Primitives):
         self.shapes[look.center.body.display_name].append({"kind": "box", **shape})
 
     @draw.register
-    def _(self, look: Orb, element: Any) -> None:
+    def _(self, look: Orb, element: Element) -> None:
         shape = {"center": self.local(look.center), "radius": self.size_of(look.radius)}
         self.shapes[look.center.body.display_name].append({"kind": "sphere", **shape})
 
     @draw.register(Drum)
     @draw.register(Pill)
-    def _(self, look: Round, element: Any) -> None:
+    def _(self, look: Round, element: Element) -> None:
         shape: dict[str, Any] = {"from": self.local(look.point_i), "to": self.local(look.point_j)}
         shape |= {"kind": ROUND[type(look)], "radius": self.size_of(look.radius)}
         self.shapes[look.point_i.body.display_name].append(shape)
@@ -113,7 +114,7 @@ class SpatialScene(MechanismScene):
             position, rotation = Track(values, sx), _about_z(rotation)
         return position.named(AXES) | rotation.named(EULER_PARAMETERS)
 
-    def outline(self, body: Any) -> None:
+    def outline(self, body: BodyElement) -> None:
         """Draw the body by its own look, else by its points and inertia."""
         looks, shapes = body.look(), self.primitives.shapes[body.name]
         for look in looks:

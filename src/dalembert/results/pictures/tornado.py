@@ -20,6 +20,7 @@ from dalembert.text.arguments import check_arguments
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
 RISING, FALLING, NOTE_COLOUR = COLOURS[0], COLOURS[1], "0.45"
 KINDS = ("relative", "range")
@@ -208,7 +209,7 @@ def _new_axes(rows: list[float], gradient: xr.DataArray) -> tuple[np.ndarray, li
     return axes.ravel()[: len(rows)], [tallest[k // across] for k in range(len(rows))]
 
 
-def _draw(ax: Any, chart: Chart, most: int, height: float) -> None:
+def _draw(ax: Axes, chart: Chart, most: int, height: float) -> None:
     bars = chart.bars[:most]
     sizes = np.array([x for _, x in bars])
     positions = np.arange(sizes.size)
@@ -246,7 +247,7 @@ def _draw(ax: Any, chart: Chart, most: int, height: float) -> None:
     )
 
 
-def _reserve_label_space(ax: Any, sizes: np.ndarray) -> None:
+def _reserve_label_space(ax: Axes, sizes: np.ndarray) -> None:
     """Widen the axis for the numbers at the ends of the bars."""
     low, high = min(sizes.min(initial=0.0), 0.0), max(sizes.max(initial=0.0), 0.0)
     width = (high - low) or 1.0

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.model.assembled.measuring.measures import (
+from dalembert.model.assembled.measures import (
     Compliance,
     ExternalForce,
     Measure,
@@ -19,11 +19,15 @@ from dalembert.model.assembled.measuring.measures import (
 )
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.files.contents import Contents
-from dalembert.results.numbered import Numbered
+from dalembert.results.modes import Numbered
 from dalembert.results.structural.measured_states import MeasuredStates
 from dalembert.results.structural.outputs import StructuralOutputs
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.formulas.parser import Names
+from dalembert.text.wording import counted, listed
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 EIGENVALUE = ca.SX.sym("eigenvalue")
 
@@ -164,7 +168,7 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
         """Index of a mode, from its number."""
         return self.places(np.array([name]))[0] if isinstance(name, int) else super().case(name)
 
-    def draw(self, field: str | None = None, case: str | int = 1, **options: Any) -> Any:
+    def draw(self, field: str | None = None, case: str | int = 1, **options: Any) -> Axes:
         """Draw the shape of the mode number ``case``; see ``StructuralResult.draw``."""
         return super().draw(field, case, **options)
 
@@ -176,5 +180,5 @@ class EigenModes(Numbered, MeasuredStates, StructuralOutputs):
     def __repr__(self) -> str:
         values = self.values(self.main)
         unit = f" {self.named[self.main].unit}".rstrip()
-        rows = ", ".join(f"{v:.6g}{unit}" for v in values)
-        return f"<{type(self).__name__} of {self.model.name!r}: {rows}>"
+        count, rows = counted(len(values), "mode"), listed(f"{v:.6g}{unit}" for v in values)
+        return f"<{type(self).__name__} of {self.model.name!r}: {count}, {rows}>"

@@ -8,7 +8,7 @@ from typing import cast
 
 import numpy as np
 
-from dalembert.model.assembled.measuring.measures import State
+from dalembert.model.assembled.measures import State
 from dalembert.results.files.contents import Contents
 from dalembert.results.result import Instants
 from dalembert.results.sampling import checked_numbers

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError
-from dalembert.model.assembled.measuring.measures import Measure, State, Weights
+from dalembert.model.assembled.measures import Measure, State, Weights
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.result import Result
 from dalembert.symbolic.formulas.expression import Expression, stack, t

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.model.assembled.evaluation.inertia import from_rest
-from dalembert.model.assembled.measuring.measures import Measure, State, Weights
+from dalembert.model.assembled.measures import Measure, State, Weights
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.modes import Modes
 from dalembert.results.structural.eigenmodes import EIGENVALUE, EigenModes

@@ -13,9 +13,9 @@ import scipy
 from dalembert.elements.coordinates import rate_of, second_rate_of
 from dalembert.elements.flexible.floating import FloatingFrame
 from dalembert.errors import AnalysisError, UnsupportedError
-from dalembert.model.assembled.loads.load_case import Temperatures
-from dalembert.model.assembled.measuring.named_measures import MovingState, MovingWeights
+from dalembert.model.assembled.load_case import Temperatures
 from dalembert.model.assembled.model import StructuralModel
+from dalembert.model.assembled.named_measures import MovingState, MovingWeights
 from dalembert.results.files.contents import Contents
 from dalembert.results.recording import Recording
 from dalembert.results.result import Instants
@@ -27,6 +27,7 @@ from dalembert.symbolic.formulas.expression import Expression, t
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
 
 
 @dataclass(eq=False, repr=False)
@@ -116,7 +117,7 @@ class StructuralMotion(MeasuredStates, StructuralOutputs):
         """
         return self.labelled(measure, {"time": ("time", self.time, {"units": "s"})})
 
-    def plot(self, *measures: str | Expression, ax: Any = None) -> Any:
+    def plot(self, *measures: str | Expression, ax: Axes | None = None) -> Axes:
         """Draw measures over time with Matplotlib; returns the axes."""
         from dalembert.results.pictures.plot import plot_measures
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from dalembert.elements.fem.nodal import ROTATIONS
 from dalembert.errors import DalembertError
-from dalembert.model.assembled.measuring.measures import State
+from dalembert.model.assembled.measures import State
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.results.analysis import Analysis
 from dalembert.results.files.contents import Contents

@@ -14,7 +14,7 @@ from dalembert.responses.base import Response, scalar_measure
 from dalembert.responses.integrals import OverRun
 from dalembert.results.result import Result
 from dalembert.sensitivity.checks.diagnosis import NEGLIGIBLE
-from dalembert.sensitivity.checks.replays import Replays
+from dalembert.sensitivity.checks.finite_difference import Replays
 from dalembert.sensitivity.checks.stencils import EPS, parameter_scales, quotient_within_bounds
 from dalembert.sensitivity.checks.taylor import TaylorTest, taylor_test
 from dalembert.sensitivity.moving_times import of_moving_times

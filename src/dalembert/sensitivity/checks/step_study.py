@@ -11,7 +11,7 @@ import numpy as np
 from dalembert.errors import AnalysisError
 from dalembert.responses.base import Response
 from dalembert.results.result import Result
-from dalembert.sensitivity.checks.replays import Replays
+from dalembert.sensitivity.checks.finite_difference import Replays
 from dalembert.sensitivity.checks.stencils import (
     SCHEMES,
     checked_step,

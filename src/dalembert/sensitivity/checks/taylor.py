@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.errors import AnalysisError, ModelError
-from dalembert.sensitivity.checks.replays import Replays
+from dalembert.sensitivity.checks.finite_difference import Replays
 from dalembert.sensitivity.checks.stencils import beyond_bounds, parameter_scales
 
 LONGEST, HALVINGS = 2.0**-4, 18

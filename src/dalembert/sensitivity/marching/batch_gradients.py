@@ -10,7 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.batch.fixed_steps import FixedSteps
+from dalembert.analysis.batch.marches import FixedSteps
 from dalembert.analysis.batch.states import MarchedStates, measured
 from dalembert.responses.base import Response
 from dalembert.results.batch.batch import Batch
@@ -215,7 +215,7 @@ class BatchAdjoint(BatchGradients):
         gradients = [self._gradient(path, solved, sample) for sample in self.samples]
         pairs = zip(path.p[solved], np.stack(gradients, axis=1), strict=True)
         model: Any = self.model
-        rows = [model.gathered(p, full)[:, self.columns] for p, full in pairs]
+        rows = [model.parameter_gradients(p, full)[:, self.columns] for p, full in pairs]
         return np.array(rows).reshape(solved.size, len(gradients), len(self.columns))
 
     def _gradient(self, path: MarchedStates, solved: np.ndarray, sample: Sample[Any]) -> np.ndarray:

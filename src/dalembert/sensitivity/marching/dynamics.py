@@ -38,7 +38,9 @@ class DynamicsEngine(Engine):
         return [[k for k, s in enumerate(steps) if s is own] for own in distinct]
 
     def adjoint(self) -> np.ndarray:
-        return self.gathered([AdjointMarch(sample).gradient() for sample in self.samples])
+        return self.parameter_gradients(
+            [AdjointMarch(sample).gradient() for sample in self.samples]
+        )
 
     def hessian_product(self, direction: np.ndarray) -> np.ndarray:
         return np.array([SecondMarch(s, direction).product() for s in self.samples])

@@ -147,7 +147,7 @@ class ContactEngine(Engine):
         return ContactDirect(self.samples, columns).gradient()
 
     def adjoint(self) -> np.ndarray:
-        return self.gathered(list(ContactAdjoint(self.samples).gradient()))
+        return self.parameter_gradients(list(ContactAdjoint(self.samples).gradient()))
 
 
 def _slopes(sample: Sample) -> ca.Function:

@@ -20,7 +20,7 @@ import numpy as np
 from dalembert.analysis.modes.pencil import Loaded, Pencil, Term
 from dalembert.analysis.modes.spectrum import Spectrum
 from dalembert.errors import SingularityError
-from dalembert.model.assembled.measuring.measures import Weights
+from dalembert.model.assembled.measures import Weights
 from dalembert.sensitivity.engine import RowEngine
 from dalembert.sensitivity.samples import Sample
 from dalembert.sensitivity.structural.statics import StaticsTangent

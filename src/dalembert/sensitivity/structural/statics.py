@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from dalembert.model.assembled.evaluation.columns import Pulls
-from dalembert.model.assembled.measuring.measures import State, Weights
+from dalembert.model.assembled.measures import State, Weights
 from dalembert.results.structural.measured_states import Formula
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sensitivity.engine import RowEngine

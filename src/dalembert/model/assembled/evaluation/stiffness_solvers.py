@@ -63,10 +63,13 @@ def refuse_motion(motion: np.ndarray, degrees: Numbering, free: np.ndarray) -> N
     """Raise with the nodes that can move; ``motion`` of the free displacements has no strain."""
     shape = np.abs(motion)
     moved = free[shape > 0.1 * shape.max()][:100]
-    moving = dict.fromkeys(degrees.place(int(k))[0] for k in moved)
+    nodes, directions = (
+        list(dict.fromkeys(names))
+        for names in zip(*(degrees.place(int(k)) for k in moved), strict=True)
+    )
     raise SingularityError(
-        f"the structure is a mechanism: {', '.join(list(moving)[:8])} can move without significant "
-        "strain; support them or add elements"
+        f"the structure is a mechanism: {', '.join(nodes[:8])} can move without significant strain "
+        f"({', '.join(directions)}); support them or add elements"
     )
 
 

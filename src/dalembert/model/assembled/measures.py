@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dalembert.model.assembled.evaluation.block import ElementBlock
-from dalembert.model.assembled.loads.load_case import Temperatures
+from dalembert.model.assembled.load_case import Temperatures
 
 
 @dataclass

@@ -12,7 +12,7 @@ import scipy
 from dalembert.errors import AnalysisError
 from dalembert.model.assembled.evaluation.block import ElementBlock
 from dalembert.model.assembled.evaluation.numbering import Numbering
-from dalembert.model.assembled.measuring.measures import (
+from dalembert.model.assembled.measures import (
     Compliance,
     Displacement,
     ElementMeasure,

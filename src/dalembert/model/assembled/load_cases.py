@@ -12,12 +12,12 @@ import numpy as np
 from dalembert.elements.base import Scalar, quantity
 from dalembert.elements.fem.attached import AXES, Attached
 from dalembert.elements.fem.element_set import Elements
-from dalembert.elements.fem.rotations import spin_map
+from dalembert.elements.fem.nodal import effort, missing_rotation, spin_map
 from dalembert.errors import ModelError
 from dalembert.model.assembled.evaluation.assembly import Assembly
 from dalembert.model.assembled.evaluation.blocks import BlockMaker, Part
 from dalembert.model.assembled.evaluation.numbering import Numbering
-from dalembert.model.assembled.loads.load_case import (
+from dalembert.model.assembled.load_case import (
     ConfigurationLoad,
     LoadCase,
     MassForce,
@@ -129,10 +129,10 @@ class LoadCaseMaker:
             return places
         node = self.structure.numbers.name(int(load.nodes[wrong[0]]))
         if places[wrong[0]] < 0:
-            raise ModelError(f"{load.direction}: no element turns this node", f"load {node}")
+            raise missing_rotation(effort(load.direction), f"load {node}")
         raise ModelError(
-            f"{load.direction} is prescribed, so the force there is a reaction and cannot be "
-            "given; remove the load or the support",
+            f"{effort(load.direction)}: {load.direction} is prescribed, so the force there is a "
+            "reaction and cannot be given; remove the load or the support",
             f"load {node}",
         )
 
@@ -201,7 +201,7 @@ class InitialConditions:
 
     def _check(self, condition: Load, places: np.ndarray, assigned: np.ndarray) -> None:
         if (places < 0).any():
-            raise ModelError(f"{condition.direction}: no element turns this node", condition.entity)
+            raise missing_rotation(condition.direction, condition.entity)
         if any(int(k) in self._held for k in places):
             raise ModelError(
                 f"{condition.direction} is prescribed, so its motion is known; remove one of them",

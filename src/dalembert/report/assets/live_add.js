@@ -1,0 +1,47 @@
+// Menu of a live page that adds a response of a series.
+
+/** @import { LiveData, LiveResponse, LiveTerm } from "./types.d.ts" */
+
+import { el, icon, menu } from "./dom.js";
+import { list } from "./numbers.js";
+import { payload } from "./payload.js";
+
+/** Upper limit of the responses that are listed by default. */
+const MAX_RESPONSES = 6;
+
+/** Reductions and their names in a label. @type {[LiveTerm["kind"], string][]} */
+const REDUCTIONS = [["maximum", "maximum"], ["minimum", "minimum"], ["final", "final value"], ["mean", "mean"], ["rms", "rms"], ["integral", "integral"]];
+
+/** Series with a row: name, unit, group and number of the row. @param {LiveData} live */
+function measuredSeries(live) {
+  const series = list(payload.series);
+  return live.columns.filter(([path]) => path[0] === "series").map(([[, k], row]) => {
+    const { name = "", unit = "", group = "other" } = series[Number(k)] ?? {};
+    return { name: String(name), unit: unit === "1" ? "" : String(unit), group: String(group || "other"), row };
+  });
+}
+
+/** @param {ReturnType<typeof measuredSeries>[number]} series @param {LiveTerm["kind"]} kind @returns {LiveResponse} */
+function responseOfSeries({ name, unit, row }, kind) {
+  const text = REDUCTIONS.find(([key]) => key === kind)?.[1], integral = kind === "integral" ? (unit ? `${unit} s` : "s") : unit;
+  return { label: `${text} of ${name}`, unit: integral, terms: [{ kind, row, weight: 1 }] };
+}
+
+/** Responses of the page, by default the maxima of the plotted series. @param {LiveData} live */
+export function firstResponses(live) {
+  if (live.responses?.length) return live.responses;
+  const series = measuredSeries(live), names = list(payload.default_plots).flat();
+  return names.flatMap((name) => series.filter((s) => s.name === name).map((s) => responseOfSeries(s, "maximum"))).slice(0, MAX_RESPONSES);
+}
+
+/** @param {LiveData} live @param {(response: LiveResponse) => void} add */
+export function addMenu(live, add) {
+  const series = measuredSeries(live), groups = [...new Set(series.map(({ group }) => group))];
+  const kind = el("select", { "aria-label": "Reduction over time" }, REDUCTIONS.map(([key, text]) => el("option", { value: key }, text)));
+  const options = groups.map((group) => el("optgroup", { label: group }, series.flatMap((s, k) => (s.group === group ? [el("option", { value: String(k) }, s.name)] : []))));
+  const measure = el("select", { class: "measure", "aria-label": "Series" }, options);
+  const button = el("button", { type: "button", class: "button menu-item", id: "add-response-now", onclick: () => add(responseOfSeries(series[Number(measure.value)], /** @type {LiveTerm["kind"]} */ (kind.value))) }, "Add");
+  const box = menu([icon("plus"), "Add"], [el("div", { class: "add-response" }, kind, el("span", { class: "caption" }, "of"), measure, button)], { class: "button", id: "add-response", "aria-label": "Add a response" });
+  box.addEventListener("keydown", (event) => { if (event.key !== "Escape") event.stopPropagation(); });
+  return box;
+}

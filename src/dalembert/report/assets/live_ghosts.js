@@ -1,0 +1,34 @@
+// Other designs of a live page: pale bodies behind the drawing, dashed curves in the plots.
+
+/** @import { Column } from "./types.d.ts" */
+/** @import { BodyData } from "./scene_types.d.ts" */
+
+import { list } from "./numbers.js";
+import { payload } from "./payload.js";
+
+/** Bodies and curves of a design.
+ * @typedef {{ name: string, bodies: BodyData[], curves: (Column | undefined)[] }} Snapshot */
+
+/** Bodies and curves that the payload contains at present. @param {string} name @returns {Snapshot} */
+export function designSnapshot(name) {
+  return { name, bodies: list(payload.scene?.bodies).map((body) => ({ ...body, shapes: structuredClone(body.shapes) })), curves: list(payload.series).map(({ values }) => values) };
+}
+
+export class Ghosts {
+  constructor() {
+    this.initial = designSnapshot("initial design");
+    /** Whether the initial design is drawn while the present one differs from it. */
+    this.compares = true;
+    /** Designs that are drawn besides. @type {Snapshot[]} */
+    this.kept = [];
+  }
+
+  /** Put the other designs into the payload. @param {boolean} changed whether the present design differs from the initial one */
+  put(changed) {
+    const others = [...changed && this.compares ? [this.initial] : [], ...this.kept], [dashed] = others;
+    if (payload.scene) payload.scene.ghosts = others.flatMap(({ bodies }) => bodies);
+    list(payload.series).forEach((series, k) => { series.other = dashed?.curves[k]; });
+    payload.other = dashed?.name ?? "";
+    return others;
+  }
+}

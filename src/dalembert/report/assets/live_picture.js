@@ -1,0 +1,63 @@
+// Drawing and plots of a live page: the result of the present design, with other designs behind it.
+
+/** @import { Dimension } from "./scene_types.d.ts" */
+/** @import { LiveData, LiveResult } from "./types.d.ts" */
+/** @import { Motion } from "./motion.js" */
+/** @import { Board } from "./plot_board.js" */
+/** @import { Player } from "./player.js" */
+/** @import { Scene } from "./scene.js" */
+
+import { byId, el, toggleButton } from "./dom.js";
+import { Ghosts } from "./live_ghosts.js";
+import { clamp } from "./numbers.js";
+import { payload } from "./payload.js";
+
+export class LivePicture {
+  /** @param {LiveData} live @param {{ motion: Motion, scene: Scene, player: Player, board: Board | null }} page @param {Dimension} dimension */
+  constructor(live, { motion, scene, player, board }, dimension) {
+    this.live = live;
+    this.motion = motion;
+    this.scene = scene;
+    this.player = player;
+    this.board = board;
+    this.dimension = dimension;
+    this.ghosts = new Ghosts();
+    this.changed = false;
+    this.toggle = toggleButton("Initial design", true, (on) => { this.ghosts.compares = on; this.renew(); }, { id: "ghosts", hidden: true });
+    byId("toolbar").querySelector(".chips")?.prepend(this.toggle);
+    this.dashed = el("span");
+    this.caption = el("p", { class: "caption other-run", hidden: true }, el("i", { class: "dashes" }), this.dashed);
+    board?.stack.before(this.caption);
+  }
+
+  /** Show a result. @param {LiveResult} result @param {boolean} changed whether its design differs from the initial one */
+  show({ table, times, numbers }, changed) {
+    const n = times.length, { columns, numbers: places } = this.live;
+    const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => {
+      let owner = /** @type {any} */ (payload);
+      for (const key of place.slice(0, -1)) owner = owner[key];
+      owner[/** @type {string} */ (place.at(-1))] = value;
+    };
+    for (const [place, row] of columns) put(place, table.subarray(n * row, n * (row + 1)));
+    places.forEach((place, k) => put(place, numbers[k]));
+    payload.time = times;
+    this.changed = changed;
+    this.renew();
+  }
+
+  /** Draw the payload. */
+  renew() {
+    const { motion, scene, player, board } = this, [dashed] = this.ghosts.put(this.changed), { now } = motion;
+    const next = new this.dimension.Motion(payload, this.dimension.structure), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name));
+    for (const point of next.points) point.swatch = motion.points.find(({ name }) => name === point.name)?.swatch;
+    motion.replace(next);
+    if (document.querySelector("#degrees[aria-pressed='true']")) motion.setDegrees(true);
+    scene.renew(traced);
+    if (board) board.picker.rows = null;
+    for (const plot of board?.plots ?? []) plot.renew(motion.named(plot.series.map(({ name }) => name)));
+    this.toggle.hidden = !this.changed;
+    this.caption.hidden = !dashed;
+    this.dashed.textContent = dashed ? `Dashed: ${dashed.name}` : "";
+    player.seek(clamp(now, motion.start, motion.end));
+  }
+}

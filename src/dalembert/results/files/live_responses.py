@@ -1,0 +1,81 @@
+"""Responses and joints of live pages as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any, Protocol
+
+import casadi as ca
+import numpy as np
+
+from dalembert.errors import AnalysisError
+from dalembert.model.graph.model import Model
+from dalembert.results.labelled import LabelledRecording
+from dalembert.results.sources import Source
+from dalembert.symbolic.formulas.expression import Expression
+
+
+class PageResponse(Protocol):
+    """The part of a response that a page needs."""
+
+    @property
+    def label(self) -> str: ...
+    @property
+    def measure(self) -> str | Expression: ...
+    @property
+    def constant(self) -> float: ...
+    @property
+    def terms(self) -> tuple[tuple[float, Any], ...]: ...
+    def unit_of(self, source: Any) -> str: ...
+    def reduction(self, times: np.ndarray) -> dict[str, Any]: ...
+
+
+def page_responses(
+    motion: LabelledRecording,
+    responses: Iterable[PageResponse],
+    times: np.ndarray,
+    row_of: Callable[[Source], int],
+) -> list[dict[str, Any]]:
+    """Responses with the rows of their measures.
+
+    Parameters
+    ----------
+    times : outputs of the page
+    row_of : formula → number of its row in the module
+
+    Raises
+    ------
+    UnsupportedError
+        A page does not compute this reduction.
+    AnalysisError
+        A measure is not a scalar of the model, or a response is none.
+    """
+    result = []
+    for response in responses:
+        if not hasattr(response, "reduction"):
+            raise AnalysisError(
+                f"{response!r:.60} is not a response; take one such as da.maximum('A.force_norm')"
+            )
+        terms = []
+        for weight, term in response.terms:
+            measure = motion.expression(term.measure)
+            if len(measure) != 1:
+                raise AnalysisError(
+                    f"response {term.label}: the measure has {len(measure)} components; "
+                    "take .x, .y or a norm"
+                )
+            row = row_of(ca.SX(measure.sx))
+            terms.append({"row": row, "weight": weight} | term.reduction(times))
+        unit = response.unit_of(motion)
+        texts = {"label": response.label, "unit": "" if unit == "1" else unit}
+        result.append(texts | {"terms": terms, "constant": response.constant})
+    return result
+
+
+def joint_rows(model: Model) -> list[dict[str, Any]]:
+    """Name, natural size and unit of each constraint equation."""
+    sizes = model.closure.all_equations.scales.rows
+    return [
+        {"name": constraint.name, "size": float(size), "unit": constraint.units()[k]}
+        for (constraint, k), size in zip(model.closure.owners, sizes, strict=False)
+    ]
