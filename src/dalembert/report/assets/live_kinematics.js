@@ -3,6 +3,7 @@
 /** @import { LiveData } from "./types.d.ts" */
 
 import { LiveInstants } from "./live_instants.js";
+import { simpson } from "./live_quadrature.js";
 import { RunFailure } from "./live_run.js";
 
 const STRETCH = 200;
@@ -59,6 +60,47 @@ export class LiveKinematics extends LiveInstants {
     engine.top = this.base;
     const columns = this.travelled(p), [t, ps, x] = [engine.put(times), engine.put(p), engine.room(size * n)];
     (data.places ?? []).forEach((k, i) => engine.view(x + 8 * size * i, size).set(engine.view(columns + 8 * size * k, size)));
-    return this.sampled(t, x, ps);
+    const result = { ...this.sampled(t, x, ps), columns };
+    this.addWork(result);
+    return result;
+  }
+
+  /** Add dissipated energy and energy input to the rows that contain them: integrals of the powers along the path. @param {any} result */
+  addWork({ table, columns, states }) {
+    const { engine, data } = this, { path = [], places = [], work = [] } = data, count = path.length, n = this.times.length;
+    if (!work.length) return;
+    const { to: [address] } = engine.call("powers", count, [engine.put(path), columns, states.p], new Set([2])), powers = engine.view(address, 2 * count).slice();
+    for (const part of [0, 1]) {
+      const energy = new Float64Array(count);
+      simpson(Float64Array.from(path)).forEach((entries, k) => { energy[k + 1] = entries.reduce((sum, [j, weight]) => sum + weight * powers[2 * j + part], energy[k]); });
+      for (const [row, ...factors] of work) for (let i = 0; i < n; i++) table[n * row + i] += factors[part] * (energy[places[i]] - (data.relative.includes(row) ? energy[places[0]] : 0));
+    }
+  }
+
+  /** Gradient of a response by the parameters. @override @param {any} run the last run @param {Map<number, Float64Array>} samples row → weights of its samples */
+  gradient(run, samples) {
+    const { engine, data, size } = this, { path = [], places = [], work = [] } = data, total = super.gradient(run, samples), mark = engine.top;
+    const bars = path.map(() => [0, 0]);
+    for (const [row, ...factors] of work) samples.get(row)?.forEach((weight, i) => {
+      for (const part of [0, 1]) {
+        bars[places[i]][part] += weight * factors[part];
+        if (data.relative.includes(row)) bars[places[0]][part] -= weight * factors[part];
+      }
+    });
+    if (!bars.some((pair) => pair.some(Boolean))) return total;
+    const intervals = simpson(Float64Array.from(path)), later = [0, 0], powers = path.map(() => [0, 0]);
+    for (let k = intervals.length - 1; k >= 0; k--) for (const part of [0, 1]) {
+      later[part] += bars[k + 1][part];
+      for (const [j, weight] of intervals[k]) powers[j][part] += weight * later[part];
+    }
+    const [t, w] = [engine.put(path), engine.put(powers.flat())];
+    powers.forEach((pair, j) => {
+      if (!pair.some(Boolean)) return;
+      const inner = engine.top, { done, to: [slope] } = engine.call("powers_adjoint", 1, [t + 8 * j, run.columns + 8 * size * j, run.states.p, w + 16 * j]), part = engine.view(slope, total.length);
+      for (let k = 0; k < total.length; k++) total[k] += done ? part[k] : NaN;
+      engine.top = inner;
+    });
+    engine.top = mark;
+    return total;
   }
 }
