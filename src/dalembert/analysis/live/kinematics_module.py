@@ -17,6 +17,7 @@ from dalembert.analysis.kinematics.run import (
     TOLERANCE,
 )
 from dalembert.analysis.live.checks import all_multipliers, check_data, residuals
+from dalembert.analysis.live.obstacles import common_obstacle
 from dalembert.analysis.live.rows import smooth_rows
 from dalembert.analysis.live.start import closing, violation
 from dalembert.analysis.residual_check import MOTION
@@ -37,9 +38,7 @@ def obstacle(motion: Motion) -> str:
         return "the motion passes a branch point"
     if model.equations.contacts:
         return "the mechanism has rigid contacts"
-    if model.parts.space.computed:
-        return "shapes of flexible bodies are computed by finite elements"
-    return ""
+    return common_obstacle(motion.analysis, model)
 
 
 def kinematics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:
