@@ -11,8 +11,11 @@ import { byId, el } from "./dom.js";
 import { addMenu, firstResponses } from "./live_add.js";
 import { Design } from "./live_design.js";
 import { PathDrag } from "./live_drag.js";
+import { KeptDesigns } from "./live_kept.js";
+import { Improvement } from "./live_improve.js";
 import { ParameterPanel } from "./live_panel.js";
 import { LivePicture } from "./live_picture.js";
+import { designMenu } from "./live_share.js";
 import { Solver } from "./live_solver.js";
 import { ResponseTable } from "./live_table.js";
 import { tidy } from "./numbers.js";
@@ -35,14 +38,17 @@ export function buildLive(page, dimension) {
   /** @type {LiveData} */
   const live = { ...code, ...numbers }, solver = new Solver(live), design = new Design(live.parameters), picture = new LivePicture(live, page, dimension);
   const panel = new ParameterPanel(design), table = new ResponseTable(firstResponses(live)), drag = new PathDrag(page, design, live);
+  const improvement = new Improvement(design, table, solver), add = addMenu(live, (response) => table.add(response));
   const card = el("section", { class: "card live", id: "live", "aria-label": "Parameters and responses" },
-    panel.node, el("div", { class: "plot-head" }, el("h2", {}, "Responses"), el("div", { class: "live-tools" }, addMenu(live, (response) => table.add(response)))), table.node);
-  byId("board").prepend(card);
+    panel.node, el("div", { class: "plot-head" }, el("h2", {}, "Responses"), el("div", { class: "live-tools" }, improvement.toggle, add)), table.node, improvement.node);
+  const kept = new KeptDesigns(design, table, picture);
+  panel.tools.append(kept.button, designMenu(design, (text) => panel.say(text)));
+  byId("board").prepend(card, kept.node);
 
   const request = () => solver.request({ parameters: design.values, responses: table.responses, gradients: table.responses.length ? [table.selected] : [], point: drag.request });
   const connect = () => {
     solver.onResult.on((/** @type {LiveResult} */ result) => {
-      picture.show(result, design.changed);
+      picture.show(result);
       table.show(result.values);
       const { success, outcome, message } = result.status;
       panel.say(success ? "" : `${outcome}: ${message}`, "error");
@@ -58,7 +64,8 @@ export function buildLive(page, dimension) {
       drag.retreat();
     });
     solver.onBusy.on((time) => panel.busy(time));
-    for (const signal of [design.onChange, table.onSelect, table.onList, drag.onHold]) /** @type {Signal<any>} */ (signal).on(request);
+    design.onChange.on((origin) => { if (origin !== "improve") request(); });
+    for (const signal of [table.onSelect, table.onList, drag.onHold]) /** @type {Signal<any>} */ (signal).on(request);
     request();
   };
   /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -73,5 +80,5 @@ export function buildLive(page, dimension) {
     card.classList.add("unavailable");
     document.documentElement.dataset.live = "unavailable";
   });
-  Object.assign(/** @type {any} */ (window).dalembert, { design, solver, table, drag, picture });
+  Object.assign(/** @type {any} */ (window).dalembert, { design, solver, table, drag, picture, improvement, kept });
 }

@@ -4,6 +4,7 @@
 /** @import { Design } from "./live_design.js" */
 
 import { el, icon, iconButton } from "./dom.js";
+import { numberIn } from "./live_goals.js";
 import { clamp, tidy } from "./numbers.js";
 import { raised, withUnit } from "./units.js";
 
@@ -35,8 +36,8 @@ class ParameterRow {
     this.slider.addEventListener("keydown", (event) => { if (!event.repeat && event.key.startsWith("Arrow")) design.begin(); event.stopPropagation(); });
     this.slider.addEventListener("input", () => design.set(k, low + (Number(this.slider.value) / STEPS) * (high - low)));
     this.entry.addEventListener("change", () => {
-      const value = Number(this.entry.value.replace("−", "-").replace(",", "."));
-      if (this.entry.value.trim() && Number.isFinite(value)) this.change(value * this.factor); else this.update();
+      const value = numberIn(this.entry.value);
+      if (Number.isFinite(value)) this.change(value * this.factor); else this.update();
     });
     this.entry.addEventListener("keydown", (event) => event.stopPropagation());
     this.update();

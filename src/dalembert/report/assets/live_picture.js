@@ -22,7 +22,9 @@ export class LivePicture {
     this.board = board;
     this.dimension = dimension;
     this.ghosts = new Ghosts();
-    this.changed = false;
+    /** Result that is drawn. @type {LiveResult | null} */
+    this.result = null;
+    this.initial = live.parameters.map(({ value }) => value);
     this.toggle = toggleButton("Initial design", true, (on) => { this.ghosts.compares = on; this.renew(); }, { id: "ghosts", hidden: true });
     byId("toolbar").querySelector(".chips")?.prepend(this.toggle);
     this.dashed = el("span");
@@ -30,8 +32,12 @@ export class LivePicture {
     board?.stack.before(this.caption);
   }
 
-  /** Show a result. @param {LiveResult} result @param {boolean} changed whether its design differs from the initial one */
-  show({ table, times, numbers }, changed) {
+  /** Whether the design that is drawn differs from the initial one. */
+  get changed() { return this.initial.some((value, k) => this.result !== null && value !== this.result.parameters[k]); }
+
+  /** Show a result. @param {LiveResult} result */
+  show(result) {
+    const { table, times, numbers } = result;
     const n = times.length, { columns, numbers: places } = this.live;
     const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => {
       let owner = /** @type {any} */ (payload);
@@ -41,7 +47,7 @@ export class LivePicture {
     for (const [place, row] of columns) put(place, table.subarray(n * row, n * (row + 1)));
     places.forEach((place, k) => put(place, numbers[k]));
     payload.time = times;
-    this.changed = changed;
+    this.result = result;
     this.renew();
   }
 

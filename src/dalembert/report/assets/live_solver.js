@@ -2,13 +2,13 @@
 
 /** @import { LiveAnswer, LiveData, LiveFailure, LiveRequest, LiveResult, LiveSlopes } from "./types.d.ts" */
 
-import { bytesOf, inflated } from "./payload.js";
+import { bytesOf, inflated } from "./inflate.js";
 import { Signal } from "./theme.js";
 
 /** Time after which a run is given up for a newer design [ms]. */
 const PATIENCE = 250;
 
-/** @typedef {{ request: LiveRequest, since: number, resolve: (answer: LiveAnswer | null) => void }} Task */
+/** @typedef {{ request: LiveRequest, quiet: boolean, since: number, resolve: (answer: LiveAnswer | null) => void }} Task */
 
 export class Solver {
   /** @param {LiveData} data */
@@ -58,11 +58,11 @@ export class Solver {
   }
 
   /** Compute a design; of several waiting ones only the newest. Resolved with null if a newer one replaces it.
-   * @param {Omit<LiveRequest, "number">} request @returns {Promise<LiveAnswer | null>} */
-  request(request) {
+   * @param {Omit<LiveRequest, "number">} request @param {boolean} quiet whether only the promise reports the answer @returns {Promise<LiveAnswer | null>} */
+  request(request, quiet = false) {
     this.waiting?.resolve(null);
     return new Promise((resolve) => {
-      this.waiting = { request: { ...request, number: ++this.number }, since: 0, resolve };
+      this.waiting = { request: { ...request, number: ++this.number }, quiet, since: 0, resolve };
       if (this.running && performance.now() - this.running.since > PATIENCE) this.cancel();
       this.send();
     });
@@ -96,17 +96,17 @@ export class Solver {
   receive(answer) {
     if ("table" in answer) {
       this.result = answer;
-      this.onResult.emit(answer);
+      if (!this.running?.quiet) this.onResult.emit(answer);
       return;
     }
     const { running, result } = this;
     this.running = this.result = null;
     this.onBusy.emit(null);
     if ("failure" in answer) {
-      this.onFailure.emit(answer);
+      if (!running?.quiet) this.onFailure.emit(answer);
       running?.resolve({ failure: answer });
     } else {
-      this.onSlopes.emit(answer);
+      if (!running?.quiet) this.onSlopes.emit(answer);
       running?.resolve(result && { result, slopes: answer.slopes });
     }
     this.send();

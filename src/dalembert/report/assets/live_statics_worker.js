@@ -1,4 +1,4 @@
-// Worker of a live page of statics.
+// Worker of a live page of statics of structures.
 
 import { LiveStatics } from "./live_structures.js";
 import { serve } from "./live_worker.js";

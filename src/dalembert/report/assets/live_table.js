@@ -12,6 +12,7 @@ import { raised } from "./units.js";
 export function changeText(value, before) {
   const share = (100 * (value - before)) / Math.abs(before);
   if (value === before || Number.isNaN(value - before)) return "";
+  if (Math.abs(share) < 0.01) return "< 0.01 %";
   const [text, sign] = Math.abs(share) < 1e4 ? [`${tidy(share, 3)} %`, share > 0] : [tidy(value - before, 4), value > before];
   return `${sign ? "+" : ""}${text}`;
 }

@@ -137,7 +137,7 @@ export type View = FactsView | RowsView | NotesView | BarsView | HistogramView |
 /** Sizes of a function: entries of its arguments and results, lengths of its work vectors. */
 export interface LiveFunction { inputs: number[]; outputs: number[]; work: [number, number, number, number] }
 export interface LiveCode {
-  kind: "dynamics" | "kinematics" | "equilibrium" | "modes";
+  kind: "dynamics" | "kinematics" | "equilibrium" | "modes" | "statics" | "vibration";
   /** Deflated module in base64. */
   code: string;
   /** JSON of `LiveData`, with all digits. */
@@ -182,13 +182,13 @@ export interface LiveData extends LiveCode {
   /** Natural sizes of the state and the equations of modes, and the name of their analysis. */
   sizes?: { states: number[]; rows: number[] };
   name?: string;
-  /** Number of free displacements of a structure, and the message of its status. */
-  free?: number;
-  message?: string;
   /** Responses that are shown first, those of the plots by default. */
   responses?: LiveResponse[];
   /** Constraint equations in the order of `violation`. */
   joints?: JointRow[];
+  /** Number of free displacements of a structure, and the message of its status. */
+  free?: number;
+  message?: string;
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
@@ -241,7 +241,7 @@ export interface LiveTerm {
 export interface LiveResponse { label: string; unit: string; terms: LiveTerm[]; constant?: number }
 /** Request to the worker: `gradients` are the numbers of the responses that are differentiated, `point` the rows of coordinates at an instant. */
 export interface LiveRequest { number: number; parameters: ArrayLike<number>; responses: LiveResponse[]; gradients: number[]; point?: { instant: number; rows: number[] } | null }
-export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number }
+export interface LiveResult { number: number; times: Float64Array; table: Float64Array; rows: number; values: number[]; numbers: Float64Array; status: LiveStatus; duration: number; parameters: ArrayLike<number> }
 /** Gradients by the parameters, in SI units, null for responses that are not differentiated; and of the coordinates of a point. */
 export interface LiveSlopes { number: number; slopes: (Float64Array | null)[]; jacobian: Float64Array[] | null }
 /** Constraint equation of a joint: name, natural size and unit. */
@@ -250,6 +250,16 @@ export interface OpenJoint extends JointRow { gap: number }
 export interface LiveFailure { number: number; failure: LiveStatus; open?: OpenJoint | null }
 /** Answer to a request: the result with its gradients, or a failure. */
 export type LiveAnswer = { result: LiveResult; slopes: LiveSlopes["slopes"] } | { failure: LiveFailure };
+
+/** Exported module: parameters and measures of a model with their units, in SI units. */
+export interface ModuleData {
+  name: string;
+  live: LiveData;
+  parameters: { name: string; value: number }[];
+  /** Name, unit and row. */
+  measures: [string, string, number][];
+  responses: LiveResponse[];
+}
 
 // Parts of a page -----------------------------------------------------------------------------------
 
