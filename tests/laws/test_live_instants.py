@@ -91,6 +91,7 @@ MODELS = {slider_crank: [0.13, 2.5, 2.0], robot: [0.45, 1.8, 2.5]}
 """Models, and other values of their parameters."""
 RUNS = {
     "kinematics": (da.solve_kinematics, {"step": 0.02}, "kinetic_energy"),
+    "long steps": (da.solve_kinematics, {"step": 0.25}, "kinetic_energy"),
     "some outputs": (da.solve_kinematics, {"outputs": 37}, "potential_energy"),
     "inverse dynamics": (da.solve_inverse_dynamics, {"step": 0.02}, "input_power"),
 }
@@ -156,6 +157,19 @@ def test_status_equals_that_of_python(build, name: str, outcomes) -> None:
 def without_numbers(texts: dict[str, str]) -> dict[str, str]:
     """Texts without residuals and numbers of iterations, which rounding changes."""
     return {key: re.sub(r"residual \S+ N after \d+ iterations?", "", texts[key]) for key in texts}
+
+
+def test_locked_mechanism_has_the_same_outcome(tmp_path: Path) -> None:
+    """A crank longer than its rod locks."""
+    model, values = slider_crank(), np.array([0.35, 2.5, 2.0])
+    motion = da.solve_kinematics(model, 2.0, step=0.02)
+    row = [Row(model.expression("rod.x").sx)]
+    modules = Modules(tmp_path)
+    data = motion.analysis.live_functions(motion, row, motion.time).page_data()
+    modules.add("locked", data, values)
+    outcome, expected = modules.run()[0]["locked"], motion.analysis.run(model, values).status
+    assert outcome.table is None
+    assert outcome.status["outcome"] == expected.outcome.value == da.Outcome.LOCKED.value
 
 
 @pytest.mark.parametrize("equilibrium", [True, False])

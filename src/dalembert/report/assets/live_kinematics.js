@@ -5,6 +5,7 @@
 import { LiveInstants } from "./live_instants.js";
 import { simpson } from "./live_quadrature.js";
 import { RunFailure } from "./live_run.js";
+import { general } from "./live_status.js";
 
 const STRETCH = 200;
 
@@ -18,7 +19,7 @@ export class LiveKinematics extends LiveInstants {
     start.set(y);
     const [first] = engine.evaluate("step", start, [path[0]], [0], p) ?? [];
     if (!first || !first.every(Number.isFinite) || first[size - 3] < regular * 1e-3)
-      throw new RunFailure(`at t = ${path[0]} s the mechanism stands in a singular position and velocities are not determined`, undefined, undefined, "singular position");
+      throw new RunFailure(`at t = ${general(path[0], 6)} s the mechanism stands in a singular position and velocities are not determined`, undefined, undefined, "singular position");
     engine.view(columns, size).set(first);
     for (let k = 0; k < h.length; ) {
       const mark = engine.top, count = Math.min(STRETCH, h.length - k);
@@ -49,7 +50,7 @@ export class LiveKinematics extends LiveInstants {
     while (now < high) {
       const target = now + h >= high - shortest ? high : now + h, [column, moved] = this.engine.evaluate("step", last, [target], [target - now], p) ?? [];
       if (column && this.trusted(column, moved[0], target - now, path)) { [last, now, h] = [column, target, 2 * h]; continue; }
-      if ((h /= 2) < shortest) throw new RunFailure(`no continuous position was found after t = ${now} s`, undefined, undefined, "locked: no position satisfies the drivers");
+      if ((h /= 2) < shortest) throw new RunFailure(`no continuous position was found after t = ${general(now, 9)} s`, undefined, undefined, "locked: no position satisfies the drivers");
     }
     return last;
   }
