@@ -31,13 +31,16 @@ export class Solver {
     this.result = null;
     /** @type {Worker | null} */
     this.worker = null;
-    this.script = URL.createObjectURL(new Blob([document.getElementById("worker")?.textContent ?? ""], { type: "text/javascript" }));
+    /** Address of the script of the worker. */
+    this.script = "";
     /** Resolved when the worker is ready; rejected where the browser does not permit it. */
     this.ready = this.compile();
   }
 
   async compile() {
     if (typeof WebAssembly === "undefined" || typeof Worker === "undefined") throw new Error("it has no WebAssembly or no workers");
+    const script = await inflated(bytesOf(document.getElementById("worker")?.textContent ?? ""));
+    this.script = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
     this.module = await WebAssembly.compile(await inflated(bytesOf(this.data.code)));
     await this.start();
   }
