@@ -13,6 +13,7 @@ from dalembert.model.graph.absolute import at_ground
 from dalembert.results.files.live_responses import PageResponse, joint_rows, page_responses
 from dalembert.results.labelled import LabelledRecording
 from dalembert.results.sources import Row, Source, as_row, payload_sources
+from dalembert.units.unit import shown_in
 
 MAX_BYTES = 300_000
 """Upper limit of the size of a module that a page contains without a request."""
@@ -35,7 +36,7 @@ def live_page(
     responses : responses that the page lists, by default the maxima of the plotted series
     """
     model = motion.model
-    bounded = any(None not in parameter.bounds for parameter in model.parameters.values())
+    bounded = any(np.isfinite(parameter.bounds).all() for parameter in model.parameters.values())
     if live is False or not (bounded or live):
         return page
     if not model.parameters:
@@ -70,8 +71,8 @@ def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[
     for parameter, value, row in zip(
         motion.model.parameters.values(), motion.parameters, shown, strict=False
     ):
-        lower, upper = parameter.bounds
-        factor = parameter.value / row["value"] if row["value"] else 1.0
+        lower, upper = (b if np.isfinite(b) else None for b in parameter.bounds)
+        factor, _ = shown_in(parameter.unit, [row["unit"]])
         rows.append(row | {"value": float(value), "lower": lower, "upper": upper, "factor": factor})
     return rows
 
