@@ -41,6 +41,11 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
+def pytest_sessionfinish() -> None:
+    """Spare pytest's last collections, five in a row, all that the tests leave."""
+    gc.freeze()
+
+
 settings.register_profile(
     "dalembert", deadline=None, derandomize=True, max_examples=25, database=None
 )

@@ -224,20 +224,20 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as place:
         start = prepared(Path(place) / "start")
         for name in options[2:] or COMMANDS:
-            expected = Path(place) / name
-            shutil.copytree(start, expected)
+            target = Path(place) / name
+            shutil.copytree(start, target)
             begin = time.monotonic()
-            code = ended(COMMANDS[name], expected)
+            code = ended(COMMANDS[name], target)
             whole = time.monotonic() - begin
-            assert code == 0, f"{name}: {code} {(expected / 'log').read_text()[-500:]}"
-            count = int((expected / "count").read_text())
+            assert code == 0, f"{name}: {code} {(target / 'log').read_text()[-500:]}"
+            count = int((target / "count").read_text())
             for k in range(repetitions):
                 moment = (
                     {"wait": chance.uniform(0.0, whole)}
                     if k % 2
                     else {"kill": chance.randint(1, count)}
                 )
-                for text in trial(COMMANDS[name], start, expected, k % 4 > 1, **moment):
+                for text in trial(COMMANDS[name], start, target, k % 4 > 1, **moment):
                     broken += 1
                     print(f"{name}, {moment} of {count}, {whole:.2f} s: {text}", flush=True)
             print(f"{name}: {repetitions} kills, {count} operations, {whole:.1f} s", flush=True)

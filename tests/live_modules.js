@@ -7,9 +7,10 @@ import { LiveEquilibrium } from "./live_equilibrium.js";
 import { LiveKinematics } from "./live_kinematics.js";
 import { LiveModes } from "./live_modes.js";
 import { LiveRun, RunFailure } from "./live_run.js";
+import { LiveStatics, LiveVibration } from "./live_structures.js";
 import { checkedStatus, failedStatus } from "./live_status.js";
 
-const KINDS = { dynamics: LiveRun, kinematics: LiveKinematics, equilibrium: LiveEquilibrium, modes: LiveModes };
+const KINDS = { dynamics: LiveRun, kinematics: LiveKinematics, equilibrium: LiveEquilibrium, modes: LiveModes, statics: LiveStatics, vibration: LiveVibration };
 const folder = process.argv[2];
 
 /** Numbers of JSON, which has no infinities. */

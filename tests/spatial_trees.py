@@ -98,8 +98,8 @@ class SpatialTree:
         self.sprung: list[tuple] = []
 
     def number(self, name: str, value: float):
-        expected = name in self.parameters
-        return self.system.parameter(name, float(value)) if expected else float(value)
+        exists = name in self.parameters
+        return self.system.parameter(name, float(value)) if exists else float(value)
 
     def body(self) -> int:
         """A body somewhere near, moving; its index."""

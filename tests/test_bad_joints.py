@@ -97,7 +97,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("message", WRONG)
-def test_joints_that_cannot_be_are_refused(message):
+def test_invalid_joints_are_refused(message):
     with pytest.raises(da.ModelError, match=message):
         WRONG[message]()
 
@@ -123,7 +123,7 @@ PLANE_WRONG = {
 
 
 @pytest.mark.parametrize("message", PLANE_WRONG)
-def test_drivers_of_the_plane_that_cannot_be_are_refused(message):
+def test_invalid_planar_drivers_are_refused(message):
     system = da.System("s")
     bodies = [system.add(planar.Body(name, mass=1.0, inertia=1.0)) for name in "ab"]
     weld = system.add(planar.Weld("W", system.ground.center, bodies[0].center))

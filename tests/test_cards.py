@@ -20,11 +20,11 @@ class Tags(html.parser.HTMLParser):
 
     def __init__(self, text: str):
         super().__init__()
-        self.found: list[str] = []
+        self.tags: list[str] = []
         self.feed(text)
 
     def handle_starttag(self, tag: str, attrs: Any) -> None:
-        self.found.append(tag)
+        self.tags.append(tag)
 
 
 def pendulum() -> da.System:
@@ -59,10 +59,10 @@ NAMES = ("system", "model", "diagnosis", "motion", "structure", "statics", "grad
 def test_things_show_themselves(things: dict[str, Any], name: str) -> None:
     text = things[name]._repr_html_()
     assert len(text) > 100
-    assert "img" not in Tags(text).found
+    assert "img" not in Tags(text).tags
 
 
-def test_what_is_shown_is_what_matters(things: dict[str, Any]) -> None:
+def test_cards_show_the_main_results(things: dict[str, Any]) -> None:
     assert "1 degree of freedom" in things["model"]._repr_html_()
     assert "0.5 … " in things["system"]._repr_html_()
     assert "completed" in things["motion"]._repr_html_()
@@ -71,7 +71,7 @@ def test_what_is_shown_is_what_matters(things: dict[str, Any]) -> None:
 def test_show_is_the_report(things: dict[str, Any]) -> None:
     shown = things["motion"].show(height=300, plots=[["bar.angle"]])
     assert isinstance(shown, InlinePage) and shown.payload["default_plots"] == [["bar.angle"]]
-    assert Tags(shown._repr_html_()).found == ["iframe"]
+    assert Tags(shown._repr_html_()).tags == ["iframe"]
     assert "structure" in things["statics"].show().payload["kind"]
 
 

@@ -350,7 +350,7 @@ def test_two_runs_are_reported_together_and_filmed(model, tmp_path, capsys, monk
 
 
 def test_a_report_drawn_again_is_the_one_that_was_written(model, tmp_path):
-    assert main(["run", str(model), "--output", str(tmp_path), "--quiet"]) == 0
+    assert main(["run", str(model), "--output", str(tmp_path), "--no-live", "--quiet"]) == 0
     page = tmp_path / "four_bar.report.html"
     first = page.read_text(encoding="utf-8")
     assert main(["report", str(tmp_path / "four_bar.nc")]) == 0

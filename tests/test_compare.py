@@ -107,7 +107,7 @@ def test_orders_are_seen():
     assert tight["steps"] > loose["steps"]
 
 
-def test_what_cannot_work_is_told_once():
+def test_failing_combinations_are_reported_once():
     result = comparison()
     refused = result.sel(formulation="Refusing")
     assert refused.data.sizes["run"] == 3  # one per integrator, not per step

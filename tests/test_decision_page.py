@@ -212,9 +212,9 @@ def test_names_stay_text(show):  # noqa: F811
         ],
     }
     assert "<img" not in render_page(payload)
-    found = show(payload)
-    assert found.js("document.title") == HOSTILE
-    assert found.page.locator("img").count() == 0
+    page = show(payload)
+    assert page.js("document.title") == HOSTILE
+    assert page.page.locator("img").count() == 0
 
 
 NAMES = {
@@ -257,6 +257,6 @@ def test_texts_of_parallel_axes_are_clear_of_each_other(show, count, viewport): 
         **{"format": 1, "kind": "decision", "title": "front", "subtitle": ""},
         **{"designs": views.designs(columns), "views": [view]},
     }
-    found = show(page, viewport=viewport)
-    assert found.js(OVERLAPS) == []
-    assert found.page.locator(".chart g.axis .label").count() == count
+    opened = show(page, viewport=viewport)
+    assert opened.js(OVERLAPS) == []
+    assert opened.page.locator(".chart g.axis .label").count() == count

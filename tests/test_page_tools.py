@@ -166,7 +166,7 @@ def test_two_runs_on_one_page(show: Any) -> None:
     assert view.picture("#scene") != before
 
 
-def test_what_cannot_be_compared_is_refused() -> None:
+def test_unsuitable_comparisons_are_refused() -> None:
     with pytest.raises(FileError, match="mechanism and spatial"):
         overlay(four_bar(), four_bar() | {"kind": "spatial"}, "x")
 

@@ -57,7 +57,7 @@ def test_numbers_which_are_not_finite_become_null() -> None:
     assert data_of(text)["series"][0]["values"] == [1.5, None]
 
 
-def test_what_is_not_plain_data_is_refused() -> None:
+def test_values_other_than_plain_data_are_refused() -> None:
     with pytest.raises(TypeError, match="object"):
         render_page({"title": "x", "time": [], "scene": object()})
 

@@ -166,7 +166,7 @@ def test_a_state_brings_its_own_parameters():
             da.linearize(model, rest, **arguments)
 
 
-def test_what_is_asked_for_wrongly_is_told_kindly(motion, tmp_path):
+def test_invalid_requests_are_refused(motion, tmp_path):
     """Lists of measures, and files whose names promise another format."""
     for ask in (motion.plot, motion.values, lambda names: da.evaluate(motion, da.final(names))):
         with pytest.raises(da.DalembertError, match="each by itself"):

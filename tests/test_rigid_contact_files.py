@@ -62,7 +62,9 @@ integrator = "DormandPrince"
         ),
     ],
 )
-def test_what_runs_refuse_is_told_before(command, height, more, message, tmp_path, capsys):
+def test_models_that_cannot_run_are_refused_by_check(
+    command, height, more, message, tmp_path, capsys
+):
     path = tmp_path / "ball.toml"
     path.write_text(BALL.format(height=height, more=more), encoding="utf-8")
     output = ["--output", str(tmp_path / "out")] if command == "run" else []

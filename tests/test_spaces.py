@@ -102,7 +102,7 @@ def test_a_file_of_the_plane_may_hold_elements_of_space(read, sign):
         ("[bodies.a]\ntype = 'Body'\nframes = {}", "bodies.a.frames: unknown key"),
     ],
 )
-def test_what_a_space_does_not_have_is_refused(read, text, message):
+def test_elements_of_the_other_space_are_refused(read, text, message):
     with pytest.raises(ModelError, match=re.escape(message)):
         read(text, allowed=False)
 

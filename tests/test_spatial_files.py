@@ -164,7 +164,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("wrong", WRONG)
-def test_what_is_wrong_is_told_with_place_value_and_cure(wrong, tmp_path):
+def test_errors_name_location_value_and_remedy(wrong, tmp_path):
     text, message = WRONG[wrong]
     head = HEAD.replace("dimension = 3\n", "") if wrong == "no dimension" else HEAD
     (tmp_path / "model.toml").write_text(f"{head}{text}\n", encoding="utf-8")

@@ -77,7 +77,7 @@ def test_indices_need_every_design():
         da.sobol_indices(run, RANGES, samples=4)
 
 
-def test_what_cannot_be():
+def test_invalid_studies_are_refused():
     pytest.importorskip("sklearn")
     design = da.DesignTable.grid({"a": [0.0, 1.0], "b": [1.0]})
     study = runner(lambda a, b: a)(design)

@@ -148,7 +148,7 @@ def test_beam_is_as_stiff_as_by_88_lines(pictures: Path) -> None:
     assert printed["volume"] <= 0.5 * (1 + 1e-6)
 
 
-def test_what_synthesis_is_asked_for(pictures: Path) -> None:
+def test_targets_of_synthesis(pictures: Path) -> None:
     """Dead centres by the law of cosines; what is met exactly, and what as well as can be."""
     printed, example = numbers("synthesis_tasks", pictures), script("synthesis_tasks")
     d, c, f, g = (printed[f"rocker: {n}"] for n in ("crank", "coupler", "follower", "ground"))

@@ -66,32 +66,32 @@ class Units:
 
 def in_other_units(system, units: Units) -> da.System:
     """The mechanism of a system, or of the parts of a model."""
-    return _Translation(system, units).made
+    return _Translation(system, units).converted
 
 
 class _Translation:
     def __init__(self, system, units: Units):
         system = system if isinstance(system, Description) else Description(system)
-        self.units, self.made = units, da.System(system.name)
-        self.made.parameters.update(system.parameters)
-        self.made.derived_parameters.update(system.derived_parameters)
-        self.bodies = {"ground": self.made.ground}
+        self.units, self.converted = units, da.System(system.name)
+        self.converted.parameters.update(system.parameters)
+        self.converted.derived_parameters.update(system.derived_parameters)
+        self.bodies = {"ground": self.converted.ground}
         self.old, self.new = [t.sx], [t.sx / units.time]
-        self._identify(system.ground, self.made.ground)
+        self._identify(system.ground, self.converted.ground)
         if system.gravity is not None:
-            self.made.gravity(*self.formula(system.gravity, "m/s^2"))
+            self.converted.gravity(*self.formula(system.gravity, "m/s^2"))
         for element in system.elements.values():
             if isinstance(element, BodyElement):
-                added = self.made.add(self.body(element))
+                added = self.converted.add(self.body(element))
                 self.bodies[element.name] = added
                 self._identify(element, added)
         for element in system.elements.values():
             if not isinstance(element, BodyElement):
-                self.made.elements[element.name] = self.element(element)
+                self.converted.elements[element.name] = self.element(element)
         order = list(system.elements)
-        self.made.elements = {name: self.made.elements[name] for name in order}
+        self.converted.elements = {name: self.converted.elements[name] for name in order}
         for measure, value in system.initial_conditions:
-            self.made.initial(
+            self.converted.initial(
                 self.formula(measure, measure.unit), self.formula(value, measure.unit)
             )
 
@@ -160,7 +160,7 @@ class _Translation:
         if isinstance(value, tuple):
             return tuple(self.point(point) for point in value)
         if isinstance(value, Constraint):
-            return self.made.elements[value.name]
+            return self.converted.elements[value.name]
         if isinstance(value, Law):
             return self.formula(Expression(value.value(t.sx)), element.units()[0])
         if isinstance(value, Component):

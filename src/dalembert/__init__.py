@@ -33,6 +33,8 @@ __all__ = list(_PUBLIC)
 
 
 def __getattr__(name: str) -> object:
+    if name.startswith("_"):  # inquiries of tools, without a search for similar names
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     if name not in _PUBLIC:
         wording = import_module("dalembert.text.wording")
         raise AttributeError(wording.no_attribute(__name__, name, __all__))

@@ -260,6 +260,7 @@ from dalembert.results.batch.batch import Batch as Batch
 from dalembert.results.comparison.result import Comparison as Comparison
 from dalembert.results.files.assembly_report import assembly_report as assembly_report
 from dalembert.results.files.store import load_results as load_results
+from dalembert.results.module import Module as Module
 from dalembert.results.motion import Motion as Motion
 from dalembert.results.pictures.tornado import tornado as tornado
 from dalembert.results.status import Outcome as Outcome, Status as Status

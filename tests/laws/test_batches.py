@@ -125,7 +125,7 @@ def test_wrong_designs_are_one_clear_message(model, parameters, message):
         da.solve_dynamics(model, parameters=parameters, **RUN)
 
 
-def test_what_is_wrong_for_all_designs_is_raised(model):
+def test_errors_of_all_designs_are_raised(model):
     with pytest.raises(da.AnalysisError, match="duration is -1"):
         da.solve_dynamics(model, -1.0, parameters={"l1": LENGTHS})
     with pytest.raises(da.AnalysisError, match="workers is 0"):

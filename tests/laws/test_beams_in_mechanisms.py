@@ -248,7 +248,7 @@ def test_forces_inside_balance_the_load():
         ({"length": -1.0}, "arm.length: is -1 m, but it must be above 0"),
     ],
 )
-def test_wrong_numbers_are_told(arguments, message):
+def test_invalid_numbers_are_refused(arguments, message):
     system = da.System("wrong")
 
     def build() -> None:

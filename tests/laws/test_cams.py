@@ -65,7 +65,7 @@ def test_smallest_cams():
     assert da.RollerCam(law=RISE, base_radius=0.005, roller_radius=0.03).undercut()
 
 
-def test_what_cannot_be():
+def test_invalid_cams_are_refused():
     with pytest.raises(da.AnalysisError, match="base_radius"):
         da.FlatFaceCam(law=RISE, base_radius=-1)
     with pytest.raises(da.AnalysisError, match="offset"):

@@ -250,7 +250,7 @@ def test_a_matrix_that_is_singular_stops_all_alike(backend):
 
 
 @pytest.mark.parametrize("backend", COMPILED)
-def test_what_is_too_large_stays_on_the_virtual_machine_and_says_so(backend, monkeypatch, cache):
+def test_large_graphs_stay_on_the_virtual_machine_with_a_reason(backend, monkeypatch, cache):
     """A model of few equal parts, whose code is as long as its list of operations."""
     monkeypatch.setattr(Compiler, "longest", 1000)
     monkeypatch.setattr(translation, "MAX_OPERATIONS", 100)
@@ -293,7 +293,7 @@ def test_parameters_stay_inputs_of_what_was_compiled(compilations):
 
 
 @pytest.mark.parametrize("backend", COMPILED)
-def test_what_cannot_be_written_as_c_runs_on_the_virtual_machine_and_says_so(backend):
+def test_graphs_without_c_code_run_on_the_virtual_machine_with_a_reason(backend):
     motion = run(pendulum(), backend, step=0.1, outputs=5, integrator=da.CVODES())
     assert motion.status.success
     assert motion.statistics["backend"].startswith("VM (")
@@ -358,7 +358,7 @@ def test_a_broken_file_is_made_again(backend, cache, compilations, damage):
 
 @pytest.mark.skipif(os.name == "nt", reason="needs the files of Unix")
 @pytest.mark.parametrize("kind", ["pipe", "pipe for the checksum", "folder", "link to itself"])
-def test_what_stands_in_place_of_machine_code_is_replaced(kind, cache):
+def test_invalid_files_in_the_code_cache_are_replaced(kind, cache):
     text = source.c_source(ca.Function("f", [X], [X + 3]))
     code_cache.build(text, Llvm())
     path = code_cache.cache_path(text, Llvm())
@@ -435,7 +435,7 @@ def test_clearing_the_cache_deletes_what_was_compiled(cache):
     assert da.clear_cache() == 0
 
 
-def test_what_was_unused_for_longest_goes_first(cache, monkeypatch):
+def test_the_least_recently_used_code_is_deleted_first(cache, monkeypatch):
     x = ca.SX.sym("x")
     texts = [source.c_source(ca.Function("f", [x], [x + k])) for k in range(3)]
     for text in texts:

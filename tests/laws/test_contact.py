@@ -278,7 +278,7 @@ def test_every_shape_meets_another():
         (lambda g, b: (kit.Polygon(g, [(0, 0), (1, 0)]), b.center), "at least 3 vertices"),
     ],
 )
-def test_what_cannot_touch_is_refused(make, message):
+def test_shapes_without_contact_are_refused(make, message):
     system = da.System("refused")
     body = system.add(planar.Body("b", mass=1.0, inertia=1.0))
     with pytest.raises(da.ModelError, match=message):
@@ -297,7 +297,7 @@ def test_what_cannot_touch_is_refused(make, message):
         (lambda: 1e6, "law must be one such as"),
     ],
 )
-def test_laws_that_say_nothing_are_refused(law, message):
+def test_invalid_laws_are_refused(law, message):
     system = da.System("refused")
     body = system.add(planar.Body("b", mass=1.0, inertia=1.0))
 

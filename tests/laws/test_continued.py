@@ -131,7 +131,7 @@ def test_options_of_what_follows() -> None:
     assert motion.status.outcome is da.Outcome.COMPLETED
 
 
-def test_what_cannot_go_on_says_so() -> None:
+def test_runs_that_cannot_continue_are_refused() -> None:
     model = pendulum()
     with pytest.raises(da.AnalysisError, match="duration"):
         da.solve_dynamics(model, 0.1, step=STEP).continued(-1.0)

@@ -161,7 +161,7 @@ def test_steps_by_name():
         ),
     ],
 )
-def test_what_cannot_work_is_refused_by_name(make, kind, message):
+def test_unsuitable_steps_are_refused_by_name(make, kind, message):
     result = stretched((9e-7, 1.1e-6))
     with pytest.raises(kind, match=message):
         make(result)

@@ -243,7 +243,7 @@ def test_modes_follow_the_parameters_by_shape():
     assert again.frequencies == pytest.approx(np.sort(expected), rel=1e-9)
 
 
-def test_what_modes_refuse():
+def test_invalid_arguments_of_modes_are_refused():
     """Unknown numbers and measures, states whose gradient nobody follows, floating equilibria."""
     model = RESTING["masses"]()
     modes = da.linearize(model)

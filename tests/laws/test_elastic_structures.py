@@ -347,7 +347,7 @@ def test_weight_and_measures():
     assert equilibrium["S_bar.force"].values[0] == pytest.approx(5.0, rel=1e-9)
 
 
-def test_what_cannot_be_included_is_told():
+def test_unsupported_structures_are_refused():
     system, supported = da.System("whole"), alone("bars", 1.0)
     with pytest.raises(da.ModelError, match="S: the included model has supports"):
         system.include("S", supported)

@@ -163,9 +163,9 @@ def _measured_models():
 
 def test_sums_may_have_a_hundred_terms():
     """Each term stands one deeper in the tree than the next; what is nested stays bounded."""
-    expected = {f"x{k}": Expression(ca.SX.sym(f"x{k}")) for k in range(100)}
-    formula = parse_formula("9 - " + " - ".join(expected), expected.get)
-    at_ones = ca.Function("f", [k.sx for k in expected.values()], [formula.sx])(*[1.0] * 100)
+    names = {f"x{k}": Expression(ca.SX.sym(f"x{k}")) for k in range(100)}
+    formula = parse_formula("9 - " + " - ".join(names), names.get)
+    at_ones = ca.Function("f", [k.sx for k in names.values()], [formula.sx])(*[1.0] * 100)
     assert float(at_ones) == -91
     with pytest.raises(ExpressionError, match="too large"):
         parse_formula("x" + " + x" * 130, NAMES.get)
@@ -206,19 +206,19 @@ def test_kept_results_are_bounded_and_go_with_their_owner():
     import weakref
 
     class Owner(CacheOwner):
-        made = 0
+        evaluations = 0
 
         @once
         def square(self, number):
-            self.made += 1
+            self.evaluations += 1
             return number**2
 
     owner = Owner()
-    assert [owner.square(3), owner.square(3), owner.made] == [9, 9, 1]
+    assert [owner.square(3), owner.square(3), owner.evaluations] == [9, 9, 1]
     for number in range(CACHE_SIZE + 10):
         owner.square(number)
     assert (
-        owner.square(3) == 9 and owner.made == CACHE_SIZE + 11
+        owner.square(3) == 9 and owner.evaluations == CACHE_SIZE + 11
     )  # 3 was kept longer than the others
     assert sum(len(entries) for entries in owner.cache.values()) == CACHE_SIZE
     seen = weakref.ref(owner)

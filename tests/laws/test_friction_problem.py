@@ -73,7 +73,7 @@ def test_more_contacts_than_freedoms():
     assert solved.converged and solved.residual < 1e-8
 
 
-def test_what_has_no_solution_is_said_to_have_none():
+def test_problems_without_solution_are_reported():
     """A wall that cannot move and is moved into: ``u = b < 0`` whatever the impulse."""
     problem = FrictionProblem(np.zeros((1, 1)), np.array([[-1.0]]), np.zeros(1))
     solved = da.ContactSolver(max_iterations=10).solve(problem)

@@ -232,7 +232,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_is_refused(name):
+def test_invalid_impacts_are_refused(name):
     make, options, error, text = REFUSED[name]
     with pytest.raises(error, match=text):
         da.solve_dynamics(make().build(), 1.0, **options)

@@ -72,10 +72,12 @@ def coverage(matrix, exact, wanted, noise, order=2, seen=None, **more) -> tuple[
     rough = blocks(matrix.shape[1] // KNOTS.size, order)
     for _ in range(REPETITIONS):
         data = exact + noise * rng.normal(size=exact.size)
-        expected = more.get("known", False)
-        level = noise if expected else 1e-3
+        noise_known = more.get("noise_known", False)
+        level = noise if noise_known else 1e-3
         problem = Linear(matrix / level, data / level)
-        chosen = _RegularisedProblem(problem, rough, more.get("smoothing", "likelihood"), expected)
+        chosen = _RegularisedProblem(
+            problem, rough, more.get("smoothing", "likelihood"), noise_known
+        )
         try:
             fit, mu, _ = chosen.solve(np.zeros(matrix.shape[1]))
         except da.AnalysisError as error:
@@ -99,7 +101,7 @@ FORCES = {
 def test_forces(name):
     force, order, least = FORCES[name]
     exact = responses(force(FINE)[:, None])[:, 0]
-    held, _ = coverage(PUSH, exact, force(KNOTS), 2e-3, order, known=name == "smooth")
+    held, _ = coverage(PUSH, exact, force(KNOTS), 2e-3, order, noise_known=name == "smooth")
     assert held.mean() > least
 
 
@@ -132,7 +134,7 @@ def test_the_true_noise_is_no_error():
     """Discrepancy: residuals scatter about the noise, so that half of them exceed it."""
     force = FORCES["smooth"][0]
     exact = responses(force(FINE)[:, None])[:, 0]
-    _, failed = coverage(PUSH, exact, force(KNOTS), 2e-3, smoothing="discrepancy", known=True)
+    _, failed = coverage(PUSH, exact, force(KNOTS), 2e-3, smoothing="discrepancy", noise_known=True)
     assert len(failed) <= 1
 
 

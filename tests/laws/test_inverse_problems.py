@@ -98,7 +98,7 @@ def test_a_drive_is_found_from_the_path(pushed):
         ({"smoothing": "discrepancy", "noise": {"x": 1e-12}}, "times the noise"),
     ],
 )
-def test_what_cannot_be_is_told(pushed, more, tells):
+def test_invalid_arguments_are_refused(pushed, more, tells):
     model, push = pushed
     arguments = {"measures": {"x": "mass.x"}, "histories": [push], "analysis": ANALYSIS} | more
     with pytest.raises(da.DalembertError, match=tells):

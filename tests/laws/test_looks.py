@@ -70,8 +70,8 @@ def test_every_case_can_be_drawn(name):
     assert all({"name", "description", "symbol"} <= item.keys() for item in drawn)
     bodies = {"ground", *(b.name for b in motion.model.bodies)}
     assert {item["body"] for item in drawn if "body" in item} <= bodies
-    expected = set(motion.model.parts.elements)
-    assert {item["name"] for item in drawn} <= expected
+    elements = set(motion.model.parts.elements)
+    assert {item["name"] for item in drawn} <= elements
     for item in drawn:
         for key in ("force_x", "at_x", "moment"):
             assert len(item.get(key, motion.time)) == motion.time.size

@@ -271,7 +271,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("more", "message"), REFUSED, ids=[m for _, m in REFUSED])
-def test_what_a_mechanism_does_not_have_is_named(more, message):
+def test_missing_features_of_mechanisms_are_named(more, message):
     with pytest.raises(da.ModelError, match=message):
         beam_with(more).build()
 

@@ -96,7 +96,7 @@ def test_an_event_that_ends_the_run_says_when():
     np.testing.assert_allclose(moving, fixed, rtol=1e-9)
 
 
-def test_what_is_not_available_is_said():
+def test_unavailable_methods_are_refused():
     model = crank(False)
     motion = da.solve_dynamics(model, t_span=("0.01*speed", 1.0), step=1e-2)
     with pytest.raises(da.UnsupportedError, match="start of the run follows"):

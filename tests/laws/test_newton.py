@@ -111,7 +111,7 @@ def test_a_flat_equation_is_singular():
     assert root.ending is Ending.SINGULAR and not root.accepted
 
 
-def test_what_ends_early_keeps_the_best_point():
+def test_an_early_end_returns_the_best_point():
     slow = NewtonSettings(tolerance=1e-14, max_iterations=2)
     root = solve(Scalar(lambda x: x**3, lambda x: 3 * x**2), np.array([1.0]), slow)
     assert root.ending is Ending.ITERATIONS and root.iterations == 2

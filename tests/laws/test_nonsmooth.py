@@ -183,7 +183,7 @@ def test_energy_from_nowhere_is_no_motion():
     assert lax.status.success and "the steps are long" in lax.warnings[0]
 
 
-def test_what_may_be_is_told_where_it_is_much():
+def test_overlaps_are_warned_about():
     scheme = da.MoreauJean(projection=False)
     motion = da.solve_nonsmooth(bouncing_ball(0.7), 0.8, step=1.7e-2, integrator=scheme)
     assert motion.status.success

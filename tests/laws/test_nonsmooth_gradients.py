@@ -194,7 +194,7 @@ def test_other_schemes_and_measures_are_refused():
         da.sensitivity(motion, da.final("ball.ay"))
 
 
-def test_what_notes_tell():
+def test_notes_of_gradients():
     gradient = da.sensitivity(run(bouncing(), 1.9, 2e-2), da.final("ball.y"))
     text = " ".join(gradient.attrs["notes"])
     assert "1 impact moves in time" in text

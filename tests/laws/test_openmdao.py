@@ -154,7 +154,7 @@ def test_a_design_in_their_driver(gradient):
         np.testing.assert_allclose(entry["J_fwd"], entry["J_fd"], rtol=1e-3, atol=1e-3)
 
 
-def test_what_has_no_state_is_told():
+def test_invalid_implicit_components_are_refused():
     with pytest.raises(AnalysisError, match="has no state equations"):
         da.openmdao_implicit_component(vane(), analysis=da.Dynamics(1.0, step=0.1))
     with pytest.raises(AnalysisError, match=r"bar\.end\.vx: an assembled position has no speeds"):

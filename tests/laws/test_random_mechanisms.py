@@ -131,7 +131,7 @@ def test_reactions_balance_every_bar(seed, pinned):
 
 
 @pytest.mark.parametrize("part", sampled(range(PARTS), PARTS))
-def test_what_is_completed_is_right(part):
+def test_completed_runs_are_correct(part):
     """Open, closed, redundant, massless, driven; sprung, stopped, loaded: the twin finds no fault.
 
     A run may end otherwise where there is a reason, and says it.

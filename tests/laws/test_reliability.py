@@ -183,7 +183,7 @@ def test_failure_at_the_means_has_a_negative_index():
     assert result.beta == pytest.approx(-math.sqrt(2), abs=1e-9)
 
 
-def test_what_did_not_converge_says_so():
+def test_searches_that_do_not_converge_are_reported():
     result = da.reliability(None, "2 - a + exp(b) - 1", {"a": N, "b": N}, max_iterations=1)
     assert not result.success and result.residual > 1e-8 and "not converged" in repr(result)
 
@@ -204,7 +204,7 @@ def test_what_did_not_converge_says_so():
         ({"method": "newton"}, "unknown method"),
     ],
 )
-def test_what_cannot_be_is_told(more, tells):
+def test_invalid_arguments_are_refused(more, tells):
     arguments = {"limit_state": "3 - a - b", "random": {"a": N, "b": N}}
     if "lies between" in tells:
         arguments["correlation"] = {("a", "b"): -0.9}

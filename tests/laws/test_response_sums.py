@@ -83,7 +83,7 @@ def test_sums_in_batches_hessians_certificates_and_limits() -> None:
     assert 1.5 * (best.x["vx"] - 20) + 11.25 == pytest.approx(-3.0)
 
 
-def test_what_cannot_be_added() -> None:
+def test_sums_with_other_types_are_refused() -> None:
     motion = da.solve_dynamics(thrown(), 0.5, step=STEP)
     mixed = da.final("stone.x") + da.final("stone.vx")
     with pytest.raises(da.AnalysisError, match="terms in m and in m/s cannot be added"):

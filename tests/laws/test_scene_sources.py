@@ -16,7 +16,6 @@ from dalembert import planar, spatial
 from dalembert.report.packing import pack
 from dalembert.report.page import as_json
 from dalembert.results.files.payload import report_payload
-from dalembert.results.live import Row
 from dalembert.results.pictures.collector import SceneCollector
 from dalembert.results.pictures.mechanism_scene import MechanismScene
 from dalembert.results.sources import InitialPicture, Row, Sources, payload_sources

@@ -303,7 +303,7 @@ def test_directions_and_rows():
     np.testing.assert_allclose(by_name, 2.0 * columns[0] - columns[1], rtol=1e-9, atol=1e-12)
 
 
-def test_what_is_refused():
+def test_unsupported_second_derivatives_are_refused():
     model = four_bar(False)
     motion = da.solve_dynamics(model, 0.02, step=0.01)
     with pytest.raises(da.AnalysisError, match=r"2 component\(s\)"):

@@ -189,7 +189,7 @@ def test_conjugate_gradients_find_what_factors_find(structure):
 
 @pytest.mark.parametrize("solver", ["SuperLU", PARDISO, "iterative"])
 @pytest.mark.parametrize("held", ["nowhere", "corner"])
-def test_what_floats_is_told_by_every_solver(solver, held, monkeypatch):
+def test_every_solver_reports_floating_structures(solver, held, monkeypatch):
     if solver == "iterative":
         pytest.importorskip("pyamg")
     monkeypatch.setattr(factorise, "PARDISO_ROWS", 1)

@@ -97,7 +97,7 @@ def test_angles_about_body_axes_are_those_of_scipy(sequence):
         ("zx", (0.1, 0.0), None),
     ],
 )
-def test_angles_near_their_singular_attitude_are_told(sequence, angles, warning):
+def test_angles_near_a_singular_attitude_are_warned_about(sequence, angles, warning):
     messages = free(rotation=da.rotation.euler(sequence, *angles)).diagnosis.messages
     computed = [text for level, text in messages if "singular attitude" in text]
     assert len(computed) == (warning is not None)
@@ -245,7 +245,7 @@ def test_bodies_that_there_are_not_are_refused(wrong):
         ),
     ],
 )
-def test_directions_that_there_are_not_are_refused(make, message):
+def test_invalid_directions_are_refused(make, message):
     with pytest.raises(da.ModelError, match=re.escape(message)):
         make()
 
@@ -275,7 +275,7 @@ def test_formulas_of_axes_are_checked_at_their_values():
         (lambda b, d: spatial.JointActuator("F", 3, 1.0), "joint must leave a motion free"),
     ],
 )
-def test_forces_that_there_are_not_are_refused(make, message):
+def test_invalid_forces_are_refused(make, message):
     body, dot = spatial.Body("b", **GOOD), spatial.Particle("d", mass=1.0)
     with pytest.raises(da.DalembertError, match=re.escape(message)):
         make(body, dot)

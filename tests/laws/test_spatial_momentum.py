@@ -84,7 +84,7 @@ def momenta(model: da.Model) -> Expression:
     ("mechanism", "seed"),
     sampled([*((chain, k) for k in range(6)), *((loop, k) for k in range(4))], 3),
 )
-def test_momentum_and_energy_of_what_floats_stay(mechanism, seed):
+def test_floating_mechanisms_conserve_momentum_and_energy(mechanism, seed):
     model = mechanism(seed)
     assert len(model.diagnosis.topology.loops) == (mechanism is loop)
     motion = da.solve_dynamics(model, 0.2, integrator=da.DormandPrince853(1e-10, 1e-11), outputs=5)

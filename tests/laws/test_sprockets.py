@@ -53,7 +53,7 @@ def test_its_surface_is_smooth_from_seat_to_flank():
     np.testing.assert_allclose(near, near[::-1], atol=1e-12)  # the two flanks are alike
 
 
-def test_what_is_refused():
+def test_invalid_sprockets_are_refused():
     wheel = planar.Body("wheel", mass=1.0, inertia=1.0)
     with pytest.raises(da.ModelError, match="teeth is 3"):
         planar.contact.Sprocket(wheel.center, 3, PITCH, ROLLER)

@@ -122,7 +122,7 @@ def test_stiff_springs_beside_soft_ones(ratio):
 
 
 @pytest.mark.parametrize("ratio", [1e8, 1e10, 1e12])
-def test_what_is_soft_is_solved_beside_what_is_stiff(ratio):
+def test_soft_and_stiff_parts_are_solved_together(ratio):
     """Two bars on springs at their pins: moments of the second one are no bigger than round-off."""
     system = da.System("bars", gravity=(0.0, -9.81))
     body, pin = system.ground, system.ground.point(0, 0)

@@ -109,7 +109,7 @@ def test_frequency_vanishes_at_the_load_factor(name):
 
 
 @pytest.mark.parametrize("count", [4, 70])
-def test_what_floats_has_rigid_modes(count):
+def test_floating_structures_have_rigid_modes(count):
     """Three of them, of the whole mass; the others keep their place."""
     model = floating(count).build()
     with pytest.raises(da.SingularityError, match="negative shift"):

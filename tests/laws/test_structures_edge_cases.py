@@ -208,7 +208,7 @@ def test_measures_that_are_none(name, message):
         measured(name)
 
 
-def test_what_is_not_built_says_so():
+def test_unbuilt_models_are_refused():
     for verb, argument in (
         (da.solve_statics, da.Structure("s")),
         (da.solve_kinematics, da.System("m")),

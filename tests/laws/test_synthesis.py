@@ -124,6 +124,6 @@ def test_limits_are_kept():
         (lambda: da.FourBar(crank=1, coupler=1, follower=1, ground=1).cognates(), "on a joint"),
     ],
 )
-def test_what_cannot_be(ask, words):
+def test_invalid_tasks_are_refused(ask, words):
     with pytest.raises(da.AnalysisError, match=words):
         ask()

@@ -107,7 +107,7 @@ def test_beyond_the_ends(kind):
         ({"x": range(2000), "y": range(2000)}, "has 2000 rows; thin it out"),
     ],
 )
-def test_tables_that_are_none(arguments, message):
+def test_invalid_tables_are_refused(arguments, message):
     with pytest.raises(da.ModelError, match=message):
         da.Interpolation(**{"x": [0, 1, 2], "y": [1, 2, 3], "name": "gas", **arguments})
 

@@ -64,7 +64,7 @@ def heated(name: str, d: int, held: bool = True, gradients: bool = True):
 
 @pytest.mark.parametrize("nonlinear", [False, True])
 @pytest.mark.parametrize(("name", "d"), KINDS)
-def test_what_may_expand_has_no_stress(name, d, nonlinear):
+def test_free_expansion_is_without_stress(name, d, nonlinear):
     """It grows alike in all directions: no stress, no reactions, no energy at small strain."""
     cls = ELEMENTS[name]
     if not cls.turns and cls.node_count == 2 and d > 1:

@@ -78,8 +78,8 @@ def test_cheapest_allocation(crank, worst_case):
 
     top = {"r": (0.0, 1.0), "l": (0.0, 0.25e-3), "off": (0.0, 1.0)}
     for bounds in ((0.0, np.inf), top):
-        halves = result.allocate(limit, costs, bounds=bounds, worst_case=worst_case)
-        t = np.array(list(halves.values()))
+        allocation = result.allocate(limit, costs, bounds=bounds, worst_case=worst_case)
+        t = np.array(list(allocation.values()))
         assert size(t) == pytest.approx(limit, rel=1e-9)
         best = minimize(
             lambda s: np.sum(c / s) / 1e4,
@@ -110,6 +110,6 @@ def test_cheapest_allocation(crank, worst_case):
         ),
     ],
 )
-def test_what_cannot_be_is_told(crank, call, tells):
+def test_invalid_arguments_are_refused(crank, call, tells):
     with pytest.raises(da.DalembertError, match=tells):
         call(crank, analysis=ANALYSIS)

@@ -86,7 +86,7 @@ def test_a_cycle():
     assert best.success and best.fun < 1e-6
 
 
-def test_what_cannot_be_is_told():
+def test_invalid_tasks_are_refused():
     model, goal = pendulum(), da.integral("torque**2")
     with pytest.raises(AnalysisError, match="unknown parameter 'torqe'"):
         da.optimize_trajectory(model, goal, ["torqe"], 1.0)

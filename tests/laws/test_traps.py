@@ -275,7 +275,7 @@ def test_a_lock_is_found_and_what_was_reached_is_kept(choice):
     [{"formulation": "KKT"}, {"integrator": da.RK4}, {"stabilization": None}, {"coordinates": 1}],
     ids=repr,
 )
-def test_what_is_no_strategy_is_told_with_one(choice):
+def test_values_that_are_no_strategy_are_refused_with_a_suggestion(choice):
     """A name, a class or a number in place of an object."""
     (name,) = choice
     with pytest.raises(da.AnalysisError, match=rf"{name}.* such as \w+\(\)"):

@@ -160,7 +160,7 @@ def test_a_robust_objective(numbers):
     np.testing.assert_allclose(slope, ends, rtol=1e-6)
 
 
-def test_what_cannot_be_is_told(numbers):
+def test_invalid_tasks_are_refused(numbers):
     cost, random = da.final("x1 + x2"), {"x1": da.Normal(5.0, 0.3)}
     limit = da.Limit(da.final("x1"), lower=1.0)
 

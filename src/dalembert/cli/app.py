@@ -32,6 +32,7 @@ COMMANDS = {
     "invert": "Find the forces and drives that explain measured motion.",
     "sweep": "Run the analysis of a model file at many designs; resumes an interrupted study.",
     "report": "Write the interactive report of a result file, or of two for comparison.",
+    "export": "Write the analysis of a model file as a module for JavaScript.",
     "film": "Write the motion of a result file as an animation, GIF or MP4.",
     "cache": "Show the compiled functions cached on disk, or delete them.",
     "completion": "Print the completion script of a shell: bash, zsh or fish.",
@@ -48,6 +49,7 @@ EXAMPLES = {
     "identify": "model.toml --data run_1.csv --data run_2.csv --output results",
     "invert": "model.toml --data run_3.csv --output results",
     "sweep": "four_bar.toml --workers 2 --output results",
+    "export": "four_bar.toml --to js --output page",
 }
 """Command → arguments of an example; ``model.toml`` is the user's file, the others are supplied."""
 

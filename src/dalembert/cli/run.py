@@ -67,6 +67,7 @@ def run(
     analysis: str | None = None,
     settings: Settings | None = None,
     report: bool = True,
+    live: bool | None = None,
     csv: Annotated[bool, Parameter(negative=())] = False,
     profile: Annotated[bool, Parameter(negative=())] = False,
     open_page: Open = False,
@@ -85,6 +86,9 @@ def run(
         Type of analysis instead of the file's, e.g. Kinematics.
     report
         Write the interactive report.
+    live
+        Run the model in the report, with sliders for its parameters. By default as the file states,
+        else if parameters have bounds and the compiled model is small.
     csv
         Also write all results as a table.
     profile
@@ -93,6 +97,7 @@ def run(
     from dalembert.io.analyses import make_analysis
     from dalembert.io.report import report_choices
     from dalembert.report.page import write_page
+    from dalembert.report.views import notes
 
     if is_deck(model):
         with wrong_input():
@@ -119,9 +124,12 @@ def run(
         defer_ctrl_c()
         with timing.part("results"):
             page = result.page(**choices) if result.has_page else None
+            if page is not None and (texts := file.document.report.notes):
+                page["views"] = [*page.get("views", ()), notes("Notes", texts)]
             files = result.write_data(base, csv, page, choices.get("units", ()))
         if report and page is not None:
             with timing.part("report"):
+                page = result.live_page(page, file.document.report.live if live is None else live)
                 files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
         interrupted_late = signals.pressed and result.status.outcome is not Outcome.INTERRUPTED
     code = INTERRUPTED if interrupted_late else _exit_code(result.status)

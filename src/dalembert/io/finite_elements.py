@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from dalembert.elements.fem.between_bodies import NodeBody
+from dalembert.elements.fem.node import Node
 from dalembert.elements.fem.node_set import Nodes
 from dalembert.elements.fem.registry import ELEMENTS, cell_of
 from dalembert.errors import ModelError
-from dalembert.io.fields import Quantities, Quantity, connected_fields, read_fields
+from dalembert.io.fields import FileField, Quantities, Quantity, connected_fields, read_fields
 from dalembert.io.finite_element_tables import (
     DISPLACEMENTS,
     FORCES,
@@ -29,6 +30,9 @@ from dalembert.io.schema import ModelDocument
 from dalembert.model.meshes.generators import box_mesh, line_mesh, rectangle_mesh
 from dalembert.model.system import System
 from dalembert.text.wording import unknown
+
+NodeOrNodes = Node | NodeBody | Nodes
+"""A node, a body that is a node, or a set of nodes."""
 
 
 class FiniteElements:
@@ -88,7 +92,7 @@ class FiniteElements:
             mesh = self.mesh_source(table, shape, where)
             self.system.add_mesh(name, mesh, {shape: cls}, **keys)
 
-    def value(self, field: Any, entry: Any, where: tuple[str, ...]) -> Any:
+    def value(self, field: FileField, entry: Any, where: tuple[str, ...]) -> Any:
         """Value of a field; of meshes one for all elements, one per element or one per group."""
         if field.holds not in (Quantity, Quantities):
             return entry
@@ -183,12 +187,12 @@ class FiniteElements:
 
     # names -----------------------------------------------------------------------------------
     @property
-    def single_nodes(self) -> dict[str, Any]:
+    def single_nodes(self) -> Mapping[str, NodeOrNodes]:
         """Nodes of the document, and bodies that are nodes."""
         bodies = {n: b for n, b in self.system.elements.items() if isinstance(b, NodeBody)}
         return bodies | {name: self.system.nodes[name] for name in self.document.nodes}
 
-    def node(self, name: str, *where: str | int, more: tuple[str, ...] = ()) -> Any:
+    def node(self, name: str, *where: str | int, more: tuple[str, ...] = ()) -> NodeOrNodes:
         """The node of this name; ``more`` are further known names."""
         nodes = self.single_nodes
         if name not in nodes:
@@ -205,11 +209,11 @@ class FiniteElements:
             raise self.located.error(unknown("element", name, elements), *where)
         return elements[name]
 
-    def selected(self, table: NodeChoice, section: str, k: int) -> list[Any]:
+    def selected(self, table: NodeChoice, section: str, k: int) -> list[NodeOrNodes]:
         """The nodes that a table of supports or loads selects."""
         return [selected_nodes(self.nodes_named(name, section, k), table) for name in table.nodes]
 
-    def nodes_named(self, name: str, section: str, k: int) -> Any:
+    def nodes_named(self, name: str, section: str, k: int) -> NodeOrNodes:
         """The node, the nodes of a mesh, or those of a group of it."""
         owner, _, group = name.partition(".")
         meshes = self.system.meshes
@@ -222,7 +226,7 @@ class FiniteElements:
         return self.node(name, section, k, "nodes", more=(*meshes, *groups))
 
 
-def selected_nodes(nodes: Any, table: NodeChoice) -> Any:
+def selected_nodes(nodes: NodeOrNodes, table: NodeChoice) -> NodeOrNodes:
     """Nodes that a table selects by position."""
     if table.where is None and table.nearest is None:
         return nodes

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeVar
 
+from dalembert.elements.base import Element
 from dalembert.elements.body import BodyElement
+from dalembert.elements.fem.node_set import Nodes
 from dalembert.elements.frame import Frame
 from dalembert.errors import ModelError
 from dalembert.io.documents import Document
@@ -13,6 +15,8 @@ from dalembert.io.formulas import Formulas
 from dalembert.io.orientations import FrameTable, read_frame
 from dalembert.model.system import System
 from dalembert.text.wording import listed, nearest, unknown
+
+N = TypeVar("N")
 
 
 class References:
@@ -28,7 +32,7 @@ class References:
     def __init__(self, document: Document, system: System, formulas: Formulas):
         self.document, self.system, self.formulas = document, system, formulas
 
-    def body(self, name: str) -> Any:
+    def body(self, name: str) -> BodyElement:
         """The body of this name, or the ground."""
         names = ["ground", *self.document.bodies]
         if name not in names:
@@ -45,14 +49,14 @@ class References:
         element: Any = self.system.elements[owner]
         return self._among(element.named_nodes, owner, name, f"{owner}.")
 
-    def node_of_mesh(self, owner: str, reference: str) -> Any:
+    def node_of_mesh(self, owner: str, reference: str) -> Nodes:
         """A node of a mesh, ``mesh_nodes[3]``."""
         nodes = self.system.meshes[owner].nodes()
         named = {name: nodes[k] for k, name in enumerate(nodes.names)}
         return self._among(named, owner, reference, "")
 
     @staticmethod
-    def _among(nodes: Mapping[str, Any], owner: str, name: str, prefix: str) -> Any:
+    def _among(nodes: Mapping[str, N], owner: str, name: str, prefix: str) -> N:
         """The node of this name."""
         if name not in nodes:
             reference, names = f"{prefix}{name}" if name else owner, [prefix + n for n in nodes]
@@ -62,7 +66,7 @@ class References:
             )
         return nodes[name]
 
-    def joint(self, name: str) -> Any:
+    def joint(self, name: str) -> Element:
         """The joint of this name."""
         names = list(self.document.joints)
         if name not in names:

@@ -23,8 +23,11 @@ PAGES = {
     "kinematics": "live_kinematics_worker.js",
     "equilibrium": "live_equilibrium_worker.js",
     "modes": "live_modes_worker.js",
+    "statics": "live_statics_worker.js",
+    "vibration": "live_vibration_worker.js",
+    "module": "module.js",
 }
-"""Kind of page, and its dimension, or of a worker → main module."""
+"""Kind of page, and its dimension, or of a worker or an exported module → main module."""
 KINDS = ("mechanism", "spatial", "structure", "decision")
 """Kinds of payloads."""
 
@@ -53,8 +56,14 @@ def page_kind(payload: dict[str, Any]) -> str:
 @cache
 def page_script(kind: str) -> str:
     """Script of a kind of page."""
+    return joined(PAGES[kind])
+
+
+def joined(*names: str) -> str:
+    """Modules and those that they import, as one scope."""
     scripts: dict[str, str] = {}
-    _collect(PAGES[kind], scripts)
+    for name in names:
+        _collect(name, scripts)
     return "\n".join(scripts.values())
 
 
@@ -67,4 +76,4 @@ def _collect(name: str, scripts: dict[str, str]) -> None:
                 _collect(imported, scripts)
         for pattern in (IMPORT, EXPORT, COMMENT):
             text = pattern.sub("", text)
-    scripts[name] = text
+    scripts.setdefault(name, text)

@@ -23,6 +23,11 @@ def facts(title: str, rows: Iterable[tuple[Any, Any]], note: str = "") -> dict[s
     return {"kind": "facts", "title": title, "items": items, "note": note}
 
 
+def notes(title: str, texts: Iterable[str]) -> dict[str, Any]:
+    """A list of sentences, such as explanations and questions."""
+    return {"kind": "notes", "title": title, "texts": [str(text) for text in texts]}
+
+
 def bars(
     title: str, rows: Mapping[str, float], unit: str = "", note: str = "", share: bool = False
 ) -> dict[str, Any]:

@@ -17,7 +17,8 @@ from dalembert.text.wording import unknown
 
 if TYPE_CHECKING:
     from dalembert.results.live import LiveFunctions
-from dalembert.results.sources import Row
+    from dalembert.results.module import Module
+    from dalembert.results.sources import Row
 
 ParameterValues = Mapping[str, float] | np.ndarray | None
 """Parameter values: some by name, all in order, or None for those of the model."""
@@ -135,6 +136,18 @@ class Analysis(ABC, Generic[M, R]):
     def live_functions(self, result: R, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:
         """Functions with which a page computes the rows at the times for other parameters."""
         raise UnsupportedError(self.live_obstacle(result))
+
+    def module(
+        self,
+        model: M,
+        measures: Sequence[str | Expression] = (),
+        responses: Sequence[Any] = (),
+        parameters: ParameterValues = None,
+    ) -> Module:
+        """The analysis as a WebAssembly module; see ``Model.module``."""
+        from dalembert.results.module import build_module
+
+        return build_module(self.run(model, parameters), measures, responses)
 
     @classmethod
     def of(cls, verb: str, **options: Any) -> Self:

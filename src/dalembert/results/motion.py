@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from dalembert.report.page import InlinePage
     from dalembert.results.files.live_responses import PageResponse
+    from dalembert.results.pictures.animation import Film
     from dalembert.results.structural.motion import RecoveredStates
 
 
@@ -158,7 +159,7 @@ class Motion(LabelledRecording):
 
         return still(self, time, ax)
 
-    def animate(self, **options: Any) -> Any:
+    def animate(self, **options: Any) -> Film:
         """Animation of the mechanism (Matplotlib); shown by notebooks."""
         from dalembert.results.pictures.animation import animate
 
@@ -197,10 +198,19 @@ class Motion(LabelledRecording):
             A page does not compute one of the responses.
         """
         from dalembert.report.page import write_page
-        from dalembert.results.files.live_page import live_page
 
         page = self.page(plots=plots, trace=trace, units=units, views=views)
-        return write_page(live_page(self, page, live, responses), path)
+        return write_page(self.live_page(page, live, responses), path)
+
+    def live_page(
+        self,
+        page: dict[str, Any],
+        live: bool | None = None,
+        responses: Sequence[PageResponse] = (),
+    ) -> dict[str, Any]:
+        from dalembert.results.files.live_page import live_page
+
+        return live_page(self, page, live, responses)
 
     def page(
         self, plots: Groups = None, trace: Names = None, units: Units = (), views: Views = ()

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from dalembert.report.page import InlinePage
     from dalembert.results.analysis import Analysis
+    from dalembert.results.files.live_responses import PageResponse
 
 
 Instants = float | Sequence[float] | np.ndarray
@@ -166,6 +167,23 @@ class Result(CacheOwner, Protocol):
     def page(self) -> dict[str, Any]:
         """Payload of the report as plain data, if ``has_page``."""
         raise UnsupportedError(f"there is no report of {type(self).__name__}; save or draw it")
+
+    def live_page(
+        self,
+        page: dict[str, Any],
+        live: bool | None = None,
+        responses: Sequence[PageResponse] = (),
+    ) -> dict[str, Any]:
+        """Payload of a live page, or the page with the reason why it is not live.
+
+        Parameters
+        ----------
+        page : payload of the report
+        live : whether the page is live; by default where that is possible and the page stays small
+        responses : that it lists, by default the maxima of the plotted measures
+        """
+        kind = type(self).__name__
+        return page | {"live": {"reason": f"{kind} does not run in a page"}} if live else page
 
     def save(self, path: str | Path, **first_view: Any) -> Path:
         """Write all results and the page to a NetCDF file; ``load_results`` reads it back."""

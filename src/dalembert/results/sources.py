@@ -13,8 +13,6 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from dalembert.results.live import Row
-
 Place = tuple[str | int, ...]
 """Keys and indices that lead to a value of a payload."""
 

@@ -55,6 +55,17 @@ class ParametricArray:
         self._spread(result, self._values, p, time)
         return result
 
+    def graph(self, p: ca.MX) -> ca.MX:
+        """(n,) numbers at time zero as a graph of parameters."""
+        constants = ca.MX(ca.DM(self.constants))
+        if not self.index.size:
+            return constants
+        column = ca.densify(ca.vertcat(*self._formulas))
+        formulas = ca.Function("formulas", [self._p, t.sx], [column])
+        ones, shape = [1.0] * self.index.size, (self.constants.size, self._count)
+        spread = ca.DM.triplet(self.index.tolist(), self.which.tolist(), ones, *shape)
+        return constants + ca.mtimes(spread, formulas(p, 0.0))
+
     def push(self, p: np.ndarray, dp: np.ndarray, time: float = 0.0) -> np.ndarray:
         """(n,) change of the numbers with a change of ``p``."""
         result = np.zeros_like(self.constants)

@@ -99,6 +99,44 @@ class ParametricModel(CacheOwner, ABC):
     def __iter__(self) -> Iterator[str]:
         return iter(self.keys())
 
+    def module(
+        self,
+        analysis: Any,
+        measures: Sequence[str | Expression] = (),
+        responses: Sequence[Any] = (),
+        parameters: Mapping[str, float] | np.ndarray | None = None,
+    ) -> Any:
+        """An analysis of the model as a WebAssembly ``Module``, for other programs.
+
+        Parameters
+        ----------
+        analysis : such as ``Dynamics(duration=2.0, step=0.01)``; its nominal run fixes the times
+        measures : names or formulas of the outputs over time
+        responses : reductions of measures to numbers, with gradients by all parameters
+        parameters : values of the nominal run, by default those of the model
+
+        Returns
+        -------
+        Module
+
+        Raises
+        ------
+        UnsupportedError
+            The analysis cannot run outside of Python; states the reason, such as rigid contacts.
+
+        Examples
+        --------
+        >>> import dalembert as da
+        >>> from dalembert import planar
+        >>> system = da.System("throw", gravity=(0, -10))
+        >>> speed = system.parameter("speed", 10.0, "m/s", bounds=(5, 20))
+        >>> stone = system.add(planar.Particle("stone", mass=1.0, velocity=(3, speed)))
+        >>> module = system.build().module(da.Dynamics(duration=2.0, step=0.1), ["stone.y"])
+        >>> [parameter["name"] for parameter in module.parameters], "step" in module.functions
+        (['speed'], True)
+        """
+        return analysis.module(self, measures, responses, parameters)
+
     def keys(self) -> list[str]:
         """Names of all measures and parameters; vectors have components ``.x``, ``.y``, ``.z``."""
         return list(dict.fromkeys(self.names.known()))

@@ -72,16 +72,17 @@ class Variant(CacheOwner):
             rate = self.rate
         if (corrected := stabilization.correction(e, formulation)) is not None:
             correction = with_consistent_speeds(e, formulation, corrected)
+        upkeep = with_consistent_speeds(e, formulation, None)
         if self.integrator.adaptive:
             tangential = stabilization.tangential(e, formulation)
         return Problem(
             rate=rate,
             make_system=lambda: formulation.semi_explicit(e, self.xi, self._saddle(e)),
-            correction=correction,
+            correction=correction and correction.frequent,
             controlled=e.coordinate_count + e.speed_count,
             positions=e.coordinate_count,
             tangential=tangential,
-            upkeep=with_consistent_speeds(e, formulation, None),
+            upkeep=upkeep and upkeep.frequent,
             translates=stabilization.translates,
             sizes=state_sizes(e),
             time=e.scales.time,
@@ -98,7 +99,8 @@ class Variant(CacheOwner):
     @cached_property
     def rate(self) -> ImplicitFunction:
         """``(t, x, p) → ẋ``."""
-        return self._accelerated(self.equations, [state_rate(self.equations)], "state_rate")
+        rates = [state_rate(self.equations)]
+        return self._accelerated(self.equations, rates, "state_rate").frequent
 
     @cached_property
     def step(self) -> Step:

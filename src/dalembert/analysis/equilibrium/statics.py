@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Unpack, overload
 
 import numpy as np
@@ -27,6 +27,7 @@ from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.batch.batch import Batch
+from dalembert.results.live import LiveFunctions, Row
 from dalembert.results.motion import Motion
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
@@ -124,6 +125,18 @@ class Statics(Analysis[StructuralModel, StructuralResult]):
         return StructuralResult(
             model, self, p, cases, u, forces, status, statistics, records, warnings
         )
+
+    def live_obstacle(self, result: StructuralResult) -> str:
+        from dalembert.analysis.live.structure_module import statics_obstacle
+
+        return statics_obstacle(result)
+
+    def live_functions(
+        self, result: StructuralResult, rows: Sequence[Row], times: np.ndarray
+    ) -> LiveFunctions:
+        from dalembert.analysis.live.structure_module import statics_functions
+
+        return statics_functions(result, rows, times)
 
     def _solver(self, model: StructuralModel, matrix: Any, p: np.ndarray) -> SparseSolver | None:
         blocks, free = model.assembly.blocks, model.assembly.free

@@ -15,7 +15,7 @@ from dalembert.model.graph.model import Model
 from dalembert.results.recording import Recording, Trajectory
 from dalembert.symbolic.equations.factor import QrFactor
 from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
-from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.evaluation.kernel import SELDOM, Kernel, condensed
 from dalembert.symbolic.formulas.expression import Expression
 from dalembert.symbolic.once import CacheOwner, once
 
@@ -115,12 +115,8 @@ class KinematicsKernel(CacheOwner):
         pivots = ca.fabs(QrFactor(e.jacobian, sizes.rows, sizes.displacements).pivots)
         regular = ca.mmin(pivots) / ca.mmax(pivots)
         regular = ca.Function("s", [e.t, e.y, e.p], [regular])(e.t, new[0], e.p)
-        return ca.Function(
-            "kinematic_step",
-            [last, e.t, h, e.p],
-            [ca.vertcat(*new, regular, residual, change)],
-            {"cse": True},
-        )
+        outputs = [ca.vertcat(*new, regular, residual, change)]
+        return condensed("kinematic_step", [last, e.t, h, e.p], outputs, SELDOM)
 
     @once
     def chunk(self, count: int) -> Kernel:

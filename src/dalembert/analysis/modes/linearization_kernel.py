@@ -24,7 +24,6 @@ from dalembert.model.graph.model import Model
 from dalembert.results.recording import Trajectory
 from dalembert.sparse.eigenvalues import coinciding, error_sizes, leading, residual
 from dalembert.symbolic.equations.implicit import ImplicitFunction
-from dalembert.symbolic.evaluation.kernel import SELDOM
 from dalembert.symbolic.once import once
 
 RESTING = 1e-9
@@ -71,7 +70,7 @@ class LinearizationKernel:
         level = ca.vertcat(position_constraints, e.manifold.bounds, e.velocity_constraints)
         accelerations = KKT().acceleration(e, e.constraint_acceleration, [rate, level])
         inputs, stages = [e.t, ca.vertcat(e.y, e.v), e.p], accelerations.stages
-        return ImplicitFunction("linearized", inputs, stages, accelerations.outputs, SELDOM)
+        return ImplicitFunction("linearized", inputs, stages, accelerations.outputs)
 
     @cached_property
     def resting(self) -> ImplicitFunction:
@@ -79,14 +78,14 @@ class LinearizationKernel:
         equilibrium = statics_kernel(self.model).configuration
         e = self.model.equations
         still = ca.substitute(self._state_of_bodies, e.v, ca.SX.zeros(e.speed_count))
-        return ImplicitFunction("resting", equilibrium.inputs, equilibrium.stages, [still], SELDOM)
+        return ImplicitFunction("resting", equilibrium.inputs, equilibrium.stages, [still])
 
     @cached_property
     def assembled(self) -> ImplicitFunction:
         """``(t, y nearby, p) → x`` of the assembled state."""
         start, e = self.model.initial_state, self.model.equations
         x = ca.substitute(self._state_of_bodies, ca.vertcat(e.y, e.v), ca.vertcat(*start.outputs))
-        return ImplicitFunction("assembled", start.inputs, start.stages, [x], SELDOM)
+        return ImplicitFunction("assembled", start.inputs, start.stages, [x])
 
     @property
     def _state_of_bodies(self) -> ca.SX:

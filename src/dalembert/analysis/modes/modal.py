@@ -148,16 +148,21 @@ class Modal(SpectralAnalysis[Any, Modes]):
 
     def live_obstacle(self, result: Modes) -> str:
         from dalembert.analysis.live.modes_module import obstacle
+        from dalembert.analysis.live.structure_module import vibration_obstacle
 
-        if not isinstance(result, MechanismModes):
-            return super().live_obstacle(result)
+        if isinstance(result, VibrationModes):
+            return vibration_obstacle(result)
+        assert isinstance(result, MechanismModes)
         return obstacle(result)
 
     def live_functions(
         self, result: Modes, rows: Sequence[Row], times: np.ndarray
     ) -> LiveFunctions:
         from dalembert.analysis.live.modes_module import modes_functions
+        from dalembert.analysis.live.structure_module import vibration_functions
 
+        if isinstance(result, VibrationModes):
+            return vibration_functions(result, rows, times)
         assert isinstance(result, MechanismModes)
         return modes_functions(result, rows, times)
 

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from dalembert.report.views import notes
+
 MAX_FRAMES = 2400
 """Upper limit of the instants of all designs of a page together."""
 MIN_FRAMES = 61
@@ -38,8 +40,8 @@ def all_views(decision: Any) -> list[dict[str, Any]]:
     """Warnings and views of a decision."""
     if not decision.warnings:
         return list(decision.views())
-    notes = {"kind": "notes", "title": "Warnings", "texts": list(decision.warnings)}
-    return [{**notes, "place": "board"}, *decision.views()]
+    warnings = notes("Warnings", decision.warnings)
+    return [{**warnings, "place": "board"}, *decision.views()]
 
 
 def with_views(page: dict[str, Any], decision: Any, title: str) -> dict[str, Any]:

@@ -78,7 +78,7 @@ def identification_views(identification: IdentificationResult) -> list[dict[str,
     numbers += [(f"noise of {c} ({kind})", f"{s:.3g}") for c, s in identification.noise.items()]
     payload.append(views.facts("Fit", numbers))
     if identification.notes:
-        payload.append({"kind": "notes", "title": "Notes", "texts": list(identification.notes)})
+        payload.append(views.notes("Notes", identification.notes))
     return payload
 
 

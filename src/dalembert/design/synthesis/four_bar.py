@@ -129,7 +129,7 @@ class FourBar(Linkage):
         }
 
     @staticmethod
-    def circuits(q: Numbers, theta: Any, phi: Any, output: Any) -> np.ndarray:
+    def circuits(q: Numbers, theta: np.ndarray, phi: np.ndarray, output: np.ndarray) -> np.ndarray:
         """By Grashof's condition, joints that are not on the shortest link never straighten."""
         lengths = {name: float(q[name]) for name in FourBar.lengths}
         shortest = min(lengths, key=lambda name: lengths[name])

@@ -116,7 +116,7 @@ class Linkage(ABC):
 
     @staticmethod
     @abstractmethod
-    def circuits(q: Numbers, theta: Any, phi: Any, output: Any) -> np.ndarray:
+    def circuits(q: Numbers, theta: np.ndarray, phi: np.ndarray, output: np.ndarray) -> np.ndarray:
         """Circuit of each position, ±1; 0 if all positions are on one circuit."""
 
     @abstractmethod

@@ -109,7 +109,7 @@ class SliderCrank(Linkage):
         }
 
     @staticmethod
-    def circuits(q: Numbers, theta: Any, phi: Any, output: Any) -> np.ndarray:
+    def circuits(q: Numbers, theta: np.ndarray, phi: np.ndarray, output: np.ndarray) -> np.ndarray:
         """If crank or rod rotates fully, the other link is never perpendicular to the rail."""
         gap, offset = float(q["coupler"]) - float(q["crank"]), abs(float(q["offset"]))
         if abs(gap) <= offset:

@@ -15,6 +15,8 @@ import casadi as ca
 from dalembert.integrators.prepared_step import step_symbols
 from dalembert.integrators.runge_kutta.tableau import ButcherTableau
 from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.evaluation.kernel import SELDOM, condensed
+from dalembert.symbolic.once import once
 
 
 def used_stages(tableau: ButcherTableau) -> list[int]:
@@ -93,14 +95,24 @@ def second_derivative(
         bars[i], more = _pull_back(rhs, at, (states[i], changes[i]), (p, dp), seed)
         x_bar, p_bar = _sum(x_bar, bars[i]), p_bar + more
     inputs = [t, h, x, p, weight, dx, dp, dweight]
-    return ca.Function("second_step", inputs, [*map(ca.densify, x_bar), p_bar], {"cse": True})
+    return condensed("second_step", inputs, [*map(ca.densify, x_bar), p_bar], SELDOM)
 
 
 def _pull_back(function: ImplicitFunction, t, x: Pair, p: Pair, weight: Pair) -> tuple[Pair, ca.SX]:
     """Weight of x and its change, and the change of the weight of p."""
-    x_bar = function.adjoint(t, x[0], p[0], weight[0])[1]
-    _, change, p_bar = function.reverse.tangent(t, x[0], p[0], weight[0], 0, x[1], p[1], weight[1])
+    x_bar, change, p_bar = _weights(function)(t, *x, *p, *weight)
     return (x_bar, change), p_bar
+
+
+@once
+def _weights(function: ImplicitFunction) -> ca.Function:
+    """``(t, x, ẋ, p, ṗ, w, ẇ) → x̄, d x̄, d p̄``: adjoint and its tangent share half their terms."""
+    t, *columns = function.reverse.inputs
+    x, p, w = columns
+    dx, dp, dw = (ca.SX.sym("d", symbols.numel()) for symbols in columns)
+    x_bar = function.adjoint(t, x, p, w)[1]
+    _, change, p_bar = function.reverse.tangent(t, x, p, w, 0, dx, dp, dw)
+    return condensed("weights", [t, x, dx, p, dp, w, dw], [x_bar, change, p_bar])
 
 
 def _weighted(pair: Pair, factor) -> Pair:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from pydantic import Field
 
@@ -15,6 +17,7 @@ from dalembert.io.tables import name_or_table, strategy_type
 from dalembert.io.values import (
     Bound,
     Entry,
+    Flag,
     Integer,
     Number,
     NumberOrBounds,
@@ -206,6 +209,15 @@ class CompareTable(Record):
     repeat: Integer = Field(default=1, description="number of timed repetitions of each run")
 
 
+LIVE: Any = Field(
+    default=None,
+    description="whether the page runs the model again while sliders move parameters; by default "
+    "if parameters have bounds and the page stays small",
+)
+
+NOTES: Any = Field(default_factory=list, description="texts of a card, such as questions")
+
+
 class StructureReportTable(Record):
     """Units of the report of a structure."""
 
@@ -213,6 +225,8 @@ class StructureReportTable(Record):
         default_factory=list,
         description='of the page and CSV files, as `["mm", "MPa"]`; each applies to its dimension',
     )
+    live: Flag = LIVE
+    notes: Names = NOTES
 
 
 class ReportTable(Record):
@@ -224,3 +238,5 @@ class ReportTable(Record):
         default_factory=list,
         description='of plots and CSV files, as `["mm", "deg"]`; each applies to its dimension',
     )
+    live: Flag = LIVE
+    notes: Names = NOTES

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import replace
+from weakref import WeakKeyDictionary
 
 import casadi as ca
 
@@ -18,12 +19,17 @@ from dalembert.model.graph.manifold import Manifold
 from dalembert.model.graph.rigid_gaps import RigidGap, rigid_gaps
 from dalembert.symbolic.formulas.expression import stack, t
 
+_AT_REST = WeakKeyDictionary[Ground, tuple[ca.SX, ca.SX]]()
+"""Ground → symbols of its motion and their values."""
+
 
 def at_ground(ground: Ground, expression: ca.SX) -> ca.SX:
     """The expression with the ground at rest at the origin."""
-    motion = ca.vertcat(ground.twist, ground.acceleration_symbols)
-    values = ca.vertcat(ca.SX(list(ground.rest)), ca.SX.zeros(motion.numel()))
-    return ca.substitute(expression, ca.vertcat(ground.pose, motion), values)
+    if ground not in _AT_REST:
+        motion = ca.vertcat(ground.twist, ground.acceleration_symbols)
+        values = ca.vertcat(ca.SX(list(ground.rest)), ca.SX.zeros(motion.numel()))
+        _AT_REST[ground] = ca.vertcat(ground.pose, motion), values
+    return ca.substitute(expression, *_AT_REST[ground])
 
 
 def absolute_equations(d: Description) -> Equations:

@@ -61,3 +61,52 @@ export function solved(a, b) {
   for (let k = n - 1; k >= 0; k--) for (let j = 0; j < x[k].length; j++) { for (let i = k + 1; i < n; i++) x[k][j] -= lu[k][i] * x[i][j]; x[k][j] /= lu[k][k]; }
   return x;
 }
+
+/** Cholesky's factor of a symmetric matrix; null unless it is positive definite. @param {Matrix} a @returns {Matrix | null} */
+export function cholesky(a) {
+  const n = a.length, l = zeros(n, n);
+  for (let j = 0; j < n; j++) {
+    for (let i = j; i < n; i++) {
+      let s = a[i][j];
+      for (let k = 0; k < j; k++) s -= l[i][k] * l[j][k];
+      if (i > j) { l[i][j] = s / l[j][j]; continue; }
+      if (!(s > 1e-14 * Math.abs(a[j][j]))) return null;
+      l[j][j] = Math.sqrt(s);
+    }
+  }
+  return l;
+}
+
+/** Solution of `L x = b`. @param {Matrix} l @param {ArrayLike<number>} b */
+export function forward(l, b) {
+  const x = Float64Array.from(b);
+  for (let i = 0; i < x.length; i++) { for (let k = 0; k < i; k++) x[i] -= l[i][k] * x[k]; x[i] /= l[i][i]; }
+  return x;
+}
+
+/** Solution of `Lᵀ x = b`. @param {Matrix} l @param {ArrayLike<number>} b */
+export function backward(l, b) {
+  const x = Float64Array.from(b);
+  for (let i = x.length - 1; i >= 0; i--) { for (let k = i + 1; k < x.length; k++) x[i] -= l[k][i] * x[k]; x[i] /= l[i][i]; }
+  return x;
+}
+
+/** Eigenvalues and orthonormal eigenvectors of a symmetric matrix, by Jacobi's rotations. @param {Matrix} matrix
+ * @returns {{ values: Float64Array, vectors: Matrix }} vectors in rows */
+export function symmetricEigenpairs(matrix) {
+  const n = matrix.length, a = matrix.map((row) => row.slice()), v = zeros(n, n);
+  for (let i = 0; i < n; i++) v[i][i] = 1;
+  for (let sweep = 0, rotated = true; rotated && sweep < 60; sweep++) {
+    rotated = false;
+    for (let p = 0; p < n; p++) for (let q = p + 1; q < n; q++) {
+      if (Math.abs(a[p][q]) <= 2 ** -54 * Math.sqrt(Math.abs(a[p][p] * a[q][q])) || !a[p][q]) continue;
+      rotated = true;
+      const theta = (a[q][q] - a[p][p]) / (2 * a[p][q]), t = (theta < 0 ? -1 : 1) / (Math.abs(theta) + Math.hypot(theta, 1)), c = 1 / Math.hypot(t, 1), s = t * c;
+      for (let k = 0; k < n; k++) { const x = a[k][p], y = a[k][q]; a[k][p] = c * x - s * y; a[k][q] = s * x + c * y; }
+      for (let k = 0; k < n; k++) { const x = a[p][k], y = a[q][k]; a[p][k] = c * x - s * y; a[q][k] = s * x + c * y; }
+      for (let k = 0; k < n; k++) { const x = v[p][k], y = v[q][k]; v[p][k] = c * x - s * y; v[q][k] = s * x + c * y; }
+      a[p][q] = a[q][p] = 0;
+    }
+  }
+  return { values: Float64Array.from(a, (row, i) => row[i]), vectors: v };
+}

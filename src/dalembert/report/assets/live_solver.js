@@ -2,7 +2,7 @@
 
 /** @import { LiveAnswer, LiveData, LiveFailure, LiveRequest, LiveResult, LiveSlopes } from "./types.d.ts" */
 
-import { bytesOf, inflated } from "./payload.js";
+import { bytesOf, inflated } from "./inflate.js";
 import { Signal } from "./theme.js";
 
 /** Time after which a run is given up for a newer design [ms]. */

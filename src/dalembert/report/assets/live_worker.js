@@ -19,8 +19,8 @@ function answer({ number, parameters, responses, gradients, point }) {
   try {
     const result = run.run(parameters), { times, table, rows } = result, n = times.length;
     const reduced = responses.map((response) => responseOf(response, times, (row) => table.subarray(n * row, n * (row + 1))));
-    const [numbers] = run.engine.evaluate("numbers", parameters) ?? [], status = checkedStatus(run, result);
-    postMessage({ number, times, table, rows, values: reduced.map(({ value }) => value), numbers, status, duration: performance.now() - begin, parameters }, { transfer: [table.buffer] });
+    const [numbers] = run.engine.evaluate("numbers", parameters) ?? [], status = checkedStatus(run, result), copy = table.slice();  // gradients need the table
+    postMessage({ number, times, table: copy, rows, values: reduced.map(({ value }) => value), numbers, status, duration: performance.now() - begin, parameters }, { transfer: [copy.buffer] });
     const slopes = reduced.map(({ weights }, k) => (gradients.includes(k) ? run.gradient(result, weights) : null));
     const at = (/** @type {number} */ k) => new Map([[k, Float64Array.from({ length: n }, (_, i) => Number(i === point?.instant))]]);
     postMessage({ number, slopes, jacobian: point ? point.rows.map((k) => run.gradient(result, at(k))) : null });

@@ -137,7 +137,7 @@ export type View = FactsView | RowsView | NotesView | BarsView | HistogramView |
 /** Sizes of a function: entries of its arguments and results, lengths of its work vectors. */
 export interface LiveFunction { inputs: number[]; outputs: number[]; work: [number, number, number, number] }
 export interface LiveCode {
-  kind: "dynamics" | "kinematics" | "equilibrium" | "modes";
+  kind: "dynamics" | "kinematics" | "equilibrium" | "modes" | "statics" | "vibration";
   /** Deflated module in base64. */
   code: string;
   /** JSON of `LiveData`, with all digits. */
@@ -184,6 +184,9 @@ export interface LiveData extends LiveCode {
   responses?: LiveResponse[];
   /** Constraint equations in the order of `violation`. */
   joints?: JointRow[];
+  /** Number of free displacements of a structure, and the message of its status. */
+  free?: number;
+  message?: string;
   /** Steps with error control. */
   adaptive?: { end: number; first: number; longest: number; memory: number[] };
 }
@@ -245,6 +248,16 @@ export interface OpenJoint extends JointRow { gap: number }
 export interface LiveFailure { number: number; failure: LiveStatus; open?: OpenJoint | null }
 /** Answer to a request: the result with its gradients, or a failure. */
 export type LiveAnswer = { result: LiveResult; slopes: LiveSlopes["slopes"] } | { failure: LiveFailure };
+
+/** Exported module: parameters and measures of a model with their units, in SI units. */
+export interface ModuleData {
+  name: string;
+  live: LiveData;
+  parameters: { name: string; value: number }[];
+  /** Name, unit and row. */
+  measures: [string, string, number][];
+  responses: LiveResponse[];
+}
 
 // Parts of a page -----------------------------------------------------------------------------------
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.results.comparison.lines import (
+    LineStyle,
     add_legend,
     decimal_ticks,
     draw_lines,
@@ -81,7 +82,7 @@ def _draw_panels(
     comparison: ComparisonData,
     table: pd.DataFrame,
     picture: PictureKind,
-    styles: Any,
+    styles: list[LineStyle],
     ax: Axes | None,
 ) -> np.ndarray:
     """Draw all lines in one pair of axes per quantity."""
@@ -121,7 +122,11 @@ def _draw_panels(
 
 
 def _small_multiples(
-    comparison: ComparisonData, table: pd.DataFrame, picture: PictureKind, styles: Any, _: Any
+    comparison: ComparisonData,
+    table: pd.DataFrame,
+    picture: PictureKind,
+    styles: list[LineStyle],
+    _: Any,
 ) -> Any:
     """Draw one panel per value of the second choice, with the other lines in grey."""
     import matplotlib.pyplot as plt

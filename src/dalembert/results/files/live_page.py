@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.model.graph.absolute import at_ground
 from dalembert.results.files.live_responses import PageResponse, joint_rows, page_responses
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.sources import Row, Source, as_row, payload_sources
+from dalembert.results.row_table import RowTable
+from dalembert.results.sources import payload_sources
 from dalembert.units.unit import shown_in
 
 MAX_BYTES = 300_000
@@ -45,7 +44,7 @@ def live_page(
     if reason:
         return page | {"live": {"reason": reason}}
     sources = payload_sources(page)
-    table = _RowTable(model.ground)
+    table = RowTable(model.ground)
     columns = [(place, table.number(source)) for place, source in sources.columns]
     times = np.array(page["time"])
     listed = page_responses(motion, responses, times, table.number)
@@ -71,29 +70,7 @@ def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[
     for parameter, value, row in zip(
         motion.model.parameters.values(), motion.parameters, shown, strict=False
     ):
-        lower, upper = (b if np.isfinite(b) else None for b in parameter.bounds)
-        factor, _ = shown_in(parameter.unit, [row["unit"]])
+        lower, upper = (bound if np.isfinite(bound) else None for bound in parameter.bounds)
+        factor, _ = shown_in(parameter.unit, [row["unit"]] if row["unit"] else [])
         rows.append(row | {"value": float(value), "lower": lower, "upper": upper, "factor": factor})
     return rows
-
-
-class _RowTable:
-    """Distinct rows of a module.
-
-    Parameters
-    ----------
-    ground : body at rest
-    """
-
-    def __init__(self, ground: Any):
-        self.ground, self.rows = ground, list[Row]()
-        self._numbers: dict[Any, int] = {}
-
-    def number(self, source: Source) -> int:
-        """Number of the row of a formula."""
-        row = as_row(source)
-        key = (row.sx.element_hash(), row.work, row.relative)
-        if key not in self._numbers:
-            self._numbers[key] = len(self.rows)
-            self.rows.append(replace(row, sx=at_ground(self.ground, row.sx)))
-        return self._numbers[key]

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dalembert.results.pictures.mesh_symbols import draw_loads, draw_supports
 from dalembert.results.structural.states import Field
+
+if TYPE_CHECKING:
+    from matplotlib.cm import ScalarMappable
 
 PREFIXED = ("N", "Pa", "J", "m", "N m")
 """Units shown with prefixes: kN, MPa, mm."""
@@ -143,7 +146,7 @@ class MeshPicture:
         if self.field is not None:
             self._bar(colours, self.field)
 
-    def _bar(self, colours: Any, field: Field) -> None:
+    def _bar(self, colours: ScalarMappable | None, field: Field) -> None:
         from matplotlib.ticker import EngFormatter, ScalarFormatter
 
         ticks: Any = ScalarFormatter()
@@ -191,7 +194,7 @@ class MeshPicture:
                 return
         self.parts.append((self._faces(self.places[0][vertices], fill, **edges), vertices))
 
-    def _smooth(self, v: np.ndarray, colours: Any, values: np.ndarray) -> None:
+    def _smooth(self, v: np.ndarray, colours: ScalarMappable, values: np.ndarray) -> None:
         """Interpolate colours between the vertices and the centre of each face."""
         places = self.places[0]
         middles = len(places) + np.repeat(np.arange(len(v)), v.shape[1])
@@ -226,7 +229,7 @@ class MeshPicture:
         """Lines that move with their vertices (m, k)."""
         self.parts.append((self._lines(self.places[0][vertices], **style), vertices))
 
-    def _lines(self, paths: Any, **style: Any) -> Any:
+    def _lines(self, paths: np.ndarray, **style: Any) -> Any:
         if self.solid:
             from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
@@ -257,7 +260,7 @@ class MeshPicture:
             (part.set_data_3d if self.solid else part.set_data)(*shown.T)
 
 
-def _rgba(colours: Any, values: np.ndarray) -> np.ndarray:
+def _rgba(colours: ScalarMappable, values: np.ndarray) -> np.ndarray:
     """Colours of values, grey for NaN."""
     rgba = colours.to_rgba(np.nan_to_num(values))
     rgba[~np.isfinite(values)] = (0.85, 0.85, 0.85, 1.0)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dalembert.elements.point import AXES
+
+if TYPE_CHECKING:
+    from matplotlib.path import Path
 
 ARROW = 0.11
 """Length of the longest arrow, relative to the extent."""
@@ -28,7 +31,7 @@ def draw_supports(ax: Any, scene: dict[str, Any], places: np.ndarray) -> None:
         ax.plot(at[:, 0], at[:, 1], marker=path, mfc="white", ms=size, clip_on=False, **style)
 
 
-def _symbol(axis: np.ndarray, roller: bool, clamp: bool) -> Any:
+def _symbol(axis: np.ndarray, roller: bool, clamp: bool) -> Path:
     """Matplotlib path of a support along ``axis``, with its tip at the node."""
     from matplotlib.path import Path
 

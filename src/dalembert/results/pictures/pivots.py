@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 
+from dalembert.elements.base import Element
+from dalembert.elements.body import BodyElement
 from dalembert.elements.look import Limit, Pin, SlotPin
 from dalembert.elements.planar.body import Body, perpendicular, rotation
 from dalembert.elements.point import Point
@@ -22,15 +22,15 @@ class Pivots:
     elements : constraints and forces
     """
 
-    def __init__(self, elements: list[Any]):
-        self.ends: dict[tuple[str, str], Any] = {}
+    def __init__(self, elements: list[Element]):
+        self.ends: dict[tuple[str, str], Point] = {}
         looks = [look for element in elements for look in element.look()]
         for look in looks:
             if isinstance(look, Pin | SlotPin) and isinstance(look.base, Point):
                 for pin_point, base_point in ((look.point, look.base), (look.base, look.point)):
                     self.ends.setdefault((base_point.body.name, pin_point.body.name), pin_point)
 
-    def between(self, body_i: Any, body_j: Any) -> Point:
+    def between(self, body_i: BodyElement | None, body_j: BodyElement) -> Point:
         """The pin of two bodies, else that of one of them on the ground, else its mass centre."""
         base = body_i.name if body_i is not None else "ground"
         pairs = [(base, body_j.name), ("ground", body_j.name), ("ground", base)]
@@ -67,7 +67,7 @@ class Pivots:
         return (distant or points or [body.center])[-1]
 
 
-def straight_wall(look: Limit, body: Any, reach: float) -> ca.SX | None:
+def straight_wall(look: Limit, body: Body, reach: float) -> ca.SX | None:
     """Position and normal (2d,) of the wall of a straight path; None for a rotation."""
     origin = body.pose_position if body.dimension == 2 else getattr(body, "origin", body.pose[:3])
     slope = ca.jacobian(look.coordinate, origin).T

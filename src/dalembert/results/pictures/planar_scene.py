@@ -27,7 +27,7 @@ class PlanarPrimitives(Primitives):
         super().draw(look, element)
 
     @draw.register
-    def _(self, look: Block, element: Any) -> None:
+    def _(self, look: Block, element: Element) -> None:
         x, y = ca.vertsplit(look.direction)
         width = 0.12 * self.size
         shape: dict[str, Any] = {"kind": "block", "center": self.local(look.point)}

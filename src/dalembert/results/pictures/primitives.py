@@ -56,7 +56,7 @@ class Primitives(SceneCollector):
         self.shapes[look.point.body.display_name].append(shape)
 
     @draw.register
-    def _(self, look: Rail, element: Any) -> None:
+    def _(self, look: Rail, element: Element) -> None:
         (low, high), margin = self.travel(look), 0.12 * self.size
         axis, origin = self.padded(look.direction), self.padded(look.point.local.sx)
         axis = axis / ca.norm_2(axis)

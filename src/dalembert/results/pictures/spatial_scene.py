@@ -47,7 +47,7 @@ class SpatialPrimitives(Primitives):
         super().draw(look, element)
 
     @draw.register
-    def _(self, look: Cuboid, element: Any) -> None:
+    def _(self, look: Cuboid, element: Element) -> None:
         shape = {"center": self.local(look.center), "size": self.number(look.size)}
         self.shapes[look.center.body.display_name].append({"kind": "box", **shape})
 
@@ -64,7 +64,7 @@ class SpatialPrimitives(Primitives):
         self.shapes[look.point_i.body.display_name].append(shape)
 
     @draw.register
-    def _(self, look: Surface, element: Any) -> None:
+    def _(self, look: Surface, element: Element) -> None:
         vertices = (float(self.size_of(look.scale)) * look.corners).ravel()
         faces = look.triangles.ravel().tolist()
         shape: dict[str, Any] = {"kind": "mesh", "vertices": vertices.tolist(), "faces": faces}
@@ -75,7 +75,7 @@ class SpatialPrimitives(Primitives):
         self.shapes[look.body.display_name].append(shape)
 
     @draw.register
-    def _(self, look: Block, element: Any) -> None:
+    def _(self, look: Block, element: Element) -> None:
         axis = self.number(self.padded(look.direction))
         shape = {"kind": "block", "center": self.local(look.point), "axis": axis}
         self.shapes[look.point.body.display_name].append(shape)
@@ -97,7 +97,7 @@ class SpatialScene(MechanismScene):
 
     kind = SpatialPrimitives
 
-    def poses(self, body: Any) -> dict[str, list[float]]:
+    def poses(self, body: BodyElement) -> dict[str, list[float]]:
         position = self.primitives.recorded("position", body=body.name)
         if not body.rotates:
             rotation = Track(np.tile([1.0, 0.0, 0.0, 0.0], (len(self.keep), 1)), None)
@@ -139,7 +139,7 @@ class SpatialScene(MechanismScene):
             if no_shapes:
                 shapes.append(self.inertia_ellipsoid(body, center))
 
-    def center(self, body: Any) -> list[float]:
+    def center(self, body: BodyElement) -> list[float]:
         """The mass centre in the body frame."""
         if isinstance(body, Body):
             return self.primitives.number(body.center_of_mass.sx)
@@ -151,7 +151,7 @@ class SpatialScene(MechanismScene):
         rank = int((spread > 1e-6 * self.size).sum())
         return rank == dimension
 
-    def inertia_ellipsoid(self, body: Any, center: list[float]) -> dict[str, Any]:
+    def inertia_ellipsoid(self, body: BodyElement, center: list[float]) -> dict[str, Any]:
         """Solid ellipsoid with the inertia of a body; a ball if there is none.
 
         Its axes have no formula: their directions, and radii about directions that depend on

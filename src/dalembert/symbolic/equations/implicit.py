@@ -20,9 +20,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import casadi as ca
+import numpy as np
 
 from dalembert.symbolic.equations.linear_map import LinearChain, LinearMap, TriangularMap
-from dalembert.symbolic.evaluation.kernel import condensed
+from dalembert.symbolic.evaluation.kernel import CSE_OPERATIONS, SELDOM, condensed
 from dalembert.symbolic.evaluation.prelude import Prelude, before_tangent
 from dalembert.symbolic.evaluator import Evaluator
 from dalembert.symbolic.once import CacheOwner, once
@@ -88,7 +89,8 @@ class ImplicitFunction(CacheOwner):
     inputs : list of SX symbol columns
     stages : list of Stage
     outputs : list of SX, expressions of inputs and unknowns
-    most : see ``condensed``
+    most : see ``condensed``; the default is for functions evaluated at starts, outputs and for
+        derivatives, the other is that of ``frequent``
     """
 
     def __init__(
@@ -97,7 +99,7 @@ class ImplicitFunction(CacheOwner):
         inputs: list[ca.SX],
         stages: list[Stage],
         outputs: list[ca.SX],
-        most: int | None = None,
+        most: int = SELDOM,
     ):
         self.name, self.most = name, most
         self.inputs = inputs
@@ -113,9 +115,16 @@ class ImplicitFunction(CacheOwner):
         return [o.numel() for o in self.outputs]
 
     @cached_property
+    def frequent(self) -> ImplicitFunction:
+        """The same for evaluations in every step."""
+        return ImplicitFunction(self.name, self.inputs, self.stages, self.outputs, CSE_OPERATIONS)
+
+    @cached_property
     def function(self) -> ca.Function:
         """inputs → outputs."""
-        return self._compile(self.name, self.inputs, self.outputs)
+        tried = any(stage.trial is not None for stage in self.stages)
+        most = SELDOM if tried else self.most  # trials usually suffice
+        return self._compile(self.name, self.outputs, most)
 
     @cached_property
     def trial(self) -> ca.Function | None:
@@ -124,9 +133,7 @@ class ImplicitFunction(CacheOwner):
         if not trials:
             return None
         excess = ca.densify(sum((trial.excess for trial in trials), ca.SX(0)))
-        return self._compile(
-            f"{self.name}_trial", self.inputs, [*self.outputs, excess], by_trial=True
-        )
+        return self._compile(f"{self.name}_trial", [*self.outputs, excess], self.most, True)
 
     @property
     def tangent(self) -> ca.Function:
@@ -210,9 +217,10 @@ class ImplicitFunction(CacheOwner):
                 ca.vertcat(symbols_so_far, stage.unknown),
                 ca.vertcat(changes, rate),
             )
-        out = [_directional(o, symbols_so_far, changes) for o in self.outputs]
+        change = _directional(ca.veccat(*self.outputs), symbols_so_far, changes)
+        out = _split(change, self.outputs)
         inputs = [*self.inputs, *symbols]
-        return ImplicitFunction(f"{self.name}_tangent", inputs, stages, out, self.most)
+        return ImplicitFunction(f"{self.name}_tangent", inputs, stages, out)
 
     @cached_property
     def reverse(self) -> ImplicitFunction:
@@ -228,17 +236,24 @@ class ImplicitFunction(CacheOwner):
             residual = -ca.gradient(scalar, stage.unknown)
             value = stage.solve_transposed(by_unknown)
             stages.append(Stage(weight, residual, value, stage.solve_transposed, stage.solve))
-        gradients = [ca.gradient(scalar, x) for x in self.inputs]
+        gradients = _split(ca.gradient(scalar, ca.vertcat(*self.inputs)), self.inputs)
         inputs = [*self.inputs, *seeds]
-        return ImplicitFunction(f"{self.name}_adjoint", inputs, stages, gradients, self.most)
+        return ImplicitFunction(f"{self.name}_adjoint", inputs, stages, gradients)
 
     def _compile(
-        self, name: str, inputs: list[ca.SX], outputs: list[ca.SX], by_trial: bool = False
+        self, name: str, outputs: list[ca.SX], most: int, by_trial: bool = False
     ) -> ca.Function:
         for stage in reversed(self.stages):
             value = stage.trial.value if by_trial and stage.trial is not None else stage.value
             outputs = ca.substitute(outputs, [stage.unknown], [ca.densify(value)])
-        return condensed(name, inputs, [ca.densify(o) for o in outputs], self.most)
+        return condensed(name, self.inputs, [ca.densify(o) for o in outputs], most)
+
+
+def _split(column: ca.SX, like: list[ca.SX]) -> list[ca.SX]:
+    """A column in parts of the same shapes as these matrices."""
+    ends = np.cumsum([0, *(part.numel() for part in like)]).tolist()
+    parts = ca.vertsplit(column, ends) if like else []
+    return [ca.reshape(part, *matrix.shape) for part, matrix in zip(parts, like, strict=True)]
 
 
 def _directional(expression: ca.SX, x: ca.SX, dx: ca.SX) -> ca.SX:

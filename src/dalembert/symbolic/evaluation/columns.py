@@ -17,6 +17,10 @@ from dalembert.errors import SolverFailure
 from dalembert.symbolic.evaluation.kernel import NO_SOLUTION, Kernel, flattened
 from dalembert.symbolic.native.toolchain import Call
 
+BASE = 4
+"""Copies per level of a nested loop that carries a state; with CasADi's 10 a thousand columns take
+several times as long to prepare."""
+
 
 class Columns(ABC):
     """``function`` for many columns.
@@ -119,7 +123,8 @@ class VirtualColumns(Columns):
             ca.repmat(symbol, 1, count) if i in self.fixed else symbol
             for i, symbol in enumerate(inputs)
         ]
-        out = (f.mapaccum(count) if self.carried else f.map(count)).call(repeated)
+        mapped = f.mapaccum("chunk", count, {"base": BASE}) if self.carried else f.map(count)
+        out = mapped.call(repeated)
         return ca.Function("chunk", inputs, [ca.densify(o) for o in out])
 
 

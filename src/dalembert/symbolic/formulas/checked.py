@@ -75,10 +75,11 @@ def checked_expression(
         ) from None
     if sx.numel() != size:
         raise ExpressionError(f"expected {size} component(s), got {sx.numel()}", entity)
-    sx = ca.densify(ca.reshape(sx, size, 1))
-    for i in range(size):
-        if sx[i].is_constant():
-            check_magnitude(float(sx[i]), entity)
+    if size > 1 or not sx.is_dense():
+        sx = ca.densify(ca.reshape(sx, size, 1))
+    for component in ca.vertsplit(sx) if size > 1 else [sx]:
+        if component.is_constant():
+            check_magnitude(float(component), entity)
     if unit is None:
         unit = value.unit if isinstance(value, Expression) and sx.is_constant() else ""
     elif isinstance(value, Expression) and value.unit in unit.split(" | "):

@@ -72,7 +72,7 @@ class Expression:
     """Whether its unit is checked where a number of another dimension is expected."""
 
     def __init__(self, sx, name: str = "", unit: str = "", splines: tuple = ()):
-        self.sx = ca.SX(sx)
+        self.sx = sx if isinstance(sx, ca.SX) else ca.SX(sx)
         self.name = name
         self.unit = unit
         self.splines = splines

@@ -22,11 +22,11 @@ from pathlib import Path
 
 from dalembert.errors import FileError, UnsupportedError
 from dalembert.files import atomic_path
-from dalembert.symbolic.native.toolchain import Call, Toolchain
+from dalembert.symbolic.native.toolchain import Call, Compiler, NotTranslated, Toolchain
 
 MAX_SIZE = 1 << 30
 """Upper limit of the size of the cache [bytes]; the least recently used files are deleted."""
-SUFFIXES = (".so", ".dll", ".dylib", ".o")
+SUFFIXES = (".so", ".dll", ".dylib", ".o", ".wasm")
 SEAL = ".sha256"
 REMEDY = "set DALEMBERT_CACHE to a folder of your own, or use backend='vm'"
 
@@ -108,8 +108,8 @@ def cache_size() -> tuple[int, int]:
     return len(sizes), sum(sizes)
 
 
-def cache_path(text: str, toolchain: Toolchain) -> Path:
-    """File of the machine code of a text."""
+def cache_path(text: str, toolchain: Compiler) -> Path:
+    """File of the compiled code of a text."""
     import casadi as ca  # only here: the compiling process does not need it
 
     identity = (*toolchain.identity, ca.CasadiMeta.version(), sys.platform, platform.machine())
@@ -156,7 +156,31 @@ def compiled_loop(text: str, toolchain: Toolchain) -> Call:
     return loop
 
 
-def build(text: str, toolchain: Toolchain, path: Path | None = None) -> None:
+def compiled_bytes(text: str, compiler: Compiler) -> bytes:
+    """The compiled file of a text; without a cache that can be used it is not stored.
+
+    Raises
+    ------
+    UnsupportedError
+        The text cannot be compiled.
+    """
+    path = cache_path(text, compiler)
+    try:
+        check_folder(path.parent)
+        if is_whole(path):
+            os.utime(path)
+        else:
+            build(text, compiler)
+        return path.read_bytes()
+    except NotTranslated:
+        raise
+    except (UnsupportedError, OSError):  # of the cache
+        with tempfile.TemporaryDirectory() as folder:
+            compiler.build(text, file := Path(folder) / path.name)
+            return file.read_bytes()
+
+
+def build(text: str, toolchain: Compiler, path: Path | None = None) -> None:
     """Compile to a temporary file and move it to its target, safe for concurrent processes.
 
     Raises

@@ -59,13 +59,10 @@ class Llvm(Toolchain):
 
     @cached_property
     def identity(self) -> tuple[str, ...]:
-        import llvmlite
         import llvmlite.binding as llvm
 
-        version = ".".join(map(str, llvm.llvm_version_info))
         features = llvm.get_host_cpu_features().flatten()
-        identity: tuple[str, ...]
-        identity = (llvmlite.__version__, version, llvm.get_host_cpu_name(), features)
+        identity = (*llvm_identity(), llvm.get_host_cpu_name(), features)
         identity += (str(OPTIMISED), str(VERSION), str(self.lanes), str(self.short))
         return (*identity, str(self.uniform)) if self.uniform else identity
 
@@ -99,6 +96,14 @@ class Llvm(Toolchain):
             return _Loaded(path.read_bytes())
         except RuntimeError as error:
             raise OSError(str(error)) from None
+
+
+def llvm_identity() -> tuple[str, ...]:
+    """Versions of llvmlite and LLVM."""
+    import llvmlite
+    import llvmlite.binding as llvm
+
+    return llvmlite.__version__, ".".join(map(str, llvm.llvm_version_info))
 
 
 def find_llvm() -> Llvm | None:

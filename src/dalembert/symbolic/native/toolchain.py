@@ -1,4 +1,4 @@
-"""Interface of toolchains: C text of a function → callable loop over columns."""
+"""Interfaces of compilers: C text → file, and C text of a function → callable loop over columns."""
 
 from __future__ import annotations
 
@@ -43,33 +43,17 @@ CASADI_SYMBOL_EXPORT casadi_int {entry}(casadi_int count, casadi_int n_in, casad
 """C text of the loop over columns of a function."""
 
 
-class Toolchain(ABC):
-    """Compiler of C text to machine code.
+class Compiler(ABC):
+    """Compiler of C text to a file.
 
     Attributes
     ----------
-    name : in reports
     backend : name of the backend
     suffix : of its files
-    maker : module and name of its constructor, for another process
-    longest : upper limit of characters of C, above which code that does not fit the cache gains
-        little over the virtual machine, whose instructions are shorter; None if the number of
-        characters is no measure
     """
 
-    name: ClassVar[str]
     backend: ClassVar[str]
     suffix: ClassVar[str]
-    maker: ClassVar[tuple[str, str]]
-    longest: ClassVar[int | None] = None
-
-    @abstractmethod
-    def least_compile_time(self, text: str) -> float:
-        """Lower bound of the estimated compile time of a text [s]."""
-
-    def compile_time(self, text: str) -> float:
-        """Estimated compile time of a text [s], by a closer analysis."""
-        return self.least_compile_time(text)
 
     @property
     @abstractmethod
@@ -85,6 +69,31 @@ class Toolchain(ABC):
         UnsupportedError
             The text cannot be compiled; ``NotTranslated`` if its content is not supported.
         """
+
+
+class Toolchain(Compiler):
+    """Compiler of C text to machine code.
+
+    Attributes
+    ----------
+    name : in reports
+    maker : module and name of its constructor, for another process
+    longest : upper limit of characters of C, above which code that does not fit the cache gains
+        little over the virtual machine, whose instructions are shorter; None if the number of
+        characters is no measure
+    """
+
+    name: ClassVar[str]
+    maker: ClassVar[tuple[str, str]]
+    longest: ClassVar[int | None] = None
+
+    @abstractmethod
+    def least_compile_time(self, text: str) -> float:
+        """Lower bound of the estimated compile time of a text [s]."""
+
+    def compile_time(self, text: str) -> float:
+        """Estimated compile time of a text [s], by a closer analysis."""
+        return self.least_compile_time(text)
 
     @abstractmethod
     def load(self, path: Path) -> Call:

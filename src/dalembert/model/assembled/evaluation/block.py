@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
 
+import casadi as ca
 import numpy as np
 
 from dalembert.elements.fem.energies import Rows
@@ -76,27 +77,27 @@ class ElementKind(KindInertia):
 
     def unit(self, name: str) -> str | None:
         """Unit of a measure, also at a station such as a node; None for an unknown name."""
-        base = self._station(name)[0]
+        base = self.station(name)[0]
         return self.measures[base][1] if base in self.measures else None
 
     def measure(self, name: str, u: np.ndarray, data: np.ndarray) -> np.ndarray:
         """(s, ne) values of a measure."""
-        base, samples = self._station(name)
+        base, samples = self.station(name)
         return self._sum(f"measure {base}", samples, u, data)[0]
 
     def pull_measure(
         self, name: str, u: np.ndarray, data: np.ndarray, weights: np.ndarray
     ) -> tuple[np.ndarray, ...]:
         """Weights of displacements (k, ne) and data (m, ne) from those of a measure."""
-        base, samples = self._station(name)
+        base, samples = self.station(name)
         return tuple(self._sum(f"weigh {base}", samples, u, data, weights))
 
     def turn_measure(self, name: str, u, data, weights, du, change) -> tuple[np.ndarray, ...]:
         """Changes of the result of ``pull_measure`` with displacements and data."""
-        base, samples = self._station(name)
+        base, samples = self.station(name)
         return tuple(self._sum(f"turn_measure {base}", samples, u, data, weights, du, change))
 
-    def _station(self, name: str) -> tuple[str, Rows]:
+    def station(self, name: str) -> tuple[str, Rows]:
         """Base name of a measure, and the samples it is summed over."""
         if name == "energy":
             return name, self.cls.samples
@@ -157,6 +158,10 @@ class ElementBlock:
             self._cache = key, self._shaped(self._data.values(p, time))
             self._cache[1].flags.writeable = False
         return self._cache[1]
+
+    def data_graph(self, p: ca.MX) -> ca.MX:
+        """(m, ne) data at time zero as a graph of parameters."""
+        return ca.reshape(self._data.graph(p), self.kind.data_count, self.count)
 
     def lengths(self, p: np.ndarray) -> np.ndarray:
         """(ne,) largest distances of the nodes from the first one [m]."""

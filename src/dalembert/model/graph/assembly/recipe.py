@@ -25,7 +25,6 @@ from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.equations import newton
 from dalembert.symbolic.equations.factor import QrFactor
 from dalembert.symbolic.equations.implicit import ImplicitFunction, Stage
-from dalembert.symbolic.evaluation.kernel import SELDOM
 from dalembert.symbolic.formulas.expression import stack
 
 INCONSISTENT = 1e-6
@@ -145,7 +144,7 @@ class Recipe:
             speed_factor.solve_transposed,
         )
         stages = [*position, velocity]
-        return ImplicitFunction("initial_state", [e.t, start, e.p], stages, [e.y, e.v], SELDOM)
+        return ImplicitFunction("initial_state", [e.t, start, e.p], stages, [e.y, e.v])
 
     def _speed_equations(self) -> tuple[ca.SX, ca.SX]:
         """Unknowns, and equations linear in them, of the initial speeds."""

@@ -1,0 +1,113 @@
+"""``dalembert export``: the analysis of a model file as a module for another language."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from dalembert.cli.console import (
+    DONE,
+    AsJson,
+    Settings,
+    print_files,
+    print_heading,
+    print_json,
+    wrong_input,
+)
+from dalembert.cli.loading import load_model, output_folder
+from dalembert.errors import ExpressionError, UnsupportedError
+from dalembert.report.exports import FORMATS
+from dalembert.text.wording import unknown
+
+if TYPE_CHECKING:
+    from dalembert.io.model_file import ModelFile
+    from dalembert.responses.base import Response
+
+Names = Annotated[list[str], Parameter(negative=())]
+Format = Annotated[str, Parameter(help=f"Format of the module: {', '.join(FORMATS)}.")]
+
+
+def export(
+    model: Path,
+    /,
+    *,
+    to: Format = "js",
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    measure: Names | None = None,
+    response: Names | None = None,
+    analysis: str | None = None,
+    settings: Settings | None = None,
+    as_json: AsJson = False,
+) -> int:
+    """Write the analysis of a model file as a module that runs without Python.
+
+    The module simulates the model for any parameter values and differentiates its responses. For
+    JavaScript it is a file to import, with its types and an example page with sliders.
+
+    Parameters
+    ----------
+    model
+        Model file, TOML or JSON.
+    output
+        Folder for the files; the current folder by default.
+    measure
+        Output over time, name or formula; by default the plots and traced points of the file, else
+        the coordinates of all bodies. Repeatable.
+    response
+        Name of a response of the file; all by default. Repeatable.
+    analysis
+        Type of analysis instead of the file's, e.g. Kinematics.
+    """
+    from dalembert.io.analyses import make_analysis
+    from dalembert.io.decisions.responses import make_responses
+    from dalembert.report.exports import write_export
+    from dalembert.results.module import build_module
+
+    file, built = load_model(model, settings)
+    with wrong_input():
+        if to not in FORMATS:
+            raise UnsupportedError(unknown("format", to, FORMATS))
+        task = make_analysis(file, built, analysis)
+        responses = make_responses(file, built)
+        chosen = list(responses.values()) if response is None else _named(responses, response)
+        measures = measure or _shown(file, built)
+    folder = output_folder(output)
+    with file.located("analysis"):
+        result = task.run(built, progress=not as_json and sys.stderr.isatty())
+    module = build_module(result, measures, chosen)
+    files = write_export(to, module.data(), folder, file.path.stem)
+    size = len(module.code)
+    if as_json:
+        summary = {"ok": True, "name": file.name, "to": to, "bytes": size}
+        names = [row["label"] for row in module.responses]
+        outputs = {"measures": list(module.measures), "responses": names}
+        print_json(summary | outputs | {"files": [str(path) for path in files]})
+    else:
+        print_heading(file.name, repr(module).strip("<>"))
+        print_files(files)
+    return DONE
+
+
+def _named(responses: dict[str, Response], names: list[str]) -> list[Response]:
+    for name in names:
+        if name not in responses:
+            raise ExpressionError(unknown("response", name, responses))
+    return [responses[name] for name in names]
+
+
+def _shown(file: ModelFile, model: Any) -> list[str]:
+    """Measures of the report of the file, else the coordinates of all bodies."""
+    from dalembert.io.report import report_choices
+    from dalembert.results.pictures.scene import is_spatial
+
+    choices = report_choices(file, model)
+    names = [name for group in choices.get("plots") or () for name in group]
+    points = list(choices.get("trace") or ())
+    if not names and not points and model.kind == "mechanism":
+        points = [body.name for body in model.bodies]
+    axes = "xyz" if points and is_spatial(model) else "xy"
+    names += [f"{point}.{axis}" for point in points for axis in axes]
+    return [name for name in dict.fromkeys(names) if not name.endswith("_violation")]
