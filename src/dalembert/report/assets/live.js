@@ -51,7 +51,7 @@ export function buildLive(page, dimension) {
       picture.show(result);
       table.show(result.values);
       const { success, outcome, message } = result.status;
-      panel.say(success ? "" : `${outcome}: ${message}`, "error");
+      if (!success) panel.say(`${outcome}: ${message}`.replace(/^./, (c) => c.toUpperCase()), "error"); else if (panel.failed) panel.say("");
       document.documentElement.dataset.live = String(result.number);
     });
     solver.onSlopes.on((answer) => {

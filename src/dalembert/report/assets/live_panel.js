@@ -111,7 +111,7 @@ export class ParameterPanel {
     this.progress = el("p", { class: "caption live-progress", hidden: true }, el("i"), this.elapsed);
     this.tools = el("div", { class: "live-tools" }, this.undo, this.redo, this.reset);
     this.node = el("div", {}, el("div", { class: "plot-head" }, el("h2", {}, "Parameters"), this.tools), this.search, el("div", { class: "parameters" }, this.rows.map(({ node }) => node)), this.progress, this.status);
-    design.onChange.on(() => this.update());
+    design.onChange.on(() => { this.update(); if (!this.failed) this.say(""); });
     this.update();
   }
 
@@ -145,6 +145,9 @@ export class ParameterPanel {
     this.progress.hidden = time === null;
     if (time !== null) this.elapsed.textContent = `computing, ${(time / 1000).toFixed(1)} s`;
   }
+
+  /** Whether the message is that of a design that failed. */
+  get failed() { return this.status.classList.contains("error"); }
 
   /** @param {string} text @param {string} [kind] */
   say(text, kind = "") {
