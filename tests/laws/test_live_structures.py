@@ -12,7 +12,7 @@ from live_modules import Modules
 from structure_models import MASSIVE, MODELS, model_of
 
 import dalembert as da
-from dalembert.results.live import Row
+from dalembert.results.sources import Row
 
 VALUES, GRADIENTS = 1e-9, 1e-8
 """Largest differences, relative to the largest measure of the unit and the largest derivative."""

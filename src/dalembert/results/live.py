@@ -12,12 +12,30 @@ import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import casadi as ca
 
 if TYPE_CHECKING:
+    import numpy as np
+
+    from dalembert.symbolic.formulas.expression import Expression
     from dalembert.symbolic.native.webassembly import WebModule
+
+
+class PageResponse(Protocol):
+    """The part of a response that a page needs."""
+
+    @property
+    def label(self) -> str: ...
+    @property
+    def measure(self) -> str | Expression: ...
+    @property
+    def constant(self) -> float: ...
+    @property
+    def terms(self) -> tuple[tuple[float, Any], ...]: ...
+    def unit_of(self, source: Any) -> str: ...
+    def reduction(self, times: np.ndarray) -> dict[str, Any]: ...
 
 
 @dataclass(frozen=True, eq=False)

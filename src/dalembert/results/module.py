@@ -12,8 +12,8 @@ import numpy as np
 
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.files import atomic_path
-from dalembert.results.files.live_responses import PageResponse, page_responses
-from dalembert.results.live import LiveFunctions
+from dalembert.results.files.live_responses import page_responses
+from dalembert.results.live import LiveFunctions, PageResponse
 from dalembert.results.row_table import RowTable
 from dalembert.results.variables import energy_sources
 from dalembert.symbolic.formulas.expression import Expression

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from dalembert.report.page import InlinePage
-    from dalembert.results.files.live_responses import PageResponse
+    from dalembert.results.live import PageResponse
     from dalembert.results.pictures.animation import Film
     from dalembert.results.structural.motion import RecoveredStates
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from dalembert.report.page import InlinePage
     from dalembert.results.analysis import Analysis
-    from dalembert.results.files.live_responses import PageResponse
+    from dalembert.results.live import PageResponse
 
 
 Instants = float | Sequence[float] | np.ndarray

@@ -27,8 +27,9 @@ from dalembert.model.graph.model import Model
 from dalembert.options import options
 from dalembert.results.analysis import Analysis, ParameterValues
 from dalembert.results.batch.batch import Batch
-from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
+from dalembert.results.sources import Row
 from dalembert.results.status import Outcome, Status
 from dalembert.results.structural.result import StructuralResult
 from dalembert.sparse.multigrid import Multigrid

@@ -9,8 +9,8 @@ import numpy as np
 
 from dalembert.elements.fem.energies import Rows
 from dalembert.model.assembled.evaluation.block import ElementBlock
-from dalembert.model.assembled.loads.load_case import LoadCase
-from dalembert.model.assembled.measuring.measures import (
+from dalembert.model.assembled.load_case import LoadCase
+from dalembert.model.assembled.measures import (
     Compliance,
     Displacement,
     ElementMeasure,

@@ -9,9 +9,10 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.live.structure_graph import MEASURES, StructureGraph
-from dalembert.model.assembled.measuring.measures import Measure
+from dalembert.model.assembled.measures import Measure
 from dalembert.model.assembled.model import StructuralModel
-from dalembert.results.live import LiveFunctions, Row
+from dalembert.results.live import LiveFunctions
+from dalembert.results.sources import Row
 from dalembert.results.structural.eigenmodes import Eigenvalue
 from dalembert.results.structural.modes import Participation, VibrationModes
 from dalembert.results.structural.result import StructuralResult
@@ -132,7 +133,7 @@ def _rows(
 ) -> ca.MX:
     """Formulas of measures of a state."""
     model = graph.model
-    column = stack(row.expression for row in rows)
+    column = stack(row.sx for row in rows)
     symbols = [s for s in ca.symvar(column) if s.name() not in {"t", *model.parameters}]
     values = [_value(graph, result.measure(s.name()), state, eigenvalue) for s in symbols]
     formula = ca.Function("rows", [t.sx, stack(symbols), model.p], [ca.densify(column)])

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.results.files.live_responses import PageResponse, joint_rows, page_responses
+from dalembert.results.files.live_responses import joint_rows, page_responses
 from dalembert.results.labelled import LabelledRecording
+from dalembert.results.live import PageResponse
 from dalembert.results.row_table import RowTable
 from dalembert.results.sources import payload_sources
 from dalembert.units.unit import shown_in

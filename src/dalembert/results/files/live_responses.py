@@ -10,28 +10,19 @@ import numpy as np
 
 from dalembert.errors import AnalysisError
 from dalembert.model.graph.model import Model
-from dalembert.results.labelled import LabelledRecording
+from dalembert.results.live import PageResponse
 from dalembert.results.sources import Source
 from dalembert.symbolic.formulas.expression import Expression
 
 
-class PageResponse(Protocol):
-    """The part of a response that a page needs."""
+class Measured(Protocol):
+    """A result with measures."""
 
-    @property
-    def label(self) -> str: ...
-    @property
-    def measure(self) -> str | Expression: ...
-    @property
-    def constant(self) -> float: ...
-    @property
-    def terms(self) -> tuple[tuple[float, Any], ...]: ...
-    def unit_of(self, source: Any) -> str: ...
-    def reduction(self, times: np.ndarray) -> dict[str, Any]: ...
+    def expression(self, measure: str | Expression) -> Expression: ...
 
 
 def page_responses(
-    motion: LabelledRecording,
+    motion: Measured,
     responses: Iterable[PageResponse],
     times: np.ndarray,
     row_of: Callable[[Source], int],
