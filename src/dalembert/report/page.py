@@ -6,11 +6,13 @@ disk or a mail attachment as well as from a web server.
 
 from __future__ import annotations
 
+import base64
 import html
 import json
 import math
 import os
 import re
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -52,7 +54,8 @@ def render_page(payload: dict[str, Any]) -> str:
     live = payload.get("live", {})
     if "code" in live:
         script = INDENT.sub("", page_script(live["kind"]))
-        parts["worker"] = f'<script type="text/plain" id="worker">{script}</script>'
+        packed = base64.b64encode(zlib.compress(script.encode(), 9)).decode("ascii")
+        parts["worker"] = f'<script type="text/plain" id="worker">{packed}</script>'
         parts["rights"] = " 'wasm-unsafe-eval' blob:; worker-src blob:"
     # One pass over the template, so that inserted parts are not searched again.
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset("template.html"))

@@ -40,7 +40,7 @@ export function addMenu(live, add) {
   const kind = el("select", { "aria-label": "Reduction over time" }, REDUCTIONS.map(([key, text]) => el("option", { value: key }, text)));
   const options = groups.map((group) => el("optgroup", { label: group }, series.flatMap((s, k) => (s.group === group ? [el("option", { value: String(k) }, s.name)] : []))));
   const measure = el("select", { class: "measure", "aria-label": "Series" }, options);
-  const button = el("button", { type: "button", class: "button menu-item", id: "add-response-now", onclick: () => add(responseOfSeries(series[Number(measure.value)], /** @type {LiveTerm["kind"]} */ (kind.value))) }, "Add");
+  const button = el("button", { type: "button", class: "button primary menu-item", id: "add-response-now", onclick: () => add(responseOfSeries(series[Number(measure.value)], /** @type {LiveTerm["kind"]} */ (kind.value))) }, "Add");
   const box = menu([icon("plus"), "Add"], [el("div", { class: "add-response" }, kind, el("span", { class: "caption" }, "of"), measure, button)], { class: "button", id: "add-response", "aria-label": "Add a response" });
   box.addEventListener("keydown", (event) => { if (event.key !== "Escape") event.stopPropagation(); });
   return box;

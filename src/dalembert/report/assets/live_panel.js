@@ -139,11 +139,11 @@ export class ParameterPanel {
     this.rows.forEach((row, k) => row.showSlope(slopes[k], most, response));
   }
 
-  /** Show that a run takes long. @param {number | null} time since its start [ms] */
-  busy(time) {
+  /** Show that a run takes long. @param {number | null} time since its start [ms] @param {number} usual duration of the last run [ms] */
+  busy(time, usual) {
     this.node.classList.toggle("busy", time !== null);
     this.progress.hidden = time === null;
-    if (time !== null) this.elapsed.textContent = `computing, ${(time / 1000).toFixed(1)} s`;
+    if (time !== null) this.elapsed.textContent = `computing, ${(time / 1000).toFixed(1)} s${usual > time ? ` of about ${(usual / 1000).toFixed(1)} s` : ""}`;
   }
 
   /** Whether the message is that of a design that failed. */
