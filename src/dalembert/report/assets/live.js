@@ -43,6 +43,8 @@ export function buildLive(page, dimension) {
     panel.node, el("div", { class: "plot-head" }, el("h2", {}, "Responses"), el("div", { class: "live-tools" }, improvement.toggle, add)), table.node, improvement.node);
   const kept = new KeptDesigns(design, table, picture);
   panel.tools.append(kept.button, designMenu(design, (text) => panel.say(text)));
+  byId("board").hidden = false;  // also where there is nothing to plot
+  document.body.classList.remove("single");
   byId("board").prepend(card, kept.node);
 
   const request = () => solver.request({ parameters: design.values, responses: table.responses, gradients: table.responses.length ? [table.selected] : [], point: drag.request });
