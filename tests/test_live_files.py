@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from dalembert.cli import main
+from dalembert.io import load_model_file
 from dalembert.symbolic.native import code_cache, webassembly
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "four_bar.toml"
@@ -64,13 +65,12 @@ def test_without_bounds_a_page_is_live_if_requested(model):
     assert is_live(run(model, "--live"))
 
 
-def test_a_page_that_cannot_be_live_states_the_reason_if_requested(model):
-    shutil.copy(EXAMPLE.with_name("truss.toml"), model.parent)
-    structure = model.with_name("truss.toml")
-    page = run(structure, "--live")
-    assert not is_live(page)
-    assert '"reason":"' in page
-    assert '"reason":"' not in run(structure)
+def test_a_page_that_cannot_be_live_states_the_reason_unless_declined(model):
+    text = model.read_text(encoding="utf-8").replace("step = 0.005\n", "")
+    model.write_text(text.replace('integrator = "RK4"', 'integrator = "Radau"'), encoding="utf-8")
+    page = run(model, "--live")
+    assert not is_live(page) and '"reason":"the run is stiff' in page
+    assert '"reason"' not in run(model, "--no-live")
 
 
 def test_stored_pages_are_not_live(model):
@@ -78,6 +78,17 @@ def test_stored_pages_are_not_live(model):
     assert main(["report", str(model.with_suffix(".nc"))]) == 0
     page = model.with_suffix(".report.html").read_text(encoding="utf-8")
     assert not is_live(page) and '"reason"' not in page
+
+
+@pytest.mark.parametrize(
+    "path", sorted(EXAMPLE.parent.glob("teaching/*.toml")), ids=lambda path: path.stem
+)
+def test_teaching_models_are_live_and_ask_something(path, tmp_path):
+    page = run(Path(shutil.copy(path, tmp_path)))
+    assert is_live(page)
+    assert '"kind":"notes"' in page and "?" in page.partition('"texts":')[2].partition("]")[0]
+    names = load_model_file(path).document.responses
+    assert all(f'"label": "{name}"' in page.replace("\\", "") for name in names) and names
 
 
 def test_wrong_values_are_refused_with_their_place(model, capsys):
