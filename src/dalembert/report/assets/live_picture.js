@@ -10,6 +10,7 @@
 import { byId, el, toggleButton } from "./dom.js";
 import { Ghosts } from "./live_ghosts.js";
 import { clamp } from "./numbers.js";
+import { valuePanel } from "./panels.js";
 import { payload } from "./payload.js";
 
 export class LivePicture {
@@ -30,6 +31,8 @@ export class LivePicture {
     this.dashed = el("span");
     this.caption = el("p", { class: "caption other-run", hidden: true }, el("i", { class: "dashes" }), this.dashed);
     board?.stack.before(this.caption);
+    this.note = el("p", { class: "caption live-note", hidden: true }, "Diagnosis, statistics and parameters below are those of the initial design.");
+    byId("panels").before(this.note);
   }
 
   /** Whether the design that is drawn differs from the initial one. */
@@ -64,6 +67,8 @@ export class LivePicture {
     this.toggle.hidden = !this.changed;
     this.caption.hidden = !dashed;
     this.dashed.textContent = dashed ? `Dashed: ${dashed.name}` : "";
+    byId("values")?.replaceWith(valuePanel(motion) ?? "");
+    this.note.hidden = !this.changed;
     player.seek(clamp(now, motion.start, motion.end));
   }
 }
