@@ -69,7 +69,7 @@ def test_a_page_that_cannot_be_live_states_the_reason_unless_declined(model):
     text = model.read_text(encoding="utf-8").replace("step = 0.005\n", "")
     model.write_text(text.replace('integrator = "RK4"', 'integrator = "Radau"'), encoding="utf-8")
     page = run(model, "--live")
-    assert not is_live(page) and '"reason":"the run is stiff' in page
+    assert not is_live(page) and '"reason":"the run takes implicit steps' in page
     assert '"reason":' not in run(model, "--no-live")
 
 
