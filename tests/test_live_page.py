@@ -483,6 +483,73 @@ def test_many_parameters_on_a_narrow_page(browser: Any, tmp_path: Path) -> None:
         assert (found.requests, found.console) == ([], [])
 
 
+# Dragged paths ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def path_page(browser: Any, motion: Any, tmp_path: Path) -> Iterator[Visit]:
+    path = motion.report(tmp_path / "path.html", trace=["coupler.end"], responses=RESPONSES[:1])
+    with visit(browser, path) as opened:
+        settle(opened)
+        yield opened
+        assert (opened.requests, opened.console) == ([], [])
+
+
+def hold_path(page: Visit, instant: int = 20) -> tuple[float, float]:
+    """Press the pointer on the path of the traced point; its place on the screen."""
+    box = page.page.locator("#scene").bounding_box()
+    at = page.js(
+        f"""(() => {{ const {{ motion, drag }} = dalembert, spot = motion.spots.find(p => p.traced);
+            return drag.scene.screen(motion.at(spot.body, spot.point, {{ i: {instant}, f: 0 }}));
+        }})()"""
+    )
+    x, y = box["x"] + at[0], box["y"] + at[1]
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    settle(page)
+    return x, y
+
+
+def rests(page: Visit) -> None:
+    """Wait until the drag requests no more runs."""
+    number = "dalembert.solver.number"
+    for _ in range(25):
+        last = page.js(number)
+        page.js("new Promise((done) => setTimeout(done, 400))")
+        if last == page.js(number):
+            return
+    pytest.fail("the drag does not come to rest")
+
+
+def test_a_dragged_path_follows_the_pointer(path_page: Visit) -> None:
+    x, y = hold_path(path_page)
+    path_page.page.mouse.move(x + 12, y - 1, steps=3)
+    rests(path_page)
+    miss = path_page.js(
+        "(({ drag }) => Math.hypot(...drag.target.map((v, k) => v - drag.place[k]))"
+        " * drag.scene.view.scaleAt(drag.place))(dalembert)"
+    )
+    assert miss < 1  # pixels
+    path_page.page.mouse.up()
+    path_page.page.click("#undo")
+    settle(path_page)
+    assert present(path_page) == INITIAL
+
+
+def test_a_path_dragged_out_of_reach_comes_to_rest_and_returns(path_page: Visit) -> None:
+    x, y = hold_path(path_page)
+    path_page.page.mouse.move(x + 400, y - 300, steps=4)
+    start = path_page.js("dalembert.solver.number")
+    rests(path_page)
+    assert path_page.js("dalembert.solver.number") - start < 40
+    assert path_page.page.locator(".live-status").first.inner_text() == ""
+    far = present(path_page)
+    path_page.page.mouse.move(x, y, steps=4)
+    rests(path_page)
+    assert present(path_page) != far
+    path_page.page.mouse.up()
+
+
 # Failures -----------------------------------------------------------------------------------------
 
 
