@@ -344,6 +344,47 @@ def test_texts_of_a_design(live: Visit) -> None:
     assert copied("#copy-address").endswith("live.html#p=l1:0.30000000000000004,l2:1.1")
 
 
+@pytest.fixture
+def pendulum(browser: Any, tmp_path: Path) -> Iterator[Visit]:
+    """A page with a parameter without upper bound, and a response of tiny values."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    length = system.parameter("length", 500.0, "mm", bounds=(100, 900))
+    mass = system.parameter("mass", 2.0, "kg", bounds=(0.1, np.inf))
+    bar = system.add(planar.Bar("bar", length=length, mass=mass, angle=0.4))
+    system.add(planar.Revolute("O", system.ground.center, bar.start))
+    reach = da.maximum("bar.end.x")
+    run = da.solve_dynamics(system.build(), 0.5, step=0.005)
+    path = run.report(tmp_path / "pendulum.html", responses=[reach, 1e-9 * reach])
+    with visit(browser, path) as opened:
+        settle(opened)
+        yield opened
+        assert (opened.requests, opened.console) == ([], [])
+
+
+def test_copied_lines_contain_open_bounds(pendulum: Visit) -> None:
+    pendulum.js("navigator.clipboard.writeText = (t) => { window.copied = t; }")
+    pendulum.page.click("#use-design > summary")
+    pendulum.page.click("#copy-toml")
+    pendulum.until("window.copied !== undefined")
+    rows = tomllib.loads(pendulum.js("window.copied"))["parameters"]
+    assert rows["length"]["bounds"] == [100, 900]
+    assert rows["mass"]["bounds"] == [0.1, np.inf]
+
+
+def test_limits_of_tiny_responses_are_not_satisfied_by_chance(pendulum: Visit) -> None:
+    pendulum.page.click("#improve")
+    pendulum.js(
+        """{ const { improvement: { goals }, table: { responses } } = dalembert;
+            goals.set(responses[0], "maximise");
+            goals.set(responses[1], "atMost", 1e-11); }"""  # at least 1e-10
+    )
+    pendulum.page.click("#improve-start")
+    pendulum.until("!dalembert.improvement.running")
+    message = pendulum.page.inner_text("#improve-status")
+    assert "cannot be satisfied together" in message
+    assert "Not all limits are satisfied." in message
+
+
 def test_a_page_saved_as_shown_opens_with_its_design(
     browser: Any, live: Visit, tmp_path: Path
 ) -> None:
