@@ -92,6 +92,7 @@ def test_a_range_of_an_axis_keeps_designs(show, slider):  # noqa: F811
     page = show(study)
     done = int(study.success.sum())
     assert page.page.locator("#view-0 path.design").count() == done
+    page.page.locator("#view-0").scroll_into_view_if_needed()
     grips = page.page.locator("#view-0 .grip")
     box = grips.nth(2).bounding_box()  # the radius
     x = box["x"] + box["width"] / 2

@@ -254,7 +254,7 @@ class IdentificationResult(Decision):
         """One row per unknown."""
         return self.data[["value", "deviation"]].to_dataframe()
 
-    def write(self, base: Path, **first_view: Any) -> list[Path]:
+    def write(self, base: Path, live: bool | None = None, **first_view: Any) -> list[Path]:
         """Write data, summary, page, picture (.identified.png) and covariance (.covariance.csv)."""
         import matplotlib as mpl
 
@@ -266,7 +266,7 @@ class IdentificationResult(Decision):
             self.plot().savefig(temporary, format="png", dpi=110)
         with atomic_path(paths[1]) as temporary:
             self.covariance.to_pandas().to_csv(temporary)
-        return [*paths, *super().write(base, **first_view)]
+        return [*paths, *super().write(base, live, **first_view)]
 
     def table_html(self) -> str:
         return str(self._page_function("table")(self))

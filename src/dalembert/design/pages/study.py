@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.design.decision import axis_label
-from dalembert.design.pages.decision import plain_page
+from dalembert.design.pages.decision import plain_page, with_views
+from dalembert.design.pages.live import LiveTask
 from dalembert.report import views
+from dalembert.results.live import PageDesigns
 
 if TYPE_CHECKING:
     from dalembert.design.studies.sweep_result import SweepResult
@@ -26,6 +28,30 @@ MAX_MATRIX = 7
 def study_page(study: SweepResult) -> dict[str, Any]:
     """Page of a ``SweepResult``."""
     return plain_page(study)
+
+
+def study_task(study: SweepResult) -> LiveTask | None:
+    """Designs of a ``SweepResult`` in a live page, which shows the first successful one."""
+    task, indices = study.task, _drawn_designs(study)
+    first = next((k for k in indices if not study.reasons[k]), None)
+    if task is None or first is None:
+        return None
+    values = dict(zip(study.design.names, map(float, study.design.values[first]), strict=True))
+    result = task.analysis.run(task.model, values)
+
+    def page(**first_view: Any) -> dict[str, Any]:
+        """The page with the first view beside the drawing."""
+        payload = with_views(result.page(**first_view), study, "study")
+        views_below = [view for view in payload["views"] if view.get("place") != "board"]
+        views_below[0] |= {"place": "board", "wide": False}
+        return payload
+
+    return LiveTask(
+        result,
+        page,
+        PageDesigns(study.design.names, study.design.values[indices]),
+        task.responses,
+    )
 
 
 def study_designs(study: SweepResult) -> dict[str, Any]:

@@ -8,7 +8,7 @@
 /** @import { Scene } from "./scene.js" */
 
 import { byId, el, toggleButton } from "./dom.js";
-import { Ghosts } from "./live_ghosts.js";
+import { Ghosts, designSnapshot } from "./live_ghosts.js";
 import { clamp } from "./numbers.js";
 import { payload } from "./payload.js";
 
@@ -37,6 +37,19 @@ export class LivePicture {
 
   /** Show a result. @param {LiveResult} result */
   show(result) {
+    this.put(result);
+    this.result = result;
+    this.renew();
+  }
+
+  /** Compare with a result, that of the initial design. @param {LiveResult} result */
+  compareWith(result) {
+    this.put(result);
+    this.ghosts.initial = designSnapshot("initial design");
+  }
+
+  /** Put a result into the payload. @param {LiveResult} result */
+  put(result) {
     const { table, times, numbers } = result;
     const n = times.length, { columns, numbers: places } = this.live;
     const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => {
@@ -47,8 +60,6 @@ export class LivePicture {
     for (const [place, row] of columns) put(place, table.subarray(n * row, n * (row + 1)));
     places.forEach((place, k) => put(place, numbers[k]));
     payload.time = times;
-    this.result = result;
-    this.renew();
   }
 
   /** Draw the payload. */

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from typing import Any, Protocol
 
 import casadi as ca
 import numpy as np
 
-from dalembert.errors import AnalysisError
+from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.graph.model import Model
 from dalembert.results.live import PageResponse
 from dalembert.results.sources import Source
@@ -19,6 +20,17 @@ class Measured(Protocol):
     """A result with measures."""
 
     def expression(self, measure: str | Expression) -> Expression: ...
+
+
+def computable(responses: Iterable[PageResponse], times: np.ndarray) -> list[PageResponse]:
+    """The responses that a page with these outputs computes."""
+    chosen = []
+    for response in responses:
+        with suppress(UnsupportedError):
+            for _, term in response.terms:
+                term.reduction(times)
+            chosen.append(response)
+    return chosen
 
 
 def page_responses(
