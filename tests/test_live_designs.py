@@ -201,6 +201,63 @@ def test_designs_of_a_study_run_in_the_page(opened: Any, model: da.Model) -> Non
         assert page.page.locator(".live-status.error").count() == 1
 
 
+def test_samples_of_tolerances_run_in_the_page(opened: Any, model: da.Model) -> None:
+    tolerances = {"r": "1 mm", "l": "1 mm"}
+    result = da.tolerance(model, FORCE, tolerances, analysis=ANALYSIS, samples=20)
+    with opened(result) as page:
+        assert page.js("dalembert.choice.label(dalembert.choice.chosen)") == "nominal"
+        assert responses(page)["force"] == pytest.approx(result.nominal, rel=1e-7)
+        for k in (0, 7, 19):
+            assert choose(page, k + 1)["force"] == pytest.approx(result.sampled[k], rel=1e-7)
+        low, high = page.js("dalembert.design.range(1)")
+        samples = result.samples[:, 0]
+        assert low == pytest.approx(min(0.099, samples.min()))
+        assert high == pytest.approx(max(0.101, samples.max()))
+
+
+def test_a_tolerance_without_samples_has_sliders(opened: Any, model: da.Model) -> None:
+    result = da.tolerance(model, FORCE, {"mass": 0.1}, analysis=ANALYSIS)
+    with opened(result) as page:
+        assert page.page.locator(".parameters label").all_inner_texts() == ["mass", "r", "l"]
+        page.js("dalembert.design.set(0, dalembert.design.range(0)[1])")
+        settle(page)
+        assert sliders(page)["mass"] == pytest.approx(2.1)
+        assert responses(page)["force"] == pytest.approx(result.worst[1], rel=1e-7)
+
+
+def test_points_and_samples_of_a_reliability_run_in_the_page(opened: Any, model: da.Model) -> None:
+    random = {"mass": da.Normal(2.0, 0.2), "r": da.Lognormal(0.1, 0.005)}
+    limit = da.Limit(FORCE, upper=30.0)
+    result = da.reliability(model, limit, random, analysis=ANALYSIS, samples=30)
+    with opened(result) as page:
+        assert page.js("dalembert.choice.label(dalembert.choice.chosen)") == "design point"
+        assert responses(page)["force"] == pytest.approx(30.0, rel=1e-7)
+        median = ANALYSIS.run(model, {"mass": 2.0, "r": random["r"].from_normal(0.0)})
+        assert choose(page, 1)["force"] == pytest.approx(da.evaluate(median, FORCE), rel=1e-7)
+        values = page.js("dalembert.choice.columns[0].values")
+        assert len(values) == 32
+        for k in (2, 31):
+            assert choose(page, k)["force"] == pytest.approx(values[k], rel=1e-7)
+
+
+def test_candidates_of_one_topology_run_in_the_page(opened: Any) -> None:
+    chain = {"frame": "AD", "crank": "AB", "coupler": "BC", "rocker": "CD"}
+    joints = {"A": (0, 0), "B": (0, 1), "C": (3, 2.5), "D": (3, 0)}
+    tip = {"coupler": {"P": (1.5, 3)}}
+    system = da.linkage_from_chain(chain, joints, "frame", "crank", tip, reach=1.5)
+    target = da.Target.path([(1.5, 3.0), (1.0, 3.2), (0.5, 3.0), (0.2, 2.5), (0.6, 2.2)])
+    result = da.synthesize_mechanism(target, system.build(), point="coupler.P", starts=8)
+    assert len(result.solutions) > 1
+    with opened(result) as page:
+        angles = "[...dalembert.motion.seriesByName.get('coupler.P.x').values]"
+        for k, solution in enumerate(result.solutions):
+            page.js(f"dalembert.choice.choose({k})")
+            settle(page)
+            assert {n: sliders(page)[n] for n in solution.parameters} == solution.parameters
+            expected = solution.motion.values("coupler.P.x")
+            assert np.allclose(page.js(angles), expected, rtol=1e-7, atol=1e-9)
+
+
 def test_pages_are_live_by_default_and_on_request(front: da.ParetoResult) -> None:
     still = front.live_page(False)
     assert len(still["designs"]["alternatives"]) == len(front) and "live" not in still

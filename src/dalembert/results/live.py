@@ -10,7 +10,7 @@ import base64
 import json
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -47,11 +47,14 @@ class PageDesigns:
     values : (designs, names) [SI units]
     initial : number of the design with which the page compares others; the result of the page if
         None
+    ranges : parameter → ends of its slider [SI units]; by default its bounds. They are widened for
+        the designs
     """
 
     names: Sequence[str]
     values: np.ndarray
     initial: int | None = None
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def rows(self, names: Sequence[str], base: np.ndarray) -> np.ndarray:
         """(designs, names) all parameters, those that do not differ from ``base``."""

@@ -18,6 +18,9 @@ from dalembert.results.result import Result
 if TYPE_CHECKING:
     from dalembert.design.decision import Decision
 
+MAX_DESIGNS = 1500
+"""Upper limit of the designs drawn on a page."""
+
 
 @dataclass(frozen=True, eq=False)
 class LiveTask:
@@ -63,6 +66,11 @@ def live_page(decision: Decision, live: bool | None, first_view: dict[str, Any])
     if "code" in page.get("live", {}):
         return page
     return decision.page(**first_view) | {key: page[key] for key in ("live",) if key in page}
+
+
+def drawn(count: int) -> np.ndarray:
+    """Numbers of the designs of a page, evenly spaced: at most ``MAX_DESIGNS``."""
+    return np.unique(np.linspace(0, count - 1, min(count, MAX_DESIGNS)).round().astype(int))
 
 
 def responses_of(quantities: Sequence[Quantity], case: AnalysisCase) -> list[Response]:

@@ -12,12 +12,12 @@ const designIn = (address) => Number(/^#design=(\d{1,9})$/.exec(address)?.[1] ??
 /** Let the sliders follow the selected design and the selection the sliders; parameters that vary come first.
  * @param {Design} design @param {ParameterPanel} panel @param {LiveData} live */
 export function linkDesigns(design, panel, { designs: rows, parameters }) {
+  panel.node.querySelector(".parameters")?.prepend(...panel.rows.filter((_, k) => parameters[k].varies).map(({ node }) => node));
   if (!choice?.count || !rows) return;
   const first = choice.chosen, designs = choice;
   const presents = (/** @type {number} */ k) => rows[k]?.every((value, i) => value === design.values[i]) ?? false;
   const follow = () => designs.choose(presents(designs.chosen) ? designs.chosen : rows.findIndex((_, k) => presents(k)));
   design.row = () => (designs.chosen < 0 ? null : designs.chosen === first ? "" : `#design=${designs.chosen}`);
-  panel.node.querySelector(".parameters")?.prepend(...panel.rows.filter((_, k) => parameters[k].varies).map(({ node }) => node));
 
   const saved = document.documentElement.dataset.design ?? "", address = [location.hash, saved].find((text) => /^#(p|design)=/.test(text)) ?? "";
   if (!address.startsWith("#p=")) design.replace(rows[designIn(address)] ?? rows[first], "table");

@@ -32,13 +32,14 @@ def live_page(
     ----------
     motion : the result
     page : its payload
-    live : whether the page computes; by default if the model has parameters with bounds and its
-        module is small
+    live : whether the page computes; by default if the model has parameters with bounds, or the
+        designs have ranges, and its module is small
     responses : responses that the page lists, by default the maxima of the plotted series
     designs : designs of its table
     """
     model = motion.model
     bounded = any(np.isfinite(parameter.bounds).all() for parameter in model.parameters.values())
+    bounded = bounded or (designs is not None and bool(designs.ranges))
     if live is False or not (bounded or live):
         return page
     if not model.parameters:
@@ -91,6 +92,7 @@ def _designs(
         row["varies"] = row["name"] in designs.names
         if designs.initial is not None:
             row["value"] = float(column[designs.initial])
+        row["lower"], row["upper"] = designs.ranges.get(row["name"], (row["lower"], row["upper"]))
         finite = column[np.isfinite(column)]
         for side, pick in (("lower", min), ("upper", max)):
             if row[side] is not None and finite.size:
