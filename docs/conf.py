@@ -11,6 +11,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent))
 
 import api_pages
+import live_pages
 
 import dalembert
 
@@ -65,7 +66,15 @@ def link_names(app, doctree, docname):
         reference += literal
 
 
+def write_pages(app):
+    """Write the generated pages before the site is built."""
+    folder = Path(app.srcdir)
+    api_pages.write(folder / "api")
+    if app.builder.format == "html":
+        live_pages.write(folder / "static" / "live")
+
+
 def setup(app):
-    app.connect("builder-inited", lambda app: api_pages.write(Path(app.srcdir) / "api"))
+    app.connect("builder-inited", write_pages)
     app.connect("doctree-read", number_equations)
     app.connect("doctree-resolved", link_names)

@@ -27,7 +27,7 @@ class Outcome:
     status : outcome, message, time, residual and success
     table : (rows, K) outputs
     gradients : (responses, parameters)
-    same : whether a second run has the same outputs, bit by bit
+    same : whether a second run has the same outputs, bit by bit, and takes no more memory
     """
 
     status: Mapping[str, Any]

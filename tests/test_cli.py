@@ -318,8 +318,9 @@ def test_all_examples_are_listed_and_bring_what_they_need(tmp_path, capsys):
     folder = FOUR_BAR.parent
     wanted = {p.stem for p in folder.glob("*.toml")} | {p.name for p in folder.glob("*.ipynb")}
     wanted |= {p.name for p in folder.glob("*.py")} - {"style.py"}
+    wanted |= {p.stem for p in folder.glob("teaching/*.toml")}
     assert wanted | {"start.ipynb"} <= listed.keys() and all(listed.values())
-    for name in ("robot_arm", "carts.py", "start.ipynb"):
+    for name in ("robot_arm", "carts.py", "start.ipynb", "grashof"):
         assert main(["examples", name, "--output", str(tmp_path)]) == 0
     assert {p.name for p in tmp_path.iterdir()} >= {"robot_arm.py", "style.py", "start.ipynb"}
 

@@ -228,6 +228,16 @@ def test_a_page_has_signatures_parameters_and_examples(monkeypatch):
     assert "\n- `AnalysisError`: The run fails at the starting design" in text
 
 
+def test_embedded_pages_are_live(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(DOCS)
+    importlib.import_module("live_pages").write(tmp_path)
+    written = {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()}
+    assert all('id="worker"' in text for text in written.values()), list(written)
+    text = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
+    embedded = re.findall(r'<iframe src="_static/live/([^"]+)"', text)
+    assert embedded and set(embedded) <= set(written)
+
+
 def test_every_public_name_is_told():
     text = "\n".join(p.read_text(encoding="utf-8") for p in PAGES)
     words = set(re.findall(r"\w+", text))

@@ -173,6 +173,21 @@ def test_designs_that_fail_have_a_status(tmp_path, node):
     assert answer["outputs"] == {"crank.angle": []}
 
 
+def test_structures_are_not_exported(capsys, tmp_path):
+    truss = str(EXAMPLES / "truss.toml")
+    assert main(["export", truss, "--measure", "bar_1.force", "-o", str(tmp_path)]) != 0
+    assert "cannot be a module: only analyses of mechanisms" in capsys.readouterr().err
+
+
+def test_hostile_names_of_files(tmp_path):
+    module = four_bar().module(da.Dynamics(duration=0.1, step=0.01), ["crank.angle"])
+    (file, *_) = module.export(tmp_path / "new" / "folder", name="../a/</b> c")
+    assert file == tmp_path / "new" / "folder" / "_a_b_c.js" and file.exists()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(da.FileError, match="cannot be created"):
+        module.export(tmp_path / "file" / "below")
+
+
 @pytest.mark.parametrize(
     ("measures", "responses", "message"),
     [

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from dalembert.cli import main
+from dalembert.io import load_model_file
 from dalembert.symbolic.native import code_cache, webassembly
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "four_bar.toml"
@@ -52,7 +53,7 @@ def test_the_file_states_whether_a_page_is_live_and_the_command_line_decides(
 ):
     page = run(with_live(model, value) if value else model, *options)
     assert is_live(page) == live
-    assert live or '"reason"' not in page
+    assert live or '"reason":' not in page
 
 
 def test_without_bounds_a_page_is_live_if_requested(model):
@@ -64,20 +65,30 @@ def test_without_bounds_a_page_is_live_if_requested(model):
     assert is_live(run(model, "--live"))
 
 
-def test_a_page_that_cannot_be_live_states_the_reason_if_requested(model):
-    shutil.copy(EXAMPLE.with_name("truss.toml"), model.parent)
-    structure = model.with_name("truss.toml")
-    page = run(structure, "--live")
-    assert not is_live(page)
-    assert '"reason":"' in page
-    assert '"reason":"' not in run(structure)
+def test_a_page_that_cannot_be_live_states_the_reason_unless_declined(model):
+    text = model.read_text(encoding="utf-8").replace("step = 0.005\n", "")
+    model.write_text(text.replace('integrator = "RK4"', 'integrator = "Radau"'), encoding="utf-8")
+    page = run(model, "--live")
+    assert not is_live(page) and '"reason":"the run takes implicit steps' in page
+    assert '"reason":' not in run(model, "--no-live")
 
 
 def test_stored_pages_are_not_live(model):
     run(model)
     assert main(["report", str(model.with_suffix(".nc"))]) == 0
     page = model.with_suffix(".report.html").read_text(encoding="utf-8")
-    assert not is_live(page) and '"reason"' not in page
+    assert not is_live(page) and '"reason":' not in page
+
+
+@pytest.mark.parametrize(
+    "path", sorted(EXAMPLE.parent.glob("teaching/*.toml")), ids=lambda path: path.stem
+)
+def test_teaching_models_are_live_and_ask_something(path, tmp_path):
+    page = run(Path(shutil.copy(path, tmp_path)))
+    assert is_live(page)
+    assert '"kind":"notes"' in page and "?" in page.partition('"texts":')[2].partition("]")[0]
+    names = load_model_file(path).document.responses
+    assert all(f'"label": "{name}"' in page.replace("\\", "") for name in names) and names
 
 
 def test_wrong_values_are_refused_with_their_place(model, capsys):

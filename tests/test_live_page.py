@@ -390,3 +390,178 @@ def test_addresses_without_effect_and_with_one(
         assert present(found) == INITIAL | HOSTILE[address]
         assert found.console == []
         assert found.js("dalembert.table.values.every(Number.isFinite)")
+
+
+# Sliders ------------------------------------------------------------------------------------------
+
+
+def test_sliders_by_keyboard(live: Visit) -> None:
+    slider, keyboard = live.page.locator("#parameter-0"), live.page.keyboard
+    assert slider.get_attribute("aria-label") == "l1 in m"
+    slider.focus()
+    for key, value in {
+        "ArrowRight": 0.3 + 0.00115,
+        "ArrowLeft": 0.3,
+        "PageUp": 0.3 + 0.115,
+        "End": 1.2,
+        "Home": 0.05,
+    }.items():
+        keyboard.press(key)
+        settle(live)
+        assert present(live)["l1"] == pytest.approx(value, abs=0.6 * 0.00115)
+        shown = slider.get_attribute("aria-valuetext")
+        assert float(shown.removesuffix(" m")) == pytest.approx(present(live)["l1"], rel=1e-5)
+    assert present(live)["l1"] == 0.05
+    live.page.click("#undo")
+    settle(live)
+    assert present(live)["l1"] == 1.2
+    assert not live.js("dalembert.player.playing")
+
+
+def test_typed_values(live: Visit) -> None:
+    entry, status = "[aria-label='Value of l2 in mm']", live.page.locator(".live-status").first
+    for text, value in {"1100": 1.1, "1200 mm": 1.2, "1,25e3": 1.25, " 900mm ": 0.9}.items():
+        live.page.fill(entry, text)
+        live.page.press(entry, "Enter")
+        settle(live)
+        assert present(live)["l2"] == pytest.approx(value, rel=1e-15)
+    for text in ("abc", "12 kg", "1e999", "--3"):
+        live.page.fill(entry, text)
+        live.page.press(entry, "Enter")
+        assert status.inner_text() == f"“{text}” is not a number in mm; l2 stays 900 mm"
+        assert live.page.input_value(entry) == "900"
+    live.page.fill(entry, "2000")
+    live.page.press(entry, "Enter")
+    assert status.inner_text() == "l2 is at most 1500 mm"
+    settle(live)
+    assert present(live)["l2"] == 1.5
+    live.page.click("[aria-label='Initial value of l2']")
+    settle(live)
+    assert present(live) == INITIAL
+
+
+def test_bounds_are_shown(live: Visit) -> None:
+    assert live.page.locator(".bound").all_inner_texts() == ["0.05", "1.2", "800", "1500", "1", "3"]
+
+
+def chain(links: int = 10) -> Any:
+    """Pendulum of many links with long names, four parameters for each."""
+    system = da.System("chain", gravity=(0.0, -9.81))
+    last = system.ground.point(0, 0)
+    for k in range(links):
+        length = system.parameter(f"length_{k}", 0.2, "m", bounds=(0.1, 0.5))
+        mass = system.parameter(f"mass_of_a_link_with_a_very_long_name_{k}", 1.0, "kg")
+        start = system.parameter(f"angle_{k}", 10.0 * k, "deg", bounds=(-180, 180))
+        speed = system.parameter(f"speed_{k}", 0.0, "rad/s", bounds=(-1, 1), description="at start")
+        bar = planar.Bar(f"b{k}", length=length, mass=mass, angle=start, angular_velocity=speed)
+        bar = system.add(bar)
+        system.add(planar.Revolute(f"joint_with_a_very_long_name_{k}", last, bar.start))
+        last = bar.end
+    return da.solve_dynamics(system.build(), 0.2, step=0.002)
+
+
+def test_many_parameters_on_a_narrow_page(browser: Any, tmp_path: Path) -> None:
+    longest = da.maximum("joint_with_a_very_long_name_3.force_norm")
+    path = chain().report(tmp_path / "chain.html", live=True, responses=[longest])
+    with visit(browser, path, viewport=(390, 844), scheme="dark") as found:
+        settle(found)
+        assert found.js("document.documentElement.scrollWidth") == 390
+        found.page.click("#improve")
+        found.page.click("#keep")
+        assert found.js("document.documentElement.scrollWidth") == 390
+        assert found.page.locator(".parameter").count() == 40
+        wide = (
+            "[...document.querySelectorAll('.live *')].filter((node) => node.checkVisibility() && "
+        )
+        wide += "!node.closest('.scroll') && node.getBoundingClientRect().right > 391).length"
+        assert found.js(wide) == 0
+        found.page.fill("#search-parameters", "speed start")
+        assert found.page.locator(".parameter:visible").count() == 10
+        found.js("window.dispatchEvent(new Event('beforeprint'))")
+        assert found.page.locator(".live-tools:visible, .improve:visible").count() == 0
+        found.js("window.dispatchEvent(new Event('afterprint'))")
+        assert (found.requests, found.console) == ([], [])
+
+
+# Failures -----------------------------------------------------------------------------------------
+
+
+def test_a_design_that_cannot_be_assembled_keeps_the_picture(live: Visit) -> None:
+    change(live, l2=0.8)
+    picture = live.js("[...dalembert.motion.bodies[1].x]")
+    change(live, l1=1.2, l2=0.8)  # the ends are √(1 + 1.2²) m apart, coupler and rocker 1.4 m
+    text = live.page.locator(".live-status.error").inner_text()
+    assert text.startswith("The mechanism cannot be assembled: ")
+    assert "is that of the last valid design" in text
+    assert any(f"{joint} stays open by " in text for joint in ("O1", "A", "B", "O2"))
+    gap = float(text.split("stays open by ")[1].split(" m.")[0])
+    assert 0.01 < gap < np.sqrt(1 + 1.2**2) - 1.4 + 0.3
+    assert live.js("[...dalembert.motion.bodies[1].x]") == picture
+    change(live, l1=0.35)
+    assert live.page.locator(".live-status").first.is_hidden()
+
+
+def test_a_long_run_shows_progress_and_gives_way_to_a_newer_design(live: Visit) -> None:
+    live.js("dalembert.solver.worker.postMessage = () => {}")  # a run that never ends
+    live.js("dalembert.design.set(0, 0.36)")
+    live.until("!document.querySelector('.live-progress').hidden")
+    assert "computing, 0." in live.page.inner_text(".live-progress")
+    frames = live.js(
+        "new Promise((done) => { let n = 0; const next = () => n++ < 10 ? "
+        "requestAnimationFrame(next) : done(n); next(); })"
+    )
+    assert frames > 10
+    change(live, l1=0.37)
+    assert live.page.locator(".live-progress").is_hidden()
+    assert live.js("dalembert.picture.result.parameters[0]") == 0.37
+
+
+@pytest.mark.parametrize("absent", ["WebAssembly", "Worker"])
+def test_a_browser_that_cannot_run_the_module(browser: Any, page_path: Path, absent: str) -> None:
+    with visit(browser, page_path, before=f"delete window.{absent}") as found:
+        found.until("document.documentElement.dataset.live === 'unavailable'")
+        text = found.page.inner_text("#live")
+        assert text.startswith("This browser cannot run the mechanism again: ")
+        assert found.page.locator(".parameter").count() == 0
+        assert found.ink("#scene") > 10
+        assert (found.requests, found.console) == ([], [])
+
+
+def test_a_page_without_sliders_states_the_reason(browser: Any, tmp_path: Path) -> None:
+    system = da.System("ball", gravity=(0, -9.81))
+    height = system.parameter("height", 1.0, "m", bounds=(0.5, 2))
+    ball = system.add(planar.Particle("ball", mass=1.0, position=(0, height)))
+    floor = planar.contact.HalfPlane(system.ground.center, normal=(0, 1))
+    law = planar.contact.Restitution(0.7)
+    system.add(planar.Contact("floor", floor, planar.contact.Vertex(ball.center), law=law))
+    path = da.solve_dynamics(system.build(), 0.2, step=0.01).report(tmp_path / "ball.html")
+    with visit(browser, path) as found:
+        assert "The page has no sliders: " in found.page.inner_text("#footer")
+        assert found.page.locator("#live").count() == 0
+        assert found.console == []
+
+
+def test_an_equilibrium_follows_its_sliders(browser: Any, tmp_path: Path) -> None:
+    system = da.System("hanging", gravity=(0.0, -9.81))
+    stiffness = system.parameter("k", 400.0, "N/m", bounds=(100, 1000))
+    arm = system.add(planar.Bar("arm", length=0.5, mass=2.0))
+    system.add(planar.Revolute("O", system.ground.center, arm.start))
+    ends = (system.ground.point(0.3, 0.5), arm.end)
+    system.add(planar.Spring("S", *ends, stiffness=stiffness, free_length=0.3))
+    model = system.build()
+    path = da.solve_equilibrium(model).report(tmp_path / "arm.html")
+    with visit(browser, path) as found:
+        settle(found)
+        assert found.page.locator("#live").is_visible()
+        labels = "dalembert.table.responses.map(({ label }) => label)"
+        assert found.js(labels) == ["arm.angle", "O.force_norm"]
+        found.js("dalembert.design.set(0, 700)")
+        settle(found)
+        again = da.solve_equilibrium(model, parameters={"k": 700.0})
+        angle = float(again.values("arm.angle")[0])
+        assert found.js("dalembert.table.values[0]") == pytest.approx(angle, rel=1e-9)
+        shown = found.page.locator("#values tr", has_text="arm.angle").locator(".right")
+        assert float(shown.inner_text()) == pytest.approx(angle, rel=1e-5)
+        assert found.js("dalembert.motion.ghosts.length") == 1
+        assert "are those of the initial design" in found.page.inner_text(".live-note")
+        assert (found.requests, found.console) == ([], [])

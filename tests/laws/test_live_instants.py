@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 from live_modules import Modules
@@ -90,6 +91,7 @@ MODELS = {slider_crank: [0.13, 2.5, 2.0], robot: [0.45, 1.8, 2.5]}
 """Models, and other values of their parameters."""
 RUNS = {
     "kinematics": (da.solve_kinematics, {"step": 0.02}, "kinetic_energy"),
+    "long steps": (da.solve_kinematics, {"step": 0.25}, "kinetic_energy"),
     "some outputs": (da.solve_kinematics, {"outputs": 37}, "potential_energy"),
     "inverse dynamics": (da.solve_inverse_dynamics, {"step": 0.02}, "input_power"),
 }
@@ -157,6 +159,19 @@ def without_numbers(texts: dict[str, str]) -> dict[str, str]:
     return {key: re.sub(r"residual \S+ N after \d+ iterations?", "", texts[key]) for key in texts}
 
 
+def test_locked_mechanism_has_the_same_outcome(tmp_path: Path) -> None:
+    """A crank longer than its rod locks."""
+    model, values = slider_crank(), np.array([0.35, 2.5, 2.0])
+    motion = da.solve_kinematics(model, 2.0, step=0.02)
+    row = [Row(model.expression("rod.x").sx)]
+    modules = Modules(tmp_path)
+    data = motion.analysis.live_functions(motion, row, motion.time).page_data()
+    modules.add("locked", data, values)
+    outcome, expected = modules.run()[0]["locked"], motion.analysis.run(model, values).status
+    assert outcome.table is None
+    assert outcome.status["outcome"] == expected.outcome.value == da.Outcome.LOCKED.value
+
+
 @pytest.mark.parametrize("equilibrium", [True, False])
 @pytest.mark.parametrize("build", RESTING)
 def test_modes_equal_those_of_python(build, equilibrium: bool, tmp_path: Path) -> None:
@@ -178,3 +193,27 @@ def test_modes_equal_those_of_python(build, equilibrium: bool, tmp_path: Path) -
     for values, wanted in zip(outcome.gradients, slopes, strict=True):
         np.testing.assert_allclose(values, wanted, rtol=0, atol=GRADIENTS * np.abs(wanted).max())
     assert outcome.status["message"] == other.status.message
+
+
+def test_energies_of_inverse_dynamics(tmp_path: Path) -> None:
+    """Dissipated energy and input along the path, with the gradient of their sum."""
+    model, values, step = slider_crank(), np.array(MODELS[slider_crank]), 1e-4
+    motion = da.solve_inverse_dynamics(model, 1.0, step=0.02, outputs=7)
+    rows = [Row(ca.SX(0), (1.0, 0.0), True), Row(ca.SX(0), (0.0, 1.0), True)]
+    functions = motion.analysis.live_functions(motion, rows, motion.time)
+    modules, weights = Modules(tmp_path), np.linspace(-1, 2, motion.time.size)
+    modules.add("energies", functions.page_data(), values, [{0: weights, 1: weights}])
+    outcome = modules.run()[0]["energies"]
+
+    def work(p: np.ndarray) -> np.ndarray:
+        return motion.analysis.run(model, p).trajectory.work
+
+    expected = work(values)
+    size = np.abs(expected).max()
+    np.testing.assert_allclose(outcome.table, expected, rtol=0, atol=VALUES * size)
+    for k, slope in enumerate(outcome.gradients[0]):
+        change = step * values[k] * np.eye(values.size)[k]
+        by_two = (work(values + change) - work(values - change)) / (2 * step * values[k])
+        by_four = (work(values + 2 * change) - work(values - 2 * change)) / (4 * step * values[k])
+        difference = weights @ ((4 * by_two - by_four) / 3).sum(axis=0)
+        assert abs(slope - difference) <= 1e-8 * np.abs(outcome.gradients[0]).max()

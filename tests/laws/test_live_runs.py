@@ -157,3 +157,38 @@ def ieee_remainder(a: np.ndarray, b: np.ndarray) -> np.ndarray:
             return math.nan
 
     return np.vectorize(one)(a, b)
+
+
+def falling_stone() -> da.Model:
+    system = da.System("stone", gravity=(0, -10))
+    height = system.parameter("height", 5.0, unit="m")
+    system.parameter("span", 1.0, unit="s")
+    stone = system.add(da.planar.Particle("stone", mass=1.0, position=(0, height)))
+    spring = da.planar.Spring("spring", system.ground.center, stone.center, stiffness=1.0)
+    system.add(spring)
+    return system.build()
+
+
+OBSTACLES = {
+    "event": {"duration": 2.0, "events": {"lands": da.Event("stone.y", terminal=True)}},
+    "event that does not occur": {
+        "duration": 0.1,
+        "events": {"far": da.Event("stone.x - 9", True)},
+    },
+    "times": {"duration": "2*span"},
+    "SUNDIALS": {"duration": 0.1, "integrator": da.CVODES()},
+    "implicit": {"duration": 0.1, "integrator": da.Radau()},
+    "unbalanced": {"duration": 9.0, "step": 1.0, "integrator": da.Euler(), "balance": 1e-9},
+}
+
+
+@pytest.mark.parametrize("options", OBSTACLES.values(), ids=OBSTACLES)
+def test_other_runs_have_a_reason(options: dict[str, Any]) -> None:
+    motion = da.solve_dynamics(falling_stone(), **options)
+    reason = motion.analysis.live_obstacle(motion)
+    assert reason and reason[-1] != "."
+
+
+def test_switching_forces_have_a_reason() -> None:
+    motion = da.solve_dynamics(any_model_of("contact"), 0.02)
+    assert "switch" in motion.analysis.live_obstacle(motion)

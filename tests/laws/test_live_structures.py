@@ -51,8 +51,7 @@ def changed(model: Any) -> np.ndarray:
 
 def names_of(result: Any) -> list[str]:
     """Scalar measures with a value."""
-    without = ("kinetic_energy", "load_factor")
-    return [name for name in result.model.measures.names() if name not in without]
+    return [name for name in result.model.measures.names() if name != "kinetic_energy"]
 
 
 class Pairs:

@@ -11,6 +11,8 @@ from pathlib import Path
 from dalembert.cli.console import DONE, AsJson, print_json, print_line, wrong_input
 from dalembert.errors import FileError
 
+MODELS = ("*.toml", "teaching/*.toml")
+"""Patterns of model files."""
 OTHER_KINDS = ("*.py", "notebooks/*.ipynb", "*.dat")
 """Patterns of examples that are not model files."""
 STYLE = "style.py"
@@ -74,7 +76,7 @@ def example_folder() -> Path:
 def _examples() -> dict[str, Path]:
     """Name → file: model files by stem, other examples by file name."""
     folder = example_folder()
-    models = {path.stem: path for path in sorted(folder.glob("*.toml"))}
+    models = {path.stem: path for kind in MODELS for path in sorted(folder.glob(kind))}
     other_files = [p for kind in OTHER_KINDS for p in sorted(folder.glob(kind)) if p.name != STYLE]
     return models | {path.name: path for path in other_files}
 

@@ -95,7 +95,7 @@ def run(
         Print the computing time of building, steps, outputs and report.
     """
     from dalembert.io.analyses import make_analysis
-    from dalembert.io.report import report_choices
+    from dalembert.io.report import live_responses, report_choices
     from dalembert.report.page import write_page
     from dalembert.report.views import notes
 
@@ -125,11 +125,12 @@ def run(
         with timing.part("results"):
             page = result.page(**choices) if result.has_page else None
             if page is not None and (texts := file.document.report.notes):
-                page["views"] = [*page.get("views", ()), notes("Notes", texts)]
+                page["views"] = [notes("Notes", texts) | {"place": "board"}, *page.get("views", ())]
             files = result.write_data(base, csv, page, choices.get("units", ()))
         if report and page is not None:
             with timing.part("report"):
-                page = result.live_page(page, file.document.report.live if live is None else live)
+                choice = file.document.report.live if live is None else live
+                page = result.live_page(page, choice, live_responses(file, built, page))
                 files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
         interrupted_late = signals.pressed and result.status.outcome is not Outcome.INTERRUPTED
     code = INTERRUPTED if interrupted_late else _exit_code(result.status)

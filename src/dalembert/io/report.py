@@ -4,11 +4,28 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+from dalembert.errors import DalembertError
+from dalembert.io.decisions.responses import make_responses
 from dalembert.io.decisions.task_tables import ReportTable
 from dalembert.io.model_file import ModelFile
+from dalembert.results.files.live_responses import PageResponse, computable
 from dalembert.results.files.tables import checked_units
 from dalembert.results.labelled import DATA_ONLY
 from dalembert.text.wording import unknown
+
+
+def live_responses(file: ModelFile, model: Any, page: dict[str, Any]) -> list[PageResponse]:
+    """Responses of the file that its page computes; none if one is invalid, as its tasks report."""
+    times = np.array(page.get("time", ()))
+    if not times.size:
+        return []
+    try:
+        responses = make_responses(file, model).values()
+    except DalembertError:
+        return []
+    return computable(responses, times)
 
 
 def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:

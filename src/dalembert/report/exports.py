@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from dalembert.errors import UnsupportedError
+from dalembert.errors import FileError, UnsupportedError
 from dalembert.files import atomic_path
 from dalembert.report.javascript import javascript_files
 from dalembert.text.wording import unknown
@@ -24,16 +25,23 @@ def write_export(to: str, data: Mapping[str, Any], folder: Path, name: str) -> l
     ----------
     to : name of the format
     data : the module as plain data
-    folder : of the files
-    name : of the files, without suffix
+    folder : of the files, created if missing
+    name : of the files, without suffix; characters other than letters and digits become ``_``
 
     Raises
     ------
     UnsupportedError
         Unknown format.
+    FileError
+        The folder cannot be written to.
     """
     if to not in FORMATS:
         raise UnsupportedError(unknown("format", to, FORMATS))
+    name = re.sub(r"[^\w-]+", "_", name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(f"{folder}: cannot be created ({error.strerror})") from None
     paths = []
     for file, text in FORMATS[to](data, name).items():
         with atomic_path(folder / file) as temporary:

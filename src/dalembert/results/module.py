@@ -123,7 +123,10 @@ def build_module(
         The analysis or a response cannot run outside of Python, with the reason.
     """
     model = result.model
-    if reason := result.analysis.live_obstacle(result):
+    reason = result.analysis.live_obstacle(result)
+    if model.kind != "mechanism":
+        reason = "only analyses of mechanisms are exported, and it is a structure"
+    if reason:
         raise UnsupportedError(f"{model.name!r} cannot be a module: {reason}")
     table = RowTable(model.ground)
     outputs = [_output(result, table, measure) for measure in measures]

@@ -11,7 +11,9 @@ import numpy as np
 from dalembert.analysis.dynamics.kernel import DynamicsKernel
 from dalembert.analysis.dynamics.residual_check import DRIFT, held_levels
 from dalembert.analysis.dynamics.variant import Variant
+from dalembert.analysis.events import as_events
 from dalembert.analysis.live.checks import check_data, residuals
+from dalembert.analysis.live.obstacles import common_obstacle
 from dalembert.analysis.live.rows import smooth_rows
 from dalembert.analysis.live.start import closing, violation
 from dalembert.analysis.residual_check import EXACT
@@ -33,8 +35,8 @@ def obstacle(motion: Motion) -> str:
         return "rigid contacts change during the run"
     if kernel.equations.switches.count:
         return "forces switch during the run"
-    if model.parts.space.computed:
-        return "shapes of flexible bodies are computed by finite elements"
+    if any(event.terminal for event in as_events(motion.analysis.events).values()):
+        return "an event may end the run"
     if model.closure.lost:
         return "the run starts in a singular position"
     if not motion.status.success or not record.steps.count:
@@ -46,8 +48,8 @@ def obstacle(motion: Motion) -> str:
     if kernel.fixed.at_once(mode):
         return f"{kernel.integrator.name} is not compiled"
     if kernel.adaptive is not None and kernel.implicit(mode):
-        return "the run is stiff and takes implicit steps with error control"
-    return ""
+        return "the run takes implicit steps with error control"
+    return common_obstacle(motion.analysis, model)
 
 
 def dynamics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:

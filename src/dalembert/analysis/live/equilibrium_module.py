@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.analysis.equilibrium.static_balance import CURVED, SKEW, StaticsKernel
 from dalembert.analysis.live.checks import all_multipliers, check_data, residuals
+from dalembert.analysis.live.obstacles import common_obstacle
 from dalembert.analysis.live.rows import smooth_rows
 from dalembert.analysis.residual_check import MOTION
 from dalembert.formulations.base import Level
@@ -30,11 +31,9 @@ def obstacle(motion: Motion) -> str:
         return "the mechanism has rigid contacts"
     if model.equations.slips:
         return "the equilibrium of rolling bodies depends on the path"
-    if model.parts.space.computed:
-        return "shapes of flexible bodies are computed by finite elements"
     if not motion.statistics["stable"]:
         return "the equilibrium is not stable, so that it is not isolated or not attained"
-    return ""
+    return common_obstacle(motion.analysis, model)
 
 
 def equilibrium_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:

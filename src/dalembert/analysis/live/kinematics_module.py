@@ -17,6 +17,7 @@ from dalembert.analysis.kinematics.run import (
     TOLERANCE,
 )
 from dalembert.analysis.live.checks import all_multipliers, check_data, residuals
+from dalembert.analysis.live.obstacles import common_obstacle
 from dalembert.analysis.live.rows import smooth_rows
 from dalembert.analysis.live.start import closing, violation
 from dalembert.analysis.residual_check import MOTION
@@ -25,6 +26,7 @@ from dalembert.model.graph.model import Model
 from dalembert.results.live import LiveFunctions
 from dalembert.results.motion import Motion
 from dalembert.results.sources import Row
+from dalembert.symbolic.formulas.expression import Expression
 
 
 def obstacle(motion: Motion) -> str:
@@ -36,9 +38,7 @@ def obstacle(motion: Motion) -> str:
         return "the motion passes a branch point"
     if model.equations.contacts:
         return "the mechanism has rigid contacts"
-    if model.parts.space.computed:
-        return "shapes of flexible bodies are computed by finite elements"
-    return ""
+    return common_obstacle(motion.analysis, model)
 
 
 def kinematics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:
@@ -72,10 +72,13 @@ def kinematics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray)
         "outputs_adjoint": ca.Function("outputs_adjoint", [t, state, p, weights], [slope]),
         "residuals": residuals(model, _bodies(kernel, model, forces)),
     }
+    work = [(k, *row.work) for k, row in enumerate(rows) if forces and any(row.work)]
+    if work:
+        functions |= _powers(kernel, x, parts)
     unknown = [
         k
         for k, row in enumerate(rows)
-        if any(row.work) or (not forces and ca.depends_on(row.sx, e.multiplier))
+        if not forces and (any(row.work) or ca.depends_on(row.sx, e.multiplier))
     ]
     anchor_p, anchor_y = model.closure.anchor[:2]
     data: dict[str, Any] = {
@@ -88,6 +91,7 @@ def kinematics_functions(motion: Motion, rows: Sequence[Row], times: np.ndarray)
         "relative": [k for k, row in enumerate(rows) if row.relative],
         "roots": roots,
         "undetermined": unknown,
+        "work": work,
         "limits": {
             "regular": REGULAR,
             "tolerance": TOLERANCE,
@@ -117,6 +121,21 @@ def _step(kernel: KinematicsKernel) -> ca.Function:
     moved = ca.Function("moved", [y, z], [ca.densify(ca.norm_inf(lead))])
     n = e.coordinate_count
     return ca.Function("step", [before, t, h, p], [after, moved(before[:n], after[:n])])
+
+
+def _powers(kernel: KinematicsKernel, column: ca.SX, parts: list[ca.SX]) -> dict[str, ca.Function]:
+    """Dissipated and input power of a column, and the adjoint by the parameters."""
+    e = kernel.e
+    (powers,) = ca.substitute([e.powers], [e.y, e.v, e.a, e.multiplier], parts)
+    t, p = ca.MX.sym("t"), ca.MX.sym("p", e.p.numel())
+    x, weights = ca.MX.sym("x", column.numel()), ca.MX.sym("w", 2)
+    measured = kernel.measured(Expression(e.powers))
+    slope = measured.adjoint(t, x[: e.coordinate_count], p, weights)[2]
+    inputs, outputs = [e.t, column, e.p], [ca.densify(powers)]
+    return {
+        "powers": ca.Function("powers", inputs, outputs, {"cse": True}),
+        "powers_adjoint": ca.Function("powers_adjoint", [t, x, p, weights], [slope]),
+    }
 
 
 def _bodies(kernel: KinematicsKernel, model: Model, forces: bool) -> ca.Function:

@@ -10,6 +10,7 @@ import numpy as np
 
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.analysis.live.equilibrium_module import NO_EQUILIBRIUM, following
+from dalembert.analysis.live.obstacles import common_obstacle
 from dalembert.analysis.live.start import closing, violation
 from dalembert.analysis.modes.linearization_kernel import Linearized
 from dalembert.results.live import LiveFunctions
@@ -30,9 +31,7 @@ def obstacle(modes: MechanismModes) -> str:
         return "the mechanism has rigid contacts"
     if model.equations.slips:
         return "the equilibrium of rolling bodies depends on the path"
-    if model.parts.space.computed:
-        return "shapes of flexible bodies are computed by finite elements"
-    return ""
+    return common_obstacle(modes.analysis, model)
 
 
 def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarray) -> LiveFunctions:

@@ -6,7 +6,6 @@ import casadi as ca
 
 from dalembert.model.graph.assembly.closure import Closure
 from dalembert.model.graph.assembly.position import position_stages
-from dalembert.model.graph.model import Model
 
 
 def closing(closure: Closure) -> ca.Function:
@@ -36,12 +35,3 @@ def violation(closure: Closure) -> ca.Function:
     sizes = e.scales.rows[: e.constraints.numel()]
     relative = ca.densify(e.constraints / sizes) if sizes.size else ca.SX.zeros(1)
     return ca.Function("violation", [e.t, e.y, e.p], [relative], {"cse": True})
-
-
-def consistent(model: Model) -> tuple[ca.Function, ca.Function]:
-    """``(t, y, p) → (y, v)`` at an assembled position, and ``(t, y, p, ȳ, v̄) → p̄``."""
-    state = model.initial_state
-    adjoint = state.adjoint
-    inputs = adjoint.sx_in()
-    through_start = ca.Function("start_adjoint", inputs, [adjoint.call(inputs)[2]])
-    return state.function, through_start

@@ -15,12 +15,13 @@ from dalembert.model.assembled.measures import (
     Displacement,
     ElementMeasure,
     ExternalForce,
+    LoadFactor,
     Measure,
     Total,
 )
 from dalembert.model.assembled.model import StructuralModel
 
-MEASURES = (Compliance, Displacement, ElementMeasure, ExternalForce, Total)
+MEASURES = (Compliance, Displacement, ElementMeasure, ExternalForce, LoadFactor, Total)
 """Measures with a graph."""
 
 
@@ -131,6 +132,8 @@ class StructureGraph:
             return forces[measure.degree]
         if isinstance(measure, Compliance):
             return ca.dot(u, forces)
+        if isinstance(measure, LoadFactor):
+            return ca.MX(1.0)
         if isinstance(measure, Total):
             return sum(
                 (ca.sum1(self._quantity(b, measure.name, u)) for b in measure.blocks), ca.MX(0)

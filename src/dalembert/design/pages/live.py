@@ -61,7 +61,8 @@ def live_page(decision: Decision, live: bool | None, first_view: dict[str, Any])
         reason = {"live": {"reason": str(error)}} if live else {}
         return decision.page(**first_view) | reason
     page = task.page(**first_view)
-    responses = computable(task.responses, np.array(page.get("time", ())))
+    times = np.array(page.get("time", ()))
+    responses = computable(task.responses, times) if times.size else []
     page = task.result.live_page(page, live, responses, task.designs)
     if "code" in page.get("live", {}):
         return page

@@ -30,7 +30,7 @@ const WRITING = 300;
 /** Text about a design that cannot be computed. @param {LiveFailure} failure */
 function failureText({ failure: { outcome, message }, open }) {
   const gap = open ? `: ${open.name} stays open by ${withUnit(tidy(open.gap, 3), open.unit)}` : "";
-  return `${outcome}: ${message}${gap}`.replace(/^./, (c) => c.toUpperCase()) + ". The picture is that of the last valid design.";
+  return `${message.includes(outcome) ? message : `${outcome}: ${message}`}${gap}`.replace(/^./, (c) => c.toUpperCase()) + ". The picture is that of the last valid design.";
 }
 
 /** @param {{ motion: Motion, scene: Scene, player: Player, board: Board | null }} page @param {Dimension} dimension */
@@ -44,6 +44,8 @@ export function buildLive(page, dimension) {
     panel.node, el("div", { class: "plot-head" }, el("h2", {}, "Responses"), el("div", { class: "live-tools" }, improvement.toggle, add)), table.node, improvement.node);
   const kept = new KeptDesigns(design, table, picture);
   panel.tools.append(kept.button, designMenu(design, (text) => panel.say(text)));
+  byId("board").hidden = false;  // also where there is nothing to plot
+  document.body.classList.remove("single");
   byId("board").prepend(card, kept.node);
   linkDesigns(design, panel, live);
 
@@ -51,9 +53,10 @@ export function buildLive(page, dimension) {
   const connect = () => {
     solver.onResult.on((/** @type {LiveResult} */ result) => {
       picture.show(result);
+      card.classList.remove("stale");
       table.show(result.values);
       const { success, outcome, message } = result.status;
-      panel.say(success ? "" : `${outcome}: ${message}`, "error");
+      if (!success) panel.say(`${outcome}: ${message}`.replace(/^./, (c) => c.toUpperCase()), "error"); else if (panel.failed) panel.say("");
       document.documentElement.dataset.live = String(result.number);
     });
     solver.onSlopes.on((answer) => {
@@ -62,10 +65,11 @@ export function buildLive(page, dimension) {
     });
     solver.onFailure.on((failure) => {
       panel.say(failureText(failure), "error");
+      card.classList.add("stale");
       document.documentElement.dataset.live = String(failure.number);
       drag.retreat();
     });
-    solver.onBusy.on((time) => panel.busy(time));
+    solver.onBusy.on((time) => panel.busy(time, solver.duration));
     design.onChange.on((origin) => { if (origin !== "improve") request(); });
     for (const signal of [table.onSelect, table.onList, drag.onHold]) /** @type {Signal<any>} */ (signal).on(request);
     request();

@@ -21,27 +21,32 @@ function measuredSeries(live) {
   });
 }
 
+/** Whether results have a single instant, such as equilibria. */
+const single = () => list(payload.time).length <= 1;
+
 /** @param {ReturnType<typeof measuredSeries>[number]} series @param {LiveTerm["kind"]} kind @returns {LiveResponse} */
 function responseOfSeries({ name, unit, row }, kind) {
   const text = REDUCTIONS.find(([key]) => key === kind)?.[1], integral = kind === "integral" ? (unit ? `${unit} s` : "s") : unit;
-  return { label: `${text} of ${name}`, unit: integral, terms: [{ kind, row, weight: 1 }] };
+  return { label: single() ? name : `${text} of ${name}`, unit: integral, terms: [{ kind, row, weight: 1 }] };
 }
 
-/** Responses of the page, by default the maxima of the plotted series. @param {LiveData} live */
+/** Responses of the page, by default the maxima of the plotted series; of an equilibrium, angles and reactions. @param {LiveData} live */
 export function firstResponses(live) {
   if (live.responses?.length) return live.responses;
-  const series = measuredSeries(live), names = list(payload.default_plots).flat();
-  return names.flatMap((name) => series.filter((s) => s.name === name).map((s) => responseOfSeries(s, "maximum"))).slice(0, MAX_RESPONSES);
+  const series = measuredSeries(live), plotted = list(payload.default_plots).flat();
+  if (single()) return series.filter(({ name }) => /\.(?:angle|force_norm)$/.test(name)).map((s) => responseOfSeries(s, "final")).slice(0, MAX_RESPONSES);
+  const moves = new Set(list(payload.series).filter(({ values }) => Array.from(values ?? []).some((value) => value)).map(({ name }) => name));  // others are zero
+  return plotted.flatMap((name) => series.filter((s) => s.name === name && moves.has(name)).map((s) => responseOfSeries(s, "maximum"))).slice(0, MAX_RESPONSES);
 }
 
 /** @param {LiveData} live @param {(response: LiveResponse) => void} add */
 export function addMenu(live, add) {
   const series = measuredSeries(live), groups = [...new Set(series.map(({ group }) => group))];
-  const kind = el("select", { "aria-label": "Reduction over time" }, REDUCTIONS.map(([key, text]) => el("option", { value: key }, text)));
+  const kind = el("select", { "aria-label": "Reduction over time" }, REDUCTIONS.filter(([key]) => key === "final" || !single()).map(([key, text]) => el("option", { value: key }, text)));
   const options = groups.map((group) => el("optgroup", { label: group }, series.flatMap((s, k) => (s.group === group ? [el("option", { value: String(k) }, s.name)] : []))));
   const measure = el("select", { class: "measure", "aria-label": "Series" }, options);
-  const button = el("button", { type: "button", class: "button menu-item", id: "add-response-now", onclick: () => add(responseOfSeries(series[Number(measure.value)], /** @type {LiveTerm["kind"]} */ (kind.value))) }, "Add");
-  const box = menu([icon("plus"), "Add"], [el("div", { class: "add-response" }, kind, el("span", { class: "caption" }, "of"), measure, button)], { class: "button", id: "add-response", "aria-label": "Add a response" });
+  const button = el("button", { type: "button", class: "button primary menu-item", id: "add-response-now", onclick: () => add(responseOfSeries(series[Number(measure.value)], /** @type {LiveTerm["kind"]} */ (kind.value))) }, "Add");
+  const box = menu([icon("plus"), "Add"], [el("div", { class: "add-response" }, !single() && [kind, el("span", { class: "caption" }, "of")], measure, button)], { class: "button", id: "add-response", "aria-label": "Add a response" });
   box.addEventListener("keydown", (event) => { if (event.key !== "Escape") event.stopPropagation(); });
   return box;
 }

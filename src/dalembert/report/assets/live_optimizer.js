@@ -1,63 +1,53 @@
 // Sequential quadratic programming with bounds and limits, in a trust region, on exact gradients.
 
-import { dot } from "./live_matrix.js";
+import { dot, solved } from "./live_matrix.js";
 
 /** Objective and limits `c ≤ 0` at a point, with their gradients.
  * @typedef {{ f: number, df: number[], c: number[], dc: number[][] }} Evaluated */
 /** Iterate of an optimisation. @typedef {{ x: number[], at: Evaluated }} Iterate */
 /** @typedef {"converged" | "no progress" | "failed designs" | "infeasible" | "stopped" | "iterations"} Outcome */
 
-const ITERATIONS = 100, SWEEPS = 3000;
+const ITERATIONS = 100;
+/** Steps of the interior-point method, reduction of its gap, and share of the way to the nearest end. */
+const STEPS_INSIDE = 80, CENTRING = 0.1, NEAR_END = 0.99;
 /** First and largest radius of the trust region, and the one below which nothing is gained; variables lie in [0, 1]. */
 const FIRST = 0.1, WIDEST = 0.4, NARROWEST = 1e-7;
-/** Predicted decrease below which a point is optimal, and largest violation of a satisfied limit, in scaled units. */
-const GAIN = 1e-9, SATISFIED = 1e-6;
+/** Predicted decrease below which a point is optimal, below which round-off explains that it is missed, and largest violation of a satisfied limit; in scaled units. */
+const GAIN = 1e-11, ROUNDED = 1e-8, SATISFIED = 1e-6;
 /** First and largest penalty of violated limits. */
-const PENALTY = 10, HEAVIEST = 1e7;
+const PENALTY = 2, HEAVIEST = 1e7;
 
 const violation = (/** @type {number[]} */ c) => c.reduce((sum, v) => sum + Math.max(0, v), 0);
 const span = (/** @type {number[]} */ d) => d.reduce((most, v) => Math.max(most, Math.abs(v)), 0);
 
-/** Inverse of a symmetric positive definite matrix. @param {number[][]} matrix */
-function inverse(matrix) {
-  const n = matrix.length, rows = matrix.map((row, i) => [...row, ...row.map((_, k) => Number(k === i))]);
-  for (let i = 0; i < n; i++) {
-    const pivot = rows[i][i];
-    for (let k = 0; k < 2 * n; k++) rows[i][k] /= pivot;
-    for (let j = 0; j < n; j++) {
-      const factor = rows[j][i];
-      if (j !== i && factor) for (let k = 0; k < 2 * n; k++) rows[j][k] -= factor * rows[i][k];
-    }
-  }
-  return rows.map((row) => row.slice(n));
-}
-
-/** Minimum of gᵀd + dᵀBd/2 + ρ Σ max(0, c + J d) for lower ≤ d ≤ upper, by ascent in the multipliers (Hildreth).
- * @param {number[][]} hessian @param {Evaluated} at @param {number[]} lower @param {number[]} upper @param {number} penalty */
+/** Minimum of gᵀd + dᵀBd/2 + ρ Σ max(0, c + J d) for lower ≤ d ≤ upper, by a primal-dual interior-point method: t ≥ c + J d, t ≥ 0.
+ * @param {number[][]} hessian @param {Evaluated} at @param {number[]} lower @param {number[]} upper @param {number} penalty
+ * @returns {{ d: number[], prices: number[] }} step and multipliers of the limits */
 export function quadraticStep(hessian, { df, c, dc }, lower, upper, penalty) {
-  const n = df.length, h = inverse(hessian), times = (/** @type {number[]} */ v) => h.map((row) => dot(row, v));
-  const d = times(df).map((v) => -v), bounds = new Float64Array(n), prices = new Float64Array(c.length);
-  const ways = dc.map(times), sizes = dc.map((row, j) => dot(row, ways[j]));
-  for (let sweep = 0; sweep < SWEEPS; sweep++) {
-    let moved = 0;
-    for (let k = 0; k < n; k++) {  // multiplier of both bounds: positive at the upper one
-      const free = d[k] + bounds[k] * h[k][k], price = free > upper[k] ? (free - upper[k]) / h[k][k] : free < lower[k] ? (free - lower[k]) / h[k][k] : 0, change = price - bounds[k];
-      if (!change) continue;
-      bounds[k] = price;
-      for (let i = 0; i < n; i++) d[i] -= change * h[i][k];
-      moved = Math.max(moved, Math.abs(change) * h[k][k]);
+  const n = df.length, m = c.length, size = n + m, unit = (/** @type {number} */ k, /** @type {number} */ sign) => Array.from({ length: size }, (_, i) => (i === k ? sign : 0));
+  const g = [...df, ...c.map(() => penalty)], b = Array.from({ length: size }, (_, i) => Array.from({ length: size }, (__, k) => (i < n && k < n ? hessian[i][k] : 0)));
+  /** Rows of A z ≤ h: limits, upper and lower ends, t ≥ 0. */
+  const rows = [...dc.map((row, j) => [...row, ...unit(n + j, -1).slice(n)]), ...df.map((_, k) => unit(k, 1)), ...df.map((_, k) => unit(k, -1)), ...c.map((_, j) => unit(n + j, -1))];
+  const h = [...c.map((v) => -v), ...upper, ...lower.map((v) => -v), ...c.map(() => 0)], count = rows.length;
+  const middle = lower.map((v, k) => (v + upper[k]) / 2), z = [...middle, ...c.map((v, j) => Math.max(0, v + dot(dc[j], middle)) + 1)];
+  const slack = rows.map((row, i) => h[i] - dot(row, z)), prices = slack.map(() => 1);
+  for (let k = 0; k < STEPS_INSIDE; k++) {
+    const gap = dot(slack, prices) / count, open = z.map((_, i) => dot(b[i], z) + g[i] + rows.reduce((sum, row, j) => sum + row[i] * prices[j], 0));
+    if (gap < 1e-17 && span(open) < 1e-10) break;
+    const excess = slack.map((s, j) => prices[j] - (CENTRING * gap) / s), weights = slack.map((s, j) => prices[j] / s), matrix = b.map((row) => Float64Array.from(row));
+    rows.forEach((row, j) => row.forEach((v, i) => { if (v) for (let l = 0; l < size; l++) matrix[i][l] += weights[j] * v * row[l]; }));
+    const change = solved(matrix, z.map((_, i) => Float64Array.of(rows.reduce((sum, row, j) => sum + row[i] * excess[j], -open[i])))).map(([v]) => v);
+    const slackChange = rows.map((row) => -dot(row, change)), priceChange = slack.map((_, j) => -excess[j] - weights[j] * slackChange[j]);
+    let length = 1;
+    for (let j = 0; j < count; j++) {
+      if (slackChange[j] < 0) length = Math.min(length, (-NEAR_END * slack[j]) / slackChange[j]);
+      if (priceChange[j] < 0) length = Math.min(length, (-NEAR_END * prices[j]) / priceChange[j]);
     }
-    for (let j = 0; j < c.length; j++) {
-      if (!(sizes[j] > 0)) continue;
-      const price = Math.min(penalty, Math.max(0, prices[j] + (c[j] + dot(dc[j], d)) / sizes[j])), change = price - prices[j];
-      if (!change) continue;
-      prices[j] = price;
-      for (let i = 0; i < n; i++) d[i] -= change * ways[j][i];
-      moved = Math.max(moved, Math.abs(change) * Math.sqrt(sizes[j]));
-    }
-    if (moved < 1e-14) break;
+    if (!(length > 1e-12) || !change.every(Number.isFinite)) break;
+    change.forEach((v, i) => { z[i] += length * v; });
+    for (let j = 0; j < count; j++) { slack[j] += length * slackChange[j]; prices[j] += length * priceChange[j]; }
   }
-  return { d: d.map((v, k) => Math.min(upper[k], Math.max(lower[k], v))), prices: [...prices] };
+  return { d: z.slice(0, n).map((v, k) => Math.min(upper[k], Math.max(lower[k], v))), prices: prices.slice(0, m) };
 }
 
 /** Damped update of a Hessian (Powell). @param {number[][]} hessian @param {number[]} s step @param {number[]} y change of the gradient */
@@ -92,7 +82,8 @@ export async function minimised(start, evaluate, onIterate, stopped) {
     const curved = dot(d, hessian.map((row) => dot(row, d))), gain = -dot(at.df, d) - curved / 2 + penalty * (violation(at.c) - violation(model));
     if (violation(model) > SATISFIED && penalty < HEAVIEST && violation(at.c) - violation(model) <= 0.5 * violation(at.c)) { penalty *= 10; continue; }
     if (!(gain > GAIN)) return ends(violation(at.c) > SATISFIED ? "infeasible" : span(d) >= 0.99 * radius || (narrowed === "failed designs" && radius < FIRST * 1e-2) ? narrowed : "converged");
-    const next = x.map((v, k) => Math.min(1, Math.max(0, v + d[k]))), answer = await evaluate(next);
+    const shifted = (/** @type {number[]} */ step) => x.map((v, k) => Math.min(1, Math.max(0, v + step[k]))), merit = (/** @type {Evaluated} */ { f, c }) => f + penalty * violation(c);
+    let next = shifted(d), answer = await evaluate(next);
     if (stopped()) return ends("stopped");
     if (!answer) {
       failures++;
@@ -101,16 +92,22 @@ export async function minimised(start, evaluate, onIterate, stopped) {
       if (radius < NARROWEST) return ends("failed designs");
       continue;
     }
-    const trial = scaled(answer), decrease = at.f - trial.f + penalty * (violation(at.c) - violation(trial.c));
+    let trial = scaled(answer), decrease = merit(at) - merit(trial);
     const lagrangian = (/** @type {Evaluated} */ { df, dc }) => df.map((v, k) => v + dc.reduce((sum, row, j) => sum + prices[j] * row[k], 0));
     const [before, after] = [lagrangian(at), lagrangian(trial)];
     if (n) hessian = updated(hessian, d, after.map((v, k) => v - before[k]));
+    if (!(decrease > 0.5 * gain) && violation(trial.c) > violation(model) + SATISFIED * span(d)) {  // curved limits: step to them from the trial (Maratos)
+      const corrected = quadraticStep(hessian, { ...at, c: trial.c.map((v, j) => v - dot(at.dc[j], d)) }, lower, upper, penalty).d, second = await evaluate(shifted(corrected));
+      if (stopped()) return ends("stopped");
+      if (second && merit(scaled(second)) < merit(trial)) [next, answer, trial, decrease] = [shifted(corrected), second, scaled(second), merit(at) - merit(scaled(second))];
+    }
     if (decrease > 1e-4 * gain) {
       [x, raw, at] = [next, answer, trial];
       iterations++;
       if (decrease > 0.7 * gain && span(d) > 0.99 * radius) radius = Math.min(WIDEST, 2 * radius);
       await onIterate({ x, at: raw });
     } else {
+      if (gain < ROUNDED && span(d) < 0.99 * radius && violation(at.c) <= SATISFIED) return ends("converged");
       narrowed = "no progress";
       radius = 0.4 * span(d);
       if (radius < NARROWEST) return ends(violation(at.c) > SATISFIED ? "infeasible" : "no progress");

@@ -8,17 +8,19 @@ import { numberIn } from "./live_goals.js";
 import { clamp, tidy } from "./numbers.js";
 import { raised, withUnit } from "./units.js";
 
-/** Steps of a slider. */
-const STEPS = 1000;
+/** Steps of a slider, and the number of parameters from which they can be searched. */
+const STEPS = 1000, SEARCHED = 12;
+/** Keys that move a slider. */
+const MOVES = new Set(["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "PageUp", "PageDown", "Home", "End"]);
 
 /** Row of a parameter. */
 class ParameterRow {
-  /** @param {Design} design @param {number} k */
-  constructor(design, k) {
+  /** @param {Design} design @param {number} k @param {(text: string, kind?: string) => void} say */
+  constructor(design, k, say) {
     this.design = design;
     this.k = k;
+    this.say = say;
     const { name, unit, description, lower, upper } = design.parameters[k], [low, high] = design.range(k);
-    Object.assign(this, { low, high });
     this.low = low;
     this.high = high;
     const id = `parameter-${k}`;
@@ -29,21 +31,34 @@ class ParameterRow {
     this.bar = el("i", { class: "slope-bar" });
     this.slope = el("span", { class: "slope" }, this.bar);
     const bounds = [lower, upper].map((bound, end) => (bound === null || bound === undefined ? "no bound" : `${end ? "at most" : "at least"} ${withUnit(tidy(bound / this.factor), unit)}`));
+    const end = (/** @type {number} */ value, /** @type {unknown} */ bound) => el("small", { class: "bound" }, bound === null || bound === undefined ? "" : tidy(value / this.factor, 4));
     this.node = el("div", { class: "parameter", title: [description, bounds.join(", ")].filter(Boolean).join(": ") },
-      el("label", { for: id }, name), el("span", { class: "track" }, this.slider),
+      el("label", { for: id }, name), end(low, lower), el("span", { class: "track" }, this.slider), end(high, upper),
       el("span", { class: "value" }, this.entry, el("small", {}, raised(unit && unit !== "1" ? unit : ""))), el("span", { class: "row-tools" }, this.lock, this.back), this.slope);
     this.slider.addEventListener("pointerdown", () => design.begin());
-    this.slider.addEventListener("keydown", (event) => { if (!event.repeat && event.key.startsWith("Arrow")) design.begin(); event.stopPropagation(); });
-    this.slider.addEventListener("input", () => design.set(k, low + (Number(this.slider.value) / STEPS) * (high - low)));
-    this.entry.addEventListener("change", () => {
-      const value = numberIn(this.entry.value);
-      if (Number.isFinite(value)) this.change(value * this.factor); else this.update();
+    this.slider.addEventListener("keydown", (event) => { if (!event.repeat && MOVES.has(event.key)) design.begin(); if (event.key !== "Tab") event.stopPropagation(); });
+    this.slider.addEventListener("input", () => {
+      const step = Number(this.slider.value);
+      design.set(k, step === STEPS ? high : step === 0 ? low : low + (step / STEPS) * (high - low));
     });
+    this.entry.addEventListener("change", () => this.enter());
     this.entry.addEventListener("keydown", (event) => event.stopPropagation());
     this.update();
   }
 
   get factor() { return this.design.parameters[this.k].factor; }
+
+  /** Take the typed value, which may end with the unit. */
+  enter() {
+    const { name, unit } = this.design.parameters[this.k], typed = this.entry.value.trim();
+    const units = unit && unit !== "1" ? [unit, raised(unit)] : [], suffix = units.find((text) => typed.endsWith(text)), value = numberIn(suffix ? typed.slice(0, -suffix.length) : typed);
+    if (Number.isFinite(value)) {
+      this.change(value * this.factor);
+      const taken = this.design.values[this.k] / this.factor;
+      if (Math.abs(taken - value) > 1e-9 * Math.abs(value)) this.say(`${name} is ${taken < value ? "at most" : "at least"} ${withUnit(tidy(taken), unit)}`, "warning");
+    } else if (typed) this.say(`“${typed.slice(0, 40)}” is not a number${units.length ? ` in ${raised(unit)}` : ""}; ${name} stays ${withUnit(tidy(this.design.values[this.k] / this.factor), unit)}`, "warning");
+    this.entry.value = tidy(this.design.values[this.k] / this.factor, 6);
+  }
 
   /** @param {number} value */
   change(value) {
@@ -85,7 +100,9 @@ export class ParameterPanel {
   /** @param {Design} design */
   constructor(design) {
     this.design = design;
-    this.rows = design.parameters.map((_, k) => new ParameterRow(design, k));
+    this.rows = design.parameters.map((_, k) => new ParameterRow(design, k, (text, kind) => this.say(text, kind)));
+    this.search = el("input", { type: "search", id: "search-parameters", placeholder: "Search parameters", "aria-label": "Search parameters", autocomplete: "off", spellcheck: "false", hidden: this.rows.length < SEARCHED, oninput: () => this.filter() });
+    this.search.addEventListener("keydown", (event) => event.stopPropagation());
     this.undo = iconButton("undo", "Undo", () => design.undo(), { id: "undo" });
     this.redo = iconButton("redo", "Redo", () => design.redo(), { id: "redo" });
     this.reset = el("button", { type: "button", class: "button", id: "reset-design", onclick: () => design.reset() }, icon("back"), "Reset");
@@ -93,8 +110,8 @@ export class ParameterPanel {
     this.elapsed = el("span");
     this.progress = el("p", { class: "caption live-progress", hidden: true }, el("i"), this.elapsed);
     this.tools = el("div", { class: "live-tools" }, this.undo, this.redo, this.reset);
-    this.node = el("div", {}, el("div", { class: "plot-head" }, el("h2", {}, "Parameters"), this.tools), el("div", { class: "parameters" }, this.rows.map(({ node }) => node)), this.progress, this.status);
-    design.onChange.on(() => this.update());
+    this.node = el("div", {}, el("div", { class: "plot-head" }, el("h2", {}, "Parameters"), this.tools), this.search, el("div", { class: "parameters" }, this.rows.map(({ node }) => node)), this.progress, this.status);
+    design.onChange.on(() => { this.update(); if (!this.failed) this.say(""); });
     this.update();
   }
 
@@ -105,6 +122,15 @@ export class ParameterPanel {
     this.reset.toggleAttribute("disabled", !this.design.changed);
   }
 
+  /** Show the parameters whose name or description contains all words. */
+  filter() {
+    const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    this.rows.forEach((row, k) => {
+      const { name, description = "" } = this.design.parameters[k], text = `${name} ${description}`.toLowerCase();
+      row.node.hidden = !words.every((word) => text.includes(word));
+    });
+  }
+
   /** @param {ArrayLike<number> | null} slopes @param {LiveResponse | null} response */
   showSlopes(slopes, response) {
     this.node.classList.toggle("with-slopes", Boolean(slopes && response));
@@ -113,12 +139,15 @@ export class ParameterPanel {
     this.rows.forEach((row, k) => row.showSlope(slopes[k], most, response));
   }
 
-  /** Show that a run takes long. @param {number | null} time since its start [ms] */
-  busy(time) {
+  /** Show that a run takes long. @param {number | null} time since its start [ms] @param {number} usual duration of the last run [ms] */
+  busy(time, usual) {
     this.node.classList.toggle("busy", time !== null);
     this.progress.hidden = time === null;
-    if (time !== null) this.elapsed.textContent = `computing, ${(time / 1000).toFixed(1)} s`;
+    if (time !== null) this.elapsed.textContent = `computing, ${(time / 1000).toFixed(1)} s${usual > time ? ` of about ${(usual / 1000).toFixed(1)} s` : ""}`;
   }
+
+  /** Whether the message is that of a design that failed. */
+  get failed() { return this.status.classList.contains("error"); }
 
   /** @param {string} text @param {string} [kind] */
   say(text, kind = "") {

@@ -1,7 +1,7 @@
 // Drawing and plots of a live page: the result of the present design, with other designs behind it.
 
 /** @import { Dimension } from "./scene_types.d.ts" */
-/** @import { LiveData, LiveResult } from "./types.d.ts" */
+/** @import { LiveData, LiveResult, SeriesData } from "./types.d.ts" */
 /** @import { Motion } from "./motion.js" */
 /** @import { Board } from "./plot_board.js" */
 /** @import { Player } from "./player.js" */
@@ -9,8 +9,29 @@
 
 import { byId, el, toggleButton } from "./dom.js";
 import { Ghosts, designSnapshot } from "./live_ghosts.js";
-import { clamp } from "./numbers.js";
+import { clamp, list } from "./numbers.js";
+import { valuePanel } from "./panels.js";
 import { payload } from "./payload.js";
+
+/** Threshold of round-off, relative to the largest value of a unit. */
+const ROUND_OFF = 1e-14;
+
+/** Set values of series at round-off level to zero, except errors and violations, as Python does. @param {SeriesData[]} series */
+function zeroRounding(series) {
+  const physical = series.filter(({ name = "" }) => !/violation$|_error$/.test(name));
+  /** @type {Map<string, number>} */
+  const largest = new Map();
+  const columns = physical.map(({ unit = "", values }) => ({ unit, values: /** @type {Float64Array} */ (values) }));
+  for (const { unit, values } of columns) {
+    let most = largest.get(unit) ?? 0;
+    for (let i = 0; i < values.length; i++) { const size = Math.abs(values[i]); if (size > most && size < Infinity) most = size; }
+    largest.set(unit, most);
+  }
+  for (const { unit, values } of columns) {
+    const least = ROUND_OFF * (largest.get(unit) ?? 0);
+    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) < least) values[i] = 0;
+  }
+}
 
 export class LivePicture {
   /** @param {LiveData} live @param {{ motion: Motion, scene: Scene, player: Player, board: Board | null }} page @param {Dimension} dimension */
@@ -30,6 +51,8 @@ export class LivePicture {
     this.dashed = el("span");
     this.caption = el("p", { class: "caption other-run", hidden: true }, el("i", { class: "dashes" }), this.dashed);
     board?.stack.before(this.caption);
+    this.note = el("p", { class: "caption live-note", hidden: true }, "Diagnosis, statistics and parameters below are those of the initial design.");
+    byId("panels").before(this.note);
   }
 
   /** Whether the design that is drawn differs from the initial one. */
@@ -59,6 +82,7 @@ export class LivePicture {
     };
     for (const [place, row] of columns) put(place, table.subarray(n * row, n * (row + 1)));
     places.forEach((place, k) => put(place, numbers[k]));
+    zeroRounding(list(payload.series));
     payload.time = times;
   }
 
@@ -75,6 +99,8 @@ export class LivePicture {
     this.toggle.hidden = !this.changed;
     this.caption.hidden = !dashed;
     this.dashed.textContent = dashed ? `Dashed: ${dashed.name}` : "";
+    byId("values")?.replaceWith(valuePanel(motion) ?? "");
+    this.note.hidden = !this.changed;
     player.seek(clamp(now, motion.start, motion.end));
   }
 }

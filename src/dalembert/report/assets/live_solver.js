@@ -5,8 +5,8 @@
 import { bytesOf, inflated } from "./inflate.js";
 import { Signal } from "./theme.js";
 
-/** Time after which a run is given up for a newer design [ms]. */
-const PATIENCE = 250;
+/** Time after which a run is given up for a newer design [ms], and longest usual duration of runs that may take half as long again. */
+const PATIENCE = 250, USUAL = 1000;
 
 /** @typedef {{ request: LiveRequest, quiet: boolean, since: number, resolve: (answer: LiveAnswer | null) => void }} Task */
 
@@ -22,6 +22,8 @@ export class Solver {
     this.onFailure = new Signal();
     /** Time for which the present run takes [ms], null when none takes long. @type {Signal<number | null>} */
     this.onBusy = new Signal();
+    /** Duration of the last run [ms]. */
+    this.duration = 0;
     this.number = 0;
     /** @type {Task | null} */
     this.running = null;
@@ -66,7 +68,8 @@ export class Solver {
     this.waiting?.resolve(null);
     return new Promise((resolve) => {
       this.waiting = { request: { ...request, number: ++this.number }, quiet, since: 0, resolve };
-      if (this.running && performance.now() - this.running.since > PATIENCE) this.cancel();
+      const patience = this.duration < USUAL ? Math.max(PATIENCE, 1.5 * this.duration) : PATIENCE;
+      if (this.running && performance.now() - this.running.since > patience) this.cancel();
       this.send();
     });
   }
@@ -99,6 +102,7 @@ export class Solver {
   receive(answer) {
     if ("table" in answer) {
       this.result = answer;
+      this.duration = answer.duration;
       if (!this.running?.quiet) this.onResult.emit(answer);
       return;
     }

@@ -163,3 +163,11 @@ const SOLIDS = {
 
 /** Geometry of a shape, and lines on it; either may be missing. @param {Shape} shape @param {number} u */
 export const solidOf = (shape, u) => (SOLIDS[shape.kind] ?? SOLIDS.particle)(shape, u);
+
+/** Free the memory of the graphics processor that the parts of a group occupy. @param {THREE.Object3D} group */
+export function discard(group) {
+  group.traverse((/** @type {any} */ part) => {
+    part.geometry?.dispose();
+    part.shadow?.dispose();
+  });
+}

@@ -12,7 +12,7 @@ import { fitCanvas } from "./canvas.js";
 import { el } from "./dom.js";
 import { FlatPainter } from "./flat_painter.js";
 import { clamp } from "./numbers.js";
-import { apart, ball, nearestOn, rims, solidOf, tube } from "./solids.js";
+import { apart, ball, discard, nearestOn, rims, solidOf, tube } from "./solids.js";
 import { spatialLabels } from "./spatial_labels.js";
 import { Materials } from "./spatial_materials.js";
 import { AXES, vector } from "./spatial_motion.js";
@@ -61,7 +61,10 @@ export class SpatialPainter {
 
   build() {
     const { motion, scene, view } = this;
-    if (this.parts) view.world.remove(this.parts);
+    if (this.parts) {
+      discard(this.parts);
+      view.world.remove(this.parts);
+    }
     this.parts = new THREE.Group();
     view.world.add(this.parts);
     this.materials.clearRoles();

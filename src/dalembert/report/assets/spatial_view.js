@@ -6,13 +6,16 @@
 import "./vendor/three.js";
 import { FlatPainter } from "./flat_painter.js";
 import { TAU, clamp, extent, niceAbove } from "./numbers.js";
-import { polyline } from "./solids.js";
+import { discard, polyline } from "./solids.js";
 import { AXES, vector } from "./spatial_motion.js";
 import { Theme, mix } from "./theme.js";
 
 /** Vertical field of view in degrees; narrow, so that parallels stay nearly parallel. */
 const FIELD = 28;
 const TANGENT = Math.tan((FIELD * TAU) / 720);
+
+/** Size of another scene, relative to the present one, above which light and grid are built again. */
+const SLACK = 1.1;
 
 export class SpatialView {
   hint = "Wheel zooms, drag rotates, right-button drag pans.";
@@ -55,15 +58,20 @@ export class SpatialView {
 
   /** @param {Point[]} cloud @param {Point | null} gravity */
   enclose(cloud, gravity) {
-    const before = this.radius;
-    this.cloud = cloud.map(vector);
-    Object.assign(this, sphereAbout(this.cloud));
-    this.up = upward(gravity);
+    const before = this.radius, up = upward(gravity), points = cloud.map(vector), sphere = sphereAbout(points);
+    if (before && this.up.equals(up) && sphere.centre.distanceTo(this.centre) + sphere.radius < SLACK * before) {  // another design of the same size
+      this.cloud = points;
+      return;
+    }
+    this.cloud = points;
+    Object.assign(this, sphere);
+    this.up = up;
     if (!this.camera.up.equals(this.up)) {
       this.camera.up.copy(this.up);
       this.controls = this.orbit();
     }
     Object.assign(this.controls, { minDistance: 0.02 * this.radius, maxDistance: 60 * this.radius });
+    discard(this.surroundings);
     this.surroundings.clear();
     this.light();
     this.ground();

@@ -174,6 +174,8 @@ export interface LiveData extends LiveCode {
   path?: number[];
   places?: number[];
   undetermined?: number[];
+  /** Rows with factors of the dissipated energy and of the energy input. */
+  work?: [number, number, number][];
   limits?: { regular: number; tolerance: number; turn: number; small: [number, number]; fraction: number };
   /** Message where Newton's method for the start has no solution. */
   unsolved?: string;

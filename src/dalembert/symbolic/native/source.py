@@ -19,7 +19,7 @@ SINGULAR = r"  if (casadi_qr_singular(0, 0, \2, \1, \3, 1e-12)) return 1;"
 """Singularity check of the virtual machine, which CasADi's texts omit."""
 
 
-ALIAS = r"\bint {}\([^{{}}]*\{{\s*return (casadi_f\d+)\("
+ALIAS = r"int {}\([^{{}}]*\{{\s*return (casadi_f\d+)\("
 """Definition of the public function of a name by one of the numbered functions."""
 
 
