@@ -153,6 +153,43 @@ def test_dots_of_the_convergence_select_iterations(
         assert page.js("dalembert.choice.chosen") == 0
 
 
+def test_iterations_of_a_simulated_mechanism_run_in_the_page(opened: Any) -> None:
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    length = system.parameter("length", 1.0, unit="m", bounds=(0.5, 2.0))
+    mass = system.parameter("mass", 2.0, unit="kg", bounds=(1.0, 3.0))
+    bar = system.add(planar.Bar("bar", length=length, mass=mass, angle=0.3))
+    system.add(planar.Revolute("pivot", system.ground.center, bar.start))
+    peak = da.maximum("pivot.force_norm", smooth=0.05, name="peak")
+    slow = da.Limit(da.rms("bar.angular_velocity"), upper=4.0)
+    limits = [slow, da.Limit(da.integral("kinetic_energy"), lower=4.0)]
+    analysis = da.Dynamics(1.0, step=0.005)
+    best = da.optimize(system.build(), peak, subject_to=limits, analysis=analysis)
+    assert len(best.history) > 2
+    with opened(best) as page:
+        values = responses(page)
+        assert values["peak"] == pytest.approx(best.fun, rel=1e-7)
+        for limit in best.limits:
+            assert values[limit.name] == pytest.approx(limit.value, rel=1e-7)
+        for k, iterate in enumerate(best.history):
+            assert choose(page, k)["peak"] == pytest.approx(iterate.objective, rel=1e-7)
+
+
+def test_a_saved_page_shows_its_design(
+    browser: Any, opened: Any, front: da.ParetoResult, tmp_path: Path
+) -> None:
+    with opened(front) as page:
+        choose(page, 1)
+        with page.page.expect_download() as download:
+            page.page.click("#use-design > summary")
+            page.page.click("#save-page")
+        download.value.save_as(tmp_path / "saved.html")
+    with visit(browser, tmp_path / "saved.html") as saved:
+        settle(saved)
+        assert saved.js("dalembert.choice.chosen") == 1
+        assert np.allclose(list(responses(saved).values()), front.values[1], rtol=1e-7)
+        assert (saved.requests, saved.console) == ([], [])
+
+
 def test_sliders_leave_the_designs_and_return(opened: Any, front: da.ParetoResult) -> None:
     with opened(front) as page:
         choose(page, 0)
