@@ -277,6 +277,21 @@ def test_points_and_samples_of_a_reliability_run_in_the_page(opened: Any, model:
             assert choose(page, k)["force"] == pytest.approx(values[k], rel=1e-7)
 
 
+def test_estimates_have_sliders(opened: Any, model: da.Model) -> None:
+    run = ANALYSIS.run(model, {"r": 0.12, "mass": 2.3})
+    data = {"time": run.time, "torque": run.values("motor.effort")}
+    measured = {"torque": "motor.effort"}
+    estimate = da.identify(model, data, measured, ["r", "mass"], analysis=ANALYSIS)
+    with opened(estimate) as page:
+        assert page.page.locator(".parameters label").all_inner_texts() == ["mass", "r", "l"]
+        assert sliders(page)["mass"] == pytest.approx(2.3, rel=1e-5)
+        page.js("dalembert.design.replace([2.0, 0.15, 0.5], 'test')")
+        settle(page)
+        again = ANALYSIS.run(model, {"mass": 2.0, "r": 0.15, "l": 0.5})
+        shown = page.js("Math.max(...dalembert.motion.seriesByName.get('motor.effort').values)")
+        assert shown == pytest.approx(again.values("motor.effort").max(), rel=1e-7)
+
+
 def test_candidates_of_one_topology_run_in_the_page(opened: Any) -> None:
     chain = {"frame": "AD", "crank": "AB", "coupler": "BC", "rocker": "CD"}
     joints = {"A": (0, 0), "B": (0, 1), "C": (3, 2.5), "D": (3, 0)}

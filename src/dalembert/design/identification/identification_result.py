@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from dalembert.design.pages.live import LiveTask
+
 MIN_SAMPLES = 20
 """Lower limit of the samples for testing the autocorrelation of residuals."""
 ROUNDING = 1e-6
@@ -253,6 +255,10 @@ class IdentificationResult(Decision):
     def to_dataframe(self) -> pd.DataFrame:
         """One row per unknown."""
         return self.data[["value", "deviation"]].to_dataframe()
+
+    def live_task(self) -> LiveTask | None:
+        task: LiveTask | None = self._page_function("task")(self)
+        return task
 
     def write(self, base: Path, live: bool | None = None, **first_view: Any) -> list[Path]:
         """Write data, summary, page, picture (.identified.png) and covariance (.covariance.csv)."""
