@@ -8,7 +8,7 @@
 /** @import { Scene } from "./scene.js" */
 
 import { byId, el, toggleButton } from "./dom.js";
-import { Ghosts } from "./live_ghosts.js";
+import { Ghosts, designSnapshot } from "./live_ghosts.js";
 import { clamp, list } from "./numbers.js";
 import { valuePanel } from "./panels.js";
 import { payload } from "./payload.js";
@@ -60,6 +60,19 @@ export class LivePicture {
 
   /** Show a result. @param {LiveResult} result */
   show(result) {
+    this.put(result);
+    this.result = result;
+    this.renew();
+  }
+
+  /** Compare with a result, that of the initial design. @param {LiveResult} result */
+  compareWith(result) {
+    this.put(result);
+    this.ghosts.initial = designSnapshot("initial design");
+  }
+
+  /** Put a result into the payload. @param {LiveResult} result */
+  put(result) {
     const { table, times, numbers } = result;
     const n = times.length, { columns, numbers: places } = this.live;
     const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => {
@@ -71,8 +84,6 @@ export class LivePicture {
     places.forEach((place, k) => put(place, numbers[k]));
     zeroRounding(list(payload.series));
     payload.time = times;
-    this.result = result;
-    this.renew();
   }
 
   /** Draw the payload. */

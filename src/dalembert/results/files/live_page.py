@@ -10,7 +10,7 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.results.files.live_responses import joint_rows, page_responses
 from dalembert.results.labelled import LabelledRecording
-from dalembert.results.live import PageResponse
+from dalembert.results.live import PageDesigns, PageResponse
 from dalembert.results.row_table import RowTable
 from dalembert.results.sources import payload_sources
 from dalembert.units.unit import shown_in
@@ -24,6 +24,7 @@ def live_page(
     page: dict[str, Any],
     live: bool | None,
     responses: Sequence[PageResponse] = (),
+    designs: PageDesigns | None = None,
 ) -> dict[str, Any]:
     """A page with its live part, or with the reason why it has none.
 
@@ -31,12 +32,14 @@ def live_page(
     ----------
     motion : the result
     page : its payload
-    live : whether the page computes; by default if the model has parameters with bounds and its
-        module is small
+    live : whether the page computes; by default if the model has parameters with bounds, or the
+        designs have ranges, and its module is small
     responses : responses that the page lists, by default the maxima of the plotted series
+    designs : designs of its table
     """
     model = motion.model
     bounded = any(np.isfinite(parameter.bounds).all() for parameter in model.parameters.values())
+    bounded = bounded or (designs is not None and bool(designs.ranges))
     if live is False or not (bounded or live):
         return page
     if not model.parameters:
@@ -59,9 +62,11 @@ def live_page(
         size = f"{len(module.code) / 1e3:.0f} kB"
         return page | {"live": {"reason": f"its module has {size}; request it by live=True"}}
     parameters = _parameters(motion, page["parameters"])
+    rows = None if designs is None else _designs(motion, designs, parameters)
     numbers = [place for place, _ in sources.numbers]
     more = {"columns": columns, "numbers": numbers, "initial": sources.initial}
     more |= {"responses": listed, "joints": joint_rows(model)}
+    more |= {} if rows is None else {"designs": rows}
     return page | {"live": functions.page_data(parameters=parameters, **more)}
 
 
@@ -75,3 +80,21 @@ def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[
         factor, _ = shown_in(parameter.unit, [row["unit"]] if row["unit"] else [])
         rows.append(row | {"value": float(value), "lower": lower, "upper": upper, "factor": factor})
     return rows
+
+
+def _designs(
+    motion: LabelledRecording, designs: PageDesigns, parameters: list[dict[str, Any]]
+) -> list[list[float]]:
+    """All parameters of the designs; their ranges include the designs, initial values are set."""
+    names = list(motion.model.parameters)
+    rows = designs.rows(names, np.asarray(motion.parameters, dtype=float))
+    for row, column in zip(parameters, rows.T, strict=True):
+        row["varies"] = row["name"] in designs.names
+        if designs.initial is not None:
+            row["value"] = float(column[designs.initial])
+        row["lower"], row["upper"] = designs.ranges.get(row["name"], (row["lower"], row["upper"]))
+        finite = column[np.isfinite(column)]
+        for side, pick in (("lower", min), ("upper", max)):
+            if row[side] is not None and finite.size:
+                row[side] = float(pick(row[side], *finite))
+    return [list(row) for row in rows.tolist()]
