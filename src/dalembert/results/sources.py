@@ -73,11 +73,13 @@ class Row:
     sx : SX of coordinates, speeds, accelerations, multipliers, time and parameters
     work : factors of the dissipated energy and of the energy input, which are added
     relative : whether the value at the first output is subtracted
+    drawn : whether only pictures use it, so that no derivatives are required
     """
 
     sx: ca.SX
     work: tuple[float, float] = (0.0, 0.0)
     relative: bool = False
+    drawn: bool = False
 
     def __truediv__(self, factor: float) -> Row:
         """The row in another unit."""

@@ -54,10 +54,10 @@ def live_page(
     structure = model.kind == "structure"
     table = RowTable(None if structure else model.ground)
     columns = [(place, table.number(source)) for place, source in sources.columns]
-    states = [(place, state_rows(sx, table.number)) for place, sx in sources.states]
     times = np.array(page["states"]["numbers"] if structure else page["time"])
     listed = page_responses(result, responses, times, table.number)
     listed = listed or [response.page_data(table.number) for response in first()]
+    states = [(place, state_rows(sx, table.number)) for place, sx in sources.states]
     try:
         functions = result.analysis.live_functions(result, table.rows, times)
         p = model.p if structure else model.equations.p

@@ -13,7 +13,7 @@ import numpy as np
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.graph.model import Model
 from dalembert.results.live import PageResponse
-from dalembert.results.sources import Source
+from dalembert.results.sources import Row, Source
 from dalembert.symbolic.formulas.expression import Expression
 
 
@@ -99,9 +99,9 @@ def page_responses(
 
 
 def state_rows(sx: ca.SX, row_of: Callable[[Source], int]) -> list[int]:
-    """Numbers of the rows of the entries of a column of states; −1 for constant ones."""
+    """Numbers of the rows of the entries of a drawn column of states; −1 for constant ones."""
     entries = ca.vertsplit(ca.densify(sx))
-    return [-1 if entry.is_constant() else row_of(entry) for entry in entries]
+    return [-1 if entry.is_constant() else row_of(Row(entry, drawn=True)) for entry in entries]
 
 
 def joint_rows(model: Model) -> list[dict[str, Any]]:
