@@ -18,7 +18,7 @@ from dalembert.text.wording import unknown
 
 def live_responses(file: ModelFile, model: Any, page: dict[str, Any]) -> list[PageResponse]:
     """Responses of the file that its page computes; none if one is invalid, as its tasks report."""
-    times = np.array(page.get("time", ()))
+    times = np.array(page.get("time", page.get("states", {}).get("numbers", ())))
     if not times.size:
         return []
     try:

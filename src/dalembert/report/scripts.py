@@ -19,6 +19,8 @@ PAGES = {
     "decision": "decision.js",
     "live mechanism": "live_planar.js",
     "live spatial mechanism": "live_spatial.js",
+    "live structure": "live_planar_structure.js",
+    "live spatial structure": "live_spatial_structure.js",
     "dynamics": "live_dynamics_worker.js",
     "kinematics": "live_kinematics_worker.js",
     "equilibrium": "live_equilibrium_worker.js",

@@ -211,7 +211,7 @@ class Motion(LabelledRecording):
     ) -> dict[str, Any]:
         from dalembert.results.files.live_page import live_page
 
-        return live_page(self, page, live, responses, designs)
+        return live_page(self, page, live, responses, designs=designs)
 
     def page(
         self, plots: Groups = None, trace: Names = None, units: Units = (), views: Views = ()

@@ -14,7 +14,7 @@ class RowTable:
 
     Parameters
     ----------
-    ground : body at rest
+    ground : body at rest of a mechanism; None for structures
     """
 
     def __init__(self, ground: Any):
@@ -27,5 +27,6 @@ class RowTable:
         key = (row.sx.element_hash(), row.work, row.relative)
         if key not in self._numbers:
             self._numbers[key] = len(self.rows)
-            self.rows.append(replace(row, sx=at_ground(self.ground, row.sx)))
+            sx = row.sx if self.ground is None else at_ground(self.ground, row.sx)
+            self.rows.append(replace(row, sx=sx))
         return self._numbers[key]

@@ -45,6 +45,25 @@ class Column(list[float]):
         return list, (list(self),)
 
 
+class States(list[Any]):
+    """Columns of several states with the formulas of their entries; copies of it are plain.
+
+    Parameters
+    ----------
+    values : a column of n numbers for each state
+    sx : (n,) formulas; entries with a constant one keep their values
+    """
+
+    __slots__ = ("sx",)
+
+    def __init__(self, values: Iterable[Any], sx: ca.SX):
+        super().__init__(values)
+        self.sx = sx
+
+    def __reduce__(self) -> tuple[type, tuple[list[Any]]]:
+        return list, (list(self),)
+
+
 @dataclass(frozen=True, eq=False)
 class Row:
     """Scalar over time.
@@ -54,11 +73,13 @@ class Row:
     sx : SX of coordinates, speeds, accelerations, multipliers, time and parameters
     work : factors of the dissipated energy and of the energy input, which are added
     relative : whether the value at the first output is subtracted
+    drawn : whether only pictures use it, so that no derivatives are required
     """
 
     sx: ca.SX
     work: tuple[float, float] = (0.0, 0.0)
     relative: bool = False
+    drawn: bool = False
 
     def __truediv__(self, factor: float) -> Row:
         """The row in another unit."""
@@ -137,22 +158,26 @@ class Sources:
     numbers : places and formulas of parameters
     columns : places and formulas of time, coordinates, speeds, accelerations, multipliers and
         parameters, or rows with work since the start
+    states : places and (n,) formulas of columns of states
     initial : names of bodies and elements whose picture remains that of the initial parameters
     """
 
     numbers: list[tuple[Place, ca.SX]]
     columns: list[tuple[Place, Source]]
+    states: list[tuple[Place, ca.SX]]
     initial: list[str]
 
 
 def payload_sources(payload: dict[str, Any]) -> Sources:
     """Formulas of all numbers and columns of a payload that have one."""
-    sources = Sources([], [], [])
+    sources = Sources([], [], [], [])
     for place, value in _tagged(payload, ()):
         if isinstance(value, Number):
             sources.numbers.append((place, value.sx))
         elif isinstance(value, Column):
             sources.columns.append((place, value.sx))
+        elif isinstance(value, States):
+            sources.states.append((place, value.sx))
         elif isinstance(value, Series) and value.source is not None:
             sources.columns.append(((*place, "values"), value.source))
         elif isinstance(value, InitialPicture) and value.owner not in sources.initial:
@@ -162,12 +187,12 @@ def payload_sources(payload: dict[str, Any]) -> Sources:
 
 def _tagged(value: Any, place: Place) -> Iterator[tuple[Place, Any]]:
     """Tagged values with their places, in the order of the payload."""
-    if isinstance(value, Number | Column | Series | InitialPicture):
+    if isinstance(value, Number | Column | States | Series | InitialPicture):
         yield place, value
     if isinstance(value, dict):
         for key, item in value.items():
             yield from _tagged(item, (*place, key))
-    elif isinstance(value, list) and not isinstance(value, Column):
+    elif isinstance(value, list) and not isinstance(value, Column | States):
         for index, item in enumerate(value):
             if isinstance(item, Number | dict | list):
                 yield from _tagged(item, (*place, index))

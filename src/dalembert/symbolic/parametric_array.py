@@ -55,6 +55,15 @@ class ParametricArray:
         self._spread(result, self._values, p, time)
         return result
 
+    @property
+    def formulas(self) -> np.ndarray:
+        """(n,) objects: numbers, or formulas of parameters at time zero."""
+        entries = self.constants.astype(object)
+        at_zero = [ca.substitute(formula, t.sx, 0) for formula in self._formulas]
+        for k, number in zip(self.index, self.which, strict=True):
+            entries[k] = entries[k] + at_zero[number]
+        return entries
+
     def graph(self, p: ca.MX) -> ca.MX:
         """(n,) numbers at time zero as a graph of parameters."""
         constants = ca.MX(ca.DM(self.constants))

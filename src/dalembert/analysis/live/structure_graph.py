@@ -38,6 +38,7 @@ class StructureGraph:
         self.model, self.p = model, p
         self.free = model.assembly.free
         self.size, self.count = model.assembly.size, self.free.size
+        self._quantities: dict[tuple[int, str, int], ca.MX] = {}
 
     # displacements ------------------------------------------------------------------------
     def displaced(self, free: ca.MX, prescribed: bool = True) -> ca.MX:
@@ -150,9 +151,12 @@ class StructureGraph:
 
     def _quantity(self, b: ElementBlock, name: str, u: ca.MX) -> ca.MX:
         """(ne,) quantity of the elements."""
-        base, samples = b.kind.station(name)
-        columns = self.gathered(b, u), b.data_graph(self.p)
-        return ca.vec(_summed(b, f"measure {base}", samples, *columns))
+        key = id(b), name, u.__hash__()
+        if key not in self._quantities:
+            base, samples = b.kind.station(name)
+            columns = self.gathered(b, u), b.data_graph(self.p)
+            self._quantities[key] = ca.vec(_summed(b, f"measure {base}", samples, *columns))
+        return self._quantities[key]
 
 
 def _summed(b: ElementBlock, name: str, samples: Rows, *columns: ca.MX) -> ca.MX:

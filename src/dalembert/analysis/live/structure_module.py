@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import casadi as ca
@@ -78,13 +78,12 @@ def statics_functions(
     held = np.zeros(graph.size)
     held[model.assembly.prescribed] = 1.0
     forces = ca.if_else(ca.DM(held), -unbalanced, applied)
-    outputs = _rows(result, graph, rows, (u, forces), case)
     work = ca.dot(weights, unbalanced[at])
     arguments = [case, free, p]
     functions = {
         "system": ca.Function("system", [p], [graph.stiffness(), sides]),
         "residual_adjoint": _gradient("residual_adjoint", arguments, weights, work, [p]),
-        **_outputs(arguments, outputs),
+        **_outputs(arguments, rows, lambda part: _rows(result, graph, part, (u, forces), case)),
     }
     data = {**_data("statics", result, times, graph), "message": result.status.message}
     return LiveFunctions(functions, data)
@@ -107,7 +106,6 @@ def vibration_functions(
     state = ca.MX.sym("x", 1 + graph.count)
     u, none = graph.displaced(state[1:], False), ca.MX.zeros(graph.size)
     stiffness, mass = graph.stiffness(), graph.mass()
-    outputs = _rows(modes, graph, rows, (u, none), number, state[0])
     a, b = ca.MX.sym("a", graph.count), ca.MX.sym("b", graph.count)
     factors, n = ca.MX.sym("f", 2), graph.count
     k, m = (ca.reshape(matrix, n, n) for matrix in (stiffness, mass))
@@ -115,7 +113,11 @@ def vibration_functions(
     functions = {
         "system": ca.Function("system", [p], [stiffness, mass]),
         "pencil_adjoint": ca.Function("pencil_adjoint", [a, b, factors, p], [_slope(value, p)]),
-        **_outputs([number, state, p], outputs),
+        **_outputs(
+            [number, state, p],
+            rows,
+            lambda part: _rows(modes, graph, part, (u, none), number, state[0]),
+        ),
     }
     text: Any = modes.analysis
     return LiveFunctions(
@@ -157,10 +159,17 @@ def _value(
     return graph.measure(measure, *state)
 
 
-def _outputs(arguments: list[ca.MX], outputs: ca.MX) -> dict[str, ca.Function]:
-    """Outputs, and the weights of state and parameters from those of the outputs."""
-    weights = ca.MX.sym("w", outputs.numel())
-    value, sources = ca.dot(weights, outputs), arguments[1:]
+def _outputs(
+    arguments: list[ca.MX], rows: Sequence[Row], graph_of: Callable[[Sequence[Row]], ca.MX]
+) -> dict[str, ca.Function]:
+    """Outputs, and the weights of state and parameters from those of the outputs.
+
+    Drawn rows without derivatives are the last ones.
+    """
+    count = max(1, sum(not row.drawn for row in rows))
+    weights = ca.MX.sym("w", count)
+    outputs, sources = graph_of(rows), arguments[1:]
+    value = ca.dot(weights, graph_of(rows[:count]))
     return {
         "outputs": ca.Function("outputs", arguments, [ca.densify(outputs)]),
         "outputs_adjoint": _gradient("outputs_adjoint", arguments, weights, value, sources),

@@ -41,7 +41,9 @@ export function firstResponses(live) {
 
 /** @param {LiveData} live @param {(response: LiveResponse) => void} add */
 export function addMenu(live, add) {
-  const series = measuredSeries(live), groups = [...new Set(series.map(({ group }) => group))];
+  const series = measuredSeries(live);
+  if (!series.length) return null;
+  const groups = [...new Set(series.map(({ group }) => group))];
   const kind = el("select", { "aria-label": "Reduction over time" }, REDUCTIONS.filter(([key]) => key === "final" || !single()).map(([key, text]) => el("option", { value: key }, text)));
   const options = groups.map((group) => el("optgroup", { label: group }, series.flatMap((s, k) => (s.group === group ? [el("option", { value: String(k) }, s.name)] : []))));
   const measure = el("select", { class: "measure", "aria-label": "Series" }, options);

@@ -1,17 +1,18 @@
 // Other designs of a live page: pale bodies behind the drawing, dashed curves in the plots.
 
 /** @import { Column } from "./types.d.ts" */
-/** @import { BodyData } from "./scene_types.d.ts" */
+/** @import { BodyData, MeshData } from "./scene_types.d.ts" */
 
 import { list } from "./numbers.js";
 import { payload } from "./payload.js";
 
 /** Bodies and curves of a design.
- * @typedef {{ name: string, bodies: BodyData[], curves: (Column | undefined)[] }} Snapshot */
+ * @typedef {{ name: string, bodies: BodyData[], curves: (Column | undefined)[], mesh?: MeshData }} Snapshot */
 
 /** Bodies and curves that the payload contains at present. @param {string} name @returns {Snapshot} */
 export function designSnapshot(name) {
-  return { name, bodies: list(payload.scene?.bodies).map((body) => ({ ...body, shapes: structuredClone(body.shapes) })), curves: list(payload.series).map(({ values }) => values) };
+  const { mesh } = payload.scene ?? {};
+  return { name, bodies: list(payload.scene?.bodies).map((body) => ({ ...body, shapes: structuredClone(body.shapes) })), curves: list(payload.series).map(({ values }) => values), mesh: mesh && { ...mesh, rest: list(mesh.rest).slice() } };
 }
 
 export class Ghosts {
@@ -26,7 +27,7 @@ export class Ghosts {
   /** Put the other designs into the payload. @param {boolean} changed whether the present design differs from the initial one */
   put(changed) {
     const others = [...changed && this.compares ? [this.initial] : [], ...this.kept], [dashed] = others;
-    if (payload.scene) payload.scene.ghosts = others.flatMap(({ bodies }) => bodies);
+    if (payload.scene) payload.scene.ghosts = others.flatMap(({ bodies, mesh }) => (mesh ? [{ mesh }] : bodies));
     list(payload.series).forEach((series, k) => { series.other = dashed?.curves[k]; });
     payload.other = dashed?.name ?? "";
     return others;

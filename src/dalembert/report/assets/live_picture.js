@@ -74,13 +74,11 @@ export class LivePicture {
   /** Put a result into the payload. @param {LiveResult} result */
   put(result) {
     const { table, times, numbers } = result;
-    const n = times.length, { columns, numbers: places } = this.live;
-    const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => {
-      let owner = /** @type {any} */ (payload);
-      for (const key of place.slice(0, -1)) owner = owner[key];
-      owner[/** @type {string} */ (place.at(-1))] = value;
-    };
+    const n = times.length, { columns, numbers: places, states = [] } = this.live;
+    const at = (/** @type {(string | number)[]} */ place) => place.reduce((owner, key) => owner[key], /** @type {any} */ (payload));
+    const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => { at(place.slice(0, -1))[/** @type {string} */ (place.at(-1))] = value; };
     for (const [place, row] of columns) put(place, table.subarray(n * row, n * (row + 1)));
+    for (const [place, rows] of states) put(place, at(place).map((/** @type {ArrayLike<number>} */ before, /** @type {number} */ k) => Float64Array.from(rows, (row, i) => (row < 0 ? before[i] ?? NaN : table[n * row + k]))));
     places.forEach((place, k) => put(place, numbers[k]));
     zeroRounding(list(payload.series));
     payload.time = times;

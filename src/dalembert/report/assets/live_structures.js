@@ -26,9 +26,9 @@ class LiveStructure extends LiveRun {
   /** Weights of states and parameters from those of the outputs; calls `pull` for each state that has some.
    * @param {any} run @param {Map<number, Float64Array>} weights @param {(state: Float64Array, k: number) => Float64Array | null} pull */
   pulledBack(run, weights, pull) {
-    const { p, states, rows } = run, total = new Float64Array(p.length);
+    const { p, states } = run, weighted = this.engine.named("outputs_adjoint").inputs.at(-1), total = new Float64Array(p.length);
     for (let k = 0; k < states.length; k++) {
-      const bars = Float64Array.from({ length: rows }, (_, r) => weights.get(r)?.[k] ?? 0);
+      const bars = Float64Array.from({ length: weighted ?? 0 }, (_, r) => weights.get(r)?.[k] ?? 0);
       if (!bars.some((value) => value !== 0)) continue;
       const [state, own] = this.engine.evaluate("outputs_adjoint", [this.times[k]], states[k], p, bars) ?? [], more = state && pull(state, k);
       if (!own || !more) return total.fill(NaN);

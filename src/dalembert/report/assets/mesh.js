@@ -69,8 +69,9 @@ export class Mesh {
   }
 
   /** Take over scale and field of another design. @param {Mesh} mesh */
-  adopt({ factor, field, diagram }) {
+  adopt({ factor, field, diagram, scales }) {
     this.factor = factor;
+    if (this.relative) this.scales = [...scales];
     this.diagram = diagram;
     this.field = this.fields.find(({ name }) => name === field?.name) ?? null;
   }

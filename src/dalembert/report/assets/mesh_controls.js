@@ -28,7 +28,12 @@ export function meshChoosers(motion, mesh) {
   const fields = ["none", ...mesh.fields.map(({ name }) => name.replaceAll("_", " "))], chosen = mesh.field ? mesh.fields.indexOf(mesh.field) + 1 : 0;
   const diagrams = [...new Set(mesh.diagrams.map(({ name }) => name))];
   const states = names.length > 1 && swings && chooser("case", label, names, 0, (k) => motion.choose(k));
-  motion.onState.on(() => { if (states) states.querySelectorAll("select")[0].value = String(motion.chosen); });
+  motion.onState.on(() => {
+    if (!states) return;
+    const [select] = states.querySelectorAll("select");
+    motion.states.names.forEach((name, k) => { select.options[k].text = name; });
+    select.value = String(motion.chosen);
+  });
   return el("div", { class: "chips" }, states,
     chooser("field", "Colours", fields, chosen, (k) => {
       if (motion.mesh) motion.mesh.field = motion.mesh.fields[k - 1] ?? null;

@@ -1,7 +1,7 @@
 // Scene of a page over time: bodies, primitives between them, the mesh of a structure.
 
 /** @import { Column, Cursor, Payload, Point, TracedPoint } from "./types.d.ts" */
-/** @import { BodyData, End, EndData, Gap, Ghost, Item, ItemData, Link, Part, Shape, Structure, Wheel } from "./scene_types.d.ts" */
+/** @import { BodyData, End, EndData, Gap, Ghost, Item, ItemData, Link, Part, Shape, States, Structure, Wheel } from "./scene_types.d.ts" */
 
 import { TAU, clock, floats, list, steady } from "./numbers.js";
 import { Signal } from "./theme.js";
@@ -9,6 +9,11 @@ import { Timeline } from "./timeline.js";
 
 /** Period in which a structure swings in one of its states [s]. */
 const SWING = 2.4;
+
+/** Names of states; those of modes state a value, which a live page computes. @param {States | undefined} states */
+function stateNames({ names, kind, numbers, values, unit = "" } = { kind: "", names: [] }) {
+  return list(names).map((name, k) => (values ? `${kind} ${numbers?.[k]}: ${+Number(values[k]).toPrecision(5)} ${unit}`.trim() : String(name)));
+}
 
 /** Base class of planar and spatial scenes, whose methods read and place points. */
 export class Motion extends Timeline {
@@ -18,7 +23,7 @@ export class Motion extends Timeline {
     super(states ? { ...payload, time: states.times } : payload);
     /** Signal of another state, field or scale of a structure. @type {Signal} */
     this.onState = new Signal();
-    this.states = { kind: String(states?.kind ?? ""), names: list(states?.names).map(String), relative: Boolean(states?.relative) };
+    this.states = { kind: String(states?.kind ?? ""), names: stateNames(states), relative: Boolean(states?.relative) };
     /** Whether a structure swings in the chosen one of its states. */
     this.swings = Boolean(states) && this.n < 2;
     this.chosen = 0;

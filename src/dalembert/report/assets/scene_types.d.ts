@@ -76,7 +76,7 @@ export interface SceneData {
 }
 
 /** States of a structure: load cases, modes, or instants at `times`. */
-export interface States { kind: string; names: string[]; times?: Column; relative?: boolean }
+export interface States { kind: string; names: string[]; times?: Column; relative?: boolean; numbers?: Column; values?: Column; unit?: string }
 
 /** Tables of a structure. */
 export interface Tables {

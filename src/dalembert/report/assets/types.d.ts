@@ -165,6 +165,8 @@ export interface LiveData extends LiveCode {
   steps?: { ends?: number[]; length?: number; count?: number; end?: number; uncorrected: number[] };
   /** Places of columns in the payload with the numbers of their rows. */
   columns: [(string | number)[], number][];
+  /** Places of columns of states in the payload with the numbers of the rows of their entries; −1 for constant ones. */
+  states?: [(string | number)[], number[]][];
   /** Places of numbers in the payload that follow from parameters. */
   numbers: (string | number)[][];
   /** Names of bodies and elements whose picture remains that of the initial parameters. */

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from dalembert.errors import UnsupportedError
-from dalembert.results.files.live_responses import joint_rows, page_responses
-from dalembert.results.labelled import LabelledRecording
+from dalembert.results.files.live_responses import (
+    FirstResponse,
+    joint_rows,
+    page_responses,
+    state_rows,
+)
 from dalembert.results.live import PageDesigns, PageResponse
 from dalembert.results.row_table import RowTable
 from dalembert.results.sources import payload_sources
@@ -20,61 +24,67 @@ MAX_BYTES = 300_000
 
 
 def live_page(
-    motion: LabelledRecording,
+    result: Any,
     page: dict[str, Any],
     live: bool | None,
     responses: Sequence[PageResponse] = (),
+    first: Callable[[], Sequence[FirstResponse]] = tuple,
     designs: PageDesigns | None = None,
 ) -> dict[str, Any]:
     """A page with its live part, or with the reason why it has none.
 
     Parameters
     ----------
-    motion : the result
+    result : motion of a mechanism, or states of a structure
     page : its payload
     live : whether the page computes; by default if the model has parameters with bounds, or the
         designs have ranges, and its module is small
-    responses : responses that the page lists, by default the maxima of the plotted series
+    responses : responses that the page lists
+    first : those that it lists by default; without any, the maxima of the plotted series
     designs : designs of its table
     """
-    model = motion.model
+    model = result.model
     bounded = any(np.isfinite(parameter.bounds).all() for parameter in model.parameters.values())
     bounded = bounded or (designs is not None and bool(designs.ranges))
     if live is False or not (bounded or live):
         return page
     if not model.parameters:
         return page | {"live": {"reason": "the model has no parameters"}}
-    reason = motion.analysis.live_obstacle(motion)
+    reason = result.analysis.live_obstacle(result)
     if reason:
         return page | {"live": {"reason": reason}}
     sources = payload_sources(page)
-    table = RowTable(model.ground)
+    structure = model.kind == "structure"
+    table = RowTable(None if structure else model.ground)
     columns = [(place, table.number(source)) for place, source in sources.columns]
-    times = np.array(page["time"])
-    listed = page_responses(motion, responses, times, table.number)
+    times = np.array(page["states"]["numbers"] if structure else page["time"])
+    listed = page_responses(result, responses, times, table.number)
+    listed = listed or [response.page_data(table.number) for response in first()]
+    states = [(place, state_rows(sx, table.number)) for place, sx in sources.states]
     try:
-        functions = motion.analysis.live_functions(motion, table.rows, times)
-        functions = functions.with_numbers([sx for _, sx in sources.numbers], model.equations.p)
+        functions = result.analysis.live_functions(result, table.rows, times)
+        p = model.p if structure else model.equations.p
+        functions = functions.with_numbers([sx for _, sx in sources.numbers], p)
         module = functions.module
     except UnsupportedError as error:
         return page | {"live": {"reason": str(error)}}
     if live is None and len(module.code) > MAX_BYTES:
         size = f"{len(module.code) / 1e3:.0f} kB"
         return page | {"live": {"reason": f"its module has {size}; request it by live=True"}}
-    parameters = _parameters(motion, page["parameters"])
-    rows = None if designs is None else _designs(motion, designs, parameters)
+    parameters = _parameters(result, page["parameters"])
+    rows = None if designs is None else _designs(result, designs, parameters)
     numbers = [place for place, _ in sources.numbers]
-    more = {"columns": columns, "numbers": numbers, "initial": sources.initial}
-    more |= {"responses": listed, "joints": joint_rows(model)}
+    more = {"columns": columns, "numbers": numbers, "initial": sources.initial, "states": states}
+    more |= {"responses": listed, "joints": [] if structure else joint_rows(model)}
     more |= {} if rows is None else {"designs": rows}
     return page | {"live": functions.page_data(parameters=parameters, **more)}
 
 
-def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _parameters(result: Any, shown: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Parameters with values and bounds in SI units, and the factor of the unit that is shown."""
     rows = []
     for parameter, value, row in zip(
-        motion.model.parameters.values(), motion.parameters, shown, strict=False
+        result.model.parameters.values(), result.parameters, shown, strict=False
     ):
         lower, upper = (bound if np.isfinite(bound) else None for bound in parameter.bounds)
         factor, _ = shown_in(parameter.unit, [row["unit"]] if row["unit"] else [])
@@ -83,7 +93,7 @@ def _parameters(motion: LabelledRecording, shown: list[dict[str, Any]]) -> list[
 
 
 def _designs(
-    motion: LabelledRecording, designs: PageDesigns, parameters: list[dict[str, Any]]
+    motion: Any, designs: PageDesigns, parameters: list[dict[str, Any]]
 ) -> list[list[float]]:
     """All parameters of the designs; their ranges include the designs, initial values are set."""
     names = list(motion.model.parameters)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import casadi as ca
@@ -12,8 +13,30 @@ import numpy as np
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.model.graph.model import Model
 from dalembert.results.live import PageResponse
-from dalembert.results.sources import Source
+from dalembert.results.sources import Row, Source
 from dalembert.symbolic.formulas.expression import Expression
+
+
+@dataclass(frozen=True, eq=False)
+class FirstResponse:
+    """Response that a page lists by default: a reduction of a formula over the states.
+
+    Attributes
+    ----------
+    label, unit : of the response
+    sx : formula of measures and parameters
+    reduction : such as ``{"kind": "maximum"}``
+    """
+
+    label: str
+    unit: str
+    sx: ca.SX
+    reduction: dict[str, Any]
+
+    def page_data(self, row_of: Callable[[Source], int]) -> dict[str, Any]:
+        """The response with the number of its row."""
+        terms = [{"row": row_of(self.sx), "weight": 1.0} | self.reduction]
+        return {"label": self.label, "unit": self.unit, "terms": terms, "constant": 0.0}
 
 
 class Measured(Protocol):
@@ -73,6 +96,12 @@ def page_responses(
         texts = {"label": response.label, "unit": "" if unit == "1" else unit}
         result.append(texts | {"terms": terms, "constant": response.constant})
     return result
+
+
+def state_rows(sx: ca.SX, row_of: Callable[[Source], int]) -> list[int]:
+    """Numbers of the rows of the entries of a drawn column of states; −1 for constant ones."""
+    entries = ca.vertsplit(ca.densify(sx))
+    return [-1 if entry.is_constant() else row_of(Row(entry, drawn=True)) for entry in entries]
 
 
 def joint_rows(model: Model) -> list[dict[str, Any]]:

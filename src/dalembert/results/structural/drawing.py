@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import singledispatchmethod
 
 import numpy as np
@@ -23,9 +24,11 @@ from dalembert.results.structural.shapes import (
     COIL,
     SHARP_ANGLE,
     between,
+    cubic,
     exposed_faces,
     lanes,
     samples,
+    tilted_tangent,
     turned_tangent,
 )
 
@@ -52,9 +55,9 @@ class StructuralDrawing:
         self.faces: list[Cells] = []
         self.points: list[Cells] = []
         self.prescribed: dict[int, set[str]] = {}
-        self.rest = self._nodes(p)
+        self.rest = self.positions([block.data(p) for block in model.blocks])
         self.node_count = len(self.rest)
-        self._curves: list[tuple[Cells, np.ndarray, slice]] = []
+        self.curves: list[tuple[Cells, np.ndarray, slice]] = []
         self._solids: list[Cells] = []
         for look in model.look():
             self.draw(look)
@@ -83,10 +86,17 @@ class StructuralDrawing:
         u : (n,) displacements and rotations of the structure
         finite : whether rotations are finite, as rotation vectors
         """
-        moved = np.zeros_like(self.rest)
-        moved[: self.node_count] = self._translations(u)
-        for cells, along, rows in self._curves:
-            moved[rows] = self._curve(cells, along, u, finite).reshape(-1, 3)
+        return self.displaced_from(self.nodes, u, finite)
+
+    def displaced_from(self, nodes: np.ndarray, u: np.ndarray, finite: bool = False) -> np.ndarray:
+        """(v, 3) displacements of the vertices for positions (n, 3) of the nodes.
+
+        Positions and displacements may be objects, formulas of parameters and measures.
+        """
+        moved = np.zeros(self.rest.shape, dtype=u.dtype)
+        moved[: self.node_count] = self.translations(u)
+        for cells, along, rows in self.curves:
+            moved[rows] = self._curve(cells, along, nodes, u, finite).reshape(-1, 3)
         return moved
 
     def outline(self) -> np.ndarray:
@@ -110,26 +120,27 @@ class StructuralDrawing:
         return unique_edges[~smooth]
 
     # nodes ---------------------------------------------------------------------------------
-    def _nodes(self, p: np.ndarray) -> np.ndarray:
-        """Positions of the nodes, from the data of their elements."""
+    def positions(self, data: Sequence[np.ndarray]) -> np.ndarray:
+        """(n, 3) positions of the nodes, from the data (m, ne) of each block of elements."""
         d = self.dimension
-        positions = np.zeros((len(self.model.degrees.nodes), 3))
-        for block in self.model.blocks:
-            data = block.data(p)
+        kind = object if any(columns.dtype == object for columns in data) else float
+        positions = np.zeros((len(self.model.degrees.nodes), 3), dtype=kind)
+        for block, columns in zip(self.model.blocks, data, strict=True):
             for k, nodes in enumerate(block.nodes):
-                positions[nodes, :d] = data[k * d : (k + 1) * d].T
+                positions[nodes, :d] = columns[k * d : (k + 1) * d].T
         return positions
 
-    def _translations(self, u: np.ndarray) -> np.ndarray:
+    def translations(self, u: np.ndarray) -> np.ndarray:
+        """(n, 3) displacements of the nodes."""
         numbers = self.model.degrees.table[:, : self.dimension]
-        moved = np.zeros((len(numbers), 3))
+        moved = np.zeros((len(numbers), 3), dtype=u.dtype)
         moved[:, : self.dimension] = np.where(numbers >= 0, u[numbers], 0.0)
         return moved
 
-    def _rotations(self, u: np.ndarray) -> np.ndarray:
+    def rotations(self, u: np.ndarray) -> np.ndarray:
         """(n, 3) rotation vectors of the nodes."""
         numbers = self.model.degrees.table[:, self.dimension :]
-        turned = np.zeros((len(numbers), 3))
+        turned = np.zeros((len(numbers), 3), dtype=u.dtype)
         axes = [("rx", "ry", "rz").index(r) for r in ROTATIONS[self.dimension]]
         turned[:, axes] = np.where(numbers >= 0, u[numbers], 0.0)
         return turned
@@ -189,7 +200,7 @@ class StructuralDrawing:
         self.rest = np.vstack([self.rest, positions.reshape(-1, 3)])
         numbers = np.arange(rows.start, rows.stop).reshape(positions.shape[:2])
         self.lines.append(type(look)(numbers, look.elements))
-        self._curves.append((look, along, rows))
+        self.curves.append((look, along, rows))
 
     def _turns(self, ends: np.ndarray, along: np.ndarray) -> np.ndarray:
         """(ne, s, 3) lateral offsets of the turns of springs."""
@@ -205,24 +216,16 @@ class StructuralDrawing:
         width = 0.015 * float(np.ptp(self.nodes, axis=0).max())
         return width * side[None, :, None] * across[:, None, :]
 
-    def _curve(self, look: Cells, along: np.ndarray, u: np.ndarray, finite: bool) -> np.ndarray:
+    def _curve(
+        self, look: Cells, along: np.ndarray, places: np.ndarray, u: np.ndarray, finite: bool
+    ) -> np.ndarray:
         """(ne, s, 3) displacements along lines; cubic if the ends have rotations."""
         nodes = look.vertices.T
-        moved = self._translations(u)[nodes]
+        moved = self.translations(u)[nodes]
         if not isinstance(look, Beams):
             return between(moved, along)
-        chord = self.nodes[nodes[1]] - self.nodes[nodes[0]]
-        turned = self._rotations(u)[nodes]
+        chord = places[nodes[1]] - places[nodes[0]]
+        turned = self.rotations(u)[nodes]
         after = chord + moved[1] - moved[0]
-        stretch = (after - chord) * chord / np.sum(chord**2, axis=1, keepdims=True)
-        along_chord = stretch.sum(axis=1, keepdims=True) * chord
-        slopes = [
-            turned_tangent(r, chord, after) if finite else np.cross(r, chord) + along_chord
-            for r in turned
-        ]
-        s = along[None, :, None]
-        first, second = (part[:, None, :] for part in slopes)
-        i, j = (end[:, None, :] for end in moved)
-        apart = j - i
-        bent = first * s * (1 - s) ** 2 - second * s**2 * (1 - s)
-        return i + apart * (3 * s**2 - 2 * s**3) + bent
+        tangent = turned_tangent if finite else tilted_tangent
+        return cubic(moved, [tangent(r, chord, after) for r in turned], along)

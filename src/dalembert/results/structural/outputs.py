@@ -18,7 +18,11 @@ from dalembert.results.structural.states import (
 )
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from matplotlib.axes import Axes
+
+    from dalembert.results.live import PageResponse
 
 
 class StructuralOutputs(StructuralStates):
@@ -60,7 +64,7 @@ class StructuralOutputs(StructuralStates):
         if field == DISPLACEMENT:
             colours = displacement_field(drawing, moved)
         elif field is not None:
-            colours = element_field(drawing, state, field)
+            colours = element_field(drawing, state, field, self.strained)
             colours = smoothed(drawing, colours) if smooth else colours
         label = self.state_names[number] if len(self.cases) > 1 else str(self.cases[number])
         return plot_structure(
@@ -78,6 +82,51 @@ class StructuralOutputs(StructuralStates):
     def summary(self) -> dict[str, Any]:
         """Status, and maximum displacement and sum of the reactions of each state."""
         return structural_summary(self)
+
+    def report(  # type: ignore[override]
+        self,
+        path: str | Path,
+        units: Sequence[str] = (),
+        views: Sequence[Mapping[str, Any]] = (),
+        live: bool | None = None,
+        responses: Sequence[PageResponse] = (),
+    ) -> Path:
+        """Write the interactive report, one self-contained HTML file.
+
+        In the live page of a small structure every parameter is a slider: the page solves linear
+        statics, or the eigenvalue problem of vibration, again while it moves.
+
+        Parameters
+        ----------
+        units : units of the page, such as ``["mm", "MPa"]``; each applies to its dimension
+        views : further cards, from functions of ``dalembert.report.views``
+        live : whether the page is live; by default if the model has parameters with bounds, at most
+            150 free displacements, and compiled functions of at most 300 kB. A page that is not
+            live states the reason
+        responses : responses that a live page lists with their slopes, such as
+            ``[da.maximum("bar.stress")]``; by default the largest displacement and quantity of the
+            elements, mass and compliance, or the frequencies of modes
+
+        Raises
+        ------
+        UnsupportedError
+            A page does not compute one of the responses.
+        """
+        from dalembert.report.page import write_page
+
+        page = self.page(units=units, views=views)
+        return write_page(self.live_page(page, live, responses), path)
+
+    def live_page(
+        self,
+        page: dict[str, Any],
+        live: bool | None = None,
+        responses: Sequence[PageResponse] = (),
+    ) -> dict[str, Any]:
+        from dalembert.results.files.live_page import live_page
+        from dalembert.results.structural.formulas import first_responses
+
+        return live_page(self, page, live, responses, lambda: first_responses(self))
 
     def page(
         self, units: Sequence[str] = (), views: Sequence[Mapping[str, Any]] = ()

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
-from dalembert.elements.fem.space_frame import SpaceFrame
-from dalembert.elements.look import Diagram
-from dalembert.model.assembled.evaluation.block import ElementBlock
 from dalembert.results.files.tables import diagnosis, parameter_rows, preferred_units, statistics
+from dalembert.results.structural.diagrams import line_diagrams
 from dalembert.results.structural.drawing import StructuralDrawing
+from dalembert.results.structural.formulas import with_formulas
 from dalembert.results.structural.scene import automatic_scale, structural_scene
 from dalembert.results.structural.states import StructuralStates, element_field, field_names
 
@@ -46,8 +44,9 @@ def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> d
     scene = structural_scene(drawing, displacements, scales, loads)
     scene["fields"] = _fields(result, drawing, quantities, keep)
     if not result.of_any_size:
-        scene["diagrams"] = line_diagrams(drawing, result.parameters)
-    return {
+        data = [block.data(result.parameters) for block in model.blocks]
+        scene["diagrams"] = line_diagrams(drawing, drawing.nodes, data)
+    payload = {
         "format": 2,
         "kind": "structure",
         "title": model.name,
@@ -57,6 +56,7 @@ def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> d
             "names": [result.state_names[k] for k in keep],
             "times": result.time[keep] if result.in_sequence else [],
             "relative": result.of_any_size,
+            **_labels(result, keep),
         },
         "scene": scene,
         "directions": list(degrees.directions),
@@ -70,6 +70,18 @@ def structural_payload(result: StructuralStates, units: Sequence[str] = ()) -> d
         "statistics": _statistics(result),
         "parameters": parameter_rows(model.parameters, result.parameters, units),
     }
+    if model.parameters and len(keep) == count and not result.analysis.live_obstacle(result):
+        return with_formulas(payload, result, drawing)
+    return payload
+
+
+def _labels(result: StructuralStates, keep: Any) -> dict[str, Any]:
+    """Numbers of the states, and the measure that their names state."""
+    labels: dict[str, Any] = {"numbers": result.time[keep]}
+    if result.of_any_size:
+        unit = result.expression(result.main).unit
+        labels |= {"unit": unit, "values": result.values(result.main)[keep]}
+    return labels
 
 
 def _fields(
@@ -78,7 +90,8 @@ def _fields(
     """Quantities of the elements by case; null for elements without the quantity."""
     entries: list[dict[str, Any]] = []
     for name in quantities:
-        fields = [element_field(drawing, result.state(int(case)), name) for case in keep]
+        states = (result.state(int(case)) for case in keep)
+        fields = [element_field(drawing, state, name, result.strained) for state in states]
         if any(np.isfinite(field.values).any() for field in fields):
             values = [field.values for field in fields]
             entries.append({"name": name, "unit": fields[0].unit, "values": values})
@@ -136,47 +149,3 @@ def _statistics(result: StructuralStates) -> list[dict[str, str]]:
             )
             rows.append((f"{name.replace('_', ' ')} [{unit}]", text))
     return statistics(rows)
-
-
-def line_diagrams(drawing: StructuralDrawing, p: np.ndarray) -> list[dict[str, Any]]:
-    """Diagrams of each block of lines: measures at the ends, and directions across the lines.
-
-    Parameters
-    ----------
-    drawing : StructuralDrawing
-    p : (np,) parameter values
-    """
-    if drawing.dimension == 1:
-        return []
-    rows = []
-    for block, first in zip(drawing.model.blocks, drawing.starts, strict=False):
-        diagrams = block.kind.cls.diagrams
-        axes = _axes(drawing, block, p) if diagrams else np.zeros(0)
-        for name, diagram in diagrams.items():
-            rows.append(_row(name, diagram, first + np.arange(block.count), axes))
-    return rows
-
-
-def _row(name: str, diagram: Diagram, elements: np.ndarray, axes: np.ndarray) -> dict[str, Any]:
-    across = np.sign(diagram.across) * axes[:, :, abs(diagram.across)]
-    ends = {"start": diagram.start, "end": diagram.end, "sign": diagram.sign}
-    return {"name": name, **ends, "elements": elements, "across": across.ravel() + 0.0}
-
-
-def _axes(drawing: StructuralDrawing, block: ElementBlock, p: np.ndarray) -> np.ndarray:
-    """(ne, 3, 3) axes of undeformed lines as columns; y is to the left in the plane."""
-    ends = drawing.nodes[block.nodes]  # (2, ne, 3)
-    orientation = np.tile([[0.0], [0.0], [0.0]], block.count)
-    if drawing.dimension == 2:
-        chord = ends[1] - ends[0]
-        orientation = np.stack([-chord[:, 1], chord[:, 0], 0 * chord[:, 0]])
-    row = 2 * drawing.dimension
-    for field in block.kind.cls.quantity_fields():
-        if field.name == "orientation":
-            orientation = block.data(p)[row : row + 3]
-        row += field.metadata["size"]
-    x, direction = [ca.SX.sym(f"x{k}", 3) for k in range(2)], ca.SX.sym("orientation", 3)
-    axes = ca.vec(SpaceFrame.axes(x, {"orientation": direction}))
-    function = ca.Function("axes", [*x, direction], [axes]).map(block.count)
-    columns = function(ends[0].T, ends[1].T, orientation).full()
-    return columns.T.reshape(block.count, 3, 3).transpose(0, 2, 1)

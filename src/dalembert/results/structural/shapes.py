@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from dalembert.elements.look import Cells
@@ -23,6 +25,21 @@ def turned_tangent(rotation: np.ndarray, chord: np.ndarray, after: np.ndarray) -
     )
     stretch = np.linalg.norm(after, axis=1) / np.linalg.norm(chord, axis=1)
     return stretch[:, None] * turned - chord
+
+
+def tilted_tangent(rotation: np.ndarray, chord: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """Change of the end tangent of a line by a small rotation, and by the stretch of its chord."""
+    stretch = (after - chord) * chord / np.sum(chord**2, axis=1, keepdims=True)
+    return np.cross(rotation, chord) + stretch.sum(axis=1, keepdims=True) * chord
+
+
+def cubic(moved: np.ndarray, slopes: Sequence[np.ndarray], along: np.ndarray) -> np.ndarray:
+    """(ne, s, 3) cubic interpolation between displacements (2, ne, 3) with slopes at the ends."""
+    s = along[None, :, None]
+    first, second = (part[:, None, :] for part in slopes)
+    i, j = (end[:, None, :] for end in moved)
+    bent = first * s * (1 - s) ** 2 - second * s**2 * (1 - s)
+    return i + (j - i) * (3 * s**2 - 2 * s**3) + bent
 
 
 def between(ends: np.ndarray, along: np.ndarray) -> np.ndarray:

@@ -55,6 +55,11 @@ class StructuralStates(Result):
         """Whether displacements and rotations are finite."""
         return not (self.model.linear or self.of_any_size)
 
+    @property
+    def strained(self) -> StructuralModel:
+        """Model whose elements evaluate fields; that of modes has small displacements."""
+        return self.model.linearized if self.of_any_size else self.model
+
     def state(self, case: int) -> State:
         """Displacements and forces of one case."""
         raise NotImplementedError
@@ -92,7 +97,7 @@ class StructuralStates(Result):
         AnalysisError
             Unknown set or quantity (suggests the nearest ones), or unknown case.
         """
-        return set_field(self.model, self.state(self.case(case)), name)
+        return set_field(self.strained, self.state(self.case(case)), name)
 
     def displacement_of(self, nodes: Node | Nodes | Mesh, case: str | int = 0) -> np.ndarray:
         """Displacements of several nodes.
@@ -182,15 +187,24 @@ def set_field(model: StructuralModel, state: State, name: str) -> np.ndarray:
     return elements.field(state)
 
 
-def element_field(drawing: StructuralDrawing, state: State, name: str) -> Field:
+def element_field(
+    drawing: StructuralDrawing, state: State, name: str, model: StructuralModel | None = None
+) -> Field:
     """Field of a quantity over all elements that have it, or over one set.
+
+    Parameters
+    ----------
+    drawing : StructuralDrawing
+    state : displacements and parameters
+    name : of the quantity
+    model : whose elements evaluate it, by default that of the drawing
 
     Raises
     ------
     AnalysisError
         No element has the quantity.
     """
-    model = drawing.model
+    model = model or drawing.model
     values, unit, exists = np.full(drawing.starts[-1], np.nan), "", False
     owner, dot, rest = name.partition(".")
     quantity = rest if dot else owner

@@ -159,6 +159,11 @@ class ElementBlock:
             self._cache[1].flags.writeable = False
         return self._cache[1]
 
+    @property
+    def data_formulas(self) -> np.ndarray:
+        """(m, ne) data at time zero, numbers and formulas of parameters."""
+        return self._shaped(self._data.formulas)
+
     def data_graph(self, p: ca.MX) -> ca.MX:
         """(m, ne) data at time zero as a graph of parameters."""
         return ca.reshape(self._data.graph(p), self.kind.data_count, self.count)
