@@ -50,7 +50,7 @@ def chosen(page) -> int:
 
 
 def test_a_point_of_the_front_is_a_mechanism(show, front):  # noqa: F811
-    page = show(front, still=True)
+    page = show(front.live_page(False), still=True)
     assert len(front) >= 4
     dots = "#view-0 circle.design"
     assert page.page.locator(dots).count() == len(front)
@@ -153,7 +153,7 @@ def test_designs_in_space_are_shown_at_once(show):  # noqa: F811
     swing = da.at(0.6, "C.angle", name="swing")
     turn = da.Kinematics(1.0, outputs=21)
     front = da.pareto(model, [rate], maximize=[swing], analysis=turn, vary=["a"], points=3)
-    page = show(front)
+    page = show(front.live_page(False))
     assert chosen(page) == 1
     before = page.picture("#scene")
     page.page.locator("#view-0 svg").focus()

@@ -153,17 +153,21 @@ def test_dots_of_the_convergence_select_iterations(
         assert page.js("dalembert.choice.chosen") == 0
 
 
-def test_iterations_of_a_simulated_mechanism_run_in_the_page(opened: Any) -> None:
+def pendulum() -> da.Model:
     system = da.System("pendulum", gravity=(0.0, -9.81))
     length = system.parameter("length", 1.0, unit="m", bounds=(0.5, 2.0))
     mass = system.parameter("mass", 2.0, unit="kg", bounds=(1.0, 3.0))
     bar = system.add(planar.Bar("bar", length=length, mass=mass, angle=0.3))
     system.add(planar.Revolute("pivot", system.ground.center, bar.start))
+    return system.build()
+
+
+def test_iterations_of_a_simulated_mechanism_run_in_the_page(opened: Any) -> None:
     peak = da.maximum("pivot.force_norm", smooth=0.05, name="peak")
     slow = da.Limit(da.rms("bar.angular_velocity"), upper=4.0)
     limits = [slow, da.Limit(da.integral("kinetic_energy"), lower=4.0)]
     analysis = da.Dynamics(1.0, step=0.005)
-    best = da.optimize(system.build(), peak, subject_to=limits, analysis=analysis)
+    best = da.optimize(pendulum(), peak, subject_to=limits, analysis=analysis)
     assert len(best.history) > 2
     with opened(best) as page:
         values = responses(page)
@@ -334,3 +338,13 @@ def test_pages_that_are_not_live_state_the_reason() -> None:
     reason = "results of other analyses set load of second"
     assert best.live_page(True)["live"] == {"reason": reason}
     assert "live" not in best.live_page()
+
+
+def test_an_obstacle_is_stated_by_default() -> None:
+    level = {"level": da.Event("bar.angle", terminal=True)}
+    analysis = da.Dynamics(1.0, step=0.005, events=level)
+    lengths = da.DesignTable.grid({"length": [1.0, 1.2]})
+    speed = da.final("bar.angular_velocity")
+    study = da.sweep(pendulum(), lengths, analysis=analysis, responses=[speed])
+    assert study.success.all()
+    assert "event" in study.live_page()["live"]["reason"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +14,6 @@ from dalembert.responses.base import Response
 from dalembert.results.files.live_responses import computable
 from dalembert.results.live import PageDesigns
 from dalembert.results.result import Result
-
-if TYPE_CHECKING:
-    from dalembert.design.decision import Decision
 
 MAX_DESIGNS = 1500
 """Upper limit of the designs drawn on a page."""
@@ -40,7 +37,7 @@ class LiveTask:
     responses: Sequence[Response]
 
 
-def live_page(decision: Decision, live: bool | None, first_view: dict[str, Any]) -> dict[str, Any]:
+def live_page(decision: Any, live: bool | None, first_view: dict[str, Any]) -> dict[str, Any]:
     """Page of a task whose designs run in the page, or its page with the reason why not.
 
     Parameters
@@ -49,23 +46,20 @@ def live_page(decision: Decision, live: bool | None, first_view: dict[str, Any])
     first_view : options of the page
     """
     if live is False:
-        return decision.page(**first_view)
+        return dict(decision.page(**first_view))
     try:
         task = decision.live_task()
         if task is None:
             raise UnsupportedError(f"designs of {type(decision).__name__} do not run in a page")
-        obstacle = task.result.analysis.live_obstacle(task.result)
-        if obstacle or not task.result.has_page:
-            raise UnsupportedError(obstacle or "the result has no page")
     except DalembertError as error:
-        reason = {"live": {"reason": str(error)}} if live else {}
-        return decision.page(**first_view) | reason
-    page = task.page(**first_view)
+        return decision.page(**first_view) | ({"live": {"reason": str(error)}} if live else {})
+    runs = task.result.has_page and not task.result.analysis.live_obstacle(task.result)
+    page = task.page(**first_view) if runs else {}
     times = np.array(page.get("time", ()))
     responses = computable(task.responses, times) if times.size else []
     page = task.result.live_page(page, live, responses, task.designs)
     if "code" in page.get("live", {}):
-        return page
+        return dict(page)
     return decision.page(**first_view) | {key: page[key] for key in ("live",) if key in page}
 
 
