@@ -661,6 +661,8 @@ def test_an_equilibrium_follows_its_sliders(browser: Any, tmp_path: Path) -> Non
     with visit(browser, path) as found:
         settle(found)
         assert found.page.locator("#live").is_visible()
+        anchor = found.js("dalembert.scene.screen([0.3, 0.5])")  # of the spring in the ground
+        assert anchor[1] > 0
         labels = "dalembert.table.responses.map(({ label }) => label)"
         assert found.js(labels) == ["arm.angle", "O.force_norm"]
         found.js("dalembert.design.set(0, 700)")

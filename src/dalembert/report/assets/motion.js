@@ -172,9 +172,9 @@ export class Motion extends Timeline {
   /** Points that bound a shape, in the axes of its body. @param {Shape} shape @returns {Point[]} */
   outline(shape) { return shape.points; }
 
-  /** Points that the scene occupies at some instants; the ground is left out for a single one. */
-  cloud(frames = this.frames(120)) {
-    const all = frames.length !== 1, { ground, bodies, joints, symbols, points, links } = this;
+  /** Points that the scene occupies, over the motion with ground and ghosts, or the bodies alone at some instants. @param {Cursor[]} [instants] */
+  cloud(instants) {
+    const all = !instants, frames = instants ?? this.frames(120), { ground, bodies, joints, symbols, points, links } = this;
     /** @type {Map<Part, Point[]>} */
     const marks = new Map([ground, ...bodies].map((body) => [body, body.shapes.flatMap((shape) => this.outline(shape))]));
     const items = [...joints, ...symbols].filter(({ at, node, nodes }) => !at && node === null && !nodes.length);
