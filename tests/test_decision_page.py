@@ -92,6 +92,7 @@ def test_a_range_of_an_axis_keeps_designs(show, slider):  # noqa: F811
     page = show(study)
     done = int(study.success.sum())
     assert page.page.locator("#view-0 path.design").count() == done
+    page.page.locator("#view-0").scroll_into_view_if_needed()
     grips = page.page.locator("#view-0 .grip")
     box = grips.nth(2).bounding_box()  # the radius
     x = box["x"] + box["width"] / 2
@@ -181,8 +182,10 @@ def test_all_other_decisions_draw(show, slider, tmp_path):  # noqa: F811
     linkages = da.synthesize(da.Target.path([[0, 0], [1, 0.2], [2, 1], [0.2, 1.5]]), starts=3)
     for decision in (reliable, scattered, identification, linkages):
         page = show(decision)
-        kinds = {view["kind"] for view in decision.views()}
-        assert page.page.locator("section[id^=view-]").count() == len(decision.views()), kinds
+        views = decision.live_page()["views"]
+        kinds = {view["kind"] for view in views}
+        assert len(views) >= len(decision.views())
+        assert page.page.locator("section[id^=view-]").count() == len(views), kinds
         assert page.js("[...document.querySelectorAll('svg.chart')].every(s => s.children.length)")
         page.js("window.dispatchEvent(new Event('beforeprint'))")
         assert page.js("document.documentElement.classList.contains('paper')")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import pytest
@@ -17,7 +18,9 @@ from dalembert.io.analyses import make_analysis
 from dalembert.io.decisions.synthesis import make_synthesis
 from dalembert.io.model_file import load_model_file
 
-FIXED = {"kind", "symbol", "role", "better", "place", "directions", "kind_of_state", "data"}
+FIXED = set(
+    "kind symbol role better place directions kind_of_state data code columns numbers".split()
+)
 """Keys of words that the program chooses itself, as are the names of fields of a structure."""
 NAMES = {
     "markup": lambda text: HOSTILE + text,
@@ -40,6 +43,8 @@ def renamed(data: Any, name: Any, key: str = "") -> Any:
         return {k: renamed(v, name, k) for k, v in data.items()}
     if isinstance(data, list):
         return [renamed(v, name, key) for v in data]
+    if key == "exact":  # of live pages: JSON of its own
+        return json.dumps(renamed(json.loads(data), name))
     free = isinstance(data, str) and key not in FIXED and data not in ("", "ground")
     return name(data) if free else data
 

@@ -344,6 +344,47 @@ def test_texts_of_a_design(live: Visit) -> None:
     assert copied("#copy-address").endswith("live.html#p=l1:0.30000000000000004,l2:1.1")
 
 
+@pytest.fixture
+def pendulum(browser: Any, tmp_path: Path) -> Iterator[Visit]:
+    """A page with a parameter without upper bound, and a response of tiny values."""
+    system = da.System("pendulum", gravity=(0.0, -9.81))
+    length = system.parameter("length", 500.0, "mm", bounds=(100, 900))
+    mass = system.parameter("mass", 2.0, "kg", bounds=(0.1, np.inf))
+    bar = system.add(planar.Bar("bar", length=length, mass=mass, angle=0.4))
+    system.add(planar.Revolute("O", system.ground.center, bar.start))
+    reach = da.maximum("bar.end.x")
+    run = da.solve_dynamics(system.build(), 0.5, step=0.005)
+    path = run.report(tmp_path / "pendulum.html", responses=[reach, 1e-9 * reach])
+    with visit(browser, path) as opened:
+        settle(opened)
+        yield opened
+        assert (opened.requests, opened.console) == ([], [])
+
+
+def test_copied_lines_contain_open_bounds(pendulum: Visit) -> None:
+    pendulum.js("navigator.clipboard.writeText = (t) => { window.copied = t; }")
+    pendulum.page.click("#use-design > summary")
+    pendulum.page.click("#copy-toml")
+    pendulum.until("window.copied !== undefined")
+    rows = tomllib.loads(pendulum.js("window.copied"))["parameters"]
+    assert rows["length"]["bounds"] == [100, 900]
+    assert rows["mass"]["bounds"] == [0.1, np.inf]
+
+
+def test_limits_of_tiny_responses_are_not_satisfied_by_chance(pendulum: Visit) -> None:
+    pendulum.page.click("#improve")
+    pendulum.js(
+        """{ const { improvement: { goals }, table: { responses } } = dalembert;
+            goals.set(responses[0], "maximise");
+            goals.set(responses[1], "atMost", 1e-11); }"""  # at least 1e-10
+    )
+    pendulum.page.click("#improve-start")
+    pendulum.until("!dalembert.improvement.running")
+    message = pendulum.page.inner_text("#improve-status")
+    assert "cannot be satisfied together" in message
+    assert "Not all limits are satisfied." in message
+
+
 def test_a_page_saved_as_shown_opens_with_its_design(
     browser: Any, live: Visit, tmp_path: Path
 ) -> None:
@@ -481,6 +522,73 @@ def test_many_parameters_on_a_narrow_page(browser: Any, tmp_path: Path) -> None:
         assert found.page.locator(".live-tools:visible, .improve:visible").count() == 0
         found.js("window.dispatchEvent(new Event('afterprint'))")
         assert (found.requests, found.console) == ([], [])
+
+
+# Dragged paths ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def path_page(browser: Any, motion: Any, tmp_path: Path) -> Iterator[Visit]:
+    path = motion.report(tmp_path / "path.html", trace=["coupler.end"], responses=RESPONSES[:1])
+    with visit(browser, path) as opened:
+        settle(opened)
+        yield opened
+        assert (opened.requests, opened.console) == ([], [])
+
+
+def hold_path(page: Visit, instant: int = 20) -> tuple[float, float]:
+    """Press the pointer on the path of the traced point; its place on the screen."""
+    box = page.page.locator("#scene").bounding_box()
+    at = page.js(
+        f"""(() => {{ const {{ motion, drag }} = dalembert, spot = motion.spots.find(p => p.traced);
+            return drag.scene.screen(motion.at(spot.body, spot.point, {{ i: {instant}, f: 0 }}));
+        }})()"""
+    )
+    x, y = box["x"] + at[0], box["y"] + at[1]
+    page.page.mouse.move(x, y)
+    page.page.mouse.down()
+    settle(page)
+    return x, y
+
+
+def rests(page: Visit) -> None:
+    """Wait until the drag requests no more runs."""
+    number = "dalembert.solver.number"
+    for _ in range(25):
+        last = page.js(number)
+        page.js("new Promise((done) => setTimeout(done, 400))")
+        if last == page.js(number):
+            return
+    pytest.fail("the drag does not come to rest")
+
+
+def test_a_dragged_path_follows_the_pointer(path_page: Visit) -> None:
+    x, y = hold_path(path_page)
+    path_page.page.mouse.move(x + 12, y - 1, steps=3)
+    rests(path_page)
+    miss = path_page.js(
+        "(({ drag }) => Math.hypot(...drag.target.map((v, k) => v - drag.place[k]))"
+        " * drag.scene.view.scaleAt(drag.place))(dalembert)"
+    )
+    assert miss < 1  # pixels
+    path_page.page.mouse.up()
+    path_page.page.click("#undo")
+    settle(path_page)
+    assert present(path_page) == INITIAL
+
+
+def test_a_path_dragged_out_of_reach_comes_to_rest_and_returns(path_page: Visit) -> None:
+    x, y = hold_path(path_page)
+    path_page.page.mouse.move(x + 400, y - 300, steps=4)
+    start = path_page.js("dalembert.solver.number")
+    rests(path_page)
+    assert path_page.js("dalembert.solver.number") - start < 40
+    assert path_page.page.locator(".live-status").first.inner_text() == ""
+    far = present(path_page)
+    path_page.page.mouse.move(x, y, steps=4)
+    rests(path_page)
+    assert present(path_page) != far
+    path_page.page.mouse.up()
 
 
 # Failures -----------------------------------------------------------------------------------------

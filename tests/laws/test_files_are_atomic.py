@@ -19,6 +19,7 @@ OTHERS = {
     "results/files/store.py:File": "writes to the temporary path of the same module",
     "results/files/inspection.py:open": "appends the checksum to a file that `store` writes",
     "symbolic/native/llvm.py:write_bytes": "called by `code_cache.build`, inside `atomic_path`",
+    "symbolic/native/webassembly.py:write_bytes": "called by `code_cache`, inside `atomic_path`",
     "cli/compare.py:to_csv": "the method of Comparison, which is atomic itself",
     "results/result.py:to_csv": "the method of Result, which is atomic itself",
 }

@@ -90,7 +90,8 @@ class DecisionCommand:
             defer_ctrl_c()
             files = [] if write is None else write(decision)
             if folder is not None:
-                files = decision.write(folder / file.path.stem, **first_view)
+                live = file.document.report.live
+                files = decision.write(folder / file.path.stem, live, **first_view)
             interrupted = decision.interrupted or signals.pressed
             summary = {"name": file.name, **decision.summary(), "files": [str(f) for f in files]}
             summary["interrupted"] = interrupted

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
+    from dalembert.design.pages.live import LiveTask
+
 
 def axis_label(name: str, unit: str) -> str:
     """Name with its unit in brackets, if it has one."""
@@ -105,6 +107,23 @@ class Decision(ABC):
         page: dict[str, Any] = self._page_function("page")(self, **first_view)
         return page
 
+    def live_task(self) -> LiveTask | None:
+        """Result, designs and responses of its live page; None if its designs do not run there.
+
+        Raises
+        ------
+        UnsupportedError
+            These designs cannot; states the reason.
+        """
+        return None
+
+    def live_page(self, live: bool | None = None, **first_view: Any) -> dict[str, Any]:
+        """Payload of its live page, in which selected designs run, or its page with the reason why
+        it is not live."""
+        from dalembert.design.pages.live import live_page
+
+        return live_page(self, live, first_view)
+
     def _page_function(self, kind: str) -> Callable[..., Any]:
         return resolve_name(f"dalembert.design.pages.{self.page_functions}_{kind}")  # type: ignore[no-any-return]
 
@@ -137,15 +156,25 @@ class Decision(ABC):
         page = as_json(self.page(**first_view))
         return save_dataset(self.data.assign(report=((), page)), path)
 
-    def report(self, path: str | Path, **first_view: Any) -> Path:
-        """Write its page as one self-contained HTML file."""
+    def report(self, path: str | Path, live: bool | None = None, **first_view: Any) -> Path:
+        """Write its page as one self-contained HTML file.
+
+        In a live page every parameter is a slider, and a design that is selected sets the sliders:
+        the page computes its result and the responses of the task, without a server.
+
+        Parameters
+        ----------
+        path : of the file
+        live : whether the page is live; by default as for motions, see ``Motion.report``
+        **first_view : options of the page of its result
+        """
         from dalembert.report.page import write_page
 
-        return write_page(self.page(**first_view), path)
+        return write_page(self.live_page(live, **first_view), path)
 
-    def write(self, base: Path, **first_view: Any) -> list[Path]:
+    def write(self, base: Path, live: bool | None = None, **first_view: Any) -> list[Path]:
         """Write data and page (.nc), summary (.json) and page (.report.html) side by side."""
-        from dalembert.report.page import as_json, write_page
+        from dalembert.report.page import as_json
         from dalembert.results.files.store import save_dataset
 
         page = self.page(**first_view)
@@ -154,7 +183,7 @@ class Decision(ABC):
         return [
             save_dataset(data, base.with_name(f"{stem}.nc")),
             self.save(base.with_name(f"{stem}.json")),
-            write_page(page, base.with_name(f"{stem}.report.html")),
+            self.report(base.with_name(f"{stem}.report.html"), live, **first_view),
         ]
 
     # for notebooks ---------------------------------------------------------------------------

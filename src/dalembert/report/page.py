@@ -45,7 +45,7 @@ def render_page(payload: dict[str, Any]) -> str:
         raise FileError("this report was written by an earlier version; run the model again")
     parts = {
         "title": html.escape(title),
-        "style": asset("page.css") + asset("views.css") + asset("live.css"),
+        "style": asset("page.css") + asset("views.css"),
         "data": _embed(payload),
         "script": INDENT.sub("", page_script(page_kind(payload))),
         "worker": "",
@@ -56,6 +56,7 @@ def render_page(payload: dict[str, Any]) -> str:
         script = INDENT.sub("", page_script(live["kind"]))
         packed = base64.b64encode(zlib.compress(script.encode(), 9)).decode("ascii")
         parts["worker"] = f'<script type="text/plain" id="worker">{packed}</script>'
+        parts["style"] += asset("live.css")
         parts["rights"] = " 'wasm-unsafe-eval' blob:; worker-src blob:"
     # One pass over the template, so that inserted parts are not searched again.
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match[1]], asset("template.html"))

@@ -10,15 +10,14 @@ import base64
 import json
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
 import casadi as ca
+import numpy as np
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from dalembert.symbolic.formulas.expression import Expression
     from dalembert.symbolic.native.webassembly import WebModule
 
@@ -36,6 +35,32 @@ class PageResponse(Protocol):
     def terms(self) -> tuple[tuple[float, Any], ...]: ...
     def unit_of(self, source: Any) -> str: ...
     def reduction(self, times: np.ndarray) -> dict[str, Any]: ...
+
+
+@dataclass(frozen=True, eq=False)
+class PageDesigns:
+    """Designs of the table of a page, as parameters of its model.
+
+    Attributes
+    ----------
+    names : parameters that differ
+    values : (designs, names) [SI units]
+    initial : number of the design with which the page compares others; the result of the page if
+        None
+    ranges : parameter → ends of its slider [SI units]; by default its bounds. They are widened for
+        the designs
+    """
+
+    names: Sequence[str]
+    values: np.ndarray
+    initial: int | None = None
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    def rows(self, names: Sequence[str], base: np.ndarray) -> np.ndarray:
+        """(designs, names) all parameters, those that do not differ from ``base``."""
+        rows = np.tile(base[: len(names)], (len(self.values), 1))
+        rows[:, [list(names).index(name) for name in self.names]] = self.values
+        return rows
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from dalembert.report.page import InlinePage
     from dalembert.results.analysis import Analysis
-    from dalembert.results.live import PageResponse
+    from dalembert.results.live import PageDesigns, PageResponse
 
 
 Instants = float | Sequence[float] | np.ndarray
@@ -173,6 +173,7 @@ class Result(CacheOwner, Protocol):
         page: dict[str, Any],
         live: bool | None = None,
         responses: Sequence[PageResponse] = (),
+        designs: PageDesigns | None = None,
     ) -> dict[str, Any]:
         """Payload of a live page, or the page with the reason why it is not live.
 
@@ -181,6 +182,7 @@ class Result(CacheOwner, Protocol):
         page : payload of the report
         live : whether the page is live; by default where that is possible and the page stays small
         responses : that it lists, by default the maxima of the plotted measures
+        designs : designs of its table
         """
         kind = type(self).__name__
         return page | {"live": {"reason": f"{kind} does not run in a page"}} if live else page

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from dalembert.design.pages.live import LiveTask
+
 MIN_SAMPLES = 20
 """Lower limit of the samples for testing the autocorrelation of residuals."""
 ROUNDING = 1e-6
@@ -254,7 +256,11 @@ class IdentificationResult(Decision):
         """One row per unknown."""
         return self.data[["value", "deviation"]].to_dataframe()
 
-    def write(self, base: Path, **first_view: Any) -> list[Path]:
+    def live_task(self) -> LiveTask | None:
+        task: LiveTask | None = self._page_function("task")(self)
+        return task
+
+    def write(self, base: Path, live: bool | None = None, **first_view: Any) -> list[Path]:
         """Write data, summary, page, picture (.identified.png) and covariance (.covariance.csv)."""
         import matplotlib as mpl
 
@@ -266,7 +272,7 @@ class IdentificationResult(Decision):
             self.plot().savefig(temporary, format="png", dpi=110)
         with atomic_path(paths[1]) as temporary:
             self.covariance.to_pandas().to_csv(temporary)
-        return [*paths, *super().write(base, **first_view)]
+        return [*paths, *super().write(base, live, **first_view)]
 
     def table_html(self) -> str:
         return str(self._page_function("table")(self))

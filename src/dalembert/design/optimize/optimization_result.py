@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,9 @@ from dalembert.results.result import Result
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+
+    from dalembert.design.pages.live import LiveTask
+    from dalembert.design.quantity import Quantity
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,7 @@ class OptimizationResult(Decision):
     history : iterates, the start first
     initial, motion : results of the start and of the best design, in the case of the objective
     results : results of the best design in all cases
+    quantities : objective and limited quantities
     at_bounds : parameters at one of their bounds
     active : active limits
     stationarity : relative residual of the stationarity condition: zero at an optimum
@@ -86,6 +91,7 @@ class OptimizationResult(Decision):
     limits: list[Bounded] = field(default_factory=list)
     optima: list[Iterate] = field(default_factory=list)
     results: list[Result] = field(default_factory=list)
+    quantities: Sequence[Quantity] = field(default=(), repr=False)
 
     @property
     def prices(self) -> list[str]:
@@ -127,6 +133,10 @@ class OptimizationResult(Decision):
             "failed_runs": self.failed_runs,
             "history": [asdict(iterate) for iterate in self.history],
         }
+
+    def live_task(self) -> LiveTask | None:
+        task: LiveTask | None = self._page_function("task")(self)
+        return task
 
     @property
     def data(self) -> xr.Dataset:

@@ -68,6 +68,7 @@ def verified_optimum(
         limits=limits,
         optima=_optima(program, outcome),
         results=list(results.values()),
+        quantities=program.problem.quantities,
     )
 
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.design.pages.decision import alternative, plain_page, thinned, with_views
+from dalembert.design.pages.live import LiveTask, responses_of
 from dalembert.report import views
+from dalembert.results.live import PageDesigns
 
 if TYPE_CHECKING:
     from dalembert.design.pareto.pareto_result import ParetoResult
@@ -29,6 +31,22 @@ def front_page(front: ParetoResult, **first_view: Any) -> dict[str, Any]:
     return page
 
 
+def front_task(front: ParetoResult) -> LiveTask | None:
+    """Points of a ``ParetoResult`` in a live page, which shows the knee first."""
+    result = front.result(_knee(front)) if len(front) else None
+    if result is None or not front.quantities:
+        return None
+    case = front.quantities[0].terms[0].case
+    own = [name in case.model.parameters for name in front.names]
+    names = [name for name, is_own in zip(front.names, own, strict=True) if is_own]
+    return LiveTask(
+        result,
+        lambda **first_view: with_views(result.page(**first_view), front, "front"),
+        PageDesigns(names, front.designs[:, own]),
+        responses_of(front.quantities, case),
+    )
+
+
 def front_designs(front: ParetoResult) -> dict[str, Any]:
     """Table of the points; the knee is selected first."""
     units = front.parameter_units or [""] * len(front.names)
@@ -36,7 +54,11 @@ def front_designs(front: ParetoResult) -> dict[str, Any]:
     parameters = zip(front.names, units, front.designs.T, strict=True)
     columns = [(name, unit, "aim", values) for name, unit, values in aims]
     columns += [(name, unit, "parameter", values) for name, unit, values in parameters]
-    return views.designs(columns, chosen=knee(front.values * np.asarray(front.senses)))
+    return views.designs(columns, chosen=_knee(front))
+
+
+def _knee(front: ParetoResult) -> int:
+    return knee(front.values * np.asarray(front.senses))
 
 
 def knee(values: np.ndarray) -> int:

@@ -11,7 +11,9 @@ import numpy as np
 from dalembert.design.decision import axis_label
 from dalembert.design.identification.misfit import Misfit
 from dalembert.design.pages.decision import plain_page, with_views
+from dalembert.design.pages.live import LiveTask
 from dalembert.report import views
+from dalembert.results.live import PageDesigns
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,6 +30,19 @@ MAX_UNKNOWNS = 6
 def identification_page(identification: IdentificationResult, **first_view: Any) -> dict[str, Any]:
     """Page of an ``IdentificationResult``."""
     return _motion_page(identification, "identification", first_view)
+
+
+def identification_task(identification: IdentificationResult) -> LiveTask:
+    """First experiment of an ``IdentificationResult`` in a live page, at the estimate."""
+    motion = identification.motions[0]
+    values = dict(zip(motion.model.parameters, map(float, motion.parameters), strict=False))
+    names = [name for name in identification.x if name in values]
+
+    def page(**first_view: Any) -> dict[str, Any]:
+        return identification_page(identification, **first_view)
+
+    estimate = np.array([[values[name] for name in names]])
+    return LiveTask(motion, page, PageDesigns(names, estimate), ())
 
 
 def inversion_page(inversion: InversionResult, **first_view: Any) -> dict[str, Any]:

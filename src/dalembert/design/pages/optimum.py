@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
+from copy import deepcopy
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -11,8 +12,10 @@ import numpy as np
 
 from dalembert.design.limit import Bounded
 from dalembert.design.pages.decision import plain_page, verdict
+from dalembert.design.pages.live import LiveTask, responses_of
 from dalembert.report import views
 from dalembert.results.files.tables import checked_units
+from dalembert.results.live import PageDesigns
 from dalembert.units.unit import shown_in
 
 if TYPE_CHECKING:
@@ -42,6 +45,41 @@ def optimum_page(optimum: OptimizationResult, **first_view: Any) -> dict[str, An
     elif "scene" in page and page.get("time"):
         page["scene"]["ghosts"] = _ghosts(first, np.array(page["time"]))
     return page
+
+
+def optimum_task(optimum: OptimizationResult) -> LiveTask | None:
+    """Iterates of an ``OptimizationResult`` in a live page; the start is the initial design."""
+    quantities, names = optimum.quantities, list(optimum.x)
+    cases = [term.case for quantity in quantities for term in quantity.terms]
+    if not cases:
+        return None
+    values = np.array([[iterate.parameters[n] for n in names] for iterate in optimum.history])
+    own = [n in optimum.motion.model.parameters for n in names]
+    designs = PageDesigns(
+        [n for n, is_own in zip(names, own, strict=True) if is_own], values[:, own], 0
+    )
+
+    def page(**first_view: Any) -> dict[str, Any]:
+        units = checked_units(first_view.get("units") or ())
+        return optimum_page(optimum, **first_view) | {"designs": _iterates(optimum, units)}
+
+    return LiveTask(optimum.motion, page, designs, responses_of(quantities, cases[0]))
+
+
+def _iterates(optimum: OptimizationResult, units: Sequence[str]) -> dict[str, Any]:
+    """Table of the iterates; the last one is the best design."""
+    factor, unit = shown_in(optimum.unit, units)
+    history, last = optimum.history, len(optimum.history) - 1
+    columns = [(optimum.label, unit, "aim", [iterate.objective / factor for iterate in history])]
+    if optimum.limits:
+        violations = [iterate.violation for iterate in history]
+        columns.append(("violation", "", "aim", violations))
+    for variable in optimum.variables:
+        size, shown = shown_in(variable.unit, (*units, *filter(None, [variable.declared_unit])))
+        values = [iterate.parameters[variable.name] / size for iterate in history]
+        columns.append((variable.name, shown, "parameter", values))
+    labels = ["start", *(f"iteration {k}" for k in range(1, last)), "optimum"]
+    return views.designs(columns, labels=labels[: last + 1], chosen=last)
 
 
 def optimum_payload(optimum: OptimizationResult, units: Sequence[str] = ()) -> dict[str, Any]:
@@ -124,7 +162,7 @@ def _ghosts(first: dict[str, Any], time: np.ndarray) -> list[dict[str, Any]]:
             for k, column in columns.items()
             if column.shape == instants.shape
         }
-        ghosts.append({"shapes": body["shapes"], **ghost})
+        ghosts.append({"shapes": deepcopy(body["shapes"]), **ghost})  # without formulas
     return ghosts
 
 

@@ -7,12 +7,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.design.pages.decision import plain_page, verdict, with_views
+from dalembert.design.pages.live import LiveTask, responses_of
 from dalembert.design.pages.optimum import optimum_page
+from dalembert.design.reliability.limit_state import RunLimits
 from dalembert.report import views
+from dalembert.results.live import PageDesigns
 
 if TYPE_CHECKING:
     from dalembert.design.reliability.reliability_result import ReliabilityResult
     from dalembert.design.reliability.reliable_optimization_result import ReliableOptimizationResult
+
+SPREAD = 4.0
+"""Standard deviations from the median to the ends of the sliders of random parameters [-]."""
 
 
 def reliability_page(reliability: ReliabilityResult, **first_view: Any) -> dict[str, Any]:
@@ -21,6 +27,58 @@ def reliability_page(reliability: ReliabilityResult, **first_view: Any) -> dict[
     if result is None or not result.has_page:
         return plain_page(reliability)
     return with_views(result.page(**first_view), reliability, "design point")
+
+
+def reliability_task(reliability: ReliabilityResult) -> LiveTask | None:
+    """Design points, median and samples of a ``ReliabilityResult`` in a live page.
+
+    The sliders range over ``SPREAD`` standard deviations about the median.
+    """
+    limits, result = reliability.searches[0].limits, reliability.result()
+    if not isinstance(limits, RunLimits) or result is None:
+        return None
+    nataf, points = reliability.nataf, reliability.points
+    names, median = list(nataf.random), nataf.values(np.zeros(nataf.size))
+    first = [np.array(list(point.x.values())) for point in points]
+    runs = [(x, limits.responses(x)) for x in (*first, median)]
+    numbers = [""] if len(points) == 1 else [f" {k + 1}" for k in range(len(points))]
+    labels = [*(f"design point{number}" for number in numbers), "median"]
+    labels += [f"sample {k + 1}" for k in range(len(limits.samples))]
+    runs += [(x, limits.responses_of(g)) for x, g in limits.samples]
+    x = np.array([point for point, _ in runs])
+    values = np.array([responses for _, responses in runs])
+    chosen = next(k for k, point in enumerate(points) if point is reliability.point)
+    ends = np.stack([nataf.values(np.full(nataf.size, u)) for u in (-SPREAD, SPREAD)])
+    ranges = {n: (float(min(e)), float(max(e))) for n, e in zip(names, ends.T, strict=True)}
+    quantities = limits.problem.quantities
+
+    def page(**first_view: Any) -> dict[str, Any]:
+        payload = with_views(result.page(**first_view), reliability, "design point")
+        units = [
+            limits.problem.unit(k, {quantities[0].terms[0].case: result})
+            for k in range(len(quantities))
+        ]
+        columns = [
+            (quantity.label, unit, "aim", column)
+            for quantity, unit, column in zip(quantities, units, values.T, strict=True)
+        ]
+        columns += [
+            (name, result.model.parameters[name].unit, "parameter", column)
+            for name, column in zip(names, x.T, strict=True)
+        ]
+        weightiest = len(quantities) + int(np.argmax(np.abs(reliability.point.alpha)))
+        cloud = views.of_designs(
+            "front", "Points and samples", x=weightiest, y=0, choose=True, place="board"
+        )
+        table = views.of_designs("table", "Designs")
+        return payload | {
+            "designs": views.designs(columns, labels=labels, chosen=chosen),
+            "views": [cloud, *payload["views"], table],
+        }
+
+    designs = PageDesigns(names, x, None, ranges)
+    case = quantities[0].terms[0].case
+    return LiveTask(result, page, designs, responses_of(quantities, case))
 
 
 def reliability_views(reliability: ReliabilityResult) -> list[dict[str, Any]]:

@@ -6,17 +6,15 @@ import re
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from dalembert.design.decision import axis_label
-from dalembert.design.pages.decision import plain_page
+from dalembert.design.pages.decision import plain_page, with_views
+from dalembert.design.pages.live import MAX_DESIGNS, LiveTask, drawn
 from dalembert.report import views
+from dalembert.results.live import PageDesigns
 
 if TYPE_CHECKING:
     from dalembert.design.studies.sweep_result import SweepResult
 
-MAX_DESIGNS = 1500
-"""Upper limit of the designs drawn on a page."""
 NUMBER = re.compile(r"[-−]?\d[\d.]*(?:e[-+]?\d+)?")
 """Numbers in the reasons of failures, which are masked to group them."""
 MAX_MATRIX = 7
@@ -28,9 +26,33 @@ def study_page(study: SweepResult) -> dict[str, Any]:
     return plain_page(study)
 
 
+def study_task(study: SweepResult) -> LiveTask | None:
+    """Designs of a ``SweepResult`` in a live page, which shows the first successful one."""
+    task, indices = study.task, drawn(len(study.design))
+    first = next((k for k in indices if not study.reasons[k]), None)
+    if task is None or first is None:
+        return None
+    values = dict(zip(study.design.names, map(float, study.design.values[first]), strict=True))
+    result = task.analysis.run(task.model, values)
+
+    def page(**first_view: Any) -> dict[str, Any]:
+        """The page with the first view beside the drawing."""
+        payload = with_views(result.page(**first_view), study, "study")
+        views_below = [view for view in payload["views"] if view.get("place") != "board"]
+        views_below[0] |= {"place": "board", "wide": False}
+        return payload
+
+    return LiveTask(
+        result,
+        page,
+        PageDesigns(study.design.names, study.design.values[indices]),
+        task.responses,
+    )
+
+
 def study_designs(study: SweepResult) -> dict[str, Any]:
     """Table of designs and responses."""
-    indices = _drawn_designs(study)
+    indices = drawn(len(study.design))
     unit = study.units.get
     columns = [
         (name, unit(name, ""), "aim", column[indices])
@@ -43,11 +65,6 @@ def study_designs(study: SweepResult) -> dict[str, Any]:
     labels, reasons = [f"design {k}" for k in indices], [study.reasons[k] for k in indices]
     first = next((n for n, reason in enumerate(reasons) if not reason), 0)
     return views.designs(columns, labels=labels, reasons=reasons, chosen=first)
-
-
-def _drawn_designs(study: SweepResult) -> np.ndarray:
-    count = len(study.design)
-    return np.unique(np.linspace(0, count - 1, min(count, MAX_DESIGNS)).round().astype(int))
 
 
 def study_views(study: SweepResult) -> list[dict[str, Any]]:

@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.design.pages.decision import CHANGING, plain_page, with_views
+from dalembert.design.pages.live import LiveTask
+from dalembert.errors import UnsupportedError
 from dalembert.report import views
+from dalembert.results.live import PageDesigns
 
 if TYPE_CHECKING:
     from dalembert.design.synthesis.candidates import Candidate, Candidates
@@ -28,16 +31,45 @@ def synthesis_page(candidates: Candidates[Candidate], **first_view: Any) -> dict
     first = next((page for page in pages if page is not None), None)
     if first is None:
         return plain_page(candidates)
-    page = with_views(dict(first), candidates, "candidates")
-    page["title"], page["subtitle"] = f"{candidates.name}: candidates", candidates.message
+    page = _with_candidates(first, candidates)
     changing = CHANGING[page["kind"]]
     page["designs"]["alternatives"] = [
         {} if other is None else {k: other[k] for k in (*changing, "parameters") if k in other}
         for other in pages
     ]
+    return page
+
+
+def _with_candidates(first: dict[str, Any], candidates: Candidates[Candidate]) -> dict[str, Any]:
+    """Page of the first candidate, extended by the views of all."""
+    page = with_views(dict(first), candidates, "candidates")
+    page["title"], page["subtitle"] = f"{candidates.name}: candidates", candidates.message
     series_names = {series["name"] for series in page["series"]}
     page["default_plots"] = [[m] for m in candidates.best.plotted_measures if m in series_names]
     return page
+
+
+def synthesis_task(candidates: Candidates[Candidate]) -> LiveTask | None:
+    """Candidates of one topology in a live page.
+
+    Raises
+    ------
+    UnsupportedError
+        Each candidate has a model of its own.
+    """
+    best, solutions = candidates.best, candidates.solutions[:MAX_MECHANISMS]
+    motion = best.parametric_motion
+    if motion is None:
+        raise UnsupportedError("each candidate has a model of its own, without parameters")
+    names = list(best.numbers)
+    values = np.array([[solution.numbers[n] for n in names] for solution in solutions])
+
+    def page(**first_view: Any) -> dict[str, Any]:
+        first = _candidate_page(candidates, best)
+        assert first is not None
+        return _with_candidates(first, candidates)
+
+    return LiveTask(motion, page, PageDesigns(names, values), ())
 
 
 def _candidate_page(

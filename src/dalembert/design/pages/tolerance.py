@@ -8,7 +8,9 @@ import numpy as np
 
 from dalembert.design.decision import axis_label
 from dalembert.design.pages.decision import plain_page, with_views
+from dalembert.design.pages.live import LiveTask, drawn
 from dalembert.report import views
+from dalembert.results.live import PageDesigns
 
 if TYPE_CHECKING:
     from dalembert.design.tolerance.tolerance_result import ToleranceResult
@@ -19,6 +21,48 @@ def tolerance_page(result: ToleranceResult, **first_view: Any) -> dict[str, Any]
     if result.run is None or not result.run.has_page:
         return plain_page(result)
     return with_views(result.run.page(**first_view), result, "tolerances")
+
+
+def tolerance_task(result: ToleranceResult) -> LiveTask | None:
+    """Nominal design and samples of a ``ToleranceResult`` in a live page.
+
+    The sliders range over the tolerances.
+    """
+    run, names = result.run, list(result.tolerances)
+    if run is None or result.response is None:
+        return None
+    parameters = dict(zip(run.model.parameters, map(float, run.parameters), strict=False))
+    designs, values = np.array([[parameters[n] for n in names]]), np.array([result.nominal])
+    labels = ["nominal"]
+    if result.samples is not None and result.sampled is not None:
+        indices = drawn(result.sampled.size)
+        designs = np.vstack([designs, result.samples[indices]])
+        values = np.append(values, result.sampled[indices])
+        labels += [f"sample {k + 1}" for k in indices]
+    ranges = {n: (parameters[n] - t, parameters[n] + t) for n, t in result.tolerances.items()}
+
+    def page(**first_view: Any) -> dict[str, Any]:
+        payload = with_views(run.page(**first_view), result, "tolerances")
+        if len(labels) == 1:
+            return payload
+        columns = [(result.label, result.unit, "aim", values)]
+        columns += [
+            (name, result.units.get(name, ""), "parameter", column)
+            for name, column in zip(names, designs.T, strict=True)
+        ]
+        widest = max(names, key=lambda name: result.contributions[name])
+        samples = [
+            views.of_designs(
+                "front", "Samples", x=1 + names.index(widest), y=0, choose=True, place="board"
+            ),
+            views.of_designs("table", "Designs"),
+        ]
+        return payload | {
+            "designs": views.designs(columns, labels=labels),
+            "views": [*payload["views"], *samples],
+        }
+
+    return LiveTask(run, page, PageDesigns(names, designs, None, ranges), [result.response])
 
 
 def tolerance_views(result: ToleranceResult) -> list[dict[str, Any]]:

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from dalembert.design.ecosystem.functions import DesignFunctions
+    from dalembert.design.pages.live import LiveTask
+    from dalembert.design.quantity import Quantity
 
 
 def nondominated(values: np.ndarray) -> np.ndarray:
@@ -43,6 +45,7 @@ class ParetoResult(Decision):
     message : method and remarks
     runs : number of runs of the analysis
     interrupted : ended by Ctrl-C, with the points so far
+    quantities : the aims, then limited quantities
 
     Examples
     --------
@@ -77,6 +80,7 @@ class ParetoResult(Decision):
     parameter_units: list[str] = field(default_factory=list)
     interrupted: bool = False
     rerun: Callable[[int], Result | None] | None = field(default=None, repr=False)
+    quantities: Sequence[Quantity] = field(default=(), repr=False)
 
     @property
     def success(self) -> bool:  # type: ignore[override]
@@ -151,6 +155,10 @@ class ParetoResult(Decision):
         designs: dict[str, Any] = self._page_function("designs")(self)
         return designs
 
+    def live_task(self) -> LiveTask | None:
+        task: LiveTask | None = self._page_function("task")(self)
+        return task
+
     def to_dataframe(self) -> pd.DataFrame:
         """One row per point: aims, then parameters."""
         import pandas as pd
@@ -201,4 +209,5 @@ def make_front(
         name=case.model.name,
         parameter_units=[units.get(n, case.model.parameters[n].unit) for n in parameters[0]],
         rerun=lambda k: problem.results(points[k]).get(case),
+        quantities=problem.quantities,
     )

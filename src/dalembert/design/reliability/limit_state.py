@@ -21,6 +21,8 @@ from dalembert.symbolic.formulas.parser import parse_formula
 from dalembert.symbolic.parametric_model import ParametricModel
 from dalembert.text.wording import unknown
 
+MAX_SAMPLES = 1000
+"""Upper limit of the samples that are kept for a page."""
 LimitState = Response | Limit | str
 """A response or a limit of a model, or a formula of the random parameters; safe above zero."""
 
@@ -67,7 +69,12 @@ class LimitStates(ABC):
 
 
 class RunLimits(LimitStates):
-    """Limit states by an analysis of a model, with exact gradients."""
+    """Limit states by an analysis of a model, with exact gradients.
+
+    Attributes
+    ----------
+    samples : random parameters and ``g`` of the first samples, at most ``MAX_SAMPLES``
+    """
 
     def __init__(
         self,
@@ -95,6 +102,7 @@ class RunLimits(LimitStates):
             model, analysis, unique_responses, [*self.names, *self.others]
         )
         parameters = list(model.parameters)
+        self.samples = list[tuple[np.ndarray, np.ndarray]]()
         self.other_values = np.array([model.nominal[parameters.index(n)] for n in self.others])
 
     def values(self, x: np.ndarray) -> np.ndarray:
@@ -112,6 +120,28 @@ class RunLimits(LimitStates):
             raise AnalysisError(f"a run fails: {self.failure}")
         rows = np.array([sign * self.problem.slope(evaluation, row) for row, sign, _ in self.sides])
         return rows[:, : len(self.names)], rows[:, len(self.names) :]
+
+    def values_at(self, points: np.ndarray) -> np.ndarray:
+        values = super().values_at(points)
+        free = MAX_SAMPLES - len(self.samples)
+        self.samples += zip(points[:free], values[:free], strict=True)
+        return values
+
+    def responses(self, x: np.ndarray) -> np.ndarray:
+        """(responses,) values of the responses; NaN if the run fails."""
+        evaluation = self.problem.evaluate(np.append(x, self.other_values), gradient=False)
+        return (
+            np.full(len(self.problem.quantities), np.nan)
+            if evaluation is None
+            else evaluation.values
+        )
+
+    def responses_of(self, g: np.ndarray) -> np.ndarray:
+        """(responses,) values of the responses from ``g`` of all limit states."""
+        values = np.full(len(self.problem.quantities), np.nan)
+        for g_side, (row, sign, bound) in zip(g, self.sides, strict=True):
+            values[row] = bound + sign * g_side
+        return values
 
     def result(self, x: np.ndarray) -> Result | None:
         return next(iter(self.problem.results(np.append(x, self.other_values)).values()), None)

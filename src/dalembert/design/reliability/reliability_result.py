@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
+    from dalembert.design.pages.live import LiveTask
+
 
 SAMPLINGS = {
     "monte-carlo": "monte_carlo",
@@ -267,6 +269,10 @@ class ReliabilityResult(Decision):
             {"point": range(len(points)), "variable": names},
             {"beta": self.beta, "probability": self.probability, "system": self.system},
         )
+
+    def live_task(self) -> LiveTask | None:
+        task: LiveTask | None = self._page_function("task")(self)
+        return task
 
     def plot(self, ax: Axes | None = None) -> Axes:
         """Importance of the random parameters; returns the axes."""

@@ -150,6 +150,7 @@ def _make_study(
         reused,
         task.units,
         warnings=warnings,
+        task=task,
     )
 
 

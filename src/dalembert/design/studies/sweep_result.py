@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
+    from dalembert.design.pages.live import LiveTask
+    from dalembert.design.studies.task import StudyTask
+
 CSV_NOTE = "the table is CSV, because pyarrow is not installed: pip install 'dalembert[study]'"
 
 
@@ -38,6 +41,7 @@ class SweepResult(Decision):
     table_path : file of the whole table in the folder
     warnings : warnings of the designs with the smallest and largest responses, which run again on
         their own when the warnings are first read
+    task : model, analysis and responses
 
     Examples
     --------
@@ -67,6 +71,7 @@ class SweepResult(Decision):
     units: Mapping[str, str] = field(default_factory=dict)
     table_path: Path | None = None
     warnings: Sequence[str] = ()
+    task: StudyTask | None = field(default=None, repr=False)
 
     @property
     def message(self) -> str:  # type: ignore[override]
@@ -157,6 +162,10 @@ class SweepResult(Decision):
     def table_of_designs(self) -> dict[str, Any]:
         designs: dict[str, Any] = self._page_function("designs")(self)
         return designs
+
+    def live_task(self) -> LiveTask | None:
+        task: LiveTask | None = self._page_function("task")(self)
+        return task
 
     def plot(self, x: str, response: str | None = None, ax: Axes | None = None) -> Axes:
         """Plot a response over a parameter; returns the axes."""

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from dalembert.design.pages.live import LiveTask
+    from dalembert.results.motion import Motion
+
 
 class Candidate(ABC):
     """A mechanism with its error relative to the target.
@@ -62,6 +65,11 @@ class Candidate(ABC):
         """Page of its motion over one revolution; None if the motion cannot be computed."""
 
     @property
+    def parametric_motion(self) -> Motion | None:
+        """Motion of a model that has the dimensions as parameters; None if it has numbers."""
+        return None
+
+    @property
     @abstractmethod
     def plotted_measures(self) -> list[str]:
         """Measures plotted initially on its page, if available."""
@@ -105,6 +113,10 @@ class Candidates(Decision, Generic[CandidateT]):
         noun = self.candidate_kind if count != 1 else self.candidate_kind[:-1]
         text = f"{count} {noun}, least error {self.best.error:.3g}"
         return f"{text}; interrupted after {self.starts} starts" if self.interrupted else text
+
+    def live_task(self) -> LiveTask | None:
+        task: LiveTask | None = self._page_function("task")(self)
+        return task
 
     @property
     def best(self) -> CandidateT:

@@ -183,6 +183,10 @@ class MechanismSolution(Candidate):
         return np.unwrap(self.entries.values(self.measures["output"]))
 
     @property
+    def parametric_motion(self) -> Motion:
+        return self.motion
+
+    @property
     def plotted_measures(self) -> list[str]:
         return list(self.measures.values())
 

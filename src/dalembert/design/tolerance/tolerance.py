@@ -179,6 +179,7 @@ def tolerance(
         unit=problem.unit(0, problem.results(nominal)),
         units={n: model.parameters[n].unit for n in names},
         run=next(iter(problem.results(nominal).values()), None),
+        response=as_responses(response)[0],
     )
     with progress_reporter(progress, "tolerances") as report:
         try:
@@ -191,21 +192,23 @@ def tolerance(
                 report(0.3)
                 if samples:
                     generator = random_generator(rng)
-                    result.sampled = np.zeros(0)
-                    for values in _sample_blocks(box, sigmas, samples, generator):
+                    result.sampled, result.samples = np.zeros(0), np.zeros((0, nominal.size))
+                    for points, values in _sample_blocks(box, sigmas, samples, generator):
                         result.sampled = np.append(result.sampled, values)
+                        result.samples = np.vstack([result.samples, nominal + half_widths * points])
                         report(0.3 + 0.7 * result.sampled.size / samples)
         except KeyboardInterrupt:
             result.interrupted = True
     if result.sampled is not None and not result.sampled.size:
-        result.sampled = None
+        result.sampled = result.samples = None
     return result
 
 
 def _sample_blocks(
     box: Box, sigmas: float, samples: int, rng: np.random.Generator
-) -> Iterator[np.ndarray]:
-    """Yield blocks of responses at normally distributed dimensions."""
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Yield blocks of normally distributed dimensions, as shares of the tolerances, and their
+    responses."""
     points = rng.normal(size=(samples, box.half.size)) / sigmas
     for block in np.array_split(points, max(1, samples // BLOCK_SIZE)):
-        yield np.array([box.value(z) for z in block])
+        yield block, np.array([box.value(z) for z in block])

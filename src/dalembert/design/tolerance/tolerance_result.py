@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
+    from dalembert.design.pages.live import LiveTask
+    from dalembert.responses.base import Response
+
 
 @dataclass(eq=False)
 class ToleranceResult(Decision):
@@ -29,6 +32,8 @@ class ToleranceResult(Decision):
     hessian : (n, n) second derivatives, scaled by the tolerances, or None
     worst : minimum and maximum response within all tolerances, or None
     sampled : responses of the Monte Carlo samples, or None
+    samples : (samples, parameters) toleranced parameters of these samples, or None
+    response : the toleranced response
     interrupted : ended by Ctrl-C, with the results so far
 
     Examples
@@ -59,6 +64,8 @@ class ToleranceResult(Decision):
     hessian: np.ndarray | None = field(default=None, repr=False)
     worst: tuple[float, float] | None = None
     sampled: np.ndarray | None = field(default=None, repr=False)
+    samples: np.ndarray | None = field(default=None, repr=False)
+    response: Response | None = field(default=None, repr=False)
     name: str = ""
     unit: str = ""
     units: dict[str, str] = field(default_factory=dict)
@@ -211,8 +218,14 @@ class ToleranceResult(Decision):
             columns["hessian"] = (("parameter", "other"), self.hessian)
         if self.sampled is not None:
             columns["sampled"] = ("sample", self.sampled)
+        if self.samples is not None:
+            columns["samples"] = (("sample", "parameter"), self.samples)
         attributes = {"response": self.label, "units": self.unit, "nominal": self.nominal}
         return xr.Dataset(columns, {"parameter": names}, attributes | {"std": self.std})
+
+    def live_task(self) -> LiveTask | None:
+        task: LiveTask | None = self._page_function("task")(self)
+        return task
 
     def to_dataframe(self) -> pd.DataFrame:
         """One row per tolerance."""

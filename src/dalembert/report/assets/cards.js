@@ -77,7 +77,7 @@ export function buildColumns(left, right) {
   const statistics = payload.designs ? [] : list(payload.statistics), parameters = payload.optimum || payload.designs ? [] : list(payload.parameters);
   const columns = [
     [optimumPanel(payload.optimum), odd, diagnosisPanel(payload.diagnosis), left, parameterPanel(parameters)],
-    [convergencePanel(payload.optimum), even, statistics.length > 0 && panel("Statistics", "statistics", pairs(statistics)), right],
+    [convergencePanel(payload.optimum, choice), even, statistics.length > 0 && panel("Statistics", "statistics", pairs(statistics)), right],
   ].map((column) => el("div", { class: "column" }, column));
   byId("panels").append(...wide, ...columns.filter((column) => column.children.length));
   verdict(byId("verdict"), payload.diagnosis, payload.verdict);

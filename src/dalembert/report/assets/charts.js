@@ -139,7 +139,16 @@ export class Chart {
   }
 }
 
-/** Curves, dots and bands over one axis; curves of a design only where it is selected. */
+/** Mark the selected design in a chart. @param {Element} svg @param {number} chosen */
+export function markDesign(svg, chosen) {
+  for (const old of svg.querySelectorAll(".chosen")) old.classList.remove("chosen");
+  for (const node of svg.querySelectorAll(`[data-design="${chosen}"]`)) {
+    node.classList.add("chosen");
+    node.parentNode?.append(node);  // above the others
+  }
+}
+
+/** Curves, dots and bands over one axis; curves of a design only where it is selected, dots of designs select them. */
 export class CurvesChart extends Chart {
   /** @param {CurvesView} view @param {Choice | null} choice */
   constructor(view, choice) {
@@ -147,6 +156,9 @@ export class CurvesChart extends Chart {
     this.view = view;
     this.choice = view.follows ? choice : null;
     this.choice?.onChoose.on(() => this.redraw());
+    this.designs = view.lines.some(({ designs }) => designs) ? choice : null;
+    this.designs?.bind(this.svg, view.title);
+    this.designs?.onChoose.on((k) => markDesign(this.svg, k));
     /** Name of a curve → its colour. @type {Map<string, number>} */
     this.colours = new Map();
     for (const { name, quiet } of view.lines) if (!quiet && !this.colours.has(name)) this.colours.set(name, this.colours.size);
@@ -172,8 +184,9 @@ export class CurvesChart extends Chart {
     for (const line of view.lines) {
       if (this.choice && line.design !== undefined && line.design !== this.choice.chosen) continue;
       const colour = line.quiet ? "quiet" : `s${/** @type {number} */ (this.colours.get(line.name)) % 7}`;
-      inner.append(...marksOf(line, colour, px, py));
+      inner.append(...marksOf(line, colour, px, py, this.designs));
     }
+    if (this.designs) markDesign(this.svg, this.designs.chosen);
   }
 }
 
@@ -186,8 +199,8 @@ function equalise(axes) {
   }
 }
 
-/** @param {Line} line @param {string} colour @param {Map1} px @param {Map1} py */
-function marksOf({ name, x, y, low, style, open }, colour, px, py) {
+/** @param {Line} line @param {string} colour @param {Map1} px @param {Map1} py @param {Choice | null} choice */
+function marksOf({ name, x, y, low, style, open, designs }, colour, px, py, choice) {
   if (style === "band") {
     const back = [...x.keys()].reverse();
     const lower = pathOf(back.map((k) => x[k]), back.map((k) => list(low)[k]), px, py).replace(/^M/, "L");
@@ -195,6 +208,7 @@ function marksOf({ name, x, y, low, style, open }, colour, px, py) {
   }
   if (style !== "dots") return [shape("path", { d: pathOf(x, y, px, py), class: `curve ${style} ${colour}` })];
   const radius = x.length > 60 ? 1.9 : 4, look = `dot ${colour}${open ? " open" : ""}`;
+  const selects = (/** @type {number} */ k) => (choice && designs ? { "data-design": designs[k], class: `${look} design`, onclick: () => choice.choose(designs[k]) } : {});
   return [...x.keys()].filter((k) => isNum(x[k]) && isNum(y[k])).map((k) =>
-    shape("circle", { cx: px(x[k]), cy: py(y[k]), r: radius, class: look }, hint(`${name}: ${tidy(x[k], 5)}, ${tidy(y[k], 5)}`)));
+    shape("circle", { cx: px(x[k]), cy: py(y[k]), r: radius, class: look, ...selects(k) }, hint(`${name}: ${tidy(x[k], 5)}, ${tidy(y[k], 5)}`)));
 }

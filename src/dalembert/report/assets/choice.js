@@ -46,9 +46,9 @@ export class Choice {
   /** Name and values of a design. @param {number} k */
   summary(k) { return `${this.label(k)}: ${this.columns.map(({ name, unit, values }) => `${name} ${withUnit(tidy(values[k], 5), unit)}`).join(", ")}`; }
 
-  /** @param {number} k */
+  /** Select a design, or none by -1. @param {number} k */
   choose(k) {
-    if (k === this.chosen || k < 0 || k >= this.count) return;
+    if (k === this.chosen || k < -1 || k >= this.count) return;
     this.chosen = k;
     this.onChoose.emit(k);
   }

@@ -11,7 +11,7 @@ import { Theme } from "./theme.js";
 Theme.read();
 /** @type {HTMLElement} */ (document.querySelector("main")).hidden = true;
 buildFrame({ units: "SI units throughout." });
-const cards = [optimumPanel(payload.optimum), convergencePanel(payload.optimum), ...viewPanels(true), ...viewPanels(false)];
+const cards = [optimumPanel(payload.optimum), convergencePanel(payload.optimum, choice), ...viewPanels(true), ...viewPanels(false)];
 byId("panels").classList.add("tiles");
 byId("panels").append(...cards.filter((card) => card !== null));
 verdict(byId("verdict"), payload.diagnosis, payload.verdict);

@@ -3,7 +3,7 @@
 /** @import { Choice } from "./choice.js" */
 /** @import { DesignView } from "./types.d.ts" */
 
-import { Chart, Scale, clipped, hint, pathOf, written } from "./charts.js";
+import { Chart, Scale, clipped, hint, markDesign, pathOf, written } from "./charts.js";
 import { el, shape } from "./dom.js";
 import { clamp, extent, isNum, tidy } from "./numbers.js";
 import { inRows } from "./text_rows.js";
@@ -32,13 +32,7 @@ class DesignChart extends Chart {
   }
 
   /** Mark the selected design. */
-  mark() {
-    for (const old of this.svg.querySelectorAll(".chosen")) old.classList.remove("chosen");
-    for (const node of this.svg.querySelectorAll(`[data-design="${this.choice.chosen}"]`)) {
-      node.classList.add("chosen");
-      node.parentNode?.append(node);  // above the others
-    }
-  }
+  mark() { markDesign(this.svg, this.choice.chosen); }
 
   /** @param {number} k */
   attributes(k) {

@@ -81,7 +81,9 @@ export function chosenCard(choice) {
   const cells = (/** @type {string} */ role) => choice.columns.filter((column) => column.role === role).map(({ name, unit, values }) =>
     el("div", {}, el("dt", {}, name), el("dd", {}, withUnit(tidy(values[choice.chosen], 6), unit))));
   const fill = () => {
-    title.textContent = clipped(choice.label(choice.chosen), 60).replace(/^./, (c) => c.toUpperCase());
+    const none = choice.chosen < 0;
+    for (const list of [aims, parameters]) list.hidden = none;
+    title.textContent = none ? "None of the designs" : clipped(choice.label(choice.chosen), 60).replace(/^./, (c) => c.toUpperCase());
     aims.replaceChildren(...cells("aim"));
     parameters.replaceChildren(...cells("parameter"));
   };

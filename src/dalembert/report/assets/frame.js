@@ -20,8 +20,8 @@ export function buildFrame({ units, tools = [], keys = [], scene, board, player 
   byId("tools").append(...el("div", {}, tools,
     iconButton("theme", "Light or dark", () => Theme.set(Theme.name === "dark" ? "light" : "dark"), { id: "theme" }),
     iconButton("print", "Print", () => window.print())).children);
-  const { live } = payload, reason = live && "reason" in live ? ` The page has no sliders: ${live.reason}.` : "";
-  byId("footer").append(el("span", {}, `Made with dalembert. ${units}${reason}`),
+  const { reason } = /** @type {{ reason?: string }} */ (payload.live ?? {});
+  byId("footer").append(el("span", {}, `Made with dalembert. ${units}${reason ? ` The page has no sliders: ${reason}.` : ""}`),
     keys.length ? el("span", { class: "keys" }, keys.map(([key, action]) => [el("kbd", {}, key), ` ${action} `])) : "");
   Theme.listeners.on(() => { scene?.restyle(); board?.redraw(); });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", (e) => Theme.set(e.matches ? "dark" : "light"));

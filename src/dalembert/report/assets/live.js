@@ -9,6 +9,7 @@
 
 import { byId, el } from "./dom.js";
 import { addMenu, firstResponses } from "./live_add.js";
+import { linkDesigns } from "./live_choice.js";
 import { Design } from "./live_design.js";
 import { PathDrag } from "./live_drag.js";
 import { KeptDesigns } from "./live_kept.js";
@@ -46,6 +47,7 @@ export function buildLive(page, dimension) {
   byId("board").hidden = false;  // also where there is nothing to plot
   document.body.classList.remove("single");
   byId("board").prepend(card, kept.node);
+  linkDesigns(design, panel, live);
 
   const request = () => solver.request({ parameters: design.values, responses: table.responses, gradients: table.responses.length ? [table.selected] : [], point: drag.request });
   const connect = () => {
@@ -77,7 +79,10 @@ export function buildLive(page, dimension) {
   design.onChange.on(() => { clearTimeout(writing); writing = setTimeout(() => design.write(), WRITING); });
   solver.ready.then(async () => {
     const answer = await solver.request({ parameters: design.initial, responses: [], gradients: [] });
-    if (answer && "result" in answer) table.initial = answer.result;
+    if (answer && "result" in answer) {
+      table.initial = answer.result;
+      if (live.designs) picture.compareWith(answer.result);
+    }
     connect();
   }, (error) => {
     card.replaceChildren(el("p", { class: "live-status", role: "status" }, `This browser cannot run the mechanism again: ${error.message}. The report shows the initial design.`));

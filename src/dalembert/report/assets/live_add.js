@@ -35,7 +35,8 @@ export function firstResponses(live) {
   if (live.responses?.length) return live.responses;
   const series = measuredSeries(live), plotted = list(payload.default_plots).flat();
   if (single()) return series.filter(({ name }) => /\.(?:angle|force_norm)$/.test(name)).map((s) => responseOfSeries(s, "final")).slice(0, MAX_RESPONSES);
-  return plotted.flatMap((name) => series.filter((s) => s.name === name).map((s) => responseOfSeries(s, "maximum"))).slice(0, MAX_RESPONSES);
+  const moves = new Set(list(payload.series).filter(({ values }) => Array.from(values ?? []).some((value) => value)).map(({ name }) => name));  // others are zero
+  return plotted.flatMap((name) => series.filter((s) => s.name === name && moves.has(name)).map((s) => responseOfSeries(s, "maximum"))).slice(0, MAX_RESPONSES);
 }
 
 /** @param {LiveData} live @param {(response: LiveResponse) => void} add */

@@ -21,6 +21,8 @@ export class Design {
     this.future = [];
     /** Emitted with the origin of a change. @type {Signal<string>} */
     this.onChange = new Signal();
+    /** Address of the design in the table of the page; null if it is none of them. @type {() => string | null} */
+    this.row = () => null;
     /** Design in the address, or the one with which the page was saved. */
     this.values = this.readFrom(location.hash) ?? this.readFrom(document.documentElement.dataset.design ?? "") ?? this.values;
     addEventListener("hashchange", () => { const values = this.readFrom(location.hash); if (values) { this.begin(); this.replace(values, "address"); } });
@@ -80,7 +82,7 @@ export class Design {
   /** Name and value of the changed parameters, in SI units. @returns {[string, number][]} */
   get changes() { return this.parameters.flatMap(({ name }, k) => (this.values[k] === this.initial[k] ? [] : [/** @type {[string, number]} */ ([name, this.values[k]])])); }
 
-  get hash() { return this.changed ? `#p=${this.changes.map(([name, value]) => `${encodeURIComponent(name)}:${value}`).join(",")}` : ""; }
+  get hash() { return this.row() ?? (this.changed ? `#p=${this.changes.map(([name, value]) => `${encodeURIComponent(name)}:${value}`).join(",")}` : ""); }
 
   /** Values in the text of an address, null without any; unknown names and other texts have no effect. @param {string} address */
   readFrom(address) {

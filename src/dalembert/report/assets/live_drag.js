@@ -17,9 +17,13 @@ import { Signal, Theme } from "./theme.js";
 const REACH = 9, LONGEST = 64;
 /** Damping of a step, relative to the largest slope; longest step of a parameter, relative to its range. */
 const DAMPING = 1e-3, STRIDE = 0.2;
+/** Distance from the target after a successful step, relative to that before; smallest share of a step that is tried. */
+const NEARER = 0.999, SMALLEST = 1 / 64;
 
 /** Point of a path at an instant, with the numbers of the rows of its coordinates.
  * @typedef {{ point: TracedPoint, instant: number, rows: number[] }} Hold */
+/** Design of a drag, with the miss of the target and its derivatives.
+ * @typedef {{ values: number[], miss: number[], jacobian: ArrayLike<number>[] }} Approach */
 
 /** Changes of parameters that bring a point nearer to a target, in the metric of their ranges (Levenberg and Marquardt).
  * @param {ArrayLike<number>[]} jacobian rows by coordinate @param {number[]} miss @param {number[]} ranges zero for parameters that are kept */
@@ -59,6 +63,9 @@ export class PathDrag {
     this.jacobian = null;
     /** Place to which the point is dragged. @type {number[] | null} */
     this.target = null;
+    /** Design nearest to the target, and share of the next step from it. @type {Approach | null} */
+    this.nearest = null;
+    this.share = 1;
     /** Values of the last design that runs. @type {number[] | null} */
     this.valid = null;
     this.arrows = false;
@@ -123,14 +130,14 @@ export class PathDrag {
       player.pause();
       scene.view.fitted = false;  // the drawing stays below the pointer
       this.design.begin();
-      Object.assign(this, { hold, jacobian: null, target: view.world(pixelOf(event)) });
+      Object.assign(this, { hold, jacobian: null, target: view.world(pixelOf(event)), nearest: null, share: 1 });
       player.seek(this.motion.time[hold.instant]);
       this.onHold.emit();
     }, { capture: true });
     canvas.addEventListener("pointermove", (event) => {
       if (dragging) {
         event.stopImmediatePropagation();
-        this.target = view.world(pixelOf(event));
+        Object.assign(this, { target: view.world(pixelOf(event)), nearest: null, share: 1 });
         this.advance();
       } else if (!event.buttons) canvas.classList.toggle("on-path", this.under(pixelOf(event)) !== null);
     }, { capture: true });
@@ -154,23 +161,32 @@ export class PathDrag {
   /** The design of a step cannot be assembled: return to the one before. */
   retreat() { if (this.target && this.valid) this.design.replace(this.valid, "drag"); }
 
-  /** One step of the parameters toward the target. */
+  /** One step of the parameters toward the target; half of the last one where that did not come nearer. */
   advance() {
     const { design, jacobian, target, place, hold } = this;
     if (!jacobian || !target || !place || !hold) return;
-    const miss = target.map((v, axis) => v - place[axis]);
-    if (Math.hypot(...miss) < 0.3 / this.scene.view.scaleAt(place)) return;
+    const present = { values: design.values, miss: target.map((v, axis) => v - place[axis]), jacobian };
+    if (Math.hypot(...present.miss) < 0.3 / this.scene.view.scaleAt(place)) return;
+    if (this.nearest && !(Math.hypot(...present.miss) < NEARER * Math.hypot(...this.nearest.miss))) this.share /= 2;
+    else Object.assign(this, { nearest: present, share: Math.min(1, 2 * this.share) });
+    const nearest = this.nearest ?? present, next = this.share < SMALLEST ? nearest.values : this.stepFrom(nearest);
+    if (next.every((value, k) => value === design.values[k])) return;  // at bounds, or as near as possible
     this.jacobian = null;
-    const ranges = design.parameters.map((_, k) => { const [low, high] = design.range(k); return design.locked[k] ? 0 : high - low; });
-    let values = design.values;
-    for (let pass = 0; pass < 3; pass++) {  // parameters that reach a bound stay there
-      const step = stepToward(jacobian, miss, ranges), next = design.values.map((value, k) => design.bounded(k, value + step[k]));
-      values = next;
-      const stopped = next.map((value, k) => ranges[k] !== 0 && Math.abs(value - design.values[k] - step[k]) > 1e-12 * ranges[k]);
+    design.replace(next, "drag");
+  }
+
+  /** Design of one step, in which parameters that reach a bound stay there. @param {Approach} from */
+  stepFrom({ values, miss, jacobian }) {
+    const { design, share } = this, ranges = design.parameters.map((_, k) => { const [low, high] = design.range(k); return design.locked[k] ? 0 : high - low; });
+    let next = values;
+    for (let pass = 0; pass < 3; pass++) {
+      const step = stepToward(jacobian, miss, ranges).map((v) => share * v);
+      next = values.map((value, k) => design.bounded(k, value + step[k]));
+      const stopped = next.map((value, k) => ranges[k] !== 0 && Math.abs(value - values[k] - step[k]) > 1e-12 * ranges[k]);
       if (!stopped.includes(true)) break;
       stopped.forEach((stop, k) => { if (stop) ranges[k] = 0; });
     }
-    design.replace(values, "drag");
+    return next;
   }
 
   /** Arrows at the held point: its displacement if a parameter grows, to one scale. @param {Paper} paper */

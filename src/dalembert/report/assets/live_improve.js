@@ -17,7 +17,7 @@ import { withUnit } from "./units.js";
 const PAUSE = 60;
 /** Size of the chart of the history. */
 const CHART = { w: 300, h: 70, edge: 8 };
-/** Largest excess over a limit that counts as satisfied, relative to the limit. */
+/** Largest excess over a limit that counts as satisfied, relative to the limit or to the slopes over the ranges of the parameters. */
 const EXCESS = 1e-6;
 
 /** @type {Record<Outcome, string>} */
@@ -116,7 +116,7 @@ export class Improvement {
       const { answer: { result, slopes }, values } = /** @type {{ answer: any, values: number[] }} */ (answers.get(at));
       answers.clear();
       answers.set(at, { answer: { result, slopes }, values });
-      this.history.push({ values, responses: result.values, feasible: limits.every(({ limit }, j) => at.c[j] <= EXCESS * Math.max(1, Math.abs(limit))) });
+      this.history.push({ values, responses: result.values, feasible: limits.every(({ limit }, j) => at.c[j] <= EXCESS * Math.max(Math.abs(limit), ...at.dc[j].map(Math.abs))) });
       design.replace(values, "improve");
       solver.onResult.emit(result);
       solver.onSlopes.emit({ number: result.number, slopes, jacobian: null });

@@ -1,17 +1,37 @@
 // Drawing and plots of a live page: the result of the present design, with other designs behind it.
 
 /** @import { Dimension } from "./scene_types.d.ts" */
-/** @import { LiveData, LiveResult } from "./types.d.ts" */
+/** @import { LiveData, LiveResult, SeriesData } from "./types.d.ts" */
 /** @import { Motion } from "./motion.js" */
 /** @import { Board } from "./plot_board.js" */
 /** @import { Player } from "./player.js" */
 /** @import { Scene } from "./scene.js" */
 
 import { byId, el, toggleButton } from "./dom.js";
-import { Ghosts } from "./live_ghosts.js";
-import { clamp } from "./numbers.js";
+import { Ghosts, designSnapshot } from "./live_ghosts.js";
+import { clamp, list } from "./numbers.js";
 import { valuePanel } from "./panels.js";
 import { payload } from "./payload.js";
+
+/** Threshold of round-off, relative to the largest value of a unit. */
+const ROUND_OFF = 1e-14;
+
+/** Set values of series at round-off level to zero, except errors and violations, as Python does. @param {SeriesData[]} series */
+function zeroRounding(series) {
+  const physical = series.filter(({ name = "" }) => !/violation$|_error$/.test(name));
+  /** @type {Map<string, number>} */
+  const largest = new Map();
+  const columns = physical.map(({ unit = "", values }) => ({ unit, values: /** @type {Float64Array} */ (values) }));
+  for (const { unit, values } of columns) {
+    let most = largest.get(unit) ?? 0;
+    for (let i = 0; i < values.length; i++) { const size = Math.abs(values[i]); if (size > most && size < Infinity) most = size; }
+    largest.set(unit, most);
+  }
+  for (const { unit, values } of columns) {
+    const least = ROUND_OFF * (largest.get(unit) ?? 0);
+    for (let i = 0; i < values.length; i++) if (Math.abs(values[i]) < least) values[i] = 0;
+  }
+}
 
 export class LivePicture {
   /** @param {LiveData} live @param {{ motion: Motion, scene: Scene, player: Player, board: Board | null }} page @param {Dimension} dimension */
@@ -40,6 +60,19 @@ export class LivePicture {
 
   /** Show a result. @param {LiveResult} result */
   show(result) {
+    this.put(result);
+    this.result = result;
+    this.renew();
+  }
+
+  /** Compare with a result, that of the initial design. @param {LiveResult} result */
+  compareWith(result) {
+    this.put(result);
+    this.ghosts.initial = designSnapshot("initial design");
+  }
+
+  /** Put a result into the payload. @param {LiveResult} result */
+  put(result) {
     const { table, times, numbers } = result;
     const n = times.length, { columns, numbers: places, states = [] } = this.live;
     const at = (/** @type {(string | number)[]} */ place) => place.reduce((owner, key) => owner[key], /** @type {any} */ (payload));
@@ -47,9 +80,8 @@ export class LivePicture {
     for (const [place, row] of columns) put(place, table.subarray(n * row, n * (row + 1)));
     for (const [place, rows] of states) put(place, at(place).map((/** @type {ArrayLike<number>} */ before, /** @type {number} */ k) => Float64Array.from(rows, (row, i) => (row < 0 ? before[i] ?? NaN : table[n * row + k]))));
     places.forEach((place, k) => put(place, numbers[k]));
+    zeroRounding(list(payload.series));
     payload.time = times;
-    this.result = result;
-    this.renew();
   }
 
   /** Draw the payload. */

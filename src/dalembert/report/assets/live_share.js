@@ -15,9 +15,9 @@ const inUnit = (value, factor) => (factor === 1 ? String(value) : String(Number(
 
 /** @param {LiveParameter} parameter @param {number} value */
 function tomlLine({ name, unit, factor, lower, upper, description }, value) {
-  const bounds = [lower, upper].map((bound) => (isNum(bound) ? inUnit(bound, factor) : null)), fields = [`value = ${inUnit(value, factor)}`];
+  const bounds = [lower, upper].map((bound, end) => (isNum(bound) ? inUnit(bound, factor) : end ? "inf" : "-inf")), fields = [`value = ${inUnit(value, factor)}`];
   if (unit && unit !== "1") fields.push(`unit = ${JSON.stringify(unit)}`);
-  if (bounds.every((bound) => bound !== null)) fields.push(`bounds = [${bounds.join(", ")}]`);
+  if (isNum(lower) || isNum(upper)) fields.push(`bounds = [${bounds.join(", ")}]`);
   if (description) fields.push(`description = ${JSON.stringify(description)}`);
   return `${/^[\w-]+$/.test(name) ? name : JSON.stringify(name)} = { ${fields.join(", ")} }`;
 }

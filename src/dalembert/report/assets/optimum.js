@@ -1,5 +1,6 @@
 // Cards of an optimum: objective, variables, limits and prices; convergence.
 
+/** @import { Choice } from "./choice.js" */
 /** @import { Bounded, Line, Optimum } from "./types.d.ts" */
 
 import { CurvesChart } from "./charts.js";
@@ -52,17 +53,17 @@ function boundsBar({ start, value, lower, upper }) {
   return rangeBar({ value, lower, upper }, first);
 }
 
-/** Objective over the iterations; hollow where limits are violated. @param {Optimum | undefined} optimum */
-export function convergencePanel(optimum) {
+/** Objective over the iterations; hollow where limits are violated. @param {Optimum | undefined} optimum @param {Choice | null} choice iterates as designs */
+export function convergencePanel(optimum, choice) {
   const history = list(optimum?.history).map((step, k) => ({ ...step, k })).filter(({ objective }) => isNum(objective));
   if (!optimum || history.length < 2) return null;
   const values = history.map(({ objective }) => objective), low = Math.min(...values), y = labelled(optimum.label, optimum.unit);
   const line = (/** @type {typeof history} */ steps, /** @type {Line["style"]} */ style, open = false) =>
-    ({ name: optimum.label, x: steps.map(({ k }) => k), y: steps.map(({ objective }) => objective), style, open });
+    ({ name: optimum.label, x: steps.map(({ k }) => k), y: steps.map(({ objective }) => objective), style, open, ...(choice && style === "dots" ? { designs: steps.map(({ k }) => k) } : {}) });
   const violated = history.filter(({ violation }) => violation > VIOLATED), feasible = history.filter(({ violation }) => !(violation > VIOLATED));
   const chart = new CurvesChart({
     kind: "curves", title: `${y} over the iterations`, x: "iteration", y, logarithmic: low > 0 && Math.max(...values) > 100 * low ? "y" : "",
     lines: [line(history, "line"), line(feasible, "dots"), line(violated, "dots", true)],
-  }, null);
+  }, choice);
   return panel("Convergence", "convergence", chart.node, violated.length > 0 && el("p", { class: "caption note" }, "Hollow: a limit is violated."));
 }

@@ -69,7 +69,7 @@ export function buildPage(dimension, buildTools = () => {}) {
 /** Buttons that show and hide parts of the drawing. @param {Motion} motion @param {Scene} scene @returns {Child} */
 function shownParts(motion, scene) {
   const show = (/** @type {string} */ key) => (/** @type {boolean} */ on) => { scene.show[key] = on; scene.invalidate(); };
-  const ghost = payload.ghost_name || (payload.optimum && "First design") || (motion.other && (motion.mesh ? `Other run: ${motion.other}` : "Other run")), { mesh } = motion;
+  const ghost = !("code" in (payload.live ?? {})) && (payload.ghost_name || (payload.optimum && "First design") || (motion.other && (motion.mesh ? `Other run: ${motion.other}` : "Other run"))), { mesh } = motion;
   const swatch = el("i", { class: "swatch" });
   swatch.style.setProperty("--c", mesh ? "var(--accent)" : "var(--force)");
   return [

@@ -105,6 +105,8 @@ export interface Line {
   /** Lower ends of a band. */
   low?: number[];
   design?: number;
+  /** Designs that the dots select. */
+  designs?: number[];
   /** Grey and without a name. */
   quiet?: boolean;
   /** Hollow dots. */
@@ -186,6 +188,8 @@ export interface LiveData extends LiveCode {
   name?: string;
   /** Responses that are shown first, those of the plots by default. */
   responses?: LiveResponse[];
+  /** Parameters of the designs of the table. */
+  designs?: number[][];
   /** Constraint equations in the order of `violation`. */
   joints?: JointRow[];
   /** Number of free displacements of a structure, and the message of its status. */
@@ -226,7 +230,7 @@ export interface LiveCheck {
 export interface LiveStatus { outcome: string; message: string; time: number; residual: number; success: boolean }
 
 /** Parameter in SI units; `factor` leads to the unit that is shown. */
-export interface LiveParameter extends Bounds { name: string; unit: string; factor: number; description?: string }
+export interface LiveParameter extends Bounds { name: string; unit: string; factor: number; description?: string; varies?: boolean }
 /** Reduction of a row over time, multiplied by `weight`. */
 export interface LiveTerm {
   kind: "final" | "at" | "maximum" | "minimum" | "mean" | "rms" | "integral" | "sum" | "smooth";

@@ -14,7 +14,7 @@ from dalembert.results.files.live_responses import (
     page_responses,
     state_rows,
 )
-from dalembert.results.live import PageResponse
+from dalembert.results.live import PageDesigns, PageResponse
 from dalembert.results.row_table import RowTable
 from dalembert.results.sources import payload_sources
 from dalembert.units.unit import shown_in
@@ -29,6 +29,7 @@ def live_page(
     live: bool | None,
     responses: Sequence[PageResponse] = (),
     first: Callable[[], Sequence[FirstResponse]] = tuple,
+    designs: PageDesigns | None = None,
 ) -> dict[str, Any]:
     """A page with its live part, or with the reason why it has none.
 
@@ -36,13 +37,15 @@ def live_page(
     ----------
     result : motion of a mechanism, or states of a structure
     page : its payload
-    live : whether the page computes; by default if the model has parameters with bounds and its
-        module is small
+    live : whether the page computes; by default if the model has parameters with bounds, or the
+        designs have ranges, and its module is small
     responses : responses that the page lists
     first : those that it lists by default; without any, the maxima of the plotted series
+    designs : designs of its table
     """
     model = result.model
     bounded = any(np.isfinite(parameter.bounds).all() for parameter in model.parameters.values())
+    bounded = bounded or (designs is not None and bool(designs.ranges))
     if live is False or not (bounded or live):
         return page
     if not model.parameters:
@@ -69,9 +72,11 @@ def live_page(
         size = f"{len(module.code) / 1e3:.0f} kB"
         return page | {"live": {"reason": f"its module has {size}; request it by live=True"}}
     parameters = _parameters(result, page["parameters"])
+    rows = None if designs is None else _designs(result, designs, parameters)
     numbers = [place for place, _ in sources.numbers]
     more = {"columns": columns, "numbers": numbers, "initial": sources.initial, "states": states}
     more |= {"responses": listed, "joints": [] if structure else joint_rows(model)}
+    more |= {} if rows is None else {"designs": rows}
     return page | {"live": functions.page_data(parameters=parameters, **more)}
 
 
@@ -85,3 +90,21 @@ def _parameters(result: Any, shown: list[dict[str, Any]]) -> list[dict[str, Any]
         factor, _ = shown_in(parameter.unit, [row["unit"]] if row["unit"] else [])
         rows.append(row | {"value": float(value), "lower": lower, "upper": upper, "factor": factor})
     return rows
+
+
+def _designs(
+    motion: Any, designs: PageDesigns, parameters: list[dict[str, Any]]
+) -> list[list[float]]:
+    """All parameters of the designs; their ranges include the designs, initial values are set."""
+    names = list(motion.model.parameters)
+    rows = designs.rows(names, np.asarray(motion.parameters, dtype=float))
+    for row, column in zip(parameters, rows.T, strict=True):
+        row["varies"] = row["name"] in designs.names
+        if designs.initial is not None:
+            row["value"] = float(column[designs.initial])
+        row["lower"], row["upper"] = designs.ranges.get(row["name"], (row["lower"], row["upper"]))
+        finite = column[np.isfinite(column)]
+        for side, pick in (("lower", min), ("upper", max)):
+            if row[side] is not None and finite.size:
+                row[side] = float(pick(row[side], *finite))
+    return [list(row) for row in rows.tolist()]

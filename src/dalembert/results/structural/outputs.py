@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-    from dalembert.results.live import PageResponse
+    from dalembert.results.live import PageDesigns, PageResponse
 
 
 class StructuralOutputs(StructuralStates):
@@ -122,11 +122,12 @@ class StructuralOutputs(StructuralStates):
         page: dict[str, Any],
         live: bool | None = None,
         responses: Sequence[PageResponse] = (),
+        designs: PageDesigns | None = None,
     ) -> dict[str, Any]:
         from dalembert.results.files.live_page import live_page
         from dalembert.results.structural.formulas import first_responses
 
-        return live_page(self, page, live, responses, lambda: first_responses(self))
+        return live_page(self, page, live, responses, lambda: first_responses(self), designs)
 
     def page(
         self, units: Sequence[str] = (), views: Sequence[Mapping[str, Any]] = ()

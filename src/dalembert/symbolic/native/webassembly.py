@@ -23,7 +23,7 @@ from dalembert.symbolic.native.toolchain import Compiler, NotTranslated
 from dalembert.symbolic.native.web_object import data_end, imported, linked, sections
 
 TRIPLE = "wasm32-unknown-unknown"
-OPTIMISED = 0
+OPTIMISED = 1
 """Optimisation level of code generation."""
 VERSION = 1
 """Incremented when the same text yields other instructions."""
