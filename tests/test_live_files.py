@@ -91,6 +91,15 @@ def test_teaching_models_are_live_and_ask_something(path, tmp_path):
     assert all(f'"label": "{name}"' in page.replace("\\", "") for name in names) and names
 
 
+def test_structures_are_live_with_the_responses_of_their_file(tmp_path):
+    model = Path(shutil.copy(EXAMPLE.with_name("truss.toml"), tmp_path))
+    page = run(model)
+    assert is_live(page)
+    names = load_model_file(model).document.responses
+    assert all(f'"label": "{name}"' in page.replace("\\", "") for name in names) and names
+    assert not is_live(run(model, "--no-live"))
+
+
 def test_wrong_values_are_refused_with_their_place(model, capsys):
     assert main(["run", str(with_live(model, '"yes"'))]) == 2
     error = capsys.readouterr().err

@@ -55,7 +55,7 @@ def live_page(decision: Any, live: bool | None, first_view: dict[str, Any]) -> d
         return decision.page(**first_view) | ({"live": {"reason": str(error)}} if live else {})
     runs = task.result.has_page and not task.result.analysis.live_obstacle(task.result)
     page = task.page(**first_view) if runs else {}
-    times = np.array(page.get("time", ()))
+    times = np.array(page.get("time", page.get("states", {}).get("numbers", ())))
     responses = computable(task.responses, times) if times.size else []
     page = task.result.live_page(page, live, responses, task.designs)
     if "code" in page.get("live", {}):

@@ -44,6 +44,8 @@ class StructuralStates(Result):
     """Whether the states are consecutive, such as instants."""
     of_any_size: ClassVar[bool] = False
     """Whether the displacements have no absolute scale, such as those of modes."""
+    main: ClassVar[str] = ""
+    """Measure in the names of modes."""
 
     @property
     def state_names(self) -> list[str]:
