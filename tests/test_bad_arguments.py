@@ -96,3 +96,9 @@ def test_messages_stay_short_whatever_they_quote():
         with pytest.raises(da.DalembertError) as caught:
             act()
         assert 20 < len(str(caught.value)) < 3000
+
+
+def test_methods_of_systems_are_not_set() -> None:
+    """``system.gravity = (0, -9.81)`` would leave the system without gravity."""
+    with pytest.raises(da.ModelError, match=r"gravity is a method: call gravity\(…\)"):
+        da.System("pendulum").gravity = (0, -9.81)  # type: ignore[method-assign]

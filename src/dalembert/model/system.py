@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.between_bodies import NodeBody
 from dalembert.elements.fem.element_set import Elements
+from dalembert.errors import ModelError
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.copies import Copied, include
 from dalembert.model.graph.checks import ValueChecks, check_membership, check_symbols
@@ -66,6 +67,18 @@ class System(CheckedArguments, SupportsAndLoads, MechanismParts):
                 f"{type(self).__name__} {vars(self).get('name', '')!r} has no {name!r}; analyses "
                 "take the model returned by its build()"
             )
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Set an attribute; methods such as ``gravity`` are called, not set.
+
+        Raises
+        ------
+        ModelError
+            The name is that of a method.
+        """
+        if callable(getattr(type(self), name, None)):
+            raise ModelError(f"{name} is a method: call {name}(…) instead of setting it", "system")
+        super().__setattr__(name, value)
 
     def include(
         self, name: str, source: System, *, velocity: Any = None, angular_velocity: Any = None

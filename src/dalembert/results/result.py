@@ -222,11 +222,21 @@ class Result(CacheOwner, Protocol):
             with_unit_headings(table, declared | table.attrs.get("units", {}), units), path
         )
 
-    def report(self, path: str | Path, **first_view: Any) -> Path:
-        """Write the interactive report, one self-contained HTML file, if ``has_page``."""
+    def report(
+        self,
+        path: str | Path,
+        *,
+        live: bool | None = None,
+        responses: Sequence[PageResponse] = (),
+        **first_view: Any,
+    ) -> Path:
+        """Write the interactive report, one self-contained HTML file, if ``has_page``.
+
+        ``live`` and ``responses`` as in ``live_page``.
+        """
         from dalembert.report.page import write_page
 
-        return write_page(self.page(**first_view), path)
+        return write_page(self.live_page(self.page(**first_view), live, responses), path)
 
     def show(self, height: int = 680, **first_view: Any) -> InlinePage:
         """Report in a notebook, with player and plots, if ``has_page``."""

@@ -33,6 +33,10 @@ function failureText({ failure: { outcome, message }, open }) {
   return `${message.includes(outcome) ? message : `${outcome}: ${message}`}${gap}`.replace(/^./, (c) => c.toUpperCase()) + ". The picture is that of the last valid design.";
 }
 
+/** Note that extremes and means are those of the outputs, where Python looks inside the steps. @param {LiveData} live */
+const reductionNote = (live) => live.adaptive && el("p", { class: "caption note" },
+  `Responses of these ${live.times?.length ?? 0} outputs; under error control Python also looks for extremes inside the steps.`);
+
 /** @param {{ motion: Motion, scene: Scene, player: Player, board: Board | null }} page @param {Dimension} dimension */
 export function buildLive(page, dimension) {
   const code = /** @type {LiveCode} */ (payload.live), numbers = JSON.parse(code.exact);
@@ -41,7 +45,7 @@ export function buildLive(page, dimension) {
   const panel = new ParameterPanel(design), table = new ResponseTable(firstResponses(live)), drag = new PathDrag(page, design, live);
   const improvement = new Improvement(design, table, solver), add = addMenu(live, (response) => table.add(response));
   const card = el("section", { class: "card live", id: "live", "aria-label": "Parameters and responses" },
-    panel.node, el("div", { class: "plot-head" }, el("h2", {}, "Responses"), el("div", { class: "live-tools" }, improvement.toggle, add)), table.node, improvement.node);
+    panel.node, el("div", { class: "plot-head" }, el("h2", {}, "Responses"), el("div", { class: "live-tools" }, improvement.toggle, add)), table.node, reductionNote(live), improvement.node);
   const kept = new KeptDesigns(design, table, picture);
   panel.tools.append(kept.button, designMenu(design, (text) => panel.say(text)));
   byId("board").hidden = false;  // also where there is nothing to plot
