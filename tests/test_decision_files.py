@@ -230,7 +230,8 @@ def test_no_table(task, tmp_path, capsys):
 # what is kept --------------------------------------------------------------------------
 @pytest.mark.parametrize("task", TASKS)
 def test_saved_and_read_again(task, tmp_path, capsys):
-    path, out = written(tmp_path, ROD + TASKS[task]), tmp_path / "o"
+    not_live = "\n[report]\nlive = false\n"  # the stored page never is
+    path, out = written(tmp_path, ROD + TASKS[task] + not_live), tmp_path / "o"
     result = run(capsys, task, path, "--output", out)
     base = f"model.{task}"
     assert sorted(f.name for f in out.iterdir()) == [
@@ -241,7 +242,8 @@ def test_saved_and_read_again(task, tmp_path, capsys):
     assert da.load_results(out / f"{base}.nc").sizes
     page = (out / f"{base}.report.html").read_bytes()
     assert main(["report", str(out / f"{base}.nc"), "--output", str(tmp_path / "p.html")]) == 0
-    assert (tmp_path / "p.html").read_bytes() == page
+    is_same = (tmp_path / "p.html").read_bytes() == page  # a difference would be long
+    assert is_same
 
 
 @pytest.mark.parametrize(
