@@ -19,7 +19,8 @@ from dalembert.io.decisions.synthesis import make_synthesis
 from dalembert.io.model_file import load_model_file
 
 FIXED = set(
-    "kind symbol role better place directions kind_of_state data code columns numbers".split()
+    "kind symbol role better place directions kind_of_state data code "
+    "columns numbers states".split()
 )
 """Keys of words that the program chooses itself, as are the names of fields of a structure."""
 NAMES = {
