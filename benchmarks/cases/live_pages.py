@@ -45,7 +45,7 @@ DRAG = """async (count) => {
   solver.onSlopes.on(() => waiting());
   for (let k = 0; k < count; k++) {
     answered = false;
-    const share = first + amplitude * Math.sin(k / 8) * (first > 0.5 ? -1 : 1) / 2;
+    const share = first + amplitude * Math.sin((k + 1) / 8) * (first > 0.5 ? -1 : 1) / 2;
     const picture = new Promise((done) => { drawn = done; });
     const gradient = new Promise((done) => { waiting = done; });
     const begin = performance.now();
