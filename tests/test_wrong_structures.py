@@ -43,7 +43,7 @@ WRONG = [
     ('nodes = ["a", "c"]', 'nodes = "a"\nuz = 0', "unknown direction 'uz'; known: ux, uy, rz"),
     ('nodes = ["a", "c"]', 'nodes = "a"\nwhere = { x = 0 }', "supports[0]: a is one node; where"),
     ('nodes = ["a", "c"]', "nodes = []", "supports[0].nodes: expected the name of nodes"),
-    ('nodes = "b"\nfy', 'nodes = "a"\nfy', "load a: fy: uy is prescribed, so the force there is a "),
+    ('nodes = "b"\nfy', 'nodes = "a"\nfy', "load a: fy: uy is prescribed, so the force there is "),
     ("fy = -10", "f = -10", "loads[0].f: unknown key (did you mean 'fz'?)"),
     ("fy = -10", 'fy = "b.uy"', "loads[0].fy: in formula 'b.uy': unknown name 'b.uy'"),
     (
