@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from dalembert.analysis.batch.marches import AdaptiveSteps, FixedSteps
 from dalembert.analysis.contact.gap_checks import refuse_overlap
 from dalembert.analysis.dynamics.continuation import ContinuedRun, extended, refuse_ended
 from dalembert.analysis.dynamics.dense_outputs import peak_quadrature
@@ -174,6 +173,8 @@ class Dynamics(OverTime[Any]):
     @property
     def batched(self) -> type:  # type: ignore[override]
         """Class that runs a batch of designs."""
+        from dalembert.analysis.batch.marches import AdaptiveSteps, FixedSteps
+
         return AdaptiveSteps if self.integrator.adaptive else FixedSteps
 
     def for_designs(self) -> Dynamics:
