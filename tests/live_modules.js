@@ -3,21 +3,17 @@
 import { readFileSync, writeFileSync } from "node:fs";
 import { inflateSync } from "node:zlib";
 import { LIBRARY } from "./live_engine.js";
-import { LiveEquilibrium } from "./live_equilibrium.js";
-import { LiveKinematics } from "./live_kinematics.js";
-import { LiveModes } from "./live_modes.js";
-import { LiveRun, RunFailure } from "./live_run.js";
-import { LiveStatics, LiveVibration } from "./live_structures.js";
+import { invalid } from "./live_limits.js";
+import { RunFailure } from "./live_run.js";
 import { checkedStatus, failedStatus } from "./live_status.js";
 
-const KINDS = { dynamics: LiveRun, kinematics: LiveKinematics, equilibrium: LiveEquilibrium, modes: LiveModes, statics: LiveStatics, vibration: LiveVibration };
 const folder = process.argv[2];
 
 /** Numbers of JSON, which has no infinities. */
 const plain = (values) => Array.from(values, (x) => (Number.isFinite(x) ? x : String(x)));
 
-function outcome({ data: { exact, ...constants }, parameters, weights }) {
-  const data = { ...JSON.parse(exact), ...constants }, run = new KINDS[data.kind](new WebAssembly.Module(inflateSync(Buffer.from(data.code, "base64"))), data);
+function outcome({ data: { exact, ...constants }, parameters, weights }, classes) {
+  const data = { ...JSON.parse(exact), ...constants }, run = new classes[data.kind](new WebAssembly.Module(inflateSync(Buffer.from(data.code, "base64"))), data);
   try {
     const result = run.run(parameters), { times, table, rows } = result, status = checkedStatus(run, result);
     const gradients = weights.map((entries) => run.gradient(result, new Map(entries.map(([row, values]) => [row, Float64Array.from(values)]))));
@@ -31,7 +27,9 @@ function outcome({ data: { exact, ...constants }, parameters, weights }) {
   }
 }
 
-const { cases, calls } = JSON.parse(readFileSync(`${folder}/cases.json`, "utf8"));
-const results = Object.fromEntries(Object.entries(cases).map(([name, entry]) => [name, outcome(entry)]));
+const { cases, calls, runs, limits } = JSON.parse(readFileSync(`${folder}/cases.json`, "utf8"));
+const classes = {};
+for (const [kind, [module, name]] of Object.entries(runs)) classes[kind] = (await import(`./${module}`))[name];
+const results = Object.fromEntries(Object.entries(cases).map(([name, entry]) => [name, outcome(entry, classes)]));
 const values = calls.map(([name, ...columns]) => columns[0].map((_, k) => LIBRARY[name](...columns.map((column) => Number(column[k])))));
-writeFileSync(`${folder}/results.json`, JSON.stringify({ results, values: values.map(plain) }));
+writeFileSync(`${folder}/results.json`, JSON.stringify({ results, values: values.map(plain), messages: limits.map(([rows, numbers]) => invalid(rows, numbers.map(Number))) }));

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from browser import missing
 
+from dalembert.report.scripts import RUNS
+
 TESTS = Path(__file__).parent
 ASSETS = TESTS.parent / "src/dalembert/report/assets"
 SCRIPT = "live_modules.js"
@@ -37,12 +39,15 @@ class Outcome:
 
 
 class Modules:
-    """Modules with the parameters of their runs, and calls of mathematical functions."""
+    """Modules with the parameters of their runs, calls of mathematical functions, and limits of
+    quantities with numbers, of which a run sets the messages."""
 
     def __init__(self, folder: Path):
         self.folder = folder
         self.cases: dict[str, Any] = {}
         self.calls: list[Any] = []
+        self.limits: list[Any] = []
+        self.messages: list[str] = []
 
     def add(
         self,
@@ -64,12 +69,14 @@ class Modules:
             shutil.copy(script, self.folder)
         shutil.copy(TESTS / SCRIPT, self.folder)
         (self.folder / "package.json").write_text('{"type": "module"}')
-        entries = {"cases": self.cases, "calls": plain(self.calls)}
+        entries = {"cases": self.cases, "calls": plain(self.calls), "runs": RUNS}
+        entries["limits"] = plain(self.limits)
         (self.folder / "cases.json").write_text(json.dumps(entries))
         command = [node, str(self.folder / SCRIPT), str(self.folder)]
         run = subprocess.run(command, capture_output=True, text=True, check=False)
         assert run.returncode == 0, run.stderr[-3000:]
         text = json.loads((self.folder / "results.json").read_text())
+        self.messages = text["messages"]
         results = {name: outcome(entry) for name, entry in text["results"].items()}
         return results, [np.array(values, float) for values in text["values"]]
 

@@ -67,6 +67,19 @@ def four_bar() -> da.Model:
     return system.build()
 
 
+def test_invalid_values_are_refused(node, tmp_path: Path) -> None:
+    """With the message of Python; the next call runs again."""
+    model = four_bar()
+    module = model.module(da.Dynamics(duration=0.1, step=0.01), ["crank.angle"])
+    file = module.export(tmp_path)[0]
+    with pytest.raises(da.ModelError) as error:
+        model.values({"m": -1.0})
+    answer = node(file, {"m": -1.0}, [])
+    assert (answer["status"], answer["message"]) == ("invalid value", str(error.value))
+    assert answer["time"] == [] and answer["outputs"]["crank.angle"] == []
+    assert node(file, {"m": 2.0}, [])["status"] == "completed"
+
+
 MEASURES = ["crank.angle", "A.force.x", "coupler.x + l1", "energy", "balance_error"]
 RESPONSES = [
     da.final("crank.angle", name="angle"),

@@ -178,7 +178,7 @@ def test_a_statically_unstable_design_keeps_the_picture(browser: Any, tmp_path: 
         change(page, {0: 1.5})
         before = page.js("[...dalembert.motion.mesh.rest]")
         page.js(
-            "dalembert.design.values[1] = 0; dalembert.solver.request({ parameters: "
+            "dalembert.design.values[0] = 0; dalembert.solver.request({ parameters: "
             "dalembert.design.values, responses: [], gradients: [] })"
         )
         settle(page)

@@ -17,7 +17,7 @@ from browser import missing
 from report_payload import four_bar
 
 from dalembert.report import scripts
-from dalembert.report.scripts import IMPORT, PAGES, asset, page_script
+from dalembert.report.scripts import IMPORT, PAGES, RUNS, asset, joined, page_script, worker_script
 
 ASSETS = Path(__file__).parents[1] / "src/dalembert/report/assets"
 TYPESCRIPT = "7.0.2"
@@ -101,25 +101,37 @@ def test_imports_have_no_cycles(name: str) -> None:
     assert name not in reached
 
 
-@pytest.mark.parametrize("kind", PAGES)
+def script_of(kind: str) -> str:
+    """Script of a page, a worker or an exported module."""
+    if kind in PAGES:
+        return page_script(kind)
+    return worker_script(kind) if kind in RUNS else joined("module.js")
+
+
+KINDS = (*PAGES, *RUNS, "module")
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_page_is_one_scope_without_comments(kind: str) -> None:
-    script = page_script(kind).replace(asset("vendor/three.js"), "")
+    script = script_of(kind).replace(asset("vendor/three.js"), "")
     assert not re.search(r"^(?:import|export) |/\*\*|^ *//", script, re.MULTILINE)
     repeated = [name for name, count in Counter(DECLARATION.findall(script)).items() if count > 1]
     assert repeated == []
 
 
-@pytest.mark.parametrize("kind", PAGES)
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_joined_scripts_of_a_page_are_valid(kind: str, tmp_path: Path) -> None:
     """Names of one declaration after the first included."""
     node = shutil.which("node") or missing("node")
     file = tmp_path / "page.mjs"
-    file.write_text(page_script(kind), encoding="utf-8")
+    file.write_text(script_of(kind), encoding="utf-8")
     subprocess.run([node, "--check", file], check=True)
 
 
 def test_every_script_is_part_of_a_page() -> None:
-    reached, waiting = set(PAGES.values()), list(PAGES.values())
+    runs = [module for module, _ in RUNS.values()]
+    waiting = [*PAGES.values(), "live_worker.js", *runs, "module.js"]
+    reached = set(waiting)
     while waiting:
         for module in set(imports(waiting.pop())) - reached:
             reached.add(module)

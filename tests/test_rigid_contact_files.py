@@ -1,4 +1,4 @@
-"""Rigid contacts in model files: what ``check`` tells, and slips in one or two directions."""
+"""Rigid contacts in model files: what ``check`` message, and slips in one or two directions."""
 
 from __future__ import annotations
 

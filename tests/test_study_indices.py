@@ -32,7 +32,7 @@ def test_ishigami():
     both = pi4**2 * 8 / 22500
     whole = parts.sum() + both
     first, total = parts / whole, (parts + np.array([both, 0, both])) / whole
-    # the error that the method tells is 95 % confidence; three halves of it is 99.7 %
+    # the error that the method message is 95 % confidence; three halves of it is 99.7 %
     assert np.all(abs(indices.first[0] - first) < 1.5 * indices.first_error[0] + 1e-3)
     assert np.all(abs(indices.total[0] - total) < 1.5 * indices.total_error[0] + 1e-3)
     assert indices.total_error.max() < 0.15

@@ -32,7 +32,7 @@ WRONG = [
         "elements.left.area: in formula 'aera': unknown name 'aera' (",
     ),
     ('area = "area"', "aera = 1", "elements.left.aera: unknown key (did you mean 'area'?)"),
-    ('area = "area"', "area = -1", "elements.left.area: is -1 m^2; it must be above 0"),
+    ('area = "area"', "area = -1", "elements.left.area: is -1 m^2, but it must be above 0"),
     ('area = "area"', "", "elements.left.area: is missing"),
     ("a = [0, 0]", "a = [0, 0, 0]", "nodes.b: has 2 coordinates, a has 3"),
     ("a = [0, 0]", "a = [0, 0, 0, 0]", "nodes.a: expected 1 to 3 coordinates, got 4"),

@@ -239,7 +239,7 @@ def test_advice_prefers_what_tells_more(oscillator):
 
 
 @pytest.mark.parametrize(
-    ("data", "more", "tells"),
+    ("data", "more", "message"),
     [
         ({"time": [], "slider.x": []}, {}, "no rows"),
         ({"clock": [0, 1], "slider.x": [0, 1]}, {}, "no column 'time' or 't'"),
@@ -256,8 +256,8 @@ def test_advice_prefers_what_tells_more(oscillator):
         (3.0, {}, "give a DataFrame"),
     ],
 )
-def test_bad_data_are_told(crank, data, more, tells):
-    with pytest.raises(da.AnalysisError, match=tells):
+def test_bad_data_are_told(crank, data, more, message):
+    with pytest.raises(da.AnalysisError, match=message):
         da.identify(crank, data, vary=list(TRUE), analysis=KINEMATICS, **more)
 
 
@@ -288,7 +288,7 @@ def test_the_command_line(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("table", "tells"),
+    ("table", "message"),
     [
         ('data = "a.csv"\nvary = ["gg"]', ["identify.vary[0]", "did you mean 'g'"]),
         ('data = "a.csv"\nvary = ["g"]\nloss = "hubert"', ["identify.loss", "huber"]),
@@ -303,7 +303,7 @@ def test_the_command_line(tmp_path, capsys):
         ('data = "empty.csv"\nvary = ["g"]', ["empty.csv", "cannot be read"]),
     ],
 )
-def test_a_file_that_asks_wrongly(tmp_path, capsys, table, tells):
+def test_a_file_that_asks_wrongly(tmp_path, capsys, table, message):
     (tmp_path / "empty.csv").write_text("")
     (tmp_path / "fall.toml").write_text(
         'format = 1\ngravity = [0, "-g"]\n[parameters]\ng = { value = 9.0, bounds = [1, 20] }\n'
@@ -312,5 +312,5 @@ def test_a_file_that_asks_wrongly(tmp_path, capsys, table, tells):
     )
     assert main(["identify", str(tmp_path / "fall.toml")]) in (1, 2)
     message = capsys.readouterr().err
-    for text in tells:
+    for text in message:
         assert text in message

@@ -89,7 +89,7 @@ def test_a_drive_is_found_from_the_path(pushed):
 
 
 @pytest.mark.parametrize(
-    ("more", "tells"),
+    ("more", "message"),
     [
         ({"histories": []}, "nothing to find"),
         ({"smoothing": "guess"}, "unknown smoothing 'guess'"),
@@ -98,10 +98,10 @@ def test_a_drive_is_found_from_the_path(pushed):
         ({"smoothing": "discrepancy", "noise": {"x": 1e-12}}, "times the noise"),
     ],
 )
-def test_invalid_arguments_are_refused(pushed, more, tells):
+def test_invalid_arguments_are_refused(pushed, more, message):
     model, push = pushed
     arguments = {"measures": {"x": "mass.x"}, "histories": [push], "analysis": ANALYSIS} | more
-    with pytest.raises(da.DalembertError, match=tells):
+    with pytest.raises(da.DalembertError, match=message):
         da.invert(model, motion(pushed, 1e-3), **arguments)
     with pytest.raises(da.ModelError, match="four knots"):
         da.input_history(da.System("few"), "f", [0, 1, 2])

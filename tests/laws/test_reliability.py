@@ -189,7 +189,7 @@ def test_searches_that_do_not_converge_are_reported():
 
 
 @pytest.mark.parametrize(
-    ("more", "tells"),
+    ("more", "message"),
     [
         ({"correlation": np.array([[1, 0.9], [0.2, 1]])}, "symmetric"),
         ({"correlation": {("a", "b"): 1.2}}, "not positive definite"),
@@ -204,11 +204,11 @@ def test_searches_that_do_not_converge_are_reported():
         ({"method": "newton"}, "unknown method"),
     ],
 )
-def test_invalid_arguments_are_refused(more, tells):
+def test_invalid_arguments_are_refused(more, message):
     arguments = {"limit_state": "3 - a - b", "random": {"a": N, "b": N}}
-    if "lies between" in tells:
+    if "lies between" in message:
         arguments["correlation"] = {("a", "b"): -0.9}
-    with pytest.raises(da.DalembertError, match=tells):
+    with pytest.raises(da.DalembertError, match=message):
         da.reliability(None, **(arguments | more))
 
 

@@ -74,9 +74,9 @@ def test_inverse_dynamics_of_a_sampled_motion():
         (da.Table(list(times), list(q - times), ends="clamped"), "clamped ends"),
         (da.Table(list(times[::5]), list(q[::5])), "uncertain by"),
     ]
-    for law, tells in rough:
+    for law, message in rough:
         effort, warnings = robot_arm(law)
-        assert len(warnings) == 1 and tells in warnings[0], tells
+        assert len(warnings) == 1 and message in warnings[0], message
 
 
 @pytest.mark.parametrize("kind", ["spline", "linear"])

@@ -92,7 +92,7 @@ def test_cheapest_allocation(crank, worst_case):
 
 
 @pytest.mark.parametrize(
-    ("call", "tells"),
+    ("call", "message"),
     [
         (lambda m, **k: da.tolerance(m, da.final("slider.x"), {}, **k), "no tolerances"),
         (lambda m, **k: da.tolerance(m, da.final("slider.x"), {"q": 1.0}, **k), "unknown param"),
@@ -110,6 +110,6 @@ def test_cheapest_allocation(crank, worst_case):
         ),
     ],
 )
-def test_invalid_arguments_are_refused(crank, call, tells):
-    with pytest.raises(da.DalembertError, match=tells):
+def test_invalid_arguments_are_refused(crank, call, message):
+    with pytest.raises(da.DalembertError, match=message):
         call(crank, analysis=ANALYSIS)

@@ -341,7 +341,7 @@ def test_tables_are_headed_by_measures_in_the_units_wanted(tmp_path):
         math.degrees(motion.values("bob.angle")[-1])
     )
     assert computed["bob.end.x [mm]"] == pytest.approx(1e3 * motion.values("bob.end.x")[-1])
-    assert "bob.vx [m/s]" in computed  # no unit of velocities was asked for
+    assert "bob.vx [m/s]" in computed  # units without one of velocities
     with pytest.raises(da.AnalysisError, match="units: unknown unit 'mmm'"):
         motion.to_csv(path, units=["mmm"])
 

@@ -199,7 +199,7 @@ def test_deck_on_the_command_line(tmp_path, capsys):
     assert json.loads(capsys.readouterr().out)["displacements"]["n1"] == pytest.approx(1.5)
     for wrong, message in (
         (["--set", "d9=1"], "unknown parameter 'd9' (did you mean 'd2'?); known: d1, d2"),
-        (["--set", "d1=-1"], "s1.stiffness: is -1 N/m; it must be above 0"),
+        (["--set", "d1=-1"], "s1.stiffness: is -1 N/m, but it must be above 0"),
         (["--set", "d1=x"], "--set d1: 'x' is not a number"),
         (["--analysis", "Kinematics"], "--analysis Kinematics: a deck is solved by linear statics"),
     ):

@@ -10,7 +10,7 @@ from dalembert.elements.fem.element_set import Elements
 from dalembert.errors import ModelError
 from dalembert.model.assembled.model import StructuralModel
 from dalembert.model.copies import Copied, include
-from dalembert.model.graph.checks import ValueChecks, check_membership, check_symbols
+from dalembert.model.graph.checks import check_membership, check_symbols, value_checks
 from dalembert.model.graph.description import Description, gravity_field
 from dalembert.model.graph.model import Model
 from dalembert.model.graph.parts import MechanismParts
@@ -148,7 +148,7 @@ class System(CheckedArguments, SupportsAndLoads, MechanismParts):
         parts = Description(self)
         check_membership(parts)
         check_symbols(parts)
-        ValueChecks(parts)([p.value for p in self.parameters.values()])
+        value_checks(parts)([p.value for p in self.parameters.values()])
         return Model.assembled(parts, strict)
 
 

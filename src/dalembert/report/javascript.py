@@ -11,16 +11,8 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from dalembert.report.scripts import PAGES, asset, joined
+from dalembert.report.scripts import RUNS, asset, joined
 from dalembert.text.wording import visible
-
-RUNS = {
-    "dynamics": ("live_run.js", "LiveRun"),
-    "kinematics": ("live_kinematics.js", "LiveKinematics"),
-    "equilibrium": ("live_equilibrium.js", "LiveEquilibrium"),
-    "modes": ("live_modes.js", "LiveModes"),
-}
-"""Kind of an analysis → script and class of its runs."""
 
 
 def javascript_files(data: Mapping[str, Any], name: str) -> dict[str, str]:
@@ -45,7 +37,7 @@ def _module(data: Mapping[str, Any]) -> str:
     parts = (
         f"// {_line(data['name'])}: simulate(parameters), evaluate(response, parameters) and",
         "// gradient(response, parameters), with all mechanics as WebAssembly; SI units.",
-        joined(PAGES["module"], script),
+        joined("module.js", script),
         f"const DATA = {_plain(constants)};\n",
         asset("export/functions.js").replace("{{RUN}}", run),
     )

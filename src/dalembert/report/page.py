@@ -21,7 +21,7 @@ from typing import Any
 from dalembert.errors import FileError
 from dalembert.files import atomic_path
 from dalembert.report.packing import are_numbers, pack
-from dalembert.report.scripts import KINDS, asset, page_kind, page_script
+from dalembert.report.scripts import KINDS, asset, page_kind, page_script, worker_script
 from dalembert.text.wording import visible
 
 __all__ = ["as_json", "render_page", "write_page"]
@@ -53,7 +53,7 @@ def render_page(payload: dict[str, Any]) -> str:
     }
     live = payload.get("live", {})
     if "code" in live:
-        script = INDENT.sub("", page_script(live["kind"]))
+        script = INDENT.sub("", worker_script(live["kind"]))
         packed = base64.b64encode(zlib.compress(script.encode(), 9)).decode("ascii")
         parts["worker"] = f'<script type="text/plain" id="worker">{packed}</script>'
         parts["style"] += asset("live.css")

@@ -21,15 +21,17 @@ PAGES = {
     "live spatial mechanism": "live_spatial.js",
     "live structure": "live_planar_structure.js",
     "live spatial structure": "live_spatial_structure.js",
-    "dynamics": "live_dynamics_worker.js",
-    "kinematics": "live_kinematics_worker.js",
-    "equilibrium": "live_equilibrium_worker.js",
-    "modes": "live_modes_worker.js",
-    "statics": "live_statics_worker.js",
-    "vibration": "live_vibration_worker.js",
-    "module": "module.js",
 }
-"""Kind of page, and its dimension, or of a worker or an exported module → main module."""
+"""Kind of page, and its dimension → main module."""
+RUNS = {
+    "dynamics": ("live_run.js", "LiveRun"),
+    "kinematics": ("live_kinematics.js", "LiveKinematics"),
+    "equilibrium": ("live_equilibrium.js", "LiveEquilibrium"),
+    "modes": ("live_modes.js", "LiveModes"),
+    "statics": ("live_structures.js", "LiveStatics"),
+    "vibration": ("live_structures.js", "LiveVibration"),
+}
+"""Kind of an analysis → module and class of its runs."""
 KINDS = ("mechanism", "spatial", "structure", "decision")
 """Kinds of payloads."""
 
@@ -59,6 +61,13 @@ def page_kind(payload: dict[str, Any]) -> str:
 def page_script(kind: str) -> str:
     """Script of a kind of page."""
     return joined(PAGES[kind])
+
+
+@cache
+def worker_script(kind: str) -> str:
+    """Script of the worker of a live page, by kind of its analysis."""
+    module, run = RUNS[kind]
+    return f"{joined('live_worker.js', module)}\nserve({run});\n"
 
 
 def joined(*names: str) -> str:

@@ -18,6 +18,7 @@ import casadi as ca
 import numpy as np
 
 if TYPE_CHECKING:
+    from dalembert.model.value_limits import ValueLimit
     from dalembert.symbolic.formulas.expression import Expression
     from dalembert.symbolic.native.webassembly import WebModule
 
@@ -81,6 +82,15 @@ class LiveFunctions:
         graph = ca.densify(ca.vertcat(*numbers)) if numbers else ca.SX.zeros(1)
         function = ca.Function("numbers", [p], [graph], {"cse": True})
         return replace(self, functions={**self.functions, "numbers": function})
+
+    def with_limits(self, p: ca.SX, limits: Sequence[ValueLimit]) -> LiveFunctions:
+        """The same with a function ``quantities(p)`` of the numbers that have limits."""
+        if not limits:
+            return self
+        graph = ca.densify(ca.vertcat(*(limit.graph for limit in limits)))
+        functions = {"quantities": ca.Function("quantities", [p], [graph], {"cse": True})}
+        data = {"quantities": [limit.data() for limit in limits]}
+        return LiveFunctions({**self.functions, **functions}, {**self.data, **data})
 
     @cached_property
     def module(self) -> WebModule:

@@ -135,6 +135,7 @@ def build_module(
     if not table.rows:
         raise AnalysisError(f"the module of {model.name!r} has no outputs; give measures=[...]")
     live = result.analysis.live_functions(result, table.rows, times)
+    live = live.with_limits(*model.value_limits())
     return Module(model.name, live, _parameters(result), outputs, reductions)
 
 

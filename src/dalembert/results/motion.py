@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from dalembert.report.page import InlinePage
-    from dalembert.results.live import PageDesigns, PageResponse
+    from dalembert.results.live import PageResponse
     from dalembert.results.pictures.animation import Film
     from dalembert.results.structural.motion import RecoveredStates
 
@@ -201,17 +201,6 @@ class Motion(LabelledRecording):
 
         page = self.page(plots=plots, trace=trace, units=units, views=views)
         return write_page(self.live_page(page, live, responses), path)
-
-    def live_page(
-        self,
-        page: dict[str, Any],
-        live: bool | None = None,
-        responses: Sequence[PageResponse] = (),
-        designs: PageDesigns | None = None,
-    ) -> dict[str, Any]:
-        from dalembert.results.files.live_page import live_page
-
-        return live_page(self, page, live, responses, designs=designs)
 
     def page(
         self, plots: Groups = None, trace: Names = None, units: Units = (), views: Views = ()

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from dalembert.report.page import InlinePage
     from dalembert.results.analysis import Analysis
+    from dalembert.results.files.live_responses import FirstResponse
     from dalembert.results.live import PageDesigns, PageResponse
 
 
@@ -184,8 +185,13 @@ class Result(CacheOwner, Protocol):
         responses : that it lists, by default the maxima of the plotted measures
         designs : designs of its table
         """
-        kind = type(self).__name__
-        return page | {"live": {"reason": f"{kind} does not run in a page"}} if live else page
+        from dalembert.results.files.live_page import live_page
+
+        return live_page(self, page, live, responses, designs)
+
+    def first_responses(self) -> Sequence[FirstResponse]:
+        """Responses that a live page lists by default; if empty, maxima of the plotted measures."""
+        return ()
 
     def save(self, path: str | Path, **first_view: Any) -> Path:
         """Write all results and the page to a NetCDF file; ``load_results`` reads it back."""

@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
+import casadi as ca
 import numpy as np
 
 from dalembert.errors import AnalysisError
@@ -52,6 +53,10 @@ class ParametricModel(CacheOwner, ABC):
         ModelError
             Names the element, the quantity and its value.
         """
+
+    @abstractmethod
+    def value_limits(self) -> tuple[ca.SX, list[Any]]:
+        """Symbols of the parameters, and limits of quantities that depend on them."""
 
     def values(self, parameters: Mapping[str, float] | np.ndarray | None = None) -> np.ndarray:
         """Parameter vector with some values replaced; a whole vector is passed through.

@@ -26,6 +26,7 @@ from dalembert.model.assembled.reduction.craig_bampton import CraigBampton, crai
 from dalembert.model.assembled.reduction.following import FollowingShapes
 from dalembert.model.assembled.reduction.rigid import GivenInterfaces, interfaces_of, node_positions
 from dalembert.model.supports_and_loads import SupportsAndLoads
+from dalembert.model.value_limits import ValueLimit, check_number, valid_numbers
 from dalembert.symbolic.formulas.declared import declared
 from dalembert.symbolic.formulas.expression import Expression, free_symbols, stack, t
 from dalembert.symbolic.formulas.parser import Names
@@ -155,6 +156,9 @@ class StructuralModel(ParametricModel):
         for block in self.blocks:
             _check_block(block, p)
 
+    def value_limits(self) -> tuple[ca.SX, list[ValueLimit]]:
+        return self.p, [limit for block in self.blocks for limit in block.value_limits()]
+
     # reduction ------------------------------------------------------------------------------
     def craig_bampton(
         self,
@@ -260,15 +264,9 @@ def _check_block(block: ElementBlock, p: np.ndarray) -> None:
         meta = field.metadata
         values = data[row : row + meta["size"]]
         row += meta["size"]
-        for bound, wrong, limit in (
-            (meta["above"], ~(values > meta["above"]), "above"),
-            (meta["minimum"], ~(values >= meta["minimum"]), "at least"),
-        ):
-            if wrong.any():
-                k, e = (int(i) for i in np.argwhere(wrong)[0])
-                raise ModelError(
-                    f"is {values[k, e]:g} {meta['unit']}; it must be {limit} {bound:g}",
-                    f"{block.names.name(e)}.{field.name}",
-                )
+        limits = meta["minimum"], meta["above"]
+        for k, e in np.argwhere(~valid_numbers(values, *limits)):
+            entity = f"{block.names.name(int(e))}.{field.name}"
+            check_number(float(values[k, e]), entity, meta["unit"], *limits)
     for e, wrong in kind.faults(data):
         raise ModelError(wrong, block.names.name(e))

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterable, Sequence
 
 import casadi as ca
 import numpy as np
 
-from dalembert.budget import LARGEST
 from dalembert.elements.base import Constraint, ForceElement
 from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ExpressionError, ModelError
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.rigid_gaps import rigid_gaps
-from dalembert.symbolic.formulas.expression import check_magnitude, free_symbols, stack, t
+from dalembert.model.value_limits import ValueChecks, ValueLimit
+from dalembert.symbolic.formulas.expression import free_symbols, stack, t
 
 Formulas = list[tuple[str, ca.SX]]
 """Formulas with the entities they belong to."""
@@ -114,60 +112,20 @@ def _allow(formulas: Formulas, allowed: set[str], also: str) -> None:
             )
 
 
-class ValueChecks:
-    """Check of the numbers of a mechanism: finite and within their limits.
-
-    Parameters
-    ----------
-    d : Description
-    """
-
-    def __init__(self, d: Description):
-        parameters = set(d.parameters)
-        self._checks: list[Callable[[np.ndarray], None]] = []
-        self._allowed: list[tuple[float, float]] = []
-        formulas: list[ca.SX] = []
-        for element in d.elements.values():
-            for entity, formula, meta in element.checked_quantities():
-                if free_symbols(formula.sx) <= parameters:
-                    self._checks.append(partial(_check_numbers, entity=entity, meta=meta))
-                    formulas.append(formula.sx)
-                    bounds = float(meta["minimum"]), float(meta["above"])
-                    self._allowed += [bounds] * formula.sx.numel()
-            for condition, message, *values in element.conditions():
-                if free_symbols(condition) <= parameters:
-                    n = condition.numel()
-                    check = partial(_check_condition, name=element.name, message=message, count=n)
-                    self._checks.append(check)
-                    formulas.append(stack([condition, *values]))
-                    unlimited = (-np.inf, -np.inf)
-                    self._allowed += [(0.0, -np.inf)] * n
-                    self._allowed += [unlimited] * (formulas[-1].numel() - n)
-        self._ends = np.cumsum([f.numel() for f in formulas], dtype=int)
-        symbols = stack(p.sx for p in d.parameters.values())
-        self._values = ca.Function("quantities", [symbols], [stack(formulas)])
-
-    def __call__(self, values: Sequence[float] | np.ndarray) -> None:
-        """Check the numbers at parameter values.
-
-        Raises
-        ------
-        ModelError
-            Names the first invalid quantity with its value.
-        """
-        numbers = np.split(self._values(values).full().ravel(), self._ends[:-1])
-        for check, part in zip(self._checks, numbers, strict=False):
-            check(part)
-
-    def unverified(self, table: np.ndarray) -> np.ndarray:
-        """(designs,) whether a row of parameter values may be invalid and must be checked alone."""
-        with np.errstate(all="ignore"):
-            numbers = np.asarray(self._values.map(len(table))(table.T).full())
-            low, above = (np.array(column)[:, None] for column in zip(*self._allowed, strict=True))
-            size = np.abs(numbers)
-            usable = (size == 0) | ((size >= 1 / LARGEST) & (size <= LARGEST))
-            valid = usable & (numbers >= low) & (numbers > above)
-        return ~np.all(valid, axis=0) | ~np.all(np.isfinite(table), axis=1)
+def value_checks(d: Description) -> ValueChecks:
+    """Check of the quantities of a mechanism that are formulas of parameters alone."""
+    parameters = set(d.parameters)
+    limits: list[ValueLimit] = []
+    for element in d.elements.values():
+        for entity, formula, meta in element.checked_quantities():
+            if free_symbols(formula.sx) <= parameters:
+                bounds = float(meta["minimum"]), float(meta["above"])
+                limits.append(ValueLimit(entity, ca.vec(formula.sx), meta["unit"], *bounds))
+        for condition, message, *values in element.conditions():
+            if free_symbols(condition) <= parameters:
+                graph, n = stack([condition, *values]), condition.numel()
+                limits.append(ValueLimit(element.name, graph, message=message, count=n))
+    return ValueChecks(limits, stack(p.sx for p in d.parameters.values()))
 
 
 def element_warnings(d: Description, values: Sequence[float] | np.ndarray) -> tuple[str, ...]:
@@ -184,29 +142,3 @@ def element_warnings(d: Description, values: Sequence[float] | np.ndarray) -> tu
 
 def _names(columns: Iterable[ca.SX]) -> set[str]:
     return {name for column in columns for name in free_symbols(column)}
-
-
-def _check_condition(numbers: np.ndarray, name: str, message: str, count: int) -> None:
-    if not np.all(numbers[:count] >= 0):
-        values = numbers[count:]
-        raise ModelError(message.format(*values) if values.size else message, name)
-
-
-def _check_numbers(numbers: np.ndarray, entity: str, meta: Mapping) -> None:
-    for number in numbers:
-        _check_number(float(number), entity, meta)
-
-
-def _check_number(number: float, entity: str, meta: Mapping) -> None:
-    unit = f" {meta['unit']}" if meta["unit"] else ""
-    if not math.isfinite(number):
-        raise ModelError(f"its value is {number}; give a finite number", entity)
-    check_magnitude(number, entity)
-    if number < meta["minimum"]:
-        raise ModelError(
-            f"is {number:g}{unit}, but it must not be "
-            f"{'negative' if meta['minimum'] == 0 else 'below ' + str(meta['minimum'])}",
-            entity,
-        )
-    if number <= meta["above"]:
-        raise ModelError(f"is {number:g}{unit}, but it must be above {meta['above']:g}", entity)

@@ -15,12 +15,13 @@ from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.model.graph.absolute import absolute_equations, at_ground
 from dalembert.model.graph.assembly.closure import Closure
 from dalembert.model.graph.assembly.guesses import AssembledState, Guesses
-from dalembert.model.graph.checks import ValueChecks
+from dalembert.model.graph.checks import value_checks
 from dalembert.model.graph.description import Description
 from dalembert.model.graph.diagnosis import Diagnosis, diagnose
 from dalembert.model.graph.equations import Equations
 from dalembert.model.graph.natural_units import scales_of
 from dalembert.model.graph.scales import Scales
+from dalembert.model.value_limits import ValueChecks, ValueLimit
 from dalembert.symbolic.equations.implicit import ImplicitFunction
 from dalembert.symbolic.evaluation.kernel import SELDOM, condensed
 from dalembert.symbolic.formulas.declared import parameter_table
@@ -157,6 +158,10 @@ class Model(ParametricModel):
     def check_values(self, p: np.ndarray) -> None:
         self._value_checks(p[: len(self.parameters)])
 
+    def value_limits(self) -> tuple[ca.SX, list[ValueLimit]]:
+        limits = self._value_checks.limits
+        return self.equations.p, [limit for limit in limits if ca.symvar(limit.graph)]
+
     def unverified(self, table: np.ndarray) -> np.ndarray:
         """(designs,) rows of parameter values that must be checked by ``check_values``."""
         return self._value_checks.unverified(table)
@@ -178,7 +183,7 @@ class Model(ParametricModel):
 
     @cached_property
     def _value_checks(self) -> ValueChecks:
-        return ValueChecks(self.parts)
+        return value_checks(self.parts)
 
     def mass_matrix(self, p: np.ndarray) -> np.ndarray:
         """``M`` for parameter values ``p``."""

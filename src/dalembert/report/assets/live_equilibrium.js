@@ -3,13 +3,13 @@
 import { eigenvalues } from "./live_eigenvalues.js";
 import { LiveInstants } from "./live_instants.js";
 import { matrixOf, product, spaces, transposed } from "./live_matrix.js";
-import { general } from "./live_status.js";
+import { general } from "./live_limits.js";
 
 /** Equilibria of one mechanism, one after the other. */
 export class LiveEquilibrium extends LiveInstants {
   /** Equilibrium with outputs. @override @param {ArrayLike<number>} parameters */
   run(parameters) {
-    const { engine, times } = this, p = Float64Array.from(parameters);
+    const { engine, times } = this, p = this.checked(parameters);
     engine.top = this.base;
     const x = this.assembled(p), message = this.message(x, p);
     return { ...this.sampled(engine.put(times), engine.put(x), engine.put(p)), message };

@@ -5,7 +5,7 @@
 import { LiveInstants } from "./live_instants.js";
 import { simpson } from "./live_quadrature.js";
 import { RunFailure } from "./live_run.js";
-import { general } from "./live_status.js";
+import { general } from "./live_limits.js";
 
 const STRETCH = 200;
 
@@ -57,7 +57,7 @@ export class LiveKinematics extends LiveInstants {
 
   /** Motion with outputs. @override @param {ArrayLike<number>} parameters */
   run(parameters) {
-    const { engine, data, size, times } = this, p = Float64Array.from(parameters), n = times.length;
+    const { engine, data, size, times } = this, p = this.checked(parameters), n = times.length;
     engine.top = this.base;
     const columns = this.travelled(p), [t, ps, x] = [engine.put(times), engine.put(p), engine.room(size * n)];
     (data.places ?? []).forEach((k, i) => engine.view(x + 8 * size * i, size).set(engine.view(columns + 8 * size * k, size)));

@@ -28,7 +28,7 @@ export class LiveModes extends LiveRun {
 
   /** Modes with outputs: `table` holds the rows one after the other. @override @param {ArrayLike<number>} parameters @returns {any} */
   run(parameters) {
-    const { engine, data } = this, p = Float64Array.from(parameters), n = this.times.length;
+    const { engine, data } = this, p = this.checked(parameters), n = this.times.length;
     engine.top = this.base;
     const near = this.assembled(p), [x] = engine.evaluate("state", [data.start], near, p) ?? [];
     if (!x) throw new RunFailure("the initial speeds are not determined", undefined, undefined, "singular position");

@@ -3,6 +3,7 @@
 /** @import { LiveData } from "./types.d.ts" */
 
 import { Engine } from "./live_engine.js";
+import { invalid } from "./live_limits.js";
 
 const ITERATIONS = 25, CONVERGED = 1e-13, ACCEPTED = 1e-9, SHORTEST = 1e-3, CHUNK = 500, ATTEMPTS = 64, SMALLEST_STEP = 1e-13, GROWTH = 4;
 
@@ -73,6 +74,15 @@ export class LiveRun {
 
   /** Message where Newton's method has no solution. */
   get unsolved() { return this.data.unsolved ?? "the mechanism cannot be assembled"; }
+
+  /** Parameters of a run. @param {ArrayLike<number>} parameters @throws {RunFailure} a quantity is outside its limits */
+  checked(parameters) {
+    const p = Float64Array.from(parameters), { quantities = [] } = this.data;
+    this.engine.top = this.base;
+    const numbers = quantities.length ? this.engine.evaluate("quantities", p)?.[0] : [], wrong = invalid(quantities, numbers ?? []);
+    if (wrong) throw new RunFailure(wrong, undefined, undefined, "invalid value");
+    return p;
+  }
 
   /** Newton's method for the assembled position. @param {Float64Array} y @param {Float64Array} p */
   closed(y, p) {
@@ -206,7 +216,7 @@ export class LiveRun {
   /** Run with outputs: `table` holds the rows one after the other.
    * @param {ArrayLike<number>} parameters */
   run(parameters) {
-    const { engine, data } = this, p = Float64Array.from(parameters), march = this.march(p), places = this.places(march), n = places.times.length;
+    const { engine, data } = this, p = this.checked(parameters), march = this.march(p), places = this.places(march), n = places.times.length;
     const [rows] = engine.named("outputs").outputs, ps = engine.put(p), ts = engine.put(places.times);
     const x = this.leading(places.x, n), { done, to: [result] } = engine.call("outputs", n, [ts, x, ps], new Set([2]));
     if (done < n) throw new RunFailure(`the outputs cannot be computed at t = ${places.times[done]} s`);

@@ -2,19 +2,10 @@
 
 /** @import { LiveCheck, LiveData, LiveStatus } from "./types.d.ts" */
 
+import { general } from "./live_limits.js";
 import { RunFailure, largest } from "./live_run.js";
 
 const ROUNDING = [1e-9, 1e-6], LEVELS = ["", "/s", "/s²"];
-
-/** Number with significant digits, as Python writes it by `g`. @param {number} x @param {number} digits */
-export function general(x, digits) {
-  if (!Number.isFinite(x)) return x !== x ? "nan" : x > 0 ? "inf" : "-inf";
-  if (x === 0) return "0";
-  const [mantissa, exponent] = x.toExponential(digits - 1).split("e"), power = Number(exponent);
-  const shortened = (/** @type {string} */ text) => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
-  if (power >= -4 && power < digits) return shortened(x.toFixed(digits - 1 - power));
-  return `${shortened(mantissa)}e${power < 0 ? "-" : "+"}${String(Math.abs(power)).padStart(2, "0")}`;
-}
 
 /** Percentage without decimals, halves to even as in Python. @param {number} x */
 function percent(x) {

@@ -42,7 +42,7 @@ class LiveStructure extends LiveRun {
 export class LiveStatics extends LiveStructure {
   /** @override @param {ArrayLike<number>} parameters @returns {any} */
   run(parameters) {
-    const { engine, data } = this, p = Float64Array.from(parameters), n = data.free ?? 0;
+    const { engine, data } = this, p = this.checked(parameters), n = data.free ?? 0;
     engine.top = this.base;
     const [factor, sides, stiffness] = this.factored(p), right = this.times.length ? Array.from(this.times, (_, k) => sides.subarray(n * k, n * (k + 1))) : [];
     const states = right.map((side) => backward(factor, forward(factor, side))), scale = Math.max(largest(sides), Number.MIN_VALUE);
@@ -62,7 +62,7 @@ export class LiveStatics extends LiveStructure {
 export class LiveVibration extends LiveStructure {
   /** @override @param {ArrayLike<number>} parameters @returns {any} */
   run(parameters) {
-    const { engine, data } = this, p = Float64Array.from(parameters), n = data.free ?? 0;
+    const { engine, data } = this, p = this.checked(parameters), n = data.free ?? 0;
     engine.top = this.base;
     const [factor, masses] = this.factored(p), half = matrixOf(masses, n).map((row) => forward(factor, row));
     const reduced = matrixOf(Float64Array.from(half.flatMap((row) => Array.from(row))), n), whole = reduced.map((row) => forward(factor, row));

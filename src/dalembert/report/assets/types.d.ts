@@ -148,6 +148,16 @@ export interface LiveCode {
   /** First byte of memory that the module does not occupy. */
   memory: number;
 }
+/** Numbers with their limits, or conditions followed by the values of their message. */
+export interface LiveLimit {
+  entity: string;
+  size: number;
+  unit?: string;
+  minimum?: number | null;
+  above?: number | null;
+  message?: string;
+  count?: number;
+}
 export interface LiveData extends LiveCode {
   /** Start of the run and shortest distance of two instants [s]. */
   start: number;
@@ -179,6 +189,8 @@ export interface LiveData extends LiveCode {
   /** Rows with factors of the dissipated energy and of the energy input. */
   work?: [number, number, number][];
   limits?: { regular: number; tolerance: number; turn: number; small: [number, number]; fraction: number };
+  /** Limits of quantities and conditions, in the order of the results of the function `quantities`. */
+  quantities?: LiveLimit[];
   /** Message where Newton's method for the start has no solution. */
   unsolved?: string;
   /** Limits of the stiffness of a stable equilibrium, numbers of equations and displacements, natural force. */

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.results.files.live_responses import (
-    FirstResponse,
     joint_rows,
     page_responses,
     state_rows,
@@ -28,19 +27,17 @@ def live_page(
     page: dict[str, Any],
     live: bool | None,
     responses: Sequence[PageResponse] = (),
-    first: Callable[[], Sequence[FirstResponse]] = tuple,
     designs: PageDesigns | None = None,
 ) -> dict[str, Any]:
     """A page with its live part, or with the reason why it has none.
 
     Parameters
     ----------
-    result : motion of a mechanism, or states of a structure
+    result : result of an analysis with a page
     page : its payload
     live : whether the page computes; by default if the model has parameters with bounds, or the
         designs have ranges, and its module is small
     responses : responses that the page lists
-    first : those that it lists by default; without any, the maxima of the plotted series
     designs : designs of its table
     """
     model = result.model
@@ -59,11 +56,12 @@ def live_page(
     columns = [(place, table.number(source)) for place, source in sources.columns]
     times = np.array(page["states"]["numbers"] if structure else page["time"])
     listed = page_responses(result, responses, times, table.number)
-    listed = listed or [response.page_data(table.number) for response in first()]
+    listed = listed or [response.page_data(table.number) for response in result.first_responses()]
     states = [(place, state_rows(sx, table.number)) for place, sx in sources.states]
     try:
         functions = result.analysis.live_functions(result, table.rows, times)
         p = model.p if structure else model.equations.p
+        functions = functions.with_limits(*model.value_limits())
         functions = functions.with_numbers([sx for _, sx in sources.numbers], p)
         module = functions.module
     except UnsupportedError as error:

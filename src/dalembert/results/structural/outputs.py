@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
 
-    from dalembert.results.live import PageDesigns, PageResponse
+    from dalembert.results.files.live_responses import FirstResponse
+    from dalembert.results.live import PageResponse
 
 
 class StructuralOutputs(StructuralStates):
@@ -117,17 +118,10 @@ class StructuralOutputs(StructuralStates):
         page = self.page(units=units, views=views)
         return write_page(self.live_page(page, live, responses), path)
 
-    def live_page(
-        self,
-        page: dict[str, Any],
-        live: bool | None = None,
-        responses: Sequence[PageResponse] = (),
-        designs: PageDesigns | None = None,
-    ) -> dict[str, Any]:
-        from dalembert.results.files.live_page import live_page
+    def first_responses(self) -> list[FirstResponse]:
         from dalembert.results.structural.formulas import first_responses
 
-        return live_page(self, page, live, responses, lambda: first_responses(self), designs)
+        return first_responses(self)
 
     def page(
         self, units: Sequence[str] = (), views: Sequence[Mapping[str, Any]] = ()

@@ -12,6 +12,7 @@ import numpy as np
 from dalembert.elements.fem.energies import Rows
 from dalembert.model.assembled.evaluation.inertia import KindInertia, Moved
 from dalembert.model.spans import Spans
+from dalembert.model.value_limits import ValueLimit
 from dalembert.symbolic.parametric_array import ParametricArray
 
 
@@ -109,6 +110,19 @@ class ElementKind(KindInertia):
                 return base, (self.cls.stations[station],)
         return name, (self.cls.stations[""],)
 
+    def conditions(self, name: str, data: ca.SX) -> list[ValueLimit]:
+        """Conditions of shape and material of one element, see ``faults``."""
+        if not self.graphs.checks:
+            return []
+        check = self.graphs.function("checks")
+        minimum = ca.SX.inf(len(self.graphs.checks))
+        for at in self.cls.samples:
+            minimum = ca.fmin(minimum, check(ca.DM(np.reshape(at, (len(at), 1))), data))
+        return [
+            ValueLimit(name, ca.vertcat(2 * (value > 0) - 1, value), message=message, count=1)
+            for value, (_, message) in zip(ca.vertsplit(minimum), self.graphs.checks, strict=True)
+        ]
+
     def faults(self, data: np.ndarray) -> Iterator[tuple[int, str]]:
         """Elements with invalid shape or material: row, and message."""
         checks = self.graphs.checks
@@ -167,6 +181,27 @@ class ElementBlock:
     def data_graph(self, p: ca.MX) -> ca.MX:
         """(m, ne) data at time zero as a graph of parameters."""
         return ca.reshape(self._data.graph(p), self.kind.data_count, self.count)
+
+    def value_limits(self) -> list[ValueLimit]:
+        """Limits and conditions of elements whose data depend on parameters."""
+        if not self._data.index.size:
+            return []
+        data, limits = self.data_formulas, []
+        row = data.shape[0] - sum(f.metadata["size"] for f in self.kind.cls.quantity_fields())
+        for field in self.kind.cls.quantity_fields():
+            meta = field.metadata
+            for e, numbers in enumerate(data[row : row + meta["size"]].T):
+                graph = ca.SX(ca.vertcat(*numbers))
+                if ca.symvar(graph):
+                    bounds = float(meta["minimum"]), float(meta["above"])
+                    entity = f"{self.names.name(e)}.{field.name}"
+                    limits.append(ValueLimit(entity, graph, meta["unit"], *bounds))
+            row += meta["size"]
+        for e, column in enumerate(data.T):
+            numbers = ca.SX(ca.vertcat(*column))
+            if ca.symvar(numbers):
+                limits += self.kind.conditions(self.names.name(e), numbers)
+        return limits
 
     def lengths(self, p: np.ndarray) -> np.ndarray:
         """(ne,) largest distances of the nodes from the first one [m]."""
