@@ -195,6 +195,7 @@ SHAPES = {
         planar.contact.HalfPlane,
         planar.contact.Polygon,
         planar.contact.Rectangle,
+        planar.contact.Capsule,
         planar.contact.Sprocket,
         planar.contact.Profile,
     ),
@@ -218,3 +219,5 @@ CONTACT_LAWS = named(
     planar.contact.Restitution,
 )
 FRICTIONS = named(planar.contact.Coulomb, planar.contact.Stribeck, planar.contact.LuGre)
+CONTACT_PAIRS = named(planar.contact.Pair)
+"""Coefficients between groups of shapes."""

@@ -7,8 +7,11 @@ import numpy as np
 import scipy
 
 from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.hull_gaps import HullGaps
+from dalembert.analysis.nonsmooth.joined_gaps import JoinedGaps
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
+from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
@@ -44,9 +47,8 @@ class CollisionGaps(GapSource):
         ]
         normals = [_in_space(wall.outward) for wall in walls]
         radii = ca.vertcat(*(b.radius.sx for b in balls))
-        coefficients = ca.vertcat(
-            element.restitution.sx, element.tangential.sx, element.friction.sx
-        )
+        coefficients = element.coefficients
+        self._groups, self._laws = element.group_of([*balls, *walls]), element.laws
         moving, inputs = model.at_ground(ca.vertcat(*twists)), [e.t, e.y, e.p]
         self._velocities = Patterned("velocities", inputs, [ca.jacobian(moving, e.v)])
         columns = [ca.horzcat(*positions), ca.horzcat(*normals) if normals else ca.SX(3, 0)]
@@ -76,10 +78,12 @@ class CollisionGaps(GapSource):
         ]
         distance = np.concatenate([part[0] for part in parts])
         blocks = np.concatenate([part[1] for part in parts])
-        near = distance <= reach
-        first, second = np.hstack([pairs, wall_pairs])[:, near]
+        first, second = np.hstack([pairs, wall_pairs])
+        law = self._laws[self._groups[first], self._groups[second]]
+        near = (distance <= reach) & (law != APART)
+        first, second = first[near], second[near]
         count = first.size
-        laws = np.repeat(coefficients, count, axis=1)
+        laws = coefficients[:, law[near]]
         return Contacts(
             distance[near],
             self._directions(blocks[near], first, second, velocities, width),
@@ -101,7 +105,8 @@ class CollisionGaps(GapSource):
             ca.vertcat(positions[:, here], own), ca.vertcat(positions[:, there], radii[there])
         )
         speeds = ca.mtimes(directions, ca.vertcat(*twists))
-        return SymbolicGap(distance, speeds, *ca.vertsplit(coefficients))
+        law = int(self._laws[self._groups[here], self._groups[there]])
+        return SymbolicGap(distance, speeds, *ca.vertsplit(coefficients[:, law]))
 
     # search for near pairs ------------------------------------------------------------------
     def _pairs(self, positions: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
@@ -202,10 +207,18 @@ def gap_sources(model: Model) -> list[GapSource]:
 
 
 @once
-def collision_gaps(model: Model) -> list[CollisionGaps]:
-    """Sources of the gaps between balls and walls."""
+def collision_gaps(model: Model) -> list[GapSource]:
+    """Sources of the gaps of ``Collisions``."""
     elements = model.parts.elements.values()
-    return [CollisionGaps(model, e) for e in elements if isinstance(e, Collisions)]
+    return [_collision_gaps(model, e) for e in elements if isinstance(e, Collisions)]
+
+
+def _collision_gaps(model: Model, element: Collisions) -> GapSource:
+    """Gaps of balls, and of other shapes where there are any."""
+    balls = [CollisionGaps(model, element)] if element.balls else []
+    hulls = [HullGaps(model, element)] if element.solids else []
+    sources: list[GapSource] = [*balls, *hulls]
+    return sources[0] if len(sources) == 1 else JoinedGaps(sources)
 
 
 def _in_space(vector: ca.SX) -> ca.SX:

@@ -9,6 +9,7 @@ from dalembert.elements.contact.laws import (
     LankaraniNikravesh,
     Restitution,
 )
+from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
 from dalembert.elements.spatial.contact.shapes import HalfSpace, Socket, Sphere
@@ -26,6 +27,7 @@ __all__ = [
     "KelvinVoigt",
     "LankaraniNikravesh",
     "LuGre",
+    "Pair",
     "Restitution",
     "Socket",
     "Sphere",

@@ -8,9 +8,10 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Look, Scalar, Vector, option, quantity
+from dalembert.elements.base import Look, Vector, option, quantity
+from dalembert.elements.contact.hull import Hull
+from dalembert.elements.contact.rounded_line import RoundedLine
 from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Spotted
-from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.mesh import Mesh
 from dalembert.elements.spatial.shape import Cuboid, Pill, Surface
@@ -18,6 +19,14 @@ from dalembert.errors import ModelError
 
 CORNERS = 200
 """Upper limit of the corners of a mesh; each is a potential contact point."""
+
+BOX_FACES = (
+    *((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1)),
+    *((2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)),
+)
+"""Faces of a box, by corners in the order of ``spots``, anticlockwise from outside."""
+BOX_EDGES = tuple((i, i + step) for step in (4, 2, 1) for i in range(8) if not i & step)
+"""Edges of a box along x, y and z."""
 
 
 @dataclass(eq=False)
@@ -54,6 +63,10 @@ class Box(Spotted, Pointed):
         corners = (middle + half * ca.SX(list(signs)) for signs in product((-1, 1), repeat=3))
         return [Spot(Point(self.carrier, corner), ca.SX(0)) for corner in corners]
 
+    def hull(self) -> Hull:
+        corners = tuple(spot.point.local.sx for spot in self.spots())
+        return Hull(corners, ca.SX(0), BOX_EDGES, BOX_FACES)
+
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         heights = ca.fabs(self.local(place) - self.point.local.sx) - self.size.sx / 2
         deepest = ca.fmax(ca.fmax(heights[0], heights[1]), heights[2])
@@ -67,7 +80,7 @@ class Box(Spotted, Pointed):
 
 
 @dataclass(eq=False)
-class Capsule(Spotted):
+class Capsule(RoundedLine):
     """All points within a distance of the line between two points of a body.
 
     Parameters
@@ -93,36 +106,10 @@ class Capsule(Spotted):
     """
 
     space = 3
-    point_i: Point = option("one end of its axis")
-    point_j: Point = option("the other end, of the same body")
-    radius: Scalar = quantity("m", "radius", above=0.0)
-    feels = (Ball,)
 
-    def __post_init__(self) -> None:
-        self.point_i = need_point(self.point_i, "Capsule", "point_i", 3)
-        self.point_j = need_point(self.point_j, "Capsule", "point_j", 3)
-        bodies = self.point_i.body, self.point_j.body
-        if bodies[0] is not bodies[1]:
-            names = " and ".join(body.name for body in bodies)
-            raise ModelError(f"its ends are on {names}; give two points of one body", "Capsule")
-        super().__post_init__()
-
-    @property
-    def carrier(self) -> Any:
-        return self.point_i.body
-
-    @property
-    def dimension(self) -> int:
-        return self.point_i.dimension
-
-    def spots(self) -> list[Spot]:
-        return [Spot(end, self.radius.sx) for end in (self.point_i, self.point_j)]
-
-    def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
-        start, end = self.point_i.position.sx, self.point_j.position.sx
-        axis, relative = end - start, place - start
-        fraction = ca.fmin(1, ca.fmax(0, ca.dot(axis, relative) / ca.sumsqr(axis)))
-        return ca.sqrt(ca.sumsqr(relative - fraction * axis) + NO_LENGTH**2) - self.radius.sx
+    def hull(self) -> Hull:
+        ends = self.point_i.local.sx, self.point_j.local.sx
+        return Hull(ends, self.radius.sx, ((0, 1),))
 
     def look(self, near: ca.SX) -> list[Look]:
         return [Pill(self.point_i, self.point_j, self.radius.sx)]

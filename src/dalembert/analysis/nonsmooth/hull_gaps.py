@@ -1,0 +1,205 @@
+"""Gaps among rounded convex hulls and walls, with a numerical search for near features."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import casadi as ca
+import numpy as np
+import scipy
+
+from dalembert.analysis.nonsmooth.gap_functions import TWIST, Feature, gap_function
+from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions
+from dalembert.analysis.nonsmooth.near_pairs import bounding_balls, near_balls
+from dalembert.analysis.nonsmooth.planar_features import planar_features
+from dalembert.elements.contact.collisions import Collisions
+from dalembert.elements.contact.pairs import APART
+from dalembert.elements.contact.shapes import Round
+from dalembert.integrators.contact.contacts import Contacts
+from dalembert.model.graph.model import Model
+from dalembert.symbolic.evaluation.kernel import Kernel, Matrix
+
+SMALLEST = 16
+"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
+
+
+class HullGaps(GapSource):
+    """Gaps of one ``Collisions`` element, except those of balls with balls and walls.
+
+    A numerical search selects features of near hulls; the gap of two features is a smooth function.
+
+    Parameters
+    ----------
+    model : Model
+    element : Collisions
+    """
+
+    def __init__(self, model: Model, element: Collisions):
+        self.elements, self.width = [element], element.dimension
+        self.geometry = geometry = HullGeometry(model, element)
+        self._groups, self._laws = element.group_of(geometry.shapes), element.laws
+        self._round = np.array([isinstance(shape, Round) for shape in geometry.shapes])
+        features = [max(len(h.corners), 2 * len(h.edges), len(h.faces)) for h in geometry.hulls]
+        self._radix = max(features), len(geometry.shapes)
+        self._kernels: dict[tuple[Feature, int], Kernel] = {}
+
+    def near(
+        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+    ) -> Contacts:
+        at = self.geometry.positions(time, y, p)
+        velocities = self.geometry.velocities(time, y, p)
+        reach = self._reach(at, velocities @ travels)
+        parts = [
+            self._contacts(pairs, at, velocities, reach, width)
+            for pairs in [*self._walls(at, reach), *self._hulls(at, reach)]
+        ]
+        return Contacts.joined(parts or [self._none(velocities.shape[1], width)])
+
+    def symbolic(self, key: int) -> SymbolicGap:
+        pairs = self._pairs_of(np.array([key]))
+        columns = self.geometry.symbolic_columns(pairs)
+        distance, blocks, *_ = gap_function(pairs.feature, self.width)(*columns)
+        shapes = int(pairs.first[0]), int(pairs.second[0])
+        twists = [self.geometry.twists[k * TWIST : (k + 1) * TWIST] for k in shapes]
+        speeds = ca.mtimes(blocks, ca.vertcat(*twists))
+        law = int(self._law(pairs)[0])
+        return SymbolicGap(distance, speeds, *ca.vertsplit(self.geometry.symbols[4][:, law]))
+
+    # search --------------------------------------------------------------------------------------
+    def _reach(self, at: Positions, travels: np.ndarray) -> float:
+        """Largest distance that two shapes cover by displacements of their twists."""
+        moved = np.asarray(travels).reshape(at.radii.size, TWIST, -1)
+        hulls, starts = len(self.geometry.hulls), self.geometry.starts
+        arms = at.corners - np.repeat(at.origins[:hulls], np.diff(starts), axis=0)
+        arm = np.zeros(at.radii.size)
+        arm[:hulls] = np.maximum.reduceat(np.linalg.norm(arms, axis=1), starts[:-1])
+        straight, turned = (np.linalg.norm(moved[:, s], axis=1) for s in (slice(3), slice(3, 6)))
+        return 2 * float((straight + arm[:, None] * turned).max(initial=0.0))
+
+    def _may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Mask of pairs of shapes of different bodies, whose groups touch, not both of balls."""
+        groups = self._groups[first], self._groups[second]
+        apart = self.geometry.owner[first] != self.geometry.owner[second]
+        solid = ~(self._round[first] & self._round[second])
+        return apart & solid & (self._laws[groups] != APART)
+
+    def _walls(self, at: Positions, reach: float) -> list[Pairs]:
+        """Corners near walls."""
+        starts, count = self.geometry.starts, len(self.geometry.hulls)
+        hull = np.repeat(np.arange(count), np.diff(starts))
+        normals, points = at.walls[:, 1], at.walls[:, 0]
+        heights = normals @ at.corners.T - (normals * points).sum(axis=1)[:, None]
+        wall, corner = np.nonzero(heights - at.radii[hull] <= reach)
+        first, second = wall + count, hull[corner]
+        touching = self._may_touch(first, second) & ~self._round[second]
+        pairs = Pairs(Feature.WALL, first, second, 0 * first, corner - starts[second])
+        return [_some(pairs, touching)] if touching.any() else []
+
+    def _hulls(self, at: Positions, reach: float) -> list[Pairs]:
+        """Near features of hulls."""
+        starts = self.geometry.starts
+        centers, radii = bounding_balls(at.corners, starts)
+        first, second = near_balls(centers, radii + at.radii[: radii.size], reach)
+        touching = self._may_touch(first, second)
+        first, second = first[touching], second[touching]
+        if not first.size:
+            return []
+        rounded = self.geometry.rounded[first] | self.geometry.rounded[second]
+        hulls = [self.geometry.polygons(shape, at) for shape in (first, second)]
+        found: dict[Feature, list[np.ndarray]] = {}
+        for feature, row, swapped, own, other in planar_features(*hulls, rounded):
+            a = np.where(swapped, second[row], first[row])
+            b = np.where(swapped, first[row], second[row])
+            found.setdefault(feature, []).append(np.stack([a, b, own, other]))
+        joined = ((feature, np.hstack(parts)) for feature, parts in found.items())
+        return [Pairs(feature, *table) for feature, table in joined if table.size]
+
+    # gaps of pairs -------------------------------------------------------------------------------
+    def _contacts(
+        self, pairs: Pairs, at: Positions, velocities: Matrix, reach: float, width: int
+    ) -> Contacts:
+        """Gaps of pairs within reach."""
+        distance, blocks, *_ = self._evaluate(pairs, at)
+        near = distance <= reach
+        pairs, count = _some(pairs, near), int(near.sum())
+        directions = _directions(blocks[near], pairs.first, pairs.second, velocities, width)
+        return Contacts(
+            distance[near],
+            directions,
+            np.zeros((count, width)),
+            *at.coefficients[:, self._law(pairs)],
+            self._keys(pairs),
+            np.zeros(count, dtype=int),
+        )
+
+    def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
+        """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
+        (n, 3, k) directions."""
+        count, k = pairs.first.size, self.width
+        size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
+        padded = np.arange(size) % count
+        kernel = self._kernel(pairs.feature, size)
+        distance, blocks, place, directions = kernel(
+            *(column[:, padded] for column in self.geometry.columns(pairs, at))
+        )
+        return [
+            distance.ravel()[:count],
+            blocks.T.reshape(size, 2 * TWIST, k)[:count].swapaxes(1, 2),
+            place.T[:count],
+            directions.T.reshape(size, k, 3)[:count].swapaxes(1, 2),
+        ]
+
+    def _kernel(self, feature: Feature, size: int) -> Kernel:
+        """Gap function mapped over ``size`` pairs."""
+        if (feature, size) not in self._kernels:
+            function = gap_function(feature, self.width)
+            self._kernels[feature, size] = Kernel(function.map(size))
+        return self._kernels[feature, size]
+
+    def _law(self, pairs: Pairs) -> np.ndarray:
+        return self._laws[self._groups[pairs.first], self._groups[pairs.second]]
+
+    def _keys(self, pairs: Pairs) -> np.ndarray:
+        features, shapes = self._radix
+        key = (pairs.feature * shapes + pairs.first) * shapes + pairs.second
+        return (key * features + pairs.own) * features + pairs.other
+
+    def _pairs_of(self, keys: np.ndarray) -> Pairs:
+        """The pairs of keys of one kind of features."""
+        features, shapes = self._radix
+        rest, other = np.divmod(keys, features)
+        rest, own = np.divmod(rest, features)
+        rest, second = np.divmod(rest, shapes)
+        kind, first = np.divmod(rest, shapes)
+        return Pairs(Feature(int(kind[0])), first, second, own, other)
+
+    def _none(self, speeds: int, width: int) -> Contacts:
+        empty, numbers = np.zeros(0), np.zeros(0, dtype=int)
+        rows = np.zeros((0, speeds)), np.zeros((0, width))
+        return Contacts(empty, *rows, empty, empty, empty, numbers, numbers)
+
+
+def _some(pairs: Pairs, selected: np.ndarray) -> Pairs:
+    names = ("first", "second", "own", "other")
+    return replace(pairs, **{name: getattr(pairs, name)[selected] for name in names})
+
+
+def _directions(
+    blocks: np.ndarray, first: np.ndarray, second: np.ndarray, velocities: Matrix, width: int
+) -> Matrix:
+    """``W = K J`` (n width, n_v) of pairs with derivatives ``blocks`` by both twists."""
+    count, own = blocks.shape[:2]
+    sides = np.stack([first, second], axis=1)
+    if not scipy.sparse.issparse(velocities):
+        speeds = velocities.shape[1]
+        twists = velocities.reshape(-1, TWIST, speeds)
+        directions = np.zeros((count, width, speeds))
+        directions[:, :own] = blocks @ twists[sides].reshape(count, 2 * TWIST, speeds)
+        return directions.reshape(count * width, speeds)
+    rows = np.arange(count)[:, None] * width + np.arange(own)
+    columns = (sides[:, :, None] * TWIST + np.arange(TWIST)).reshape(count, 1, -1)
+    entries = [np.broadcast_to(n, blocks.shape).ravel() for n in (rows[:, :, None], columns)]
+    shape = (count * width, velocities.shape[0])
+    gaps = scipy.sparse.csr_array((blocks.ravel(), tuple(entries)), shape=shape)
+    return scipy.sparse.csr_array(gaps @ velocities)

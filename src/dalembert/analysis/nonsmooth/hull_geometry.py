@@ -1,0 +1,193 @@
+"""Positions and features of rounded convex hulls and walls, symbolic and numeric."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.nonsmooth.gap_functions import Feature, point_counts
+from dalembert.analysis.nonsmooth.planar_features import Polygons
+from dalembert.elements.contact.collisions import Collisions
+from dalembert.elements.contact.hull import Hull
+from dalembert.elements.contact.shapes import Flat
+from dalembert.elements.point import Point
+from dalembert.model.graph.model import Model
+from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Near features of one kind.
+
+    Attributes
+    ----------
+    feature : kind
+    first, second : (n,) numbers of the shapes
+    own, other : (n,) numbers of their features
+    """
+
+    feature: Feature
+    first: np.ndarray
+    second: np.ndarray
+    own: np.ndarray
+    other: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Positions:
+    """Inertial positions at an instant.
+
+    Attributes
+    ----------
+    corners : (n, 3) of all hulls
+    walls : (f, 2, 3) point and normal
+    radii : (s,) of hulls and walls; a wall has none
+    origins : (s, 3) reference points of the bodies
+    coefficients : (3, l) restitution, tangential restitution and friction of each law
+    """
+
+    corners: np.ndarray
+    walls: np.ndarray
+    radii: np.ndarray
+    origins: np.ndarray
+    coefficients: np.ndarray
+
+
+class HullGeometry:
+    """Shapes of one ``Collisions`` element: hulls, then walls.
+
+    Parameters
+    ----------
+    model : Model
+    element : Collisions
+
+    Attributes
+    ----------
+    shapes, hulls : all shapes; forms of those before the walls
+    starts : (h + 1,) number of the first corner of each hull
+    owner : (s,) number of the body of each shape
+    """
+
+    def __init__(self, model: Model, element: Collisions):
+        walls = element.walls
+        moving = [shape for shape in element.shapes if not isinstance(shape, Flat)]
+        self.shapes, self.dimension = [*moving, *walls], element.dimension
+        self.hulls: list[Hull] = [hull for shape in moving if (hull := shape.hull()) is not None]
+        self.starts = np.cumsum([0, *(len(hull.corners) for hull in self.hulls)])
+        self._edge_starts = np.cumsum([0, *(len(hull.edges) for hull in self.hulls)])
+        self._face_starts = np.cumsum([0, *(len(hull.faces) for hull in self.hulls)])
+        self._edges = self._table(2, [hull.edges for hull in self.hulls])
+        self._faces = self._table(3, [hull.faces for hull in self.hulls])
+        owners = [id(shape.carrier.owner) for shape in self.shapes]
+        self.owner = np.array([owners.index(owner) for owner in owners])
+        sharp = [hull.is_sharp for hull in self.hulls]
+        self.rounded = ~np.array(sharp, dtype=bool)
+        self._symbols(model, element)
+
+    def _table(self, size: int, features: list[tuple[tuple[int, ...], ...]]) -> np.ndarray:
+        """(n, size) numbers of the first corners of the features of all hulls."""
+        rows = [
+            [start + corner for corner in feature[:size]]
+            for start, listed in zip(self.starts, features, strict=False)
+            for feature in listed
+        ]
+        return np.array(rows, dtype=int).reshape(-1, size)
+
+    def _symbols(self, model: Model, element: Collisions) -> None:
+        e = model.all_equations
+        origins = [_in_space(s.carrier.locate(ca.SX.zeros(s.dimension))) for s in self.shapes]
+        carriers = [shape.carrier for shape in self.shapes]
+        twists = [
+            ca.vertcat(carrier.velocity_at(origin), carrier.turning)
+            for carrier, origin in zip(carriers, origins, strict=True)
+        ]
+        corners = [
+            _in_space(Point(shape.carrier, corner).position.sx)
+            for shape, hull in zip(self.shapes, self.hulls, strict=False)
+            for corner in hull.corners
+        ]
+        walls = [
+            ca.vertcat(_in_space(wall.point.position.sx), _in_space(wall.outward))
+            for wall in element.walls
+        ]
+        radii = ca.vertcat(*(hull.radius for hull in self.hulls), ca.SX.zeros(len(walls)))
+        outputs = [
+            ca.horzcat(*corners),
+            ca.horzcat(*walls) if walls else ca.SX(6, 0),
+            radii,
+            ca.horzcat(*origins),
+            element.coefficients,
+        ]
+        outputs = [model.at_ground(ca.densify(s)) if s.numel() else s for s in outputs]
+        self.twists = model.at_ground(ca.vertcat(*twists))
+        self.symbols, inputs = outputs, [e.t, e.y, e.p]
+        self._positions = Kernel(ca.Function("positions", inputs, outputs))
+        self._velocities = Patterned("velocities", inputs, [ca.jacobian(self.twists, e.v)])
+
+    def positions(self, time: float, y: np.ndarray, p: np.ndarray) -> Positions:
+        """Positions at an instant."""
+        corners, walls, radii, origins, coefficients = self._positions(time, y, p)
+        return Positions(
+            corners.T, walls.T.reshape(-1, 2, 3), radii.ravel(), origins.T, coefficients
+        )
+
+    def velocities(self, time: float, y: np.ndarray, p: np.ndarray) -> Matrix:
+        """(6 s, n_v) ``J``, twists of all shapes per speed."""
+        return self._velocities(time, y, p)[0]
+
+    def polygons(self, hulls: np.ndarray, at: Positions) -> Polygons:
+        """Corners of some hulls."""
+        counts = self.starts[hulls + 1] - self.starts[hulls]
+        number = np.minimum(np.arange(counts.max()), counts[:, None] - 1)
+        corners = at.corners[self.starts[hulls][:, None] + number]
+        return Polygons(corners[..., : self.dimension], counts)
+
+    def columns(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
+        """Arguments of the gap function of some pairs: a matrix for the features of each body."""
+        first, second = self.points(pairs)
+        points = at.walls[pairs.first - len(self.hulls)] if first is None else at.corners[first]
+        sides = ((points, pairs.first), (at.corners[second], pairs.second))
+        return [
+            np.vstack([p.reshape(shape.size, -1).T, at.radii[shape], at.origins[shape].T])
+            for p, shape in sides
+        ]
+
+    def symbolic_columns(self, pairs: Pairs) -> list[ca.SX]:
+        """The same for a single pair, as formulas."""
+        corners, walls, radii, origins, _ = self.symbols
+        first, second = self.points(pairs)
+        i, j = int(pairs.first[0]), int(pairs.second[0])
+        own = walls[:, i - len(self.hulls)] if first is None else _column(corners, first[0])
+        other = _column(corners, second[0])
+        return [
+            ca.vertcat(points, radii[shape], origins[:, shape])
+            for points, shape in ((own, i), (other, j))
+        ]
+
+    def points(self, pairs: Pairs) -> tuple[np.ndarray | None, np.ndarray]:
+        """(n, k) numbers of the corners that define the features; None for a wall."""
+        counts = point_counts(pairs.feature, self.dimension)
+        first = None
+        if pairs.feature is not Feature.WALL:
+            first = self._corners_of(counts[0], pairs.first, pairs.own)
+        return first, self._corners_of(counts[1], pairs.second, pairs.other)
+
+    def _corners_of(self, count: int, shape: np.ndarray, feature: np.ndarray) -> np.ndarray:
+        """(n, count) corners of corners, edges or faces; the second half of edges is reversed."""
+        if count == 1:
+            return (self.starts[shape] + feature)[:, None]
+        if count == 3:
+            return self._faces[self._face_starts[shape] + feature]
+        edges = self._edge_starts[shape + 1] - self._edge_starts[shape]
+        ends = self._edges[self._edge_starts[shape] + feature % edges]
+        return np.where((feature >= edges)[:, None], ends[:, ::-1], ends)
+
+
+def _in_space(vector: ca.SX) -> ca.SX:
+    return vector if vector.numel() == 3 else ca.vertcat(vector, 0)
+
+
+def _column(corners: ca.SX, numbers: np.ndarray) -> ca.SX:
+    return ca.vertcat(*(corners[:, int(k)] for k in numbers))
