@@ -6,6 +6,7 @@ import casadi as ca
 import numpy as np
 import scipy
 
+from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource, SymbolicGap
 from dalembert.analysis.nonsmooth.hull_gaps import HullGaps
 from dalembert.analysis.nonsmooth.joined_gaps import JoinedGaps
@@ -107,6 +108,24 @@ class CollisionGaps(GapSource):
         speeds = ca.mtimes(directions, ca.vertcat(*twists))
         law = int(self._laws[self._groups[here], self._groups[there]])
         return SymbolicGap(distance, speeds, *ca.vertsplit(coefficients[:, law]))
+
+    def points(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        positions, normals, radii, _ = self._geometry(time, y, p)
+        places, directions = super().points(time, y, p, keys)
+        balls = radii.size
+        for k, key in enumerate(keys):
+            here, there = divmod(int(key), positions.shape[1])
+            other = np.concatenate([positions[:, there], radii[there], positions[:, there]])
+            if here >= balls:
+                feature, own = Feature.WALL, [positions[:, here], normals[:, here - balls], [0.0]]
+            else:
+                feature, own = Feature.CORNERS, [positions[:, here], radii[here]]
+            function = gap_function(feature, self.width)
+            out = function(np.concatenate([*own, positions[:, here]]), other)
+            places[k], directions[k] = out[2].full().ravel(), out[3].full()
+        return places, directions
 
     # search for near pairs ------------------------------------------------------------------
     def _pairs(self, positions: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:

@@ -66,6 +66,18 @@ class HullGaps(GapSource):
         law = int(self._law(pairs)[0])
         return SymbolicGap(distance, speeds, *ca.vertsplit(self.geometry.symbols[4][:, law]))
 
+    def points(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        at = self.geometry.positions(time, y, p)
+        places = np.zeros((keys.size, 3))
+        directions = np.zeros((keys.size, 3, self.width))
+        kinds = keys // self._first_key(Feature(1))
+        for kind in np.unique(kinds):
+            own = kinds == kind
+            places[own], directions[own] = self._evaluate(self._pairs_of(keys[own]), at)[2:]
+        return places, directions
+
     # search --------------------------------------------------------------------------------------
     def _reach(self, at: Positions, travels: np.ndarray) -> float:
         """Largest distance that two shapes cover by displacements of their twists."""
@@ -106,9 +118,9 @@ class HullGaps(GapSource):
         if not first.size:
             return []
         rounded = self.geometry.rounded[first] | self.geometry.rounded[second]
-        hulls = [self.geometry.polygons(shape, at) for shape in (first, second)]
+        one, another = (self.geometry.polygons(shape, at) for shape in (first, second))
         found: dict[Feature, list[np.ndarray]] = {}
-        for feature, row, swapped, own, other in planar_features(*hulls, rounded):
+        for feature, row, swapped, own, other in planar_features(one, another, rounded):
             a = np.where(swapped, second[row], first[row])
             b = np.where(swapped, first[row], second[row])
             found.setdefault(feature, []).append(np.stack([a, b, own, other]))
@@ -123,12 +135,15 @@ class HullGaps(GapSource):
         distance, blocks, *_ = self._evaluate(pairs, at)
         near = distance <= reach
         pairs, count = _some(pairs, near), int(near.sum())
+        restitution, tangential, friction = at.coefficients[:, self._law(pairs)]
         directions = _directions(blocks[near], pairs.first, pairs.second, velocities, width)
         return Contacts(
             distance[near],
             directions,
             np.zeros((count, width)),
-            *at.coefficients[:, self._law(pairs)],
+            restitution,
+            tangential,
+            friction,
             self._keys(pairs),
             np.zeros(count, dtype=int),
         )
@@ -160,10 +175,15 @@ class HullGaps(GapSource):
     def _law(self, pairs: Pairs) -> np.ndarray:
         return self._laws[self._groups[pairs.first], self._groups[pairs.second]]
 
+    def _first_key(self, feature: Feature) -> int:
+        """The smallest key of a kind of features."""
+        features, shapes = self._radix
+        return int(feature) * (shapes * features) ** 2
+
     def _keys(self, pairs: Pairs) -> np.ndarray:
         features, shapes = self._radix
-        key = (pairs.feature * shapes + pairs.first) * shapes + pairs.second
-        return (key * features + pairs.own) * features + pairs.other
+        numbers = (pairs.first * shapes + pairs.second) * features + pairs.own
+        return self._first_key(pairs.feature) + numbers * features + pairs.other
 
     def _pairs_of(self, keys: np.ndarray) -> Pairs:
         """The pairs of keys of one kind of features."""

@@ -10,8 +10,7 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gap_functions import Feature, point_counts
 from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.elements.contact.collisions import Collisions
-from dalembert.elements.contact.hull import Hull
-from dalembert.elements.contact.shapes import Flat
+from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.point import Point
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
@@ -72,9 +71,8 @@ class HullGeometry:
 
     def __init__(self, model: Model, element: Collisions):
         walls = element.walls
-        moving = [shape for shape in element.shapes if not isinstance(shape, Flat)]
-        self.shapes, self.dimension = [*moving, *walls], element.dimension
-        self.hulls: list[Hull] = [hull for shape in moving if (hull := shape.hull()) is not None]
+        self.shapes: list[Shape] = [*(shape for shape, _ in element.hulls), *walls]
+        self.hulls, self.dimension = [hull for _, hull in element.hulls], element.dimension
         self.starts = np.cumsum([0, *(len(hull.corners) for hull in self.hulls)])
         self._edge_starts = np.cumsum([0, *(len(hull.edges) for hull in self.hulls)])
         self._face_starts = np.cumsum([0, *(len(hull.faces) for hull in self.hulls)])

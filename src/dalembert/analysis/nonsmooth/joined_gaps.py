@@ -36,3 +36,13 @@ class JoinedGaps(GapSource):
     def symbolic(self, key: int) -> SymbolicGap:
         number, own = divmod(int(key), SOURCE)
         return self.sources[number].symbolic(own)
+
+    def points(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        places, directions = super().points(time, y, p, keys)
+        for number, source in enumerate(self.sources):
+            own = keys // SOURCE == number
+            if own.any():
+                places[own], directions[own] = source.points(time, y, p, keys[own] % SOURCE)
+        return places, directions

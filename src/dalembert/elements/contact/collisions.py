@@ -12,6 +12,7 @@ import numpy as np
 from dalembert.elements.base import Condition, Element, Look, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
+from dalembert.elements.contact.hull import Hull
 from dalembert.elements.contact.pairs import Pair, checked_pairs, law_numbers
 from dalembert.elements.contact.shapes import Flat, Round, Shape, Vertex
 from dalembert.elements.coordinates import Coordinates
@@ -74,9 +75,8 @@ class Collisions(Element):
         self.groups: dict[str, tuple[Shape, ...]] = {
             group: self._shapes(self._label(group), shapes) for group, shapes in grouped.items()
         }
-        self.shapes = tuple(shape for shapes in self.groups.values() for shape in shapes)
         self._check_shapes()
-        self.dimension: int = self.shapes[0].dimension
+        self.dimension: int = self.members[0].dimension
         self.pairs = checked_pairs(self.pairs, list(self.groups), self.name)
 
     def _label(self, group: str) -> str:
@@ -105,11 +105,11 @@ class Collisions(Element):
         return shape
 
     def _check_shapes(self) -> None:
-        if all(isinstance(shape, Flat) for shape in self.shapes):
+        if not self.hulls:
             text = "there is no ball nor another convex shape; give shapes such as "
             raise ModelError(text + EXAMPLE, self.name)
-        first = self.shapes[0]
-        for shape in self.shapes:
+        first = self.members[0]
+        for shape in self.members:
             if shape.dimension != first.dimension:
                 planar, other = sorted((first, shape), key=lambda s: s.dimension)
                 raise ModelError(
@@ -119,20 +119,31 @@ class Collisions(Element):
                     self.name,
                 )
 
+    @cached_property
+    def members(self) -> tuple[Shape, ...]:
+        """Shapes of all groups."""
+        return tuple(shape for shapes in self.groups.values() for shape in shapes)
+
+    @cached_property
+    def hulls(self) -> list[tuple[Shape, Hull]]:
+        """Convex shapes, and their hulls."""
+        hulls = ((shape, shape.hull()) for shape in self.members if not isinstance(shape, Flat))
+        return [(shape, hull) for shape, hull in hulls if hull is not None]
+
     @property
     def balls(self) -> list[Round]:
         """Circles or spheres."""
-        return [shape for shape in self.shapes if isinstance(shape, Round)]
+        return [shape for shape in self.members if isinstance(shape, Round)]
 
     @property
     def walls(self) -> list[Flat]:
         """Half-planes or half-spaces."""
-        return [shape for shape in self.shapes if isinstance(shape, Flat)]
+        return [shape for shape in self.members if isinstance(shape, Flat)]
 
     @property
     def solids(self) -> list[Shape]:
         """Convex shapes except circles and spheres."""
-        return [shape for shape in self.shapes if not isinstance(shape, (Round, Flat))]
+        return [shape for shape in self.members if not isinstance(shape, (Round, Flat))]
 
     @property
     def coefficients(self) -> ca.SX:
@@ -171,17 +182,16 @@ class Collisions(Element):
             (1 - e, f"{name} is {{}}; it must not be above 1", e)
             for name, e in coefficients.items()
         ]
-        parts = (*self.shapes, *self.pairs)
+        parts = (*self.members, *self.pairs)
         return own + [condition for part in parts for condition in part.conditions()]
 
     def parts(self) -> list[Coordinates]:
-        bodies: dict[int, BodyElement] = {id(s.carrier): s.carrier for s in self.shapes}
+        bodies: dict[int, BodyElement] = {id(s.carrier): s.carrier for s in self.members}
         return list(bodies.values())
 
     def look(self) -> list[Look]:
-        moving = [shape for shape in self.shapes if not isinstance(shape, Flat)]
-        places = [shape.carrier.locate(shape.hull().corners[0]) for shape in moving]
-        parts = [part for shape in moving for part in shape.look(places[0])]
+        places = [s.carrier.locate(corner) for s, hull in self.hulls for corner in hull.corners]
+        parts = [part for shape, _ in self.hulls for part in shape.look(places[0])]
         if self.dimension == 2:
             return parts + [self._floor(wall, places) for wall in self.walls]
         return parts + [part for wall in self.walls for part in wall.look(places[0])]
