@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import dalembert as da
-from dalembert import planar
+from dalembert import planar, spatial
 
-contact = planar.contact
+contact, solid = planar.contact, spatial.contact
 INSIDE = 1e-7
 """Overlap at the start [m]; rounding does not decide whether the bodies touch."""
 
@@ -82,3 +82,41 @@ def test_disc_that_rolls_off_a_corner(under):
     motion = da.solve_nonsmooth(system.build(), 0.08, step=1e-2, integrator=scheme)
     assert motion.status.success and (motion.impulse("touch")[1:] > 0).all()
     confirmed(motion, da.final("disc.x"), da.final("disc.vy"), da.final("disc.angle"))
+
+
+SOLIDS = {
+    "sphere": lambda b, size: solid.Sphere(b, size),
+    "capsule": lambda b, size: solid.Capsule(b.point(-0.1, 0, 0), b.point(0.1, 0, 0), size),
+    "capsule across": lambda b, size: solid.Capsule(b.point(0, -1, 0), b.point(0, 1, 0), size),
+    "box": lambda b, size: solid.Box(b.center, (0.4, 0.3, 2 * size)),
+}
+"""Solids that touch at the height ``-size``."""
+
+
+@pytest.mark.parametrize("lower", ["box", "capsule"])
+@pytest.mark.parametrize("upper", SOLIDS)
+def test_solid_that_slides(lower, upper):
+    """On a box, whose sides a capsule across overhangs, and on a capsule along the motion."""
+    system = da.System("slider", gravity=(1.0, 0.0, -9.81))
+    size, friction = system.parameter("size", 0.1, "m"), system.parameter("friction", 0.2)
+    speed, depth = system.parameter("speed", 0.5, "m/s"), system.parameter("depth", 0.3, "m")
+    body = spatial.Body(
+        "body",
+        mass=2.0,
+        inertia=(0.02, 0.03, 0.04),
+        position=(0.0, 0.0, size - INSIDE),
+        rotation=np.eye(3),
+        velocity=(speed, 0.0, 0.0),
+    )
+    ground = system.ground
+    shapes = [SOLIDS[upper](system.add(body), size)]
+    if lower == "box":
+        shapes.append(solid.Box(ground.point(0.0, 0.0, -depth), (2.0, 1.0, 2 * depth)))
+    else:
+        ends = ground.point(-1.0, 0.0, -depth), ground.point(1.0, 0.0, -depth)
+        shapes.append(solid.Capsule(*ends, depth))
+    system.add(spatial.Collisions("touch", shapes, friction=friction))
+    scheme = da.MoreauJean(projection=False)
+    motion = da.solve_nonsmooth(system.build(), 0.05, step=1e-2, integrator=scheme)
+    assert motion.status.success
+    confirmed(motion, da.final("body.x"), da.final("body.vx"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -48,7 +49,29 @@ PLANAR = {
         _corners((-WALL, 0.0), (WALL, 0.0), (WALL, -WALL), (-WALL, -WALL)),
     ),
 }
-SHAPES = {2: PLANAR}
+SPATIAL = {
+    "Vertex": CollisionShape(
+        lambda b: solid.Vertex(b.point(0.1, 0.05, 0.0)), _corners((0.1, 0.05, 0.0))
+    ),
+    "Sphere": CollisionShape(
+        lambda b: solid.Sphere(b.point(0.1, 0.0, 0.05), 0.12), _corners((0.1, 0.0, 0.05)), 0.12
+    ),
+    "Capsule": CollisionShape(
+        lambda b: solid.Capsule(b.point(-0.2, 0.0, 0.0), b.point(0.1, 0.1, 0.05), 0.07),
+        _corners((-0.2, 0.0, 0.0), (0.1, 0.1, 0.05)),
+        0.07,
+    ),
+    "Box": CollisionShape(
+        lambda b: solid.Box(b.point(0.05, 0.0, 0.0), (0.3, 0.2, 0.1)),
+        np.array([0.05, 0.0, 0.0])
+        + np.array(list(product((-0.5, 0.5), repeat=3))) * [0.3, 0.2, 0.1],
+    ),
+    "HalfSpace": CollisionShape(
+        lambda b: solid.HalfSpace(b.frame()),
+        np.array(list(product((-WALL, WALL), (-WALL, WALL), (-WALL, 0.0)))),
+    ),
+}
+SHAPES = {2: PLANAR, 3: SPATIAL}
 """Dimension → name → shape."""
 WALLS = {"HalfPlane", "HalfSpace"}
 PAIRS = [

@@ -13,6 +13,7 @@ from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
 from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions
 from dalembert.analysis.nonsmooth.near_pairs import bounding_balls, near_balls
 from dalembert.analysis.nonsmooth.planar_features import planar_features
+from dalembert.analysis.nonsmooth.spatial_features import spatial_features
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Round
@@ -118,12 +119,13 @@ class HullGaps(GapSource):
         if not first.size:
             return []
         rounded = self.geometry.rounded[first] | self.geometry.rounded[second]
-        one, another = (self.geometry.polygons(shape, at) for shape in (first, second))
+        search = planar_features if self.width == 2 else spatial_features
         found: dict[Feature, list[np.ndarray]] = {}
-        for feature, row, swapped, own, other in planar_features(one, another, rounded):
-            a = np.where(swapped, second[row], first[row])
-            b = np.where(swapped, first[row], second[row])
-            found.setdefault(feature, []).append(np.stack([a, b, own, other]))
+        for pairs, one, another in self.geometry.batches(first, second, at):
+            i, j = first[pairs], second[pairs]
+            for feature, row, swapped, own, other in search(one, another, rounded[pairs]):
+                a, b = np.where(swapped, j[row], i[row]), np.where(swapped, i[row], j[row])
+                found.setdefault(feature, []).append(np.stack([a, b, own, other]))
         joined = ((feature, np.hstack(parts)) for feature, parts in found.items())
         return [Pairs(feature, *table) for feature, table in joined if table.size]
 
@@ -218,7 +220,7 @@ def _directions(
         directions[:, :own] = blocks @ twists[sides].reshape(count, 2 * TWIST, speeds)
         return directions.reshape(count * width, speeds)
     rows = np.arange(count)[:, None] * width + np.arange(own)
-    columns = (sides[:, :, None] * TWIST + np.arange(TWIST)).reshape(count, 1, -1)
+    columns = (sides[:, :, None] * TWIST + np.arange(TWIST)).reshape(count, 1, 2 * TWIST)
     entries = [np.broadcast_to(n, blocks.shape).ravel() for n in (rows[:, :, None], columns)]
     shape = (count * width, velocities.shape[0])
     gaps = scipy.sparse.csr_array((blocks.ravel(), tuple(entries)), shape=shape)

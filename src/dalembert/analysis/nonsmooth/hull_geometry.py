@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.gap_functions import Feature, point_counts
 from dalembert.analysis.nonsmooth.planar_features import Polygons
+from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.shapes import Shape
-from dalembert.elements.point import Point
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
 
@@ -78,6 +80,9 @@ class HullGeometry:
         self._face_starts = np.cumsum([0, *(len(hull.faces) for hull in self.hulls)])
         self._edges = self._table(2, [hull.edges for hull in self.hulls])
         self._faces = self._table(3, [hull.faces for hull in self.hulls])
+        forms = [(len(h.corners), h.edges, h.faces, h.parallel) for h in self.hulls]
+        self._form = np.array([forms.index(form) for form in forms])
+        self._forms = {int(k): Form(self.hulls[k]) for k in np.unique(self._form)}
         owners = [id(shape.carrier.owner) for shape in self.shapes]
         self.owner = np.array([owners.index(owner) for owner in owners])
         sharp = [hull.is_sharp for hull in self.hulls]
@@ -102,7 +107,7 @@ class HullGeometry:
             for carrier, origin in zip(carriers, origins, strict=True)
         ]
         corners = [
-            _in_space(Point(shape.carrier, corner).position.sx)
+            _in_space(shape.carrier.locate(corner))
             for shape, hull in zip(self.shapes, self.hulls, strict=False)
             for corner in hull.corners
         ]
@@ -135,12 +140,31 @@ class HullGeometry:
         """(6 s, n_v) ``J``, twists of all shapes per speed."""
         return self._velocities(time, y, p)[0]
 
+    def batches(
+        self, first: np.ndarray, second: np.ndarray, at: Positions
+    ) -> Iterator[tuple[np.ndarray, Any, Any]]:
+        """Numbers of pairs, with their polygons or their polyhedra of equal form."""
+        if self.dimension == 2:
+            pairs = np.arange(first.size)
+            yield pairs, self.polygons(first, at), self.polygons(second, at)
+            return
+        kinds = self._form[first] * len(self.hulls) + self._form[second]
+        for kind in np.unique(kinds):
+            pairs = np.flatnonzero(kinds == kind)
+            yield pairs, self.polyhedra(first[pairs], at), self.polyhedra(second[pairs], at)
+
+    def polyhedra(self, hulls: np.ndarray, at: Positions) -> Polyhedra:
+        """Corners of some hulls of equal form."""
+        count = self.starts[hulls[0] + 1] - self.starts[hulls[0]]
+        corners = at.corners[self.starts[hulls][:, None] + np.arange(count)]
+        return Polyhedra(corners, self._forms[self._form[hulls[0]]])
+
     def polygons(self, hulls: np.ndarray, at: Positions) -> Polygons:
         """Corners of some hulls."""
         counts = self.starts[hulls + 1] - self.starts[hulls]
         number = np.minimum(np.arange(counts.max()), counts[:, None] - 1)
         corners = at.corners[self.starts[hulls][:, None] + number]
-        return Polygons(corners[..., : self.dimension], counts)
+        return Polygons(corners[..., :2], counts)
 
     def columns(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
         """Arguments of the gap function of some pairs: a matrix for the features of each body."""

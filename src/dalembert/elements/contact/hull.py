@@ -20,12 +20,19 @@ class Hull:
     radius : [m]
     edges : numbers of their corners; those of planar hulls have the material on their left
     faces : numbers of their corners, anticlockwise from outside; spatial hulls only
+    parallel : groups of edges of equal direction for all parameters; none by default
     """
 
     corners: tuple[ca.SX, ...]
     radius: ca.SX
     edges: tuple[tuple[int, int], ...] = ()
     faces: tuple[tuple[int, ...], ...] = ()
+    parallel: tuple[tuple[int, ...], ...] = ()
+
+    @property
+    def parallel_edges(self) -> tuple[tuple[int, ...], ...]:
+        """Groups of all edges by their directions."""
+        return self.parallel or tuple((k,) for k in range(len(self.edges)))
 
     @cached_property
     def is_sharp(self) -> bool:

@@ -27,6 +27,8 @@ BOX_FACES = (
 """Faces of a box, by corners in the order of ``spots``, anticlockwise from outside."""
 BOX_EDGES = tuple((i, i + step) for step in (4, 2, 1) for i in range(8) if not i & step)
 """Edges of a box along x, y and z."""
+BOX_DIRECTIONS = ((0, 1, 2, 3), (4, 5, 6, 7), (8, 9, 10, 11))
+"""Parallel edges of a box."""
 
 
 @dataclass(eq=False)
@@ -59,13 +61,16 @@ class Box(Spotted, Pointed):
     feels = (Ball,)
 
     def spots(self) -> list[Spot]:
+        return [Spot(Point(self.carrier, corner), ca.SX(0)) for corner in self.corners()]
+
+    def corners(self) -> tuple[ca.SX, ...]:
+        """Its corners in the axes of the body."""
         middle, half = self.point.local.sx, self.size.sx / 2
-        corners = (middle + half * ca.SX(list(signs)) for signs in product((-1, 1), repeat=3))
-        return [Spot(Point(self.carrier, corner), ca.SX(0)) for corner in corners]
+        signs = (ca.SX(list(signs)) for signs in product((-1, 1), repeat=3))
+        return tuple(middle + half * sign for sign in signs)
 
     def hull(self) -> Hull:
-        corners = tuple(spot.point.local.sx for spot in self.spots())
-        return Hull(corners, ca.SX(0), BOX_EDGES, BOX_FACES)
+        return Hull(self.corners(), ca.SX(0), BOX_EDGES, BOX_FACES, BOX_DIRECTIONS)
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         heights = ca.fabs(self.local(place) - self.point.local.sx) - self.size.sx / 2
