@@ -49,6 +49,7 @@ PLANAR = {
         _corners((-WALL, 0.0), (WALL, 0.0), (WALL, -WALL), (-WALL, -WALL)),
     ),
 }
+PYRAMID = [(-1.5, -1, -1), (1.5, -1, -1), (1.5, 1, -1), (-1.5, 1, -1), (0.2, 0.1, 1.5)]
 SPATIAL = {
     "Vertex": CollisionShape(
         lambda b: solid.Vertex(b.point(0.1, 0.05, 0.0)), _corners((0.1, 0.05, 0.0))
@@ -65,6 +66,9 @@ SPATIAL = {
         lambda b: solid.Box(b.point(0.05, 0.0, 0.0), (0.3, 0.2, 0.1)),
         np.array([0.05, 0.0, 0.0])
         + np.array(list(product((-0.5, 0.5), repeat=3))) * [0.3, 0.2, 0.1],
+    ),
+    "Polyhedron": CollisionShape(
+        lambda b: solid.Polyhedron(b, PYRAMID, scale=0.1), 0.1 * np.array(PYRAMID)
     ),
     "HalfSpace": CollisionShape(
         lambda b: solid.HalfSpace(b.frame()),

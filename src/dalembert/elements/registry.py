@@ -207,6 +207,7 @@ SHAPES = {
         spatial.contact.Box,
         spatial.contact.Capsule,
         spatial.contact.Corners,
+        spatial.contact.Polyhedron,
     ),
 }
 """Dimension → contact shapes."""

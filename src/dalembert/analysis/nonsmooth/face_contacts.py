@@ -8,6 +8,8 @@ from dalembert.analysis.nonsmooth.gap_functions import Feature
 from dalembert.analysis.nonsmooth.planar_features import PARALLEL, Rows
 from dalembert.analysis.nonsmooth.polyhedra import Polyhedra
 
+FLAT = 1e-3
+"""Difference of the heights of corners that touch a face together, by the size of the hull."""
 ON_EDGE = 1e-9
 """Distance of a corner from a side of a face within which it is on this side, by its length."""
 
@@ -16,6 +18,8 @@ def face_rows(
     pair: np.ndarray, swapped: bool, polyhedra: Polyhedra, others: Polyhedra, f: np.ndarray
 ) -> list[Rows]:
     """Corners over face ``f``, corners under the face of the other, and edges that cross.
+
+    Where all of these are higher than the lowest corner, which is beside the face, that corner.
 
     Parameters
     ----------
@@ -40,22 +44,28 @@ def face_rows(
     real = np.arange(loop.shape[1]) < form.counts[g][:, None]
     own_real = np.arange(own_loop.shape[1]) < own.counts[f][:, None]
     over = real & (_depth(face, own_real, normal, other) >= -ON_EDGE)
-    under = np.zeros_like(own_real)
+    under, opposite = np.zeros_like(own_real), -normal
     if flush.any():
         opposite = others.normals[rows, g]
         under = own_real & flush[:, None] & (_depth(other, real, opposite, face) > ON_EDGE)
-    touching = [
+    crossing, crossed, apart = _crossings(polyhedra, others, f, g, normal)
+    start = (face[:, 0] * normal).sum(axis=1)
+    nearest = np.where(over, heights[rows[:, None], loop], np.inf).min(axis=1) - start
+    if flush.any():
+        below = ((face - other[:, :1]) * opposite[:, None]).sum(axis=2)
+        nearest = np.minimum(nearest, np.where(under, below, np.inf).min(axis=1))
+    np.minimum.at(nearest, crossed, apart)
+    lowest = heights.argmin(axis=1)
+    size = np.ptp(others.corners, axis=1).max(axis=1)
+    alone = nearest > heights[rows, lowest] - start + FLAT * size  # a corner beside the face
+    sides = np.full(int(alone.sum()), swapped)
+    first = np.full(crossed.size, swapped)
+    return [
         _rows(pair, swapped, f, loop, over),
         _rows(pair, not swapped, g, own_loop, under),
+        (Feature.EDGES, pair[crossed], first, *crossing),
+        (Feature.FACE, pair[alone], sides, f[alone], lowest[alone]),
     ]
-    crossing = _crossings(pair, swapped, polyhedra, others, f, g, normal)
-    met = np.zeros(pair.size, dtype=bool)
-    met[over.any(axis=1) | under.any(axis=1)] = True
-    met |= np.isin(pair, crossing[1])
-    lowest = heights.argmin(axis=1)
-    alone = np.full((~met).sum(), swapped)
-    single = (Feature.FACE, pair[~met], alone, f[~met], lowest[~met])
-    return [*touching, crossing, single]
 
 
 def _rows(
@@ -86,46 +96,34 @@ def _following(loop: np.ndarray, real: np.ndarray) -> np.ndarray:
 
 
 def _crossings(
-    pair: np.ndarray,
-    swapped: bool,
-    polyhedra: Polyhedra,
-    others: Polyhedra,
-    f: np.ndarray,
-    g: np.ndarray,
-    normal: np.ndarray,
-) -> Rows:
-    """Sides of the faces that cross in the view along the normal."""
-    own, form, rows = polyhedra.form, others.form, np.arange(pair.size)[:, None]
+    polyhedra: Polyhedra, others: Polyhedra, f: np.ndarray, g: np.ndarray, normal: np.ndarray
+) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray]:
+    """Sides of the faces that cross in the view along the normal.
+
+    Returns their numbers, reversed ones in the second half, the pair of faces, and the distance.
+    """
+    own, form, rows = polyhedra.form, others.form, np.arange(f.size)[:, None]
     none = np.zeros(0, dtype=int)
     if not form.edges.size:
-        return Feature.EDGES, none, none.astype(bool), none, none
+        return (none, none), none, np.zeros(0)
     sides = own.sides[f], form.sides[g]
-    number = np.arange(sides[0].shape[1]), np.arange(sides[1].shape[1])
-    counts = own.counts[f], np.where(form.has_faces, form.counts[g], 1)
-    real = [n < c[:, None] for n, c in zip(number, counts, strict=True)]
-    starts = [
-        p.corners[rows, p.form.edges[s][..., 0]]
-        for p, s in ((polyhedra, sides[0]), (others, sides[1]))
-    ]
-    lines = [p.lines[rows, s] for p, s in ((polyhedra, sides[0]), (others, sides[1]))]
-    u, w = lines[0][:, :, None], lines[1][:, None]
-    between, view = starts[1][:, None] - starts[0][:, :, None], normal[:, None, None]
+    counts = own.counts[f], form.counts[g] if form.has_faces else np.ones_like(g)
+    real = [np.arange(s.shape[1]) < c[:, None] for s, c in zip(sides, counts, strict=True)]
+    hulls = list(zip((polyhedra, others), sides, strict=True))
+    starts = [hull.corners[rows, hull.form.edges[s][..., 0]] for hull, s in hulls]
+    u, w = (hull.lines[rows, s] for hull, s in hulls)
+    u, w, view = u[:, :, None], w[:, None], normal[:, None, None]
+    between = starts[1][:, None] - starts[0][:, :, None]
     across = np.cross(u, w)
-    area = (across * view).sum(axis=3)
-    size = np.linalg.norm(across, axis=3)
+    area, size = (across * view).sum(axis=3), np.linalg.norm(across, axis=3)
     crosses = real[0][:, :, None] & real[1][:, None] & (np.abs(area) > PARALLEL * size)
     crosses &= size > ON_EDGE * np.linalg.norm(u, axis=3) * np.linalg.norm(w, axis=3)
     divisor = np.where(crosses, area, 1.0)
-    fractions = [(np.cross(between, other) * view).sum(axis=3) / divisor for other in (w, u)]
-    for fraction in fractions:
+    first, second = ((np.cross(between, v) * view).sum(axis=3) / divisor for v in (w, u))
+    for fraction in (first, second):
         crosses &= (fraction > ON_EDGE) & (fraction < 1 - ON_EDGE)
+    apart = ((between + second[..., None] * w - first[..., None] * u) * view).sum(axis=3)
     row, a, b = np.nonzero(crosses)
-    first, second = sides[0][row, a], sides[1][row, b]
     reverse = area[row, a, b] < 0
-    return (
-        Feature.EDGES,
-        pair[row],
-        np.full(row.size, swapped),
-        first,
-        second + reverse * len(form.edges),
-    )
+    numbers = sides[0][row, a], sides[1][row, b] + reverse * len(form.edges)
+    return numbers, row, apart[row, a, b]

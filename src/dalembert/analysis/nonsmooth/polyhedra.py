@@ -14,6 +14,8 @@ import numpy as np
 
 from dalembert.elements.contact.hull import Hull
 
+OUTERMOST = 1e-9
+"""Distance from the outermost corner of an edge that is outermost, by the size of the hulls."""
 PARALLEL_EDGES = 1e-6
 """Sine of the angle of two edges without a common normal."""
 
@@ -28,7 +30,7 @@ class Form:
     Attributes
     ----------
     edges : (e, 2) corners
-    groups : edges of equal direction
+    groups, begins : edges of equal direction, and (g, k) corners where these begin
     loops, counts : (f, l) corners of the faces, the last one repeated, and (f,) their numbers; a
         hull without faces has its edge or corner as a loop
     sides : (f, l) edge that begins at a corner of a loop
@@ -38,6 +40,9 @@ class Form:
     def __init__(self, hull: Hull):
         self.edges = np.array(hull.edges, dtype=int).reshape(-1, 2)
         self.groups = [np.array(group) for group in hull.parallel_edges]
+        longest = max((group.size for group in self.groups), default=1)
+        repeated = [np.resize(group, longest) for group in self.groups]
+        self.begins = self.edges[np.array(repeated, dtype=int).reshape(-1, longest), 0]
         self.has_faces = bool(hull.faces)
         loops = hull.faces or hull.edges or ((0,),)
         self.counts = np.array([len(loop) for loop in loops])
@@ -92,16 +97,34 @@ def face_separation(polyhedra: Polyhedra, others: Polyhedra) -> np.ndarray:
 
 
 def edge_separation(first: Polyhedra, second: Polyhedra) -> tuple[np.ndarray, np.ndarray]:
-    """(m, n) distances along the common normals of groups of edges, and (m, n, 3) these normals."""
-    m = first.corners.shape[0]
+    """(m, n) distances along the common normals of groups of edges, and (m, n, 3) these normals.
+
+    Only edges that are outermost along the normal count; others are −∞.
+    """
+    m, counts = first.corners.shape[0], (len(first.form.groups), len(second.form.groups))
+    if not all(counts):
+        return np.zeros((m, 0)), np.zeros((m, 0, 3))
     normals = np.cross(first.directions[:, :, None], second.directions[:, None]).reshape(m, -1, 3)
     length = np.linalg.norm(normals, axis=2)
     valid = length > PARALLEL_EDGES
     normals = normals / np.where(valid, length, 1.0)[..., None]
     i, j = (normals @ np.swapaxes(p.corners, 1, 2) for p in (first, second))
-    ahead, behind = j.min(axis=2) - i.max(axis=2), i.min(axis=2) - j.max(axis=2)
-    normals = np.where((behind > ahead)[..., None], -normals, normals)
-    return np.where(valid, np.maximum(ahead, behind), -np.inf), normals
+    behind = (i.min(axis=2) - j.max(axis=2) > j.min(axis=2) - i.max(axis=2))[..., None]
+    normals, i, j = (np.where(behind, -s, s) for s in (normals, i, j))
+    highest, lowest = i.max(axis=2), j.min(axis=2)
+    shape = (m, *counts, -1)
+    columns = first.form.begins[None, :, None], second.form.begins[None, None]
+    ends = [
+        np.take_along_axis(s.reshape(shape), c, axis=3)
+        for s, c in zip((i, j), columns, strict=True)
+    ]
+    inner = (
+        highest - ends[0].max(axis=3).reshape(m, -1),
+        ends[1].min(axis=3).reshape(m, -1) - lowest,
+    )
+    size = np.ptp(first.corners, axis=1).max() + np.ptp(second.corners, axis=1).max()
+    valid &= np.maximum(*inner) < OUTERMOST * size
+    return np.where(valid, lowest - highest, -np.inf), normals
 
 
 def corner_separation(

@@ -12,6 +12,7 @@ from dalembert.elements.contact.laws import (
 from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
+from dalembert.elements.spatial.contact.polyhedron import Polyhedron
 from dalembert.elements.spatial.contact.shapes import HalfSpace, Socket, Sphere
 from dalembert.elements.spatial.contact.solids import Box, Capsule, Corners
 
@@ -28,6 +29,7 @@ __all__ = [
     "LankaraniNikravesh",
     "LuGre",
     "Pair",
+    "Polyhedron",
     "Restitution",
     "Socket",
     "Sphere",

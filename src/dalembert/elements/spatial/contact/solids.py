@@ -13,6 +13,7 @@ from dalembert.elements.contact.hull import Hull
 from dalembert.elements.contact.rounded_line import RoundedLine
 from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Spotted
 from dalembert.elements.point import Point
+from dalembert.elements.spatial.contact.polyhedron import ConvexHull
 from dalembert.elements.spatial.mesh import Mesh
 from dalembert.elements.spatial.shape import Cuboid, Pill, Surface
 from dalembert.errors import ModelError
@@ -122,7 +123,9 @@ class Capsule(RoundedLine):
 
 @dataclass(eq=False)
 class Corners(Spotted):
-    """The corners of a mesh as contact points; edges and faces are ignored.
+    """The corners of a mesh as contact points; in ``Collisions``, its convex hull.
+
+    In ``Contact``, edges and faces are ignored.
 
     Parameters
     ----------
@@ -170,6 +173,9 @@ class Corners(Spotted):
         scale, surface = self.body.scale.sx, self.body.surface
         corners = (scale * ca.SX(list(map(float, corner))) for corner in surface.corners)
         return [Spot(Point(self.body, corner), ca.SX(0)) for corner in corners]
+
+    def hull(self) -> Hull:
+        return ConvexHull.of(self.body.surface.corners, "Corners").scaled(self.body.scale.sx)
 
     def look(self, near: ca.SX) -> list[Look]:
         surface = self.body.surface
