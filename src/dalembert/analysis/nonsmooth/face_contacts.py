@@ -98,7 +98,7 @@ def _following(loop: np.ndarray, real: np.ndarray) -> np.ndarray:
 def _crossings(
     polyhedra: Polyhedra, others: Polyhedra, f: np.ndarray, g: np.ndarray, normal: np.ndarray
 ) -> tuple[tuple[np.ndarray, np.ndarray], np.ndarray, np.ndarray]:
-    """Sides of the faces that cross in the view along the normal.
+    """Sides of the faces whose shortest connection is nearly along the normal.
 
     Returns their numbers, reversed ones in the second half, the pair of faces, and the distance.
     """
@@ -118,11 +118,11 @@ def _crossings(
     area, size = (across * view).sum(axis=3), np.linalg.norm(across, axis=3)
     crosses = real[0][:, :, None] & real[1][:, None] & (np.abs(area) > PARALLEL * size)
     crosses &= size > ON_EDGE * np.linalg.norm(u, axis=3) * np.linalg.norm(w, axis=3)
-    divisor = np.where(crosses, area, 1.0)
-    first, second = ((np.cross(between, v) * view).sum(axis=3) / divisor for v in (w, u))
+    divisor = np.where(crosses, size, 1.0) ** 2
+    first, second = ((np.cross(between, v) * across).sum(axis=3) / divisor for v in (w, u))
     for fraction in (first, second):
         crosses &= (fraction > ON_EDGE) & (fraction < 1 - ON_EDGE)
-    apart = ((between + second[..., None] * w - first[..., None] * u) * view).sum(axis=3)
+    apart = np.sign(area) * (between * across).sum(axis=3) / np.sqrt(divisor)
     row, a, b = np.nonzero(crosses)
     reverse = area[row, a, b] < 0
     numbers = sides[0][row, a], sides[1][row, b] + reverse * len(form.edges)

@@ -18,6 +18,9 @@ from dalembert.analysis.nonsmooth.gap_functions import Feature
 PARALLEL = 0.7
 """Cosine of the angle of two edges that may touch at two points."""
 
+FLAT = 1e-3
+"""Difference of the heights of corners that touch an edge together, by the size of the polygon."""
+
 Rows = tuple[Feature, np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """Pair of features; number of the pair of hulls; whether the second hull is first; features."""
 
@@ -108,7 +111,8 @@ def _edge_rows(
     """Corners of the others over edge ``k`` of each polygon, and of the polygon under theirs."""
     rows, counts = np.arange(pair.size), others.counts
     start, normal = polygons.corners[rows, k], polygons.normals[rows, k]
-    lowest = (others.corners @ normal[:, :, None])[..., 0].argmin(axis=1)
+    heights = ((others.corners - start[:, None]) @ normal[:, :, None])[..., 0]
+    lowest = heights.argmin(axis=1)
     facing = (others.normals @ normal[:, :, None])[..., 0]
     previous = (lowest - 1) % counts
     e = np.where(facing[rows, previous] < facing[rows, lowest], previous, lowest)
@@ -118,14 +122,33 @@ def _edge_rows(
     upper, lower = (((others.corners[rows, c] - start) * tangent).sum(axis=1) for c in (e, after))
     flush = (facing[rows, e] < -PARALLEL) & (upper >= 0) & (lower <= length)
     begins, ends = flush & (lower >= 0), flush & (upper <= length)
-    under, over = flush & ~begins, flush & ~ends
+    places = [polygons.corners[rows, c] for c in (k, following)]
+    under, over = (_beside(others, e, after, place) & flush for place in places)
+    under, over = under & ~begins, over & ~ends
+    opposite, first = others.normals[rows, e], others.corners[rows, e]
+    touching = [(begins, heights[rows, after]), (ends, heights[rows, e])]
+    for selected, place in zip((under, over), places, strict=True):
+        touching.append((selected, ((place - first) * opposite).sum(axis=1)))
+    nearest = np.min([np.where(*pairs, np.inf) for pairs in touching], axis=0)
+    size = np.ptp(others.corners, axis=1).max(axis=1, initial=0.0)
+    alone = nearest > heights[rows, lowest] + FLAT * size  # a corner beside the edge
     return [
-        _face(pair, swapped, k, lowest, ~flush),
+        _face(pair, swapped, k, lowest, alone),
         _face(pair, swapped, k, after, begins),
         _face(pair, swapped, k, e, ends),
         _face(pair, not swapped, e, k, under),
         _face(pair, not swapped, e, following, over),
     ]
+
+
+def _beside(
+    polygons: Polygons, start: np.ndarray, end: np.ndarray, places: np.ndarray
+) -> np.ndarray:
+    """Mask of places whose nearest point of the line through an edge is on the edge."""
+    rows = np.arange(start.size)
+    first, edge = polygons.corners[rows, start], polygons.corners[rows, end]
+    along = ((places - first) * (edge - first)).sum(axis=1)
+    return (along >= 0) & (along <= ((edge - first) ** 2).sum(axis=1))
 
 
 def _face(
