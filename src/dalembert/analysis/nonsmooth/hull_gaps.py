@@ -11,7 +11,7 @@ import scipy
 from dalembert.analysis.nonsmooth.gap_functions import TWIST, Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
 from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions
-from dalembert.analysis.nonsmooth.near_pairs import bounding_balls, near_balls
+from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
 from dalembert.analysis.nonsmooth.planar_features import planar_features
 from dalembert.analysis.nonsmooth.spatial_features import spatial_features
 from dalembert.elements.contact.collisions import Collisions
