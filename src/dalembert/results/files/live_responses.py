@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -15,6 +15,7 @@ from dalembert.model.graph.model import Model
 from dalembert.results.live import PageResponse
 from dalembert.results.sources import Row, Source
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.units.unit import shown_in
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +97,14 @@ def page_responses(
         texts = {"label": response.label, "unit": "" if unit == "1" else unit}
         result.append(texts | {"terms": terms, "constant": response.constant})
     return result
+
+
+def in_units(response: dict[str, Any], units: Sequence[str]) -> dict[str, Any]:
+    """A response with its unit replaced by the first of the units of the same dimension."""
+    factor, unit = shown_in(response["unit"], units)
+    terms = [term | {"weight": term["weight"] / factor} for term in response["terms"]]
+    constant = response["constant"] / factor
+    return response | {"unit": unit, "terms": terms, "constant": constant}
 
 
 def state_rows(sx: ca.SX, row_of: Callable[[Source], int]) -> list[int]:
