@@ -16,8 +16,7 @@ FIRST = re.compile(r"^```toml\n(# (slider_crank)\.toml\n.*?)^```$", re.DOTALL | 
 
 
 def write(folder: Path) -> None:
-    """Write the page of the first mechanism those of the examples that chapters embed, and those of the
-    teaching models."""
+    """Write the pages of the first mechanism, of the embedded examples and of teaching models."""
     folder.mkdir(parents=True, exist_ok=True)
     match = FIRST.search((DOCS / "start.md").read_text(encoding="utf-8"))
     assert match is not None, "start.md has no model slider_crank.toml"

@@ -57,7 +57,7 @@ DRAG = """async (count) => {
   }
   return [times, slopes];
 }"""
-"""Script that moves the first slider, which the pointer holds, and waits for the drawing each time."""
+"""Script that moves the first slider, held by the pointer, and waits for the drawing each time."""
 
 
 def measure(effort: Effort) -> Iterator[Row]:
