@@ -61,7 +61,8 @@ def live_page(
     listed = page_responses(result, responses, times, table.number)
     listed = listed or [response.page_data(table.number) for response in result.first_responses()]
     listed = [in_units(response, units) for response in listed]
-    states = [(place, state_rows(sx, table.number)) for place, sx in sources.states]
+    drawn = structure and result.of_any_size
+    states = [(place, state_rows(sx, table.number, drawn)) for place, sx in sources.states]
     try:
         functions = result.analysis.live_functions(result, table.rows, times)
         p = model.p if structure else model.equations.p
