@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 import scipy
 
+from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
 from dalembert.analysis.nonsmooth.gap_functions import TWIST, Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
 from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions
-from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
 from dalembert.analysis.nonsmooth.planar_features import planar_features
 from dalembert.analysis.nonsmooth.spatial_features import spatial_features
 from dalembert.elements.contact.collisions import Collisions
@@ -23,6 +23,33 @@ from dalembert.symbolic.evaluation.kernel import Kernel, Matrix
 
 SMALLEST = 16
 """Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
+
+
+@dataclass(eq=False)
+class LastPosition:
+    """Gaps at one position, which a step evaluates several times.
+
+    Attributes
+    ----------
+    time, y, p : position and parameters
+    at, velocities : positions and velocities of the shapes
+    reach : distance within which gaps are evaluated; at first that of the position before
+    requested : largest distance of a request
+    contacts : the gaps; None before the first request
+    """
+
+    time: float
+    y: np.ndarray
+    p: np.ndarray
+    at: Positions
+    velocities: Matrix
+    reach: float
+    requested: float = 0.0
+    contacts: Contacts | None = None
+
+    def is_at(self, time: float, y: np.ndarray, p: np.ndarray) -> bool:
+        """Whether this is the position."""
+        return time == self.time and np.array_equal(y, self.y) and np.array_equal(p, self.p)
 
 
 class HullGaps(GapSource):
@@ -43,19 +70,30 @@ class HullGaps(GapSource):
         self._round = np.array([isinstance(shape, Round) for shape in geometry.shapes])
         features = [max(len(h.corners), 2 * len(h.edges), len(h.faces)) for h in geometry.hulls]
         self._radix = max(features), len(geometry.shapes)
+        self._last: LastPosition | None = None
         self._kernels: dict[tuple[Feature, int], Kernel] = {}
 
     def near(
         self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
     ) -> Contacts:
-        at = self.geometry.positions(time, y, p)
-        velocities = self.geometry.velocities(time, y, p)
-        reach = self._reach(at, velocities @ travels)
-        parts = [
-            self._contacts(pairs, at, velocities, reach, width)
-            for pairs in [*self._walls(at, reach), *self._hulls(at, reach)]
-        ]
-        return Contacts.joined(parts or [self._none(velocities.shape[1], width)])
+        last = self._last
+        if last is None or not last.is_at(time, y, p):
+            at, velocities = (
+                f(time, y, p) for f in (self.geometry.positions, self.geometry.velocities)
+            )
+            ahead = 0.0 if last is None else last.requested
+            last = self._last = LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
+        reach = self._reach(last.at, last.velocities @ travels)
+        if last.contacts is None or reach > last.reach:
+            last.reach = max(last.reach, reach)
+            parts = [
+                self._contacts(pairs, last, width)
+                for pairs in [*self._walls(last.at, last.reach), *self._hulls(last.at, last.reach)]
+            ]
+            none = self._none(last.velocities.shape[1], width)
+            last.contacts = Contacts.joined(parts or [none])
+        last.requested = max(last.requested, reach)
+        return last.contacts.some(last.contacts.distance <= reach)
 
     def symbolic(self, key: int) -> SymbolicGap:
         pairs = self._pairs_of(np.array([key]))
@@ -130,15 +168,13 @@ class HullGaps(GapSource):
         return [Pairs(feature, *table) for feature, table in joined if table.size]
 
     # gaps of pairs -------------------------------------------------------------------------------
-    def _contacts(
-        self, pairs: Pairs, at: Positions, velocities: Matrix, reach: float, width: int
-    ) -> Contacts:
+    def _contacts(self, pairs: Pairs, last: LastPosition, width: int) -> Contacts:
         """Gaps of pairs within reach."""
-        distance, blocks, *_ = self._evaluate(pairs, at)
-        near = distance <= reach
+        distance, blocks, *_ = self._evaluate(pairs, last.at)
+        near = distance <= last.reach
         pairs, count = _some(pairs, near), int(near.sum())
-        restitution, tangential, friction = at.coefficients[:, self._law(pairs)]
-        directions = _directions(blocks[near], pairs.first, pairs.second, velocities, width)
+        restitution, tangential, friction = last.at.coefficients[:, self._law(pairs)]
+        directions = _directions(blocks[near], pairs.first, pairs.second, last.velocities, width)
         return Contacts(
             distance[near],
             directions,

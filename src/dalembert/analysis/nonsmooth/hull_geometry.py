@@ -81,10 +81,10 @@ class HullGeometry:
         self._edges = self._table(2, [hull.edges for hull in self.hulls])
         self._faces = self._table(3, [hull.faces for hull in self.hulls])
         forms = [(len(h.corners), h.edges, h.faces, h.parallel) for h in self.hulls]
-        self._form = np.array([forms.index(form) for form in forms])
+        self._form = _first_equal(forms)
         self._forms = {int(k): Form(self.hulls[k]) for k in np.unique(self._form)}
         owners = [id(shape.carrier.owner) for shape in self.shapes]
-        self.owner = np.array([owners.index(owner) for owner in owners])
+        self.owner = _first_equal(owners)
         sharp = [hull.is_sharp for hull in self.hulls]
         self.rounded = ~np.array(sharp, dtype=bool)
         self._symbols(model, element)
@@ -205,6 +205,12 @@ class HullGeometry:
         edges = self._edge_starts[shape + 1] - self._edge_starts[shape]
         ends = self._edges[self._edge_starts[shape] + feature % edges]
         return np.where((feature >= edges)[:, None], ends[:, ::-1], ends)
+
+
+def _first_equal(keys: list[Any]) -> np.ndarray:
+    """Number of the first equal key, for each key."""
+    first: dict[Any, int] = {}
+    return np.array([first.setdefault(key, k) for k, key in enumerate(keys)])
 
 
 def _in_space(vector: ca.SX) -> ca.SX:
