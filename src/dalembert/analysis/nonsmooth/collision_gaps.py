@@ -2,30 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import casadi as ca
 import numpy as np
-import scipy
 
 from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.neighbours import Neighbours
+from dalembert.analysis.nonsmooth.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
+from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.once import once
 
 SMALLEST = 16
 """Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
-TWIST = 6
-"""Components of a velocity and an angular velocity."""
 
 
 class CollisionGaps(GapSource):
     """Gaps of one ``Collisions`` element.
 
     Velocities of the balls and walls are ``J v``; those at the gaps follow from them by the
-    geometry of each pair, ``W = K J``.
+    geometry of each pair, ``W = K J``. The gaps at the last position are stored, as a step
+    evaluates the same position several times.
 
     Parameters
     ----------
@@ -48,47 +50,71 @@ class CollisionGaps(GapSource):
             element.restitution.sx, element.tangential.sx, element.friction.sx
         )
         moving, inputs = model.at_ground(ca.vertcat(*twists)), [e.t, e.y, e.p]
-        self._velocities = Patterned("velocities", inputs, [ca.jacobian(moving, e.v)])
+        self._velocities = ShapeVelocities(moving, e.v, inputs)
         columns = [ca.horzcat(*positions), ca.horzcat(*normals) if normals else ca.SX(3, 0)]
         columns = [model.at_ground(ca.densify(c)) if c.numel() else c for c in columns]
         self._symbolic = moving, *columns, radii, coefficients
         outputs = [*columns, ca.densify(radii), coefficients]
         self._geometry = Kernel(ca.Function("geometry", inputs, outputs))
         names = [p.body.name for p in points]
-        self._body = np.array([names.index(name) for name in names])
+        number = {name: k for k, name in enumerate(dict.fromkeys(names))}
+        self._neighbours = Neighbours(np.array([number[name] for name in names]))
         self._kernels: dict[tuple[bool, int], Kernel] = {}
+        self._last: NearPairs | None = None
 
     def near(
         self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
     ) -> Contacts:
-        positions, normals, radii, coefficients = self._geometry(time, y, p)
-        positions, normals, radii = positions.T, normals.T, radii.ravel()
-        velocities = self._velocities(time, y, p)[0]
-        moved = (velocities @ travels).reshape(positions.shape[0], TWIST, -1)[:, :3]
-        reach = 2 * float(np.linalg.norm(moved, axis=1).max(initial=0.0))
-        pairs, wall_pairs = (
-            self._pairs(positions, radii, reach),
-            self._walls(positions, normals, radii, reach),
-        )
-        parts = [
-            self._evaluate(pairs, positions, radii, None),
-            self._evaluate(wall_pairs, positions, radii, normals),
-        ]
-        distance = np.concatenate([part[0] for part in parts])
-        blocks = np.concatenate([part[1] for part in parts])
-        near = distance <= reach
-        first, second = np.hstack([pairs, wall_pairs])[:, near]
+        pairs = self._pairs(time, y, p)
+        moved = self._velocities.fastest(pairs.velocities, travels)
+        reach = 2 * moved
+        if reach > pairs.reach:
+            pairs = self._last = self._evaluated(pairs, reach)
+        near = pairs.distance <= reach
+        first, second = pairs.first[near], pairs.second[near]
         count = first.size
-        laws = np.repeat(coefficients, count, axis=1)
+        laws = np.repeat(pairs.coefficients, count, axis=1)
+        directions = self._velocities.directions(
+            pairs.blocks[near], first, second, pairs.velocities, width
+        )
         return Contacts(
-            distance[near],
-            self._directions(blocks[near], first, second, velocities, width),
+            pairs.distance[near],
+            directions,
             np.zeros((count, width)),
             laws[0],
             laws[1],
             laws[2],
-            first * positions.shape[0] + second,
+            first * pairs.positions.shape[0] + second,
             np.zeros(count, dtype=int),
+        )
+
+    def _pairs(self, time: float, y: np.ndarray, p: np.ndarray) -> NearPairs:
+        """Pairs near each other at a position; those of the last call if it is the same."""
+        last = self._last
+        if last is not None and last.is_at(time, y, p):
+            return last
+        positions, normals, radii, coefficients = self._geometry(time, y, p)
+        geometry = positions.T, normals.T, radii.ravel(), coefficients
+        velocities = self._velocities(time, y, p)
+        empty = (
+            np.zeros(0),
+            np.zeros((0, self.width, 2 * TWIST)),
+            np.zeros(0, int),
+            np.zeros(0, int),
+        )
+        here = NearPairs(time, y.copy(), p.copy(), *geometry, velocities, -np.inf, *empty)
+        usual = 0.0 if last is None else last.reach
+        self._last = self._evaluated(here, usual)
+        return self._last
+
+    def _evaluated(self, pairs: NearPairs, reach: float) -> NearPairs:
+        """The pairs within reach, with their gaps."""
+        own, walls = self._neighbours.near(pairs.positions, pairs.normals, pairs.radii, reach)
+        parts = [self._evaluate(own, pairs, False), self._evaluate(walls, pairs, True)]
+        distance, blocks = (np.concatenate(part) for part in zip(*parts, strict=True))
+        first, second = np.hstack([own, walls])
+        return replace(
+            pairs, reach=reach, distance=distance, blocks=blocks, first=first, second=second
         )
 
     def symbolic(self, key: int) -> SymbolicGap:
@@ -103,55 +129,19 @@ class CollisionGaps(GapSource):
         speeds = ca.mtimes(directions, ca.vertcat(*twists))
         return SymbolicGap(distance, speeds, *ca.vertsplit(coefficients))
 
-    # search for near pairs ------------------------------------------------------------------
-    def _pairs(self, positions: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
-        """(2, n) pairs of balls of different bodies whose gap is within reach."""
-        if radii.size < 2:
-            return np.zeros((2, 0), dtype=int)
-        from scipy.spatial import cKDTree
-
-        centers = positions[: radii.size]
-        largest = 2 * radii.max() + reach
-        first, second = cKDTree(centers).query_pairs(largest, output_type="ndarray").T
-        gap = np.linalg.norm(centers[first] - centers[second], axis=1)
-        near = gap <= radii[first] + radii[second] + reach
-        near &= self._body[first] != self._body[second]
-        pairs = np.stack([first[near], second[near]])
-        return pairs[:, np.lexsort(pairs[::-1])]
-
-    def _walls(
-        self, positions: np.ndarray, normals: np.ndarray, radii: np.ndarray, reach: float
-    ) -> np.ndarray:
-        """(2, n) walls (numbered after the balls) and balls whose gap is within reach."""
-        balls = radii.size
-        depth = normals @ positions[:balls].T - np.sum(normals * positions[balls:], axis=1)[:, None]
-        wall, ball = np.nonzero(depth - radii <= reach)
-        apart = self._body[balls + wall] != self._body[ball]
-        return np.stack([balls + wall[apart], ball[apart]])
-
-    # gaps of pairs ---------------------------------------------------------------------------
     def _evaluate(
-        self,
-        pairs: np.ndarray,
-        positions: np.ndarray,
-        radii: np.ndarray,
-        normals: np.ndarray | None,
+        self, chosen: np.ndarray, pairs: NearPairs, wall: bool
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) distances and (n, k, 12) derivatives of gap velocities by both twists."""
-        count = pairs.shape[1]
+        count, positions, radii = chosen.shape[1], pairs.positions, pairs.radii
         if not count:
             return np.zeros(0), np.zeros((0, self.width, 2 * TWIST))
         size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
-        padded = (
-            np.resize(pairs, (2, count)) if size == count else pairs[:, np.arange(size) % count]
-        )
-        first, second = padded
-        if normals is None:
-            about = np.vstack([positions[first].T, radii[first]])
-        else:
-            about = np.vstack([positions[first].T, normals[first - radii.size].T])
-        kernel = self._kernel(normals is not None, size)
-        distance, blocks = kernel(about, np.vstack([positions[second].T, radii[second]]))
+        first, second = chosen if size == count else chosen[:, np.arange(size) % count]
+        own = pairs.normals[first - radii.size].T if wall else radii[None, first]
+        here, there = positions[first].T, positions[second].T
+        kernel = self._kernel(wall, size)
+        distance, blocks = kernel(np.vstack([here, own]), np.vstack([there, radii[second]]))
         blocks = blocks.reshape(self.width, 2 * TWIST, size, order="F")
         return distance.ravel()[:count], np.moveaxis(blocks, 2, 0)[:count]
 
@@ -161,35 +151,37 @@ class CollisionGaps(GapSource):
             self._kernels[wall, size] = Kernel(_gap_function(self.width, wall).map(size))
         return self._kernels[wall, size]
 
-    def _directions(
-        self,
-        blocks: np.ndarray,
-        first: np.ndarray,
-        second: np.ndarray,
-        velocities: Matrix,
-        width: int,
-    ) -> Matrix:
-        """``W = K J`` (n width, n_v) of pairs with derivatives ``blocks`` by both twists."""
-        if scipy.sparse.issparse(velocities):
-            gaps = self._assembled(blocks, first, second, velocities.shape[0], width)
-            return scipy.sparse.csr_array(gaps @ velocities)
-        twists = velocities.reshape(-1, TWIST, velocities.shape[1])
-        directions = np.zeros((first.size, width, velocities.shape[1]))
-        directions[:, : self.width] = blocks @ np.hstack([twists[first], twists[second]])
-        return directions.reshape(first.size * width, velocities.shape[1])
 
-    def _assembled(
-        self, blocks: np.ndarray, first: np.ndarray, second: np.ndarray, entries: int, width: int
-    ) -> scipy.sparse.csr_array:
-        """``K`` (n width, entries of the twists)."""
-        count = first.size
-        rows = np.arange(count)[:, None] * width + np.arange(self.width)
-        behind = np.arange(TWIST)
-        columns = np.hstack([first[:, None] * TWIST + behind, second[:, None] * TWIST + behind])
-        row = np.broadcast_to(rows[:, :, None], blocks.shape)
-        column = np.broadcast_to(columns[:, None, :], blocks.shape)
-        values = (blocks.ravel(), (row.ravel(), column.ravel()))
-        return scipy.sparse.csr_array(values, shape=(count * width, entries))
+@dataclass(frozen=True, eq=False)
+class NearPairs:
+    """Pairs of shapes within ``reach`` at a position.
+
+    Attributes
+    ----------
+    time, y, p : the position
+    positions, normals, radii, coefficients, velocities : of the shapes
+    reach : upper limit of the gaps [m]
+    distance, blocks : gaps, and derivatives of their velocities by both twists
+    first, second : numbers of the shapes
+    """
+
+    time: float
+    y: np.ndarray
+    p: np.ndarray
+    positions: np.ndarray
+    normals: np.ndarray
+    radii: np.ndarray
+    coefficients: np.ndarray
+    velocities: np.ndarray
+    reach: float
+    distance: np.ndarray
+    blocks: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+
+    def is_at(self, time: float, y: np.ndarray, p: np.ndarray) -> bool:
+        """Whether it belongs to a position."""
+        return self.time == time and np.array_equal(self.y, y) and np.array_equal(self.p, p)
 
 
 @once

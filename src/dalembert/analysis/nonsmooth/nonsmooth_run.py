@@ -104,7 +104,7 @@ class NonsmoothRun:
                 result = self.step.advance(t, h, log.y, log.v, result)
                 if failure := self.failure(t, result):
                     return failure
-                position = self.corrected(t + h, result)
+                position = self.corrected(t + h, h, result)
                 if not position.accepted:
                     return self.not_corrected(t, h, position)
                 v = self.speeds(t + h, position.x, result)
@@ -118,9 +118,10 @@ class NonsmoothRun:
             return Status(Outcome.SINGULAR, f"{error} (t = {log.t:.9g} s)", log.t, log.open_by)
         return reached(log.t, log.open_by)
 
-    def corrected(self, t: float, result: StepResult) -> Solution[np.ndarray]:
+    def corrected(self, t: float, h: float, result: StepResult) -> Solution[np.ndarray]:
         """Position with joints closed and, if the scheme corrects gaps, gaps open."""
-        return correct_position(self.step, t, result.y, self.analysis.integrator.projection)
+        travel, projection = h * result.v[:, None], self.analysis.integrator.projection
+        return correct_position(self.step, t, result.y, projection, travel)
 
     def speeds(self, t: float, y: np.ndarray, result: StepResult) -> np.ndarray:
         """Speeds consistent with the joints at a position."""

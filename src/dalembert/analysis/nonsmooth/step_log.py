@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,42 @@ from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.evaluation.kernel import Kernel
+
+
+@dataclass(frozen=True, eq=False)
+class StepEntry:
+    """Part of a step that is recorded.
+
+    Attributes
+    ----------
+    multiplier : of the joints, times the step
+    owner, key, impulse : element, gap and impulse of each pressing contact
+    loss : energy dissipated by the contacts
+    residual, rounds : of the solution of the friction problem
+    """
+
+    multiplier: np.ndarray
+    owner: np.ndarray
+    key: np.ndarray
+    impulse: np.ndarray
+    loss: float
+    residual: float
+    rounds: int
+
+    @classmethod
+    def of(cls, result: StepResult) -> StepEntry:
+        """The entry of a step."""
+        impulses, contacts = result.impulses, result.contacts
+        pressing = impulses.impulses[:, 0] > 0
+        return cls(
+            result.multiplier,
+            contacts.owner[pressing],
+            contacts.key[pressing],
+            impulses.impulses[pressing],
+            result.loss,
+            impulses.residual,
+            impulses.rounds,
+        )
 
 
 class StepLog:
@@ -25,7 +61,7 @@ class StepLog:
         self.step = step
         self.times, self.positions, self.speeds = [t], [y], [v]
         self.lengths: list[float] = []
-        self.results: list[StepResult] = []
+        self.entries: list[StepEntry] = []
         self.depths = [self._depth(t, y)]
 
     @property
@@ -51,7 +87,7 @@ class StepLog:
         self.lengths.append(h)
         self.positions.append(y)
         self.speeds.append(v)
-        self.results.append(result)
+        self.entries.append(StepEntry.of(result))
         self.depths.append(self._depth(t, y))
 
     def _depth(self, t: float, y: np.ndarray) -> float:
@@ -61,20 +97,16 @@ class StepLog:
     def record(self) -> ContactRecord:
         """The steps as arrays."""
         y, v, h = np.stack(self.positions, 1), np.stack(self.speeds, 1), np.array(self.lengths)
-        model, results = self.step.model, self.results
+        model, entries = self.step.model, self.entries
         m = model.equations.constraint_count
         a = np.diff(v, axis=1) / h
         multiplier = np.stack(
-            [s.multiplier / d for s, d in zip(results, h, strict=True)] or [np.zeros(m)], 1
+            [s.multiplier / d for s, d in zip(entries, h, strict=True)] or [np.zeros(m)], 1
         )[:, : h.size]
-        pressing = [s.impulses.impulses[:, 0] > 0 for s in results]
-        impulses = [s.impulses.impulses[w] for s, w in zip(results, pressing, strict=True)]
-        owners, keys = (
-            [getattr(s.contacts, name)[w] for s, w in zip(results, pressing, strict=True)]
-            for name in ("owner", "key")
+        owners, keys, impulses = (
+            [getattr(s, name) for s in entries] for name in ("owner", "key", "impulse")
         )
-        counts = [int(w.sum()) for w in pressing]
-        loss = np.array([s.loss for s in results])
+        loss = np.array([s.loss for s in entries])
         return ContactRecord(
             ends=Trajectory(
                 np.array(self.times),
@@ -85,14 +117,14 @@ class StepLog:
                 self._work(y, v, a, multiplier, h, loss),
             ),
             names=tuple(e.name for source in self.step.sources for e in source.elements),
-            step=np.repeat(np.arange(h.size), counts),
+            step=np.repeat(np.arange(h.size), [own.size for own in keys]),
             owner=np.concatenate([*owners, np.zeros(0, dtype=int)]),
             key=np.concatenate([*keys, np.zeros(0, dtype=int)]),
             impulse=np.concatenate([*impulses, np.zeros((0, self.step.width))]),
             loss=loss,
             penetration=np.array(self.depths),
-            residual=np.array([s.impulses.residual for s in results]),
-            rounds=np.array([s.impulses.rounds for s in results], dtype=int),
+            residual=np.array([s.residual for s in entries]),
+            rounds=np.array([s.rounds for s in entries], dtype=int),
         )
 
     def _work(self, y, v, a, multiplier, h: np.ndarray, loss: np.ndarray) -> np.ndarray:

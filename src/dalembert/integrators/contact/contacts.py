@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from dalembert.integrators.contact.delassus import Delassus
 from dalembert.symbolic.evaluation.kernel import Matrix
 
 
@@ -91,13 +92,13 @@ class FrictionProblem:
 
     Attributes
     ----------
-    matrix : (n k, n k) ``H``, positive semidefinite
+    matrix : (n k, n k) ``H``, positive semidefinite; an operator for many contacts
     velocity : (n, k) ``b``
     friction : (n,) ``μ``
     scale : lower limit of the speed that residuals are compared with [m/s]
     """
 
-    matrix: np.ndarray
+    matrix: np.ndarray | Delassus
     velocity: np.ndarray
     friction: np.ndarray
     scale: float = 1.0

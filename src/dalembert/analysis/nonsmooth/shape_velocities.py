@@ -1,0 +1,88 @@
+"""Velocities of shapes by the speeds of their bodies, and of gaps by those of two shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import casadi as ca
+import numpy as np
+import scipy
+
+from dalembert.symbolic.evaluation.kernel import Kernel
+
+TWIST = 6
+"""Components of a velocity and an angular velocity."""
+
+
+class ShapeVelocities:
+    """``J`` of all shapes, each with the columns of its own speeds.
+
+    Parameters
+    ----------
+    moving : (6 n,) twists of the shapes
+    speeds : (n_v,) symbols of the speeds
+    inputs : other symbols
+    """
+
+    def __init__(self, moving: ca.SX, speeds: ca.SX, inputs: Sequence[ca.SX]):
+        jacobian = ca.sparsify(ca.jacobian(moving, speeds))
+        row = np.array(jacobian.sparsity().row(), dtype=int)
+        starts = np.array(jacobian.sparsity().colind(), dtype=int)
+        column = np.repeat(np.arange(speeds.numel()), np.diff(starts))
+        shape, self._count = row // TWIST, moving.numel() // TWIST
+        self._speeds = speeds.numel()
+        own = np.unique(np.stack([shape, column]), axis=1)
+        self._sizes = np.bincount(own[0], minlength=self._count)
+        first = np.cumsum(self._sizes) - self._sizes
+        self._width = int(self._sizes.max(initial=1))
+        self._columns = np.zeros((self._count, self._width), dtype=int)
+        place = np.arange(own.shape[1]) - first[own[0]]
+        self._columns[own[0], place] = own[1]
+        order = {(int(s), int(c)): int(k) for s, c, k in zip(*own, place, strict=True)}
+        within = [order[int(s), int(c)] for s, c in zip(shape, column, strict=True)]
+        self._places = shape, row % TWIST, np.array(within, dtype=int)
+        entries = ca.densify(ca.vertcat(*jacobian.nonzeros()))
+        self._entries = Kernel(ca.Function("velocities", list(inputs), [entries]))
+        fixed = not ca.depends_on(entries, ca.vertcat(*inputs))
+        self._constant = self._assembled(self._entries(*([0.0] * len(inputs)))) if fixed else None
+
+    def __call__(self, *arguments) -> np.ndarray:
+        """(n, 6, c) derivatives of the twists by the own speeds of the shapes."""
+        if self._constant is not None:
+            return self._constant
+        return self._assembled(self._entries(*arguments))
+
+    def _assembled(self, entries: list[np.ndarray]) -> np.ndarray:
+        derivatives = np.zeros((self._count, TWIST, self._width))
+        derivatives[self._places] = entries[0].ravel()
+        return derivatives
+
+    def fastest(self, derivatives: np.ndarray, travels: np.ndarray) -> float:
+        """The largest displacement of a shape by displacements (n_v, m) of the bodies."""
+        own = travels[self._columns]
+        moved = derivatives[:, :3] @ own
+        return float(np.sqrt(np.einsum("scm,scm->sm", moved, moved).max(initial=0.0)))
+
+    def directions(
+        self,
+        blocks: np.ndarray,
+        first: np.ndarray,
+        second: np.ndarray,
+        derivatives: np.ndarray,
+        width: int,
+    ) -> scipy.sparse.csr_array:
+        """``W = K J`` (n width, n_v) of pairs with derivatives ``blocks`` (n, k, 12)."""
+        count, components, _ = blocks.shape
+        values = np.zeros((count, width, 2 * self._width))
+        values[:, :components, : self._width] = blocks[:, :, :TWIST] @ derivatives[first]
+        values[:, :components, self._width :] = blocks[:, :, TWIST:] @ derivatives[second]
+        columns = np.hstack([self._columns[first], self._columns[second]])
+        inside = np.arange(self._width) < self._sizes[:, None]
+        used = np.hstack([inside[first], inside[second]])
+        spread = np.broadcast_to(used[:, None], values.shape)
+        sizes = np.repeat(used.sum(axis=1), width)
+        starts = np.concatenate([np.zeros(1, dtype=np.int32), np.cumsum(sizes, dtype=np.int32)])
+        indices = np.broadcast_to(columns[:, None], values.shape)[spread].astype(np.int32)
+        return scipy.sparse.csr_array(
+            (values[spread], indices, starts), shape=(count * width, self._speeds)
+        )
