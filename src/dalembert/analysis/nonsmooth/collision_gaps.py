@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.near_pairs import NearPairs, ShapesAt
 from dalembert.analysis.nonsmooth.neighbours import Neighbours
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
@@ -66,56 +65,43 @@ class CollisionGaps(GapSource):
         self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
     ) -> Contacts:
         pairs = self._pairs(time, y, p)
-        moved = self._velocities.fastest(pairs.velocities, travels)
-        reach = 2 * moved
+        reach = 2 * self._velocities.fastest(pairs.shapes.velocities, travels)
         if reach > pairs.reach:
-            pairs = self._last = self._evaluated(pairs, reach)
-        near = pairs.distance <= reach
+            pairs = self._last = self._within(pairs.shapes, reach)
+        near = np.flatnonzero(pairs.distance <= reach)
         first, second = pairs.first[near], pairs.second[near]
-        count = first.size
-        laws = np.repeat(pairs.coefficients, count, axis=1)
-        directions = self._velocities.directions(
-            pairs.blocks[near], first, second, pairs.velocities, width
-        )
+        laws = np.repeat(pairs.shapes.coefficients, near.size, axis=1)
         return Contacts(
             pairs.distance[near],
-            directions,
-            np.zeros((count, width)),
+            pairs.derivatives.rows(near, width),
+            np.zeros((near.size, width)),
             laws[0],
             laws[1],
             laws[2],
-            first * pairs.positions.shape[0] + second,
-            np.zeros(count, dtype=int),
+            first * pairs.shapes.positions.shape[0] + second,
+            np.zeros(near.size, dtype=int),
         )
 
     def _pairs(self, time: float, y: np.ndarray, p: np.ndarray) -> NearPairs:
         """Pairs near each other at a position; those of the last call if it is the same."""
         last = self._last
-        if last is not None and last.is_at(time, y, p):
+        if last is not None and last.shapes.is_at(time, y, p):
             return last
         positions, normals, radii, coefficients = self._geometry(time, y, p)
         geometry = positions.T, normals.T, radii.ravel(), coefficients
-        velocities = self._velocities(time, y, p)
-        empty = (
-            np.zeros(0),
-            np.zeros((0, self.width, 2 * TWIST)),
-            np.zeros(0, int),
-            np.zeros(0, int),
-        )
-        here = NearPairs(time, y.copy(), p.copy(), *geometry, velocities, -np.inf, *empty)
-        usual = 0.0 if last is None else last.reach
-        self._last = self._evaluated(here, usual)
+        shapes = ShapesAt(time, y.copy(), p.copy(), *geometry, self._velocities(time, y, p))
+        self._last = self._within(shapes, 0.0 if last is None else last.reach)
         return self._last
 
-    def _evaluated(self, pairs: NearPairs, reach: float) -> NearPairs:
-        """The pairs within reach, with their gaps."""
-        own, walls = self._neighbours.near(pairs.positions, pairs.normals, pairs.radii, reach)
-        parts = [self._evaluate(own, pairs, False), self._evaluate(walls, pairs, True)]
-        distance, blocks = (np.concatenate(part) for part in zip(*parts, strict=True))
-        first, second = np.hstack([own, walls])
-        return replace(
-            pairs, reach=reach, distance=distance, blocks=blocks, first=first, second=second
-        )
+    def _within(self, shapes: ShapesAt, reach: float) -> NearPairs:
+        """The pairs within reach."""
+        geometry = shapes.positions, shapes.normals, shapes.radii
+        parts = list(self._neighbours.near(*geometry, reach))
+        gaps = [self._evaluate(part, shapes, k == 1) for k, part in enumerate(parts)]
+        distance, blocks = (np.concatenate(gap) for gap in zip(*gaps, strict=True))
+        first, second = np.hstack(parts)
+        derivatives = self._velocities.gap_derivatives(blocks, first, second, shapes.velocities)
+        return NearPairs(shapes, reach, first, second, distance, derivatives)
 
     def symbolic(self, key: int) -> SymbolicGap:
         moving, positions, normals, radii, coefficients = self._symbolic
@@ -130,15 +116,15 @@ class CollisionGaps(GapSource):
         return SymbolicGap(distance, speeds, *ca.vertsplit(coefficients))
 
     def _evaluate(
-        self, chosen: np.ndarray, pairs: NearPairs, wall: bool
+        self, chosen: np.ndarray, shapes: ShapesAt, wall: bool
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) distances and (n, k, 12) derivatives of gap velocities by both twists."""
-        count, positions, radii = chosen.shape[1], pairs.positions, pairs.radii
+        count, positions, radii = chosen.shape[1], shapes.positions, shapes.radii
         if not count:
             return np.zeros(0), np.zeros((0, self.width, 2 * TWIST))
         size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
         first, second = chosen if size == count else chosen[:, np.arange(size) % count]
-        own = pairs.normals[first - radii.size].T if wall else radii[None, first]
+        own = shapes.normals[first - radii.size].T if wall else radii[None, first]
         here, there = positions[first].T, positions[second].T
         kernel = self._kernel(wall, size)
         distance, blocks = kernel(np.vstack([here, own]), np.vstack([there, radii[second]]))
@@ -150,38 +136,6 @@ class CollisionGaps(GapSource):
         if (wall, size) not in self._kernels:
             self._kernels[wall, size] = Kernel(_gap_function(self.width, wall).map(size))
         return self._kernels[wall, size]
-
-
-@dataclass(frozen=True, eq=False)
-class NearPairs:
-    """Pairs of shapes within ``reach`` at a position.
-
-    Attributes
-    ----------
-    time, y, p : the position
-    positions, normals, radii, coefficients, velocities : of the shapes
-    reach : upper limit of the gaps [m]
-    distance, blocks : gaps, and derivatives of their velocities by both twists
-    first, second : numbers of the shapes
-    """
-
-    time: float
-    y: np.ndarray
-    p: np.ndarray
-    positions: np.ndarray
-    normals: np.ndarray
-    radii: np.ndarray
-    coefficients: np.ndarray
-    velocities: np.ndarray
-    reach: float
-    distance: np.ndarray
-    blocks: np.ndarray
-    first: np.ndarray
-    second: np.ndarray
-
-    def is_at(self, time: float, y: np.ndarray, p: np.ndarray) -> bool:
-        """Whether it belongs to a position."""
-        return self.time == time and np.array_equal(self.y, y) and np.array_equal(self.p, p)
 
 
 @once

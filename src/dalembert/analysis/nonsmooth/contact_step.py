@@ -101,7 +101,8 @@ class ContactStep:
     def closed(self, t: float, y: np.ndarray) -> Contacts:
         """Gaps that are negative by more than rounding."""
         contacts = self.near(t, y, np.zeros((self.model.equations.speed_count, 1)))
-        return contacts.some(contacts.distance < -CLOSED * self.model.scales.length)
+        closed = contacts.distance < -CLOSED * self.model.scales.length
+        return contacts if closed.all() else contacts.some(closed)
 
     def advance(
         self, t: float, h: float, y: np.ndarray, v: np.ndarray, before: StepResult | None
@@ -125,7 +126,8 @@ class ContactStep:
             position = go(y, h * (theta * after + (1 - theta) * v))
             if not self.scheme.anticipates or not np.isfinite(position).all():
                 break
-            if np.isin(self.closed(t + h, position).key, contacts.key).all():
+            closed = self.closed(t + h, position)
+            if not closed.count or np.isin(closed.key, contacts.key).all():
                 break
             reach *= WIDER
         loss = -0.5 * float(push @ (contacts.directions @ (after + v)))

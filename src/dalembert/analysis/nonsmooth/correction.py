@@ -124,7 +124,10 @@ def correct_position(
     return newton.solve(PositionCorrection(step, t, open_gaps, travel), y, SETTINGS)
 
 
-def consistent_speeds(step: ContactStep, t: float, y: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """The nearest speeds, by kinetic energy, with ``C v = −Φ_t``."""
-    solve, _, still, joints = step.smooth.at(t, y, step.p)
-    return v + solve(np.zeros(v.size), -still - joints @ v)[0]
+def consistent_speeds(
+    step: ContactStep, t: float, y: np.ndarray, v: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """The nearest speeds, by kinetic energy, with ``C v = −Φ_t``, and the kinetic energy lost."""
+    mobility, _, still, joints = step.smooth.at(t, y, step.p)
+    change = mobility(np.zeros(v.size), -still - joints @ v)[0]
+    return v + change, -float(change @ (mobility.matrix @ (v + change / 2)))

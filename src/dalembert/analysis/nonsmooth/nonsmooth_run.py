@@ -90,7 +90,7 @@ class NonsmoothRun:
             parameters=self.p,
             trajectory=trajectory,
             status=check.verify(status),
-            statistics=self.statistics(record, elapsed),
+            statistics=self.statistics(record, log.scheme_losses, elapsed),
             warnings=[*check.warnings, *elastic_warnings(self.model, trajectory, self.p)],
             record=record,
         )
@@ -107,8 +107,8 @@ class NonsmoothRun:
                 position = self.corrected(t + h, h, result)
                 if not position.accepted:
                     return self.not_corrected(t, h, position)
-                v = self.speeds(t + h, position.x, result)
-                log.add(t + h, h, position.x, v, result)
+                v, lost = self.speeds(t + h, position.x, result)
+                log.add(t + h, h, position.x, v, result, lost)
                 report((grid[k + 1] - self.start) / (self.end - self.start))
         except KeyboardInterrupt:
             return stopped(log.t, log.open_by)
@@ -123,10 +123,10 @@ class NonsmoothRun:
         travel, projection = h * result.v[:, None], self.analysis.integrator.projection
         return correct_position(self.step, t, result.y, projection, travel)
 
-    def speeds(self, t: float, y: np.ndarray, result: StepResult) -> np.ndarray:
-        """Speeds consistent with the joints at a position."""
+    def speeds(self, t: float, y: np.ndarray, result: StepResult) -> tuple[np.ndarray, float]:
+        """Speeds consistent with the joints at a position, and the kinetic energy lost."""
         joints = self.step.smooth.has_joints
-        return consistent_speeds(self.step, t, y, result.v) if joints else result.v
+        return consistent_speeds(self.step, t, y, result.v) if joints else (result.v, 0.0)
 
     def not_corrected(self, t: float, h: float, position: Solution[np.ndarray]) -> Status:
         """Status of a run in which the correction of positions failed."""
@@ -153,7 +153,9 @@ class NonsmoothRun:
             return Status(Outcome.NOT_CONVERGED, text, t, impulses.residual)
         return None
 
-    def statistics(self, record: ContactRecord, elapsed: float) -> dict[str, Any]:
+    def statistics(
+        self, record: ContactRecord, scheme_losses: np.ndarray, elapsed: float
+    ) -> dict[str, Any]:
         count = max(record.loss.size, 1)
         key = "initial overlaps removed"
         overlaps = {key: self.closed_gaps} if self.closed_gaps else {}
@@ -167,6 +169,7 @@ class NonsmoothRun:
             "maximum residual [m/s]": float(record.residual.max(initial=0.0)),
             "maximum penetration [m]": float(record.penetration.max(initial=0.0)),
             "energy dissipated in contacts [J]": float(record.loss.sum()),
+            "energy dissipated by the scheme [J]": float(scheme_losses[-1]),
             "maximum energy gained in contacts [J]": float((-record.loss).max(initial=0.0)),
         }
 

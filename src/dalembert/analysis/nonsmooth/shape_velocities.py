@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -63,26 +64,46 @@ class ShapeVelocities:
         moved = derivatives[:, :3] @ own
         return float(np.sqrt(np.einsum("scm,scm->sm", moved, moved).max(initial=0.0)))
 
-    def directions(
-        self,
-        blocks: np.ndarray,
-        first: np.ndarray,
-        second: np.ndarray,
-        derivatives: np.ndarray,
-        width: int,
-    ) -> scipy.sparse.csr_array:
-        """``W = K J`` (n width, n_v) of pairs with derivatives ``blocks`` (n, k, 12)."""
-        count, components, _ = blocks.shape
-        values = np.zeros((count, width, 2 * self._width))
-        values[:, :components, : self._width] = blocks[:, :, :TWIST] @ derivatives[first]
-        values[:, :components, self._width :] = blocks[:, :, TWIST:] @ derivatives[second]
-        columns = np.hstack([self._columns[first], self._columns[second]])
+    def gap_derivatives(
+        self, blocks: np.ndarray, first: np.ndarray, second: np.ndarray, derivatives: np.ndarray
+    ) -> GapDerivatives:
+        """``W = K J`` of pairs with derivatives ``blocks`` (n, k, 12) by both twists."""
+        own = [
+            blocks[:, :, :TWIST] @ derivatives[first],
+            blocks[:, :, TWIST:] @ derivatives[second],
+        ]
         inside = np.arange(self._width) < self._sizes[:, None]
-        used = np.hstack([inside[first], inside[second]])
-        spread = np.broadcast_to(used[:, None], values.shape)
-        sizes = np.repeat(used.sum(axis=1), width)
-        starts = np.concatenate([np.zeros(1, dtype=np.int32), np.cumsum(sizes, dtype=np.int32)])
-        indices = np.broadcast_to(columns[:, None], values.shape)[spread].astype(np.int32)
-        return scipy.sparse.csr_array(
-            (values[spread], indices, starts), shape=(count * width, self._speeds)
-        )
+        columns, used = (np.hstack([t[first], t[second]]) for t in (self._columns, inside))
+        return GapDerivatives(np.concatenate(own, axis=2), columns, used, self._speeds)
+
+
+@dataclass(frozen=True, eq=False)
+class GapDerivatives:
+    """Derivatives of gap velocities by the speeds of two shapes each.
+
+    Attributes
+    ----------
+    values : (n, k, 2 c)
+    columns : (n, 2 c) numbers of the speeds
+    used : (n, 2 c) False for padding
+    speeds : number of speeds
+    """
+
+    values: np.ndarray
+    columns: np.ndarray
+    used: np.ndarray
+    speeds: int
+
+    def rows(self, selected: np.ndarray, width: int) -> scipy.sparse.csr_array:
+        """``W`` (m width, n_v) of selected gaps, with empty rows for components they lack."""
+        values, used = self.values[selected], self.used[selected]
+        count, components, _ = values.shape
+        sizes = np.zeros((count, width), dtype=np.int32)
+        sizes[:, :components] = used.sum(axis=1)[:, None]
+        starts = np.zeros(count * width + 1, dtype=np.int32)
+        np.cumsum(sizes.ravel(), out=starts[1:])
+        inside = np.repeat(used[:, None], components, axis=1)
+        columns = np.repeat(self.columns[selected][:, None], components, axis=1)
+        indices = columns[inside].astype(np.int32)
+        shape = count * width, self.speeds
+        return scipy.sparse.csr_array((values[inside], indices, starts), shape=shape)

@@ -85,6 +85,9 @@ class ContactSolver:
         guess = np.zeros(problem.shape) if start is None else start
         allowed = self.tolerance * problem.size(guess)
         guess = swept(problem, guess, SWEEP_SHARE * allowed)
+        residual = problem.residual(guess)
+        if residual <= allowed:
+            return Impulses(guess, residual, True)
         impulses = semismooth_newton(problem, guess, allowed)
         residual = problem.residual(impulses)
         allowed = self.tolerance * problem.size(impulses)

@@ -137,8 +137,8 @@ class FrictionProblem:
         """Largest violation of the conditions as a speed, ``|P − proj(P − ρ u)| / ρ``."""
         violation = np.abs(impulses - self.project(impulses, self.speeds(impulses)))
         normal, along = self.mobility
-        sizes = np.column_stack([normal, np.repeat(along[:, None], self.shape[1] - 1, axis=1)])
-        worst = (violation * sizes).max(initial=0.0)
+        worst = (violation[:, 0] * normal).max(initial=0.0)
+        worst = max(worst, (violation[:, 1:] * along[:, None]).max(initial=0.0))
         return float(worst) if np.isfinite(impulses).all() else np.inf
 
 

@@ -57,8 +57,13 @@ class Delassus:
     def __matmul__(self, impulses: np.ndarray) -> np.ndarray:
         if self.dense is not None:
             return np.asarray(self.dense @ impulses)
-        speeds = self.directions @ (self.responses.T @ impulses)
-        return np.asarray(speeds + self.shift * impulses)
+        return np.asarray(self.directions @ self.response(impulses) + self.shift * impulses)
+
+    def response(self, impulses: np.ndarray) -> np.ndarray:
+        """(n,) speeds of the bodies by impulses (r,)."""
+        x = self.responses
+        values = x.data * np.repeat(impulses, np.diff(x.indptr))
+        return np.bincount(x.indices, values, x.shape[1])
 
     def diagonal(self) -> np.ndarray:
         """(r,) diagonal."""

@@ -143,7 +143,7 @@ def swept(problem: FrictionProblem, impulses: np.ndarray, tolerance: float) -> n
     indices = [w.indptr, w.indices, x.indptr, x.indices]
     inputs = [np.ascontiguousarray(value) for value in (*values, np.array([tolerance]))]
     inputs += [index.astype(np.int32, copy=False) for index in indices]
-    outputs = [result, x.T @ result.ravel(), np.zeros(rows), np.empty(rows)]
+    outputs = [result, operator.response(result.ravel()), np.zeros(rows), np.empty(rows)]
     _call(loop, inputs, outputs, np.array([*problem.shape, SWEEPS]), np.empty(problem.shape[1]))
     return result if np.isfinite(result).all() else impulses
 
