@@ -1,4 +1,4 @@
-"""Discs that fall into a box with friction: time of a step, penetration and growth with their number.
+"""Discs that fall into a box with friction: time of a step and penetration.
 
 MuJoCo's contacts are soft: the discs penetrate, and the box has spheres in a plane.
 """

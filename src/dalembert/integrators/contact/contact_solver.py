@@ -9,12 +9,15 @@ import numpy as np
 from dalembert.errors import UnsupportedError
 from dalembert.integrators.contact.contacts import FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
-from dalembert.integrators.contact.semismooth_newton import semismooth_newton
+from dalembert.integrators.contact.semismooth_newton import MAX_ITERATIONS, semismooth_newton
 from dalembert.integrators.contact.sweeps import swept
 from dalembert.options import options
 
 WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 0.01, 4.0, 0.3, 1.0, 1e-11
 """Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
+ALTERNATIONS, NEWTON_ITERATIONS = 20, 5
+"""Upper limits for many contacts: rounds of sweeps and Newton's method; iterations of the latter,
+which without friction is not limited further."""
 SWEEP_SHARE = 0.1
 """Tolerance of sweeps relative to that of the problem [-]."""
 RESIDUAL_SHARE, TOLERANCE_SHARE = 0.01, 0.3
@@ -44,7 +47,7 @@ class Impulses:
 class ContactSolver:
     """Semismooth Newton method (Alart & Curnier 1991), started from the previous impulses.
 
-    If it stagnates, the proximal point method follows: it solves a sequence of problems with
+    For many contacts accelerated Gauss–Seidel sweeps precede it and alternate with it. If it stagnates, the proximal point method follows: it solves a sequence of problems with
     ``H + α D`` and ``b − α D P``, ``D`` the diagonal of ``H``, whose solution is the next ``P``.
     These problems are definite, so that Newton's method converges, and their limit solves the
     original problem (Acary, Brémond & Huber 2018).
@@ -84,10 +87,10 @@ class ContactSolver:
         """Impulses of a problem, from an initial guess ``start``, zero by default."""
         guess = np.zeros(problem.shape) if start is None else start
         allowed = self.tolerance * problem.size(guess)
-        guess = swept(problem, guess, SWEEP_SHARE * allowed)
-        residual = problem.residual(guess)
-        if residual <= allowed:
-            return Impulses(guess, residual, True)
+        if isinstance(problem.matrix, Delassus):
+            guess, residual = self._alternating(problem, guess, allowed)
+            if residual <= allowed:
+                return Impulses(guess, residual, True)
         impulses = semismooth_newton(problem, guess, allowed)
         residual = problem.residual(impulses)
         allowed = self.tolerance * problem.size(impulses)
@@ -98,6 +101,20 @@ class ContactSolver:
         if residual <= self.tolerance * problem.size(impulses):
             return Impulses(impulses, residual, True)
         return self._proximal(problem, guess, self.tolerance * problem.size(guess))
+
+    def _alternating(
+        self, problem: FrictionProblem, impulses: np.ndarray, allowed: float
+    ) -> tuple[np.ndarray, float]:
+        """Impulses after sweeps and Newton's method in turns, and their residual."""
+        few = NEWTON_ITERATIONS if problem.friction.any() else MAX_ITERATIONS
+        for _ in range(ALTERNATIONS):
+            impulses = swept(problem, impulses, SWEEP_SHARE * allowed)
+            if (residual := problem.residual(impulses)) <= allowed:
+                break
+            impulses = semismooth_newton(problem, impulses, allowed, few)
+            if (residual := problem.residual(impulses)) <= allowed:
+                break
+        return impulses, residual
 
     def _proximal(self, problem: FrictionProblem, impulses: np.ndarray, allowed: float) -> Impulses:
         weight, residual, rounds = WEIGHT, problem.residual(impulses), 0

@@ -15,7 +15,10 @@ REGULARIZATION = 1e-9
 
 
 def semismooth_newton(
-    problem: FrictionProblem, impulses: np.ndarray, tolerance: float
+    problem: FrictionProblem,
+    impulses: np.ndarray,
+    tolerance: float,
+    max_iterations: int = MAX_ITERATIONS,
 ) -> np.ndarray:
     """Solve ``P = proj(P − ρ u)`` from initial impulses (Alart & Curnier 1991).
 
@@ -23,7 +26,7 @@ def semismooth_newton(
     residual is within the tolerance, or when no step reduces the merit function.
     """
     merit = _merit(problem, impulses)
-    for _ in range(MAX_ITERATIONS):
+    for _ in range(max_iterations):
         if not problem.residual(impulses) > tolerance:
             break
         step = _step(problem, impulses)
