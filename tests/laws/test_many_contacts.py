@@ -1,4 +1,4 @@
-"""Many contacts: sparse operators against dense ones, near pairs against all, joints beside piles."""
+"""Many contacts: sparse operators against dense ones, near pairs against all, piles, energy."""
 
 import casadi as ca
 import numpy as np

@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 
 from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.formulas.expression import stack
 
 TWIST = 6
 """Components of a velocity and an angular velocity."""
@@ -42,7 +43,7 @@ class ShapeVelocities:
         order = {(int(s), int(c)): int(k) for s, c, k in zip(*own, place, strict=True)}
         within = [order[int(s), int(c)] for s, c in zip(shape, column, strict=True)]
         self._places = shape, row % TWIST, np.array(within, dtype=int)
-        entries = ca.densify(ca.vertcat(*jacobian.nonzeros()))
+        entries = ca.densify(stack(jacobian.nonzeros()))  # type: ignore[arg-type]
         self._entries = Kernel(ca.Function("velocities", list(inputs), [entries]))
         fixed = not ca.depends_on(entries, ca.vertcat(*inputs))
         self._constant = self._assembled(self._entries(*([0.0] * len(inputs)))) if fixed else None

@@ -47,7 +47,9 @@ class Impulses:
 class ContactSolver:
     """Semismooth Newton method (Alart & Curnier 1991), started from the previous impulses.
 
-    For many contacts accelerated Gauss–Seidel sweeps precede it and alternate with it. If it stagnates, the proximal point method follows: it solves a sequence of problems with
+    For many contacts accelerated Gauss–Seidel sweeps precede it and alternate with it.
+
+    If it stagnates, the proximal point method follows: it solves a sequence of problems with
     ``H + α D`` and ``b − α D P``, ``D`` the diagonal of ``H``, whose solution is the next ``P``.
     These problems are definite, so that Newton's method converges, and their limit solves the
     original problem (Acary, Brémond & Huber 2018).
