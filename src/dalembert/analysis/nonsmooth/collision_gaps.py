@@ -82,6 +82,9 @@ class CollisionGaps(GapSource):
             np.zeros(near.size, dtype=int),
         )
 
+    def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
+        return float(self._pairs(time, y, p).distance.min(initial=0.0))
+
     def _pairs(self, time: float, y: np.ndarray, p: np.ndarray) -> NearPairs:
         """Pairs near each other at a position; those of the last call if it is the same."""
         last = self._last

@@ -98,11 +98,20 @@ class ContactStep:
         number, own = divmod(int(key), APART)
         return self.sources[number].symbolic(own)
 
+    def deepest(self, t: float, y: np.ndarray) -> float:
+        """The smallest gap if it is negative, else 0 [m]."""
+        speeds = self.model.equations.speed_count
+        return min(source.deepest(t, y, self.p, speeds) for source in self.sources)
+
     def closed(self, t: float, y: np.ndarray) -> Contacts:
         """Gaps that are negative by more than rounding."""
         contacts = self.near(t, y, np.zeros((self.model.equations.speed_count, 1)))
-        closed = contacts.distance < -CLOSED * self.model.scales.length
-        return contacts if closed.all() else contacts.some(closed)
+        return contacts.some(contacts.distance < -self.rounding)
+
+    @property
+    def rounding(self) -> float:
+        """Penetration that counts as rounding [m]."""
+        return CLOSED * self.model.scales.length
 
     def advance(
         self, t: float, h: float, y: np.ndarray, v: np.ndarray, before: StepResult | None
@@ -126,8 +135,9 @@ class ContactStep:
             position = go(y, h * (theta * after + (1 - theta) * v))
             if not self.scheme.anticipates or not np.isfinite(position).all():
                 break
-            closed = self.closed(t + h, position)
-            if not closed.count or np.isin(closed.key, contacts.key).all():
+            if self.deepest(t + h, position) >= -self.rounding:
+                break
+            if np.isin(self.closed(t + h, position).key, contacts.key).all():
                 break
             reach *= WIDER
         loss = -0.5 * float(push @ (contacts.directions @ (after + v)))

@@ -53,10 +53,11 @@ class PositionCorrection(newton.Equations[np.ndarray]):
 
     def residual(self, x: np.ndarray) -> PositionResidual:
         value, rounding = self.step_of.smooth.open_by(self.t, x, self.step_of.p)
-        gaps = None
-        if self.open_gaps and np.isfinite(x).all():
+        gaps, deepest = None, 0.0
+        counted = self.open_gaps and bool(np.isfinite(x).all())
+        if counted and self.step_of.deepest(self.t, x) < -self.step_of.rounding:
             gaps = self.step_of.closed(self.t, x)
-        deepest = 0.0 if gaps is None else gaps.distance.min(initial=0.0)
+            deepest = gaps.distance.min(initial=0.0)
         return PositionResidual(
             np.append(value, deepest), self.scale, np.append(rounding, 0.0), gaps=gaps
         )
@@ -75,7 +76,7 @@ class PositionCorrection(newton.Equations[np.ndarray]):
         joint_shift, closed = mobility(still, -residual.value[:-1])[0], residual.gaps
         if closed is None or not closed.count:
             return joint_shift, None
-        allowed = CLOSED * self.step_of.model.scales.length
+        allowed = self.step_of.rounding
         gaps = closed if self.travel is None else self.step_of.near(self.t, x, self.travel)
         for _ in range(ROUNDS):
             push, opened = self._push(gaps, joint_shift, mobility)
@@ -95,7 +96,7 @@ class PositionCorrection(newton.Equations[np.ndarray]):
         ``joint_shift``, which closes joints."""
         normals, solver = normals_of(gaps), self.step_of.solver
         open_by = (gaps.distance + normals @ joint_shift)[:, None]
-        fine = SHARE * CLOSED * self.step_of.model.scales.length / solver.tolerance
+        fine = SHARE * self.step_of.rounding / solver.tolerance
         scale = max(float(-open_by.min(initial=0.0)), fine)
         problem = FrictionProblem(delassus(normals, mobility), open_by, np.zeros(gaps.count), scale)
         push = solver.solve(problem).impulses.ravel()

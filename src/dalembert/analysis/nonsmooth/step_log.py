@@ -102,8 +102,7 @@ class StepLog:
         self.depths.append(self._depth(t, y))
 
     def _depth(self, t: float, y: np.ndarray) -> float:
-        none = np.zeros((self.step.model.equations.speed_count, 1))
-        return max(0.0, -float(self.step.near(t, y, none).distance.min(initial=0.0)))
+        return abs(self.step.deepest(t, y))
 
     def record(self) -> ContactRecord:
         """The steps as arrays."""

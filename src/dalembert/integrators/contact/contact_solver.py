@@ -93,6 +93,8 @@ class ContactSolver:
             guess, residual = self._alternating(problem, guess, allowed)
             if residual <= allowed:
                 return Impulses(guess, residual, True)
+            if problem.matrix.dense is None:
+                return self._proximal(problem, guess, self.tolerance * problem.size(guess))
         impulses = semismooth_newton(problem, guess, allowed)
         residual = problem.residual(impulses)
         allowed = self.tolerance * problem.size(impulses)
@@ -124,7 +126,8 @@ class ContactSolver:
         while best[1] > allowed and rounds < self.max_iterations and np.isfinite(residual):
             proximal = proximal_problem(problem, impulses, weight)
             tolerance = max(RESIDUAL_SHARE * residual, TOLERANCE_SHARE * allowed)
-            trial = semismooth_newton(proximal, impulses, tolerance)
+            start = swept(proximal, impulses, SWEEP_SHARE * tolerance)
+            trial = semismooth_newton(proximal, start, tolerance)
             solved = proximal.residual(trial) <= tolerance
             changed = weight * (DECREASE if solved else INCREASE)
             weight = min(max(changed, WEIGHT_MIN), WEIGHT_MAX)
@@ -136,11 +139,12 @@ class ContactSolver:
 
 
 def sticking_impulses(problem: FrictionProblem) -> np.ndarray:
-    """Impulses that stop all contacts, the only solution when sliding jams (Painlevé)."""
+    """Impulses that stop few contacts, the only solution when sliding jams (Painlevé)."""
     change, matrix = -problem.velocity.ravel(), problem.matrix
     if isinstance(matrix, Delassus):
-        matrix = np.zeros((0, 0)) if matrix.dense is None else matrix.dense
-    if not (matrix.size and np.isfinite(matrix).all() and np.isfinite(change).all()):
+        assert matrix.dense is not None
+        matrix = matrix.dense
+    if not (np.isfinite(matrix).all() and np.isfinite(change).all()):
         return np.zeros(problem.shape)
     impulses = np.linalg.lstsq(matrix, change, rcond=None)[0]
     return impulses.reshape(problem.shape)

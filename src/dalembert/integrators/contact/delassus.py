@@ -55,8 +55,6 @@ class Delassus:
         return matrix
 
     def __matmul__(self, impulses: np.ndarray) -> np.ndarray:
-        if self.dense is not None:
-            return np.asarray(self.dense @ impulses)
         return np.asarray(self.directions @ self.response(impulses) + self.shift * impulses)
 
     def response(self, impulses: np.ndarray) -> np.ndarray:
@@ -67,8 +65,6 @@ class Delassus:
 
     def diagonal(self) -> np.ndarray:
         """(r,) diagonal."""
-        if self.dense is not None:
-            return self.dense.diagonal()
         w, x = self.directions, self.responses
         if w.indices is x.indices:
             row = np.repeat(np.arange(self.shift.size), np.diff(w.indptr))
