@@ -7,14 +7,13 @@ from functools import cache
 
 import casadi as ca
 
+from dalembert.analysis.nonsmooth.shape_velocities import TWIST
 from dalembert.elements.contact.contact_point import (
     ContactPoint,
     contact_at_wall,
     contact_of_balls,
 )
 
-TWIST = 6
-"""Components of a velocity and an angular velocity."""
 TRAILING = 4
 """Inputs after the points of a feature: radius and reference point of the body."""
 

@@ -6,20 +6,20 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
-import scipy
 
 from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
-from dalembert.analysis.nonsmooth.gap_functions import TWIST, Feature, gap_function
+from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
 from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions
 from dalembert.analysis.nonsmooth.planar_features import planar_features
+from dalembert.analysis.nonsmooth.shape_velocities import TWIST
 from dalembert.analysis.nonsmooth.spatial_features import spatial_features
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Round
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel, Matrix
+from dalembert.symbolic.evaluation.kernel import Kernel
 
 SMALLEST = 16
 """Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
@@ -42,7 +42,7 @@ class LastPosition:
     y: np.ndarray
     p: np.ndarray
     at: Positions
-    velocities: Matrix
+    velocities: np.ndarray
     reach: float
     requested: float = 0.0
     contacts: Contacts | None = None
@@ -70,6 +70,7 @@ class HullGaps(GapSource):
         self._round = np.array([isinstance(shape, Round) for shape in geometry.shapes])
         features = [max(len(h.corners), 2 * len(h.edges), len(h.faces)) for h in geometry.hulls]
         self._radix = max(features), len(geometry.shapes)
+        self._speeds = model.all_equations.speed_count
         self._last: LastPosition | None = None
         self._kernels: dict[tuple[Feature, int], Kernel] = {}
 
@@ -79,19 +80,19 @@ class HullGaps(GapSource):
         last = self._last
         if last is None or not last.is_at(time, y, p):
             at, velocities = (
-                f(time, y, p) for f in (self.geometry.positions, self.geometry.velocities)
+                self.geometry.positions(time, y, p),
+                self.geometry.velocities(time, y, p),
             )
             ahead = 0.0 if last is None else last.requested
             last = self._last = LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
-        reach = self._reach(last.at, last.velocities @ travels)
-        if last.contacts is None or reach > last.reach:
+        reach = self._reach(last.at, last.velocities, travels)
+        if last.contacts is None or reach > last.reach or last.contacts.drift.shape[1] != width:
             last.reach = max(last.reach, reach)
             parts = [
                 self._contacts(pairs, last, width)
                 for pairs in [*self._walls(last.at, last.reach), *self._hulls(last.at, last.reach)]
             ]
-            none = self._none(last.velocities.shape[1], width)
-            last.contacts = Contacts.joined(parts or [none])
+            last.contacts = Contacts.joined(parts or [self._none(width)])
         last.requested = max(last.requested, reach)
         return last.contacts.some(last.contacts.distance <= reach)
 
@@ -118,9 +119,9 @@ class HullGaps(GapSource):
         return places, directions
 
     # search --------------------------------------------------------------------------------------
-    def _reach(self, at: Positions, travels: np.ndarray) -> float:
+    def _reach(self, at: Positions, velocities: np.ndarray, travels: np.ndarray) -> float:
         """Largest distance that two shapes cover by displacements of their twists."""
-        moved = np.asarray(travels).reshape(at.radii.size, TWIST, -1)
+        moved = self.geometry.velocities.displacements(velocities, travels)
         hulls, starts = len(self.geometry.hulls), self.geometry.starts
         arms = at.corners - np.repeat(at.origins[:hulls], np.diff(starts), axis=0)
         arm = np.zeros(at.radii.size)
@@ -174,10 +175,12 @@ class HullGaps(GapSource):
         near = distance <= last.reach
         pairs, count = _some(pairs, near), int(near.sum())
         restitution, tangential, friction = last.at.coefficients[:, self._law(pairs)]
-        directions = _directions(blocks[near], pairs.first, pairs.second, last.velocities, width)
+        directions = self.geometry.velocities.gap_derivatives(
+            blocks[near], pairs.first, pairs.second, last.velocities
+        )
         return Contacts(
             distance[near],
-            directions,
+            directions.rows(np.arange(count), width),
             np.zeros((count, width)),
             restitution,
             tangential,
@@ -232,32 +235,12 @@ class HullGaps(GapSource):
         kind, first = np.divmod(rest, shapes)
         return Pairs(Feature(int(kind[0])), first, second, own, other)
 
-    def _none(self, speeds: int, width: int) -> Contacts:
+    def _none(self, width: int) -> Contacts:
         empty, numbers = np.zeros(0), np.zeros(0, dtype=int)
-        rows = np.zeros((0, speeds)), np.zeros((0, width))
+        rows = np.zeros((0, self._speeds)), np.zeros((0, width))
         return Contacts(empty, *rows, empty, empty, empty, numbers, numbers)
 
 
 def _some(pairs: Pairs, selected: np.ndarray) -> Pairs:
     names = ("first", "second", "own", "other")
     return replace(pairs, **{name: getattr(pairs, name)[selected] for name in names})
-
-
-def _directions(
-    blocks: np.ndarray, first: np.ndarray, second: np.ndarray, velocities: Matrix, width: int
-) -> Matrix:
-    """``W = K J`` (n width, n_v) of pairs with derivatives ``blocks`` by both twists."""
-    count, own = blocks.shape[:2]
-    sides = np.stack([first, second], axis=1)
-    if not scipy.sparse.issparse(velocities):
-        speeds = velocities.shape[1]
-        twists = velocities.reshape(-1, TWIST, speeds)
-        directions = np.zeros((count, width, speeds))
-        directions[:, :own] = blocks @ twists[sides].reshape(count, 2 * TWIST, speeds)
-        return directions.reshape(count * width, speeds)
-    rows = np.arange(count)[:, None] * width + np.arange(own)
-    columns = (sides[:, :, None] * TWIST + np.arange(TWIST)).reshape(count, 1, 2 * TWIST)
-    entries = [np.broadcast_to(n, blocks.shape).ravel() for n in (rows[:, :, None], columns)]
-    shape = (count * width, velocities.shape[0])
-    gaps = scipy.sparse.csr_array((blocks.ravel(), tuple(entries)), shape=shape)
-    return scipy.sparse.csr_array(gaps @ velocities)

@@ -12,10 +12,11 @@ import numpy as np
 from dalembert.analysis.nonsmooth.gap_functions import Feature, point_counts
 from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
+from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.shapes import Shape
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
+from dalembert.symbolic.evaluation.kernel import Kernel
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +70,7 @@ class HullGeometry:
     shapes, hulls : all shapes; forms of those before the walls
     starts : (h + 1,) number of the first corner of each hull
     owner : (s,) number of the body of each shape
+    velocities : twists of all shapes by the speeds
     """
 
     def __init__(self, model: Model, element: Collisions):
@@ -127,7 +129,7 @@ class HullGeometry:
         self.twists = model.at_ground(ca.vertcat(*twists))
         self.symbols, inputs = outputs, [e.t, e.y, e.p]
         self._positions = Kernel(ca.Function("positions", inputs, outputs))
-        self._velocities = Patterned("velocities", inputs, [ca.jacobian(self.twists, e.v)])
+        self.velocities = ShapeVelocities(self.twists, e.v, inputs)
 
     def positions(self, time: float, y: np.ndarray, p: np.ndarray) -> Positions:
         """Positions at an instant."""
@@ -135,10 +137,6 @@ class HullGeometry:
         return Positions(
             corners.T, walls.T.reshape(-1, 2, 3), radii.ravel(), origins.T, coefficients
         )
-
-    def velocities(self, time: float, y: np.ndarray, p: np.ndarray) -> Matrix:
-        """(6 s, n_v) ``J``, twists of all shapes per speed."""
-        return self._velocities(time, y, p)[0]
 
     def batches(
         self, first: np.ndarray, second: np.ndarray, at: Positions
