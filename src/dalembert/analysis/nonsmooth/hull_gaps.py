@@ -79,7 +79,8 @@ class HullGaps(GapSource):
         last = self._last
         if last is None or not last.is_at(time, y, p):
             at, velocities = (
-                f(time, y, p) for f in (self.geometry.positions, self.geometry.velocities)
+                self.geometry.positions(time, y, p),
+                self.geometry.velocities(time, y, p),
             )
             ahead = 0.0 if last is None else last.requested
             last = self._last = LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
