@@ -12,9 +12,11 @@ from dalembert.analysis.equilibrium.static_balance import statics_kernel
 from dalembert.analysis.live.equilibrium_module import NO_EQUILIBRIUM, following
 from dalembert.analysis.live.obstacles import common_obstacle
 from dalembert.analysis.live.start import closing, violation
-from dalembert.analysis.modes.linearization_kernel import Linearized
+from dalembert.analysis.modes.linearization_kernel import LinearizationKernel
+from dalembert.analysis.modes.linearized import Linearized
 from dalembert.results.live import LiveFunctions
 from dalembert.results.mechanism_modes import IMAG, REAL, MechanismModes
+from dalembert.results.pictures.mode_scene import movement
 from dalembert.results.sources import Row
 from dalembert.symbolic.formulas.expression import stack
 
@@ -27,6 +29,8 @@ def obstacle(modes: MechanismModes) -> str:
         return f"the modes were not computed ({modes.status.outcome.value})"
     if state.origin is None:
         return "the modes are about the end of a motion"
+    if not np.array_equal(modes.numbers, np.arange(1, modes.numbers.size + 1)):
+        return "the modes are a selection"
     if model.equations.contacts:
         return "the mechanism has rigid contacts"
     if model.equations.slips:
@@ -40,10 +44,11 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
     Parameters
     ----------
     modes : the modes that are repeated, without an ``obstacle``
-    rows : outputs, expressions of eigenvalues and parameters
+    rows : outputs, expressions of eigenvalues and parameters; those of pictures are the last ones
     times : (K,) numbers of the modes
     """
     state: Linearized = modes.record
+    analysis: Any = modes.analysis
     kernel, model = state.kernel, state.model
     e, origin = model.equations, state.origin
     assert origin is not None and state.near is not None
@@ -62,8 +67,9 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
     pulled = origin.adjoint(t, near, p, weights)[2]
     slopes = system.forward.adjoint(t, x, p, 0, q, still, a, b)[1:3]
     pushed = system.tangent(t, x, p, 0, q, still)
-    number, parts, bars = ca.SX.sym("number"), ca.vertcat(REAL, IMAG), ca.SX.sym("w", len(rows))
-    column = ca.densify(stack(row.sx for row in rows))
+    shown = [row for row in rows if not row.drawn]
+    number, parts, bars = ca.SX.sym("number"), ca.vertcat(REAL, IMAG), ca.SX.sym("w", len(shown))
+    column = ca.densify(stack(row.sx for row in shown))
     back = [ca.densify(ca.jtimes(column, of, bars, True)) for of in (parts, e.p)]
     functions = {
         **start,
@@ -74,6 +80,8 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
         "outputs": ca.Function("outputs", [number, parts, e.p], [column]),
         "outputs_adjoint": ca.Function("outputs_adjoint", [number, parts, e.p, bars], back),
     }
+    if len(shown) < len(rows):
+        functions["pictures"] = pictures(kernel, rows[len(shown) :])
     anchor = (state.p, state.near) if rest else model.closure.anchor[:2]
     states, levels = state.sizes
     data: dict[str, Any] = {
@@ -84,6 +92,23 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
         "relative": [],
         "roots": [],
         "sizes": {"states": states, "rows": levels},
-        "name": modes.analysis.display_name,
+        "coordinates": kernel.e.coordinate_count,
+        "name": analysis.display_name,
+        "count": analysis.count,
     }
     return LiveFunctions(functions, data | ({"unsolved": NO_EQUILIBRIUM} if rest else {}))
+
+
+def pictures(kernel: LinearizationKernel, rows: Sequence[Row]) -> ca.Function:
+    """``(t, y, p, Re δy, Im δy) → rows`` of pictures in a mode with the displacement ``δy``."""
+    e, model = kernel.e, kernel.model
+    bodies = model.all_equations
+    real, imag = (ca.SX.sym(name, e.coordinate_count) for name in ("real", "imag"))
+    column = stack(row.sx for row in rows)
+    still = [ca.SX.zeros(part.numel()) for part in (bodies.v, bodies.a, bodies.transmitted)]
+    inputs = [bodies.t, bodies.y, bodies.v, bodies.a, bodies.transmitted, bodies.p]
+    formulas = ca.Function("formulas", [*inputs, *movement(model)], [column])
+    place, first = kernel.placing(e.t, e.y, e.p, real)
+    second = kernel.placing(e.t, e.y, e.p, imag)[1]
+    value = formulas(e.t, place, *still, e.p, first, second)
+    return ca.Function("pictures", [e.t, e.y, e.p, real, imag], [ca.densify(value)], {"cse": True})

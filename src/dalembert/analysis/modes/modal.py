@@ -14,7 +14,8 @@ from typing import Annotated, Any
 import numpy as np
 
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.modes.linearization_kernel import Linearized, linearization_kernel
+from dalembert.analysis.modes.linearization_kernel import linearization_kernel
+from dalembert.analysis.modes.linearized import Linearized
 from dalembert.analysis.modes.spectral import SpectralAnalysis
 from dalembert.analysis.modes.vibration import vibration
 from dalembert.analysis.requirements import need_count

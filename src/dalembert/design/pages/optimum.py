@@ -42,6 +42,8 @@ def optimum_page(optimum: OptimizationResult, **first_view: Any) -> dict[str, An
     first = optimum.initial.page() if optimum.initial.has_page else {}
     if page.get("kind") == "structure" and first:
         page["scene"]["ghosts"] = [{"mesh": first["scene"]["mesh"]}]
+    elif "states" in page and first:
+        page["scene"]["ghosts"] = deepcopy(first["scene"]["bodies"])  # without formulas
     elif "scene" in page and page.get("time"):
         page["scene"]["ghosts"] = _ghosts(first, np.array(page["time"]))
     return page

@@ -24,6 +24,12 @@ function measuredSeries(live) {
 /** Whether results have a single instant, such as equilibria. */
 const single = () => list(payload.time).length <= 1;
 
+/** Value of a series in a state. @param {ReturnType<typeof measuredSeries>[number]} series @param {number} instant @returns {LiveResponse} */
+function responseOfState({ name, unit, row }, instant) {
+  const { kind, numbers } = /** @type {import("./scene_types.d.ts").States} */ (payload.states);
+  return { label: `${name} of ${kind} ${numbers?.[instant]}`, unit, terms: [{ kind: "at", row, weight: 1, instant }] };
+}
+
 /** @param {ReturnType<typeof measuredSeries>[number]} series @param {LiveTerm["kind"]} kind @returns {LiveResponse} */
 function responseOfSeries({ name, unit, row }, kind) {
   const text = REDUCTIONS.find(([key]) => key === kind)?.[1], integral = kind === "integral" ? (unit ? `${unit} s` : "s") : unit;
@@ -44,11 +50,13 @@ export function addMenu(live, add) {
   const series = measuredSeries(live);
   if (!series.length) return null;
   const groups = [...new Set(series.map(({ group }) => group))];
-  const kind = el("select", { "aria-label": "Reduction over time" }, REDUCTIONS.filter(([key]) => key === "final" || !single()).map(([key, text]) => el("option", { value: key }, text)));
+  const { states } = payload, choices = states ? Array.from(list(states.numbers), (number, k) => [String(k), `${states.kind} ${number}`]) : REDUCTIONS.filter(([key]) => key === "final" || !single());
+  const kind = el("select", { "aria-label": states ? "State" : "Reduction over time" }, choices.map(([key, text]) => el("option", { value: key }, text)));
+  const chosen = () => (states ? responseOfState(series[Number(measure.value)], Number(kind.value)) : responseOfSeries(series[Number(measure.value)], /** @type {LiveTerm["kind"]} */ (kind.value)));
   const options = groups.map((group) => el("optgroup", { label: group }, series.flatMap((s, k) => (s.group === group ? [el("option", { value: String(k) }, s.name)] : []))));
   const measure = el("select", { class: "measure", "aria-label": "Series" }, options);
-  const button = el("button", { type: "button", class: "button primary menu-item", id: "add-response-now", onclick: () => add(responseOfSeries(series[Number(measure.value)], /** @type {LiveTerm["kind"]} */ (kind.value))) }, "Add");
-  const box = menu([icon("plus"), "Add"], [el("div", { class: "add-response" }, !single() && [kind, el("span", { class: "caption" }, "of")], measure, button)], { class: "button", id: "add-response", "aria-label": "Add a response" });
+  const button = el("button", { type: "button", class: "button primary menu-item", id: "add-response-now", onclick: () => add(chosen()) }, "Add");
+  const box = menu([icon("plus"), "Add"], [el("div", { class: "add-response" }, states ? kind : !single() && [kind, el("span", { class: "caption" }, "of")], measure, button)], { class: "button", id: "add-response", "aria-label": "Add a response" });
   box.addEventListener("keydown", (event) => { if (event.key !== "Escape") event.stopPropagation(); });
   return box;
 }

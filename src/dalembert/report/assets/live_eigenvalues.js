@@ -132,9 +132,9 @@ function swept(h, l, n, x, y, w) {
   }
 }
 
-/** Eigenvector of an isolated eigenvalue, of length one, by inverse iteration.
- * @param {Matrix} a @param {[number, number]} value @returns {Vector} */
-export function eigenvector(a, [re, im]) {
+/** Eigenvector of an eigenvalue, of length one, by inverse iteration.
+ * @param {Matrix} a @param {[number, number]} value @param {number} [start] number of the start, of which the vector of a multiple eigenvalue depends @returns {Vector} */
+export function eigenvector(a, [re, im], start = 0) {
   const n = a.length, size = Math.max(...a.map((row) => row.reduce((sum, x) => sum + Math.abs(x), 0)), Number.MIN_VALUE);
   const real = !im, m = real ? n : 2 * n, matrix = zeros(m, m), near = re + 8 * EPSILON * size;
   for (let i = 0; i < n; i++) {
@@ -146,7 +146,7 @@ export function eigenvector(a, [re, im]) {
     matrix[i][n + i] = im;
     matrix[n + i][i] = -im;
   }
-  let x = Array.from({ length: m }, (_, i) => Float64Array.of(1 + Math.sin(7 * i) / 2));
+  let x = Array.from({ length: m }, (_, i) => Float64Array.of(1 + Math.sin((7 + start) * i) * (0.5 + start)));
   for (let k = 0; k < 3; k++) {
     x = solved(matrix, x);
     const length = Math.hypot(...x.map(([value]) => value));

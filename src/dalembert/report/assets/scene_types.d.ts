@@ -75,8 +75,8 @@ export interface SceneData {
   diagrams?: DiagramData[];
 }
 
-/** States of a structure: load cases, modes, or instants at `times`. */
-export interface States { kind: string; names: string[]; times?: Column; relative?: boolean; numbers?: Column; values?: Column; unit?: string }
+/** States of a model: load cases, modes, or instants at `times`; modes have values and damping ratios. */
+export interface States { kind: string; names: string[]; times?: Column; relative?: boolean; numbers?: Column; values?: Column; unit?: string; damping?: Column }
 
 /** Tables of a structure. */
 export interface Tables {

@@ -40,6 +40,7 @@ export class SpatialMotion extends Motion {
     if (body.fixed) return { p: vector([0, 0, 0]), q: quaternion([1, 0, 0, 0]) };
     if (!this.n) return null;
     const position = this.vectorOf(body.position, cursor) ?? [], { i, f } = cursor;
+    if (this.swing) return { p: vector(position), q: quaternion(this.vectorOf(body.rotation, cursor) ?? []) };
     const parameters = (/** @type {number} */ k) => body.rotation.map((/** @type {Float64Array} */ column) => column[k]);
     const finite = (/** @type {number[]} */ values) => values.every(Number.isFinite);
     const near = f < 0.5 || i + 1 >= this.n ? i : i + 1;
@@ -48,6 +49,9 @@ export class SpatialMotion extends Motion {
     if (f > 0 && i + 1 < this.n && finite(parameters(i + 1))) q.slerp(quaternion(parameters(i + 1)), f);
     return { p: vector(position), q };
   }
+
+  /** @override @param {SpatialPose} pose @param {SpatialPose} other */
+  angleBetween({ q }, { q: r }) { return 4 * Math.asin(Math.min(1, Math.hypot(q.x - r.x, q.y - r.y, q.z - r.z, q.w - r.w) / 2)); }
 
   /** @override @param {SpatialPose} pose @param {Point} point @returns {[number, number, number]} */
   placed({ p, q }, point) { return vector(point).applyQuaternion(q).add(p).toArray(); }

@@ -54,10 +54,11 @@ def live_page(
     structure = model.kind == "structure"
     table = RowTable(None if structure else model.ground)
     columns = [(place, table.number(source)) for place, source in sources.columns]
-    times = np.array(page["states"]["numbers"] if structure else page["time"])
+    times = np.array(page["states"]["numbers"] if "states" in page else page["time"])
     listed = page_responses(result, responses, times, table.number)
     listed = listed or [response.page_data(table.number) for response in result.first_responses()]
     states = [(place, state_rows(sx, table.number)) for place, sx in sources.states]
+    blocks = [(place, state_rows(sx, table.number)) for place, sx in sources.blocks]
     try:
         functions = result.analysis.live_functions(result, table.rows, times)
         p = model.p if structure else model.equations.p
@@ -73,7 +74,11 @@ def live_page(
     rows = None if designs is None else _designs(result, designs, parameters)
     numbers = [place for place, _ in sources.numbers]
     more = {"columns": columns, "numbers": numbers, "initial": sources.initial, "states": states}
-    more |= {"responses": listed, "joints": [] if structure else joint_rows(model)}
+    more |= {
+        "blocks": blocks,
+        "responses": listed,
+        "joints": [] if structure else joint_rows(model),
+    }
     more |= {} if rows is None else {"designs": rows}
     return page | {"live": functions.page_data(parameters=parameters, **more)}
 

@@ -1,0 +1,72 @@
+// Small motions of a mechanism in its modes: amplitudes, and columns at a phase of the oscillation.
+
+/** @import { Cursor } from "./types.d.ts" */
+/** @import { Motion } from "./motion.js" */
+
+import { TAU, number } from "./numbers.js";
+import { diagonal, distance } from "./timeline.js";
+
+/** Largest movement of a point, relative to the mechanism, and largest rotation of a body [rad], at the automatic amplitude. */
+const SHARE = 0.1, TURN = 0.25;
+/** Largest displacement of a coordinate by which amplitudes are measured. */
+const PROBE = 1e-5;
+/** Phases of an oscillation at which amplitudes are measured. */
+export const PHASES = [0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
+
+/** Threshold of round-off of damping ratios. */
+export const UNDAMPED = 1e-9;
+
+/** Damping of a mode in its name. @param {number} ratio */
+export function dampingText(ratio) {
+  if (Math.abs(ratio) < UNDAMPED) return "";
+  const aperiodic = Math.abs(ratio) > 1 - UNDAMPED, grows = ratio < 0;
+  return aperiodic ? (grows ? ", diverges" : ", decays") : `, ζ ${number(ratio, 3)}${grows ? ", unstable" : ""}`;
+}
+
+/** Oscillation in one of the modes. Columns have three blocks: values at rest, and the real and imaginary parts of their changes.
+ * The share `f` of a cursor is the phase, of which a quarter shows the real part. */
+export class Swing {
+  /** @param {Motion} motion */
+  constructor(motion) {
+    /** Factor of the automatic amplitude. */
+    this.factor = 1;
+    this.motion = motion;
+    /** Amplitude of each mode. @type {number[]} */
+    this.amplitudes = Array(motion.n).fill(0);
+    /** Largest movement of a point in each mode, at the automatic amplitude [m]. @type {number[]} */
+    this.movements = [...this.amplitudes];
+    this.relative = true;
+  }
+
+  /** Largest movement of the chosen mode [m]: automatic, and present. */
+  get automatic() { return this.movements[this.motion.chosen] ?? 0; }
+  get scale() { return this.factor * this.automatic; }
+
+  /** Column without displacements. @param {Float64Array} column */
+  still(column) { return column.map((value, k) => (k < column.length / 3 ? value : 0)); }
+
+  /** Value of a column at a phase of a mode. @param {Float64Array} column @param {Cursor} cursor */
+  sample(column, { i, f }) {
+    const n = column.length / 3, k = Math.min(i, n - 1), angle = TAU * f;
+    return column[k] + this.factor * this.amplitudes[i] * (Math.sin(angle) * column[n + k] + Math.cos(angle) * column[2 * n + k]);
+  }
+
+  /** Determine the automatic amplitudes. @param {Float64Array[]} columns of all poses */
+  measure(columns) {
+    const { motion } = this, still = motion.cloud([{ i: 0, f: 0 }]), size = diagonal(motion.cloud());
+    for (let k = 0; k < motion.n; k++) {
+      const largest = columns.reduce((most, column) => Math.max(most, Math.hypot(column[motion.n + k], column[2 * motion.n + k])), 0);
+      if (!(largest > 0)) continue;
+      const probe = PROBE / largest, rest = motion.bodies.map((body) => motion.pose(body, { i: k, f: 0 }));
+      this.amplitudes[k] = probe;
+      let [moved, turned] = [0, 0];
+      for (const f of PHASES) {
+        motion.cloud([{ i: k, f }]).forEach((place, j) => { moved = Math.max(moved, distance(place, still[j]) / probe); });
+        motion.bodies.forEach((body, j) => { const pose = motion.pose(body, { i: k, f }); if (pose && rest[j]) turned = Math.max(turned, motion.angleBetween(pose, rest[j]) / probe); });
+      }
+      this.amplitudes[k] = Math.min(moved > 0 ? (SHARE * size) / moved : Infinity, turned > 0 ? TURN / turned : Infinity);
+      if (!Number.isFinite(this.amplitudes[k])) this.amplitudes[k] = 0;
+      this.movements[k] = this.amplitudes[k] * moved;
+    }
+  }
+}
