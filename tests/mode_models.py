@@ -42,7 +42,7 @@ def suspended_body() -> da.Model:
     """Spatial pendulum with a rotational spring."""
     system = da.System("suspended body", gravity=(0.0, 0.0, -9.81))
     length = system.parameter("length", 1.0, "m", bounds=(0.5, 2.0))
-    width = system.parameter("width", 0.3, "m", bounds=(0.1, 1.0))
+    width = system.parameter("width", 0.3, "m", bounds=(0.1, 0.4))
     inertia = (0.1, 0.1 + width**2, 0.2)
     body = system.add(spatial.Body("body", mass=2.0, inertia=inertia, position=(0, 0, -1)))
     pivot = system.ground.frame((0, 0, 0), axis=(1, 0, 0))

@@ -16,9 +16,10 @@ from dalembert.analysis.modes.linearization_kernel import LinearizationKernel
 from dalembert.analysis.modes.linearized import Linearized
 from dalembert.results.live import LiveFunctions
 from dalembert.results.mechanism_modes import IMAG, REAL, MechanismModes
-from dalembert.results.pictures.mode_scene import movement
+from dalembert.results.pictures.mode_scene import swing
 from dalembert.results.sources import Row
 from dalembert.symbolic.formulas.expression import stack
+from dalembert.symbolic.formulas.oscillation import parts
 
 
 def obstacle(modes: MechanismModes) -> str:
@@ -68,20 +69,21 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
     slopes = system.forward.adjoint(t, x, p, 0, q, still, a, b)[1:3]
     pushed = system.tangent(t, x, p, 0, q, still)
     shown = [row for row in rows if not row.drawn]
-    number, parts, bars = ca.SX.sym("number"), ca.vertcat(REAL, IMAG), ca.SX.sym("w", len(shown))
+    number, value, bars = ca.SX.sym("number"), ca.vertcat(REAL, IMAG), ca.SX.sym("w", len(shown))
     column = ca.densify(stack(row.sx for row in shown))
-    back = [ca.densify(ca.jtimes(column, of, bars, True)) for of in (parts, e.p)]
+    back = [ca.densify(ca.jtimes(column, of, bars, True)) for of in (value, e.p)]
     functions = {
         **start,
         "state": ca.Function("state", [t, near, p], [first]),
         "state_adjoint": ca.Function("state_adjoint", [t, near, p, weights], [pulled]),
         "tangent": ca.Function("tangent", [t, x, p, q], list(pushed)),
         "tangent_adjoint": ca.Function("tangent_adjoint", [t, x, p, q, a, b], list(slopes)),
-        "outputs": ca.Function("outputs", [number, parts, e.p], [column]),
-        "outputs_adjoint": ca.Function("outputs_adjoint", [number, parts, e.p, bars], back),
+        "outputs": ca.Function("outputs", [number, value, e.p], [column]),
+        "outputs_adjoint": ca.Function("outputs_adjoint", [number, value, e.p, bars], back),
     }
     if len(shown) < len(rows):
         functions["pictures"] = pictures(kernel, rows[len(shown) :])
+        functions["curvature"] = kernel.curvature
     anchor = (state.p, state.near) if rest else model.closure.anchor[:2]
     states, levels = state.sizes
     data: dict[str, Any] = {
@@ -100,15 +102,12 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
 
 
 def pictures(kernel: LinearizationKernel, rows: Sequence[Row]) -> ca.Function:
-    """``(t, y, p, Re δy, Im δy) → rows`` of pictures in a mode with the displacement ``δy``."""
-    e, model = kernel.e, kernel.model
-    bodies = model.all_equations
-    real, imag = (ca.SX.sym(name, e.coordinate_count) for name in ("real", "imag"))
-    column = stack(row.sx for row in rows)
+    """``(t, y, p, r, i, R, M, I) → rows`` of pictures of an oscillation."""
+    e, bodies = kernel.e, kernel.model.all_equations
+    column, vectors = stack(row.sx for row in rows), parts(e.coordinate_count)
     still = [ca.SX.zeros(part.numel()) for part in (bodies.v, bodies.a, bodies.transmitted)]
     inputs = [bodies.t, bodies.y, bodies.v, bodies.a, bodies.transmitted, bodies.p]
-    formulas = ca.Function("formulas", [*inputs, *movement(model)], [column])
-    place, first = kernel.placing(e.t, e.y, e.p, real)
-    second = kernel.placing(e.t, e.y, e.p, imag)[1]
-    value = formulas(e.t, place, *still, e.p, first, second)
-    return ca.Function("pictures", [e.t, e.y, e.p, real, imag], [ca.densify(value)], {"cse": True})
+    formulas = ca.Function("formulas", [*inputs, *swing(kernel.model)], [column])
+    rest, *swings = kernel.placing(e.t, e.y, e.p, *vectors)
+    value = ca.densify(formulas(e.t, rest, *still, e.p, *swings))
+    return ca.Function("pictures", [e.t, e.y, e.p, *vectors], [value], {"cse": True})

@@ -13,6 +13,7 @@ from dalembert.formulations.kkt import KKT
 from dalembert.model.graph.coordinates import Coordinates
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.equations.implicit import ImplicitFunction
+from dalembert.symbolic.formulas.oscillation import oscillation, parts
 from dalembert.symbolic.once import once
 
 
@@ -33,11 +34,10 @@ class LinearizationKernel:
 
     @cached_property
     def system(self) -> ImplicitFunction:
-        """``(t, x, p) → F, (Φ, Ψ)`` with ``x = [y; v]``; Φ with the equations of the manifold."""
+        """``(t, x, p) → F, (Φ, Ψ)`` with ``x = [y; v]``."""
         e = self.e
         rate = state_rate(e)[: e.coordinate_count + e.speed_count]
-        position_constraints = e.constraints[list(e.holds), :]
-        level = ca.vertcat(position_constraints, e.manifold.bounds, e.velocity_constraints)
+        level = ca.vertcat(self._position_level, e.velocity_constraints)
         accelerations = KKT().acceleration(e, e.constraint_acceleration, [rate, level])
         inputs, stages = [e.t, ca.vertcat(e.y, e.v), e.p], accelerations.stages
         return ImplicitFunction("linearized", inputs, stages, accelerations.outputs)
@@ -70,12 +70,23 @@ class LinearizationKernel:
 
     @cached_property
     def placing(self) -> ca.Function:
-        """``(t, y, p, δy) → y`` of all bodies and their displacement."""
-        e, direction = self.e, ca.SX.sym("direction", self.e.coordinate_count)
+        """``(t, y, p, r, i, R, M, I)`` → coordinates of all bodies and their oscillation."""
+        e, vectors = self.e, parts(self.e.coordinate_count)
         bodies = self.view.lift(self.model.all_equations.y)
-        moved = ca.jtimes(bodies, e.y, direction)
-        inputs = [e.t, e.y, e.p, direction]
-        return ca.Function("placing", inputs, [ca.densify(bodies), ca.densify(moved)])
+        return ca.Function("placing", [e.t, e.y, e.p, *vectors], oscillation(bodies, e.y, vectors))
+
+    @cached_property
+    def curvature(self) -> ca.Function:
+        """``(t, y, p, a, b) → aᵀ Φ″ b/2`` of the rows at position level."""
+        e, (a, b, *_) = self.e, parts(self.e.coordinate_count)
+        along = ca.jtimes(ca.jtimes(self._position_level, e.y, a), e.y, b) / 2
+        return ca.Function("curvature", [e.t, e.y, e.p, a, b], [ca.densify(along)])
+
+    @property
+    def _position_level(self) -> ca.SX:
+        """Φ with the equations of the manifold."""
+        e = self.e
+        return ca.vertcat(e.constraints[list(e.holds), :], e.manifold.bounds)
 
     def bodies(self, t: float, x: np.ndarray, p: np.ndarray) -> np.ndarray:
         """``y`` of all bodies from a state."""

@@ -202,20 +202,27 @@ class Linearized:
             )
         return normalised(shapes)
 
-    def movements(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Coordinates of the bodies (n,), and their displacements in modes (n, k).
+    def oscillations(self, positions: np.ndarray) -> np.ndarray:
+        """(6, n, k) coordinates of the bodies at rest and their oscillation in modes.
 
-        The largest displacement of the coordinates of each mode is one.
+        The vectors are those of ``symbolic/formulas/oscillation.py``, with ``r + j i`` the mode
+        whose largest entry is one. Those of second order close the joints.
         """
-        n = self.kernel.e.coordinate_count
+        kernel, n = self.kernel, self.kernel.e.coordinate_count
         shapes = normalised(self._spectrum[2][:n, positions])
-        rest = self.kernel.bodies(self.time, self.x, self.p)
         if not shapes.size:
-            return rest, np.zeros((rest.size, positions.size), complex)
-        directions = np.hstack([shapes.real, shapes.imag])
-        placing = self.kernel.placing.map(directions.shape[1])
-        real, imag = np.hsplit(placing(self.time, self.x[:n], self.p, directions)[1].full(), 2)
-        return rest, real + 1j * imag
+            rest = kernel.bodies(self.time, self.x, self.p)
+            return np.zeros((6, rest.size, 0))
+        real, imag, state = shapes.real, shapes.imag, (self.time, self.x[:n], self.p)
+        pairs = np.hstack([real, real, imag]), np.hstack([real, imag, imag])
+        curvature = kernel.curvature.map(pairs[0].shape[1])(*state, *pairs).full()
+        (states, rows), count = self.sizes, len(curvature)
+        tangency = self.scaled[1][:count, :n]
+        squares = -np.linalg.pinv(tangency) @ (curvature / rows[:count, None]) * states[:n, None]
+        vectors = (real, imag, *np.hsplit(squares, 3))
+        return np.stack(
+            [part.full() for part in kernel.placing.map(real.shape[1])(*state, *vectors)]
+        )
 
 
 def normalised(shapes: np.ndarray) -> np.ndarray:

@@ -36,7 +36,7 @@ export class LiveModes extends LiveRun {
     const values = eigenvalues(a);
     if (!values) throw new RunFailure("the eigenvalues do not converge", undefined, undefined, "not converged");
     const wanted = ordered(values).slice(0, data.count ?? values.length), n = wanted.length, vectors = eigenvectors(a, wanted), [shown] = engine.named("outputs").outputs;
-    const outputs = wanted.map((value, k) => [...engine.evaluate("outputs", [k + 1], value, p)?.[0] ?? [], ...this.picture(x, p, basis, vectors[k])]);
+    const outputs = wanted.map((value, k) => [...engine.evaluate("outputs", [k + 1], value, p)?.[0] ?? [], ...this.picture(x, p, g, basis, vectors[k])]);
     const rows = outputs[0]?.length ?? shown, table = Float64Array.from({ length: rows * n }, (_, k) => outputs[k % n][Math.floor(k / n)]);
     const size = Math.max(...a.map((row) => Math.max(...row.map(Math.abs))), Number.MIN_VALUE);
     const left = Math.max(0, ...wanted.map((value, k) => open(a, value, vectors[k]) / size));
@@ -45,15 +45,24 @@ export class LiveModes extends LiveRun {
     return { times: Float64Array.from(wanted, (_, k) => k + 1), table, rows, status, modes: { p, near, x, j, g, basis, bound, a, wanted, values, vectors, shown } };
   }
 
-  /** Rows of the picture of a mode; its largest displacement is one. @param {Float64Array} x @param {Float64Array} p @param {Matrix} basis @param {[Float64Array, Float64Array]} vector */
-  picture(x, p, basis, vector) {
+  /** Rows of the picture of a mode; its largest displacement is one. @param {Float64Array} x @param {Float64Array} p @param {Matrix} g @param {Matrix} basis @param {[Float64Array, Float64Array]} vector */
+  picture(x, p, g, basis, vector) {
     const { engine, data } = this, count = data.coordinates ?? 0;
     if (!engine.functions.has("pictures")) return [];
     const [re, im] = vector.map((part) => times(basis, part).map((value, i) => value * (data.sizes?.states[i] ?? 1)).subarray(0, count));
     const sizes = re.map((value, i) => Math.hypot(value, im[i])), most = Math.max(0, ...sizes), peak = sizes.findIndex((size) => size >= (1 - EQUAL) * most), square = most ? sizes[peak] ** 2 : 1;
     const [c, d] = most ? [re[peak] / square, -im[peak] / square] : [1, 0];
-    const shape = [re.map((value, i) => c * value - d * im[i]), re.map((value, i) => c * im[i] + d * value)];
-    return engine.evaluate("pictures", [data.start], x.subarray(0, count), p, ...shape)?.[0] ?? [];
+    const real = re.map((value, i) => c * value - d * im[i]), imag = re.map((value, i) => c * im[i] + d * value), y = x.subarray(0, count);
+    const squares = [[real, real], [real, imag], [imag, imag]].map(([a, b]) => this.closing(y, p, g, a, b));
+    return engine.evaluate("pictures", [data.start], y, p, real, imag, ...squares)?.[0] ?? [];
+  }
+
+  /** Smallest displacement of second order that closes the joints. @param {Float64Array} y @param {Float64Array} p @param {Matrix} g @param {Float64Array} a @param {Float64Array} b */
+  closing(y, p, g, a, b) {
+    const { states, rows } = /** @type {{ states: number[], rows: number[] }} */ (this.data.sizes), [open = new Float64Array()] = this.engine.evaluate("curvature", [this.data.start], y, p, a, b) ?? [];
+    const level = g.slice(0, open.length).map((row) => row.subarray(0, y.length)), right = Array.from(open, (value, i) => Float64Array.of(-value / rows[i]));
+    const weights = open.length ? solved(level.map((row) => Float64Array.from(level, (other) => dot(row, other))), right) : [];
+    return y.map((_, k) => states[k] * level.reduce((sum, row, i) => sum + row[k] * weights[i][0], 0));
   }
 
   /** Gradient of a response by the parameters; NaN where eigenvalues coincide.

@@ -7,7 +7,7 @@ import { TAU, number } from "./numbers.js";
 import { diagonal, distance } from "./timeline.js";
 
 /** Largest movement of a point, relative to the mechanism, and largest rotation of a body [rad], at the automatic amplitude. */
-const SHARE = 0.1, TURN = 0.25;
+const SHARE = 0.1, TURN = 0.3;
 /** Largest displacement of a coordinate by which amplitudes are measured. */
 const PROBE = 1e-5;
 /** Phases of an oscillation at which amplitudes are measured. */
@@ -23,8 +23,11 @@ export function dampingText(ratio) {
   return aperiodic ? (grows ? ", diverges" : ", decays") : `, ζ ${number(ratio, 3)}${grows ? ", unstable" : ""}`;
 }
 
-/** Oscillation in one of the modes. Columns have three blocks: values at rest, and the real and imaginary parts of their changes.
- * The share `f` of a cursor is the phase, of which a quarter shows the real part. */
+/** Blocks of a column: the value at rest, the real and imaginary part of its change, and three numbers of second order,
+ * which keep joints closed; see `symbolic/formulas/oscillation.py`. */
+const BLOCKS = 6;
+
+/** Oscillation in one of the modes. The share `f` of a cursor is the phase, of which a quarter shows the real part. */
 export class Swing {
   /** @param {Motion} motion */
   constructor(motion) {
@@ -43,12 +46,12 @@ export class Swing {
   get scale() { return this.factor * this.automatic; }
 
   /** Column without displacements. @param {Float64Array} column */
-  still(column) { return column.map((value, k) => (k < column.length / 3 ? value : 0)); }
+  still(column) { return column.map((value, k) => (k < column.length / BLOCKS ? value : 0)); }
 
   /** Value of a column at a phase of a mode. @param {Float64Array} column @param {Cursor} cursor */
   sample(column, { i, f }) {
-    const n = column.length / 3, k = Math.min(i, n - 1), angle = TAU * f;
-    return column[k] + this.factor * this.amplitudes[i] * (Math.sin(angle) * column[n + k] + Math.cos(angle) * column[2 * n + k]);
+    const n = column.length / BLOCKS, k = Math.min(i, n - 1), angle = TAU * f, amplitude = this.factor * this.amplitudes[i], s = amplitude * Math.sin(angle), c = amplitude * Math.cos(angle);
+    return column[k] + s * (column[n + k] + s * column[3 * n + k] + 2 * c * column[4 * n + k]) + c * (column[2 * n + k] + c * column[5 * n + k]);
   }
 
   /** Determine the automatic amplitudes. @param {Float64Array[]} columns of all poses */

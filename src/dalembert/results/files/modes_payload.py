@@ -29,7 +29,7 @@ def modes_payload(modes: Modes, units: Sequence[str] = ()) -> dict[str, Any]:
     units : preferred units of the page, one per dimension
     """
     model = modes.model
-    columns = 3 * max(1, model.all_equations.coordinate_count)
+    columns = 6 * max(1, model.all_equations.coordinate_count)
     shown = modes.at(modes.numbers[: max(1, MOST_NUMBERS // columns)])
     omitted = modes.numbers.size - shown.numbers.size
     return {

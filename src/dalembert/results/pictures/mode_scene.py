@@ -1,4 +1,4 @@
-"""Scene of a mechanism in its modes: columns at rest, and their changes along each mode."""
+"""Scene of a mechanism in its modes: columns at rest, and their oscillation in each mode."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from dalembert.results.recording import Trajectory
 from dalembert.results.sources import Blocks, Column
 from dalembert.results.variables import variables
 from dalembert.symbolic.formulas.expression import Expression, stack
+from dalembert.symbolic.formulas.oscillation import oscillation, parts
 from dalembert.symbolic.once import once
 
 POSES = ("position", "angle", "euler_parameters")
@@ -26,64 +27,60 @@ POSES = ("position", "angle", "euler_parameters")
 
 
 def mode_scene(modes: Modes) -> dict[str, Any]:
-    """Scene of the mechanism whose columns are ``Blocks`` of three numbers of each mode.
+    """Scene of the mechanism whose columns are ``Blocks`` of six numbers of each mode.
 
-    In a mode with the displacement ``Re(δ exp(iφ))`` a column is ``c + Re(δ) c' cos φ −
-    Im(δ) c' sin φ``, to first order; the blocks are ``c``, ``Re(δ) c'`` and ``Im(δ) c'``. The
-    largest displacement of a coordinate is one in each mode.
+    They are the value at rest and the five numbers of its oscillation to second order, see
+    ``symbolic/formulas/oscillation.py``. The largest displacement of a coordinate is one in each
+    mode.
     """
     recording = ModeRecording.of(modes)
-    scene = motion_scene(recording, np.arange(3 * modes.numbers.size), loads=False)
+    scene = motion_scene(recording, np.arange(recording.time.size), loads=False)
     _tag_blocks(scene, modes.model)
     return scene
 
 
 @once
-def movement(model: Model) -> tuple[ca.SX, ca.SX]:
-    """Symbols of the real and imaginary part of a displacement of the coordinates."""
-    n = model.all_equations.coordinate_count
-    return ca.SX.sym("movement_real", n), ca.SX.sym("movement_imag", n)
+def swing(model: Model) -> list[ca.SX]:
+    """Symbols of an oscillation of the coordinates of the bodies."""
+    return parts(model.all_equations.coordinate_count)
 
 
 @dataclass(eq=False, repr=False)
 class ModeRecording(LabelledRecording):
-    """Columns of formulas at rest, followed by their changes along each mode.
+    """Columns of formulas at rest, followed by the numbers of their oscillation in each mode.
 
     Attributes
     ----------
-    movements : (n, K) complex displacements of the coordinates
+    vectors : (6, n, K) coordinates at rest and their oscillation
     """
 
-    movements: np.ndarray = None  # type: ignore[assignment]
+    vectors: np.ndarray = None  # type: ignore[assignment]
 
     @classmethod
     def of(cls, modes: Modes) -> ModeRecording:
-        """The recording of modes; each is one instant of three blocks."""
-        rest, movements = modes.record.movements(modes.positions)
-        model, count = modes.model, 3 * modes.numbers.size
-        e, y = model.all_equations, np.tile(rest[:, None], count)
-        still, none = np.zeros((e.speed_count, count)), np.zeros((0, count))
-        time = np.full(count, modes.record.time)
+        """The recording of modes; each is one instant of six blocks."""
+        vectors = modes.record.oscillations(modes.positions)
+        e, count = modes.model.all_equations, vectors.shape[0] * vectors.shape[2]
+        y, still = np.tile(vectors[0], len(vectors)), np.zeros((e.speed_count, count))
+        time, none = np.full(count, modes.record.time), np.zeros((0, count))
         trajectory = Trajectory(time, y, still, still, none, np.zeros((2, count)))
         fixed = (modes.model, modes.analysis, modes.parameters, trajectory, modes.status)
-        return cls(*fixed, movements=movements)
+        return cls(*fixed, vectors=vectors)
 
     def table(self, measures: Any) -> np.ndarray:
-        model, s, count = self.model, self.trajectory, self.movements.shape[1]
-        e, direction = model.all_equations, ca.SX.sym("direction", self.movements.shape[0])
+        model, s, symbols = self.model, self.trajectory, swing(self.model)
+        e, count = model.all_equations, self.vectors.shape[2]
         column = stack(model.at_ground(self.expression(m).sx) for m in measures)
-        inputs = [e.t, e.y, e.v, e.a, e.transmitted, e.p, direction]
-        outputs = [column, ca.densify(ca.jtimes(column, e.y, direction))]
-        function = ca.Function("columns", inputs, outputs).map(2 * count)
-        along = np.hstack([self.movements.real, self.movements.imag])
-        state = (s.t[0], s.y[:, 0], s.v[:, 0], s.a[:, 0], np.zeros(e.transmitted.numel()))
-        rest, changes = (part.full() for part in function(*state, self.parameters, along))
-        return np.hstack([rest[:, :count], changes])
+        inputs = [e.t, e.y, e.v, e.a, e.transmitted, e.p, *symbols]
+        function = ca.Function("columns", inputs, oscillation(column, e.y, symbols))
+        still = [np.zeros(part.numel()) for part in (e.v, e.a, e.transmitted)]
+        state = (s.t[:1], self.vectors[0], *still, self.parameters)
+        return np.hstack([part.full() for part in function.map(count)(*state, *self.vectors[1:])])
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """Values of a measure at rest, at each of the instants."""
         values = super().values(measure)
-        return np.concatenate([values[: self.movements.shape[1]]] * 3)
+        return np.concatenate([values[: self.vectors.shape[2]]] * len(self.vectors))
 
     @cached_property
     def contents(self) -> Contents:
@@ -92,12 +89,11 @@ class ModeRecording(LabelledRecording):
 
 
 def _tag_blocks(value: Any, model: Model) -> None:
-    """Replace columns with formulas by blocks with the formulas of their changes."""
+    """Replace columns with formulas by blocks with the formulas of their oscillation."""
     entries = value.items() if isinstance(value, dict) else enumerate(value)
-    y, parts = model.all_equations.y, movement(model)
     for key, item in list(entries):
         if isinstance(item, Column):
-            changes = (ca.jtimes(item.sx, y, part) for part in parts)
-            value[key] = Blocks(item, ca.densify(ca.vertcat(item.sx, *changes)))
+            formulas = oscillation(item.sx, model.all_equations.y, swing(model))
+            value[key] = Blocks(item, ca.vertcat(*formulas))
         elif isinstance(item, dict | list):
             _tag_blocks(item, model)
