@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
-from dalembert.analysis.live.equilibrium_module import NO_EQUILIBRIUM, following
+from dalembert.analysis.live.equilibrium_module import NO_EQUILIBRIUM, UNSTABLE, following
 from dalembert.analysis.live.obstacles import common_obstacle
 from dalembert.analysis.live.start import closing, violation
 from dalembert.analysis.modes.linearization_kernel import LinearizationKernel
@@ -30,12 +30,16 @@ def obstacle(modes: MechanismModes) -> str:
         return f"the modes were not computed ({modes.status.outcome.value})"
     if state.origin is None:
         return "the modes are about the end of a motion"
+    if not modes.numbers.size:
+        return "the mechanism has no modes"
     if not np.array_equal(modes.numbers, np.arange(1, modes.numbers.size + 1)):
         return "the modes are a selection"
     if model.equations.contacts:
         return "the mechanism has rigid contacts"
     if model.equations.slips:
         return "the equilibrium of rolling bodies depends on the path"
+    if not state.stable:
+        return UNSTABLE
     return common_obstacle(modes.analysis, model)
 
 

@@ -53,6 +53,7 @@ class Linearized:
     origin : ``(t, near, p) → x``, dependence of the state on the parameters; None if unavailable
     near : second argument of ``origin``
     residual : residual of the state
+    stable : whether an equilibrium is stable, and so isolated
     """
 
     kernel: LinearizationKernel
@@ -62,6 +63,7 @@ class Linearized:
     origin: ImplicitFunction | None = None
     near: np.ndarray | None = None
     residual: float = 0.0
+    stable: bool = True
 
     @property
     def model(self) -> Model:
@@ -206,13 +208,13 @@ class Linearized:
         """(6, n, k) coordinates of the bodies at rest and their oscillation in modes.
 
         The vectors are those of ``symbolic/formulas/oscillation.py``, with ``r + j i`` the mode
-        whose largest entry is one. Those of second order close the joints.
+        whose largest entry is one. Those of second order close the joints. Without modes it has
+        the coordinates at rest only, (1, n, 1).
         """
         kernel, n = self.kernel, self.kernel.e.coordinate_count
         shapes = normalised(self._spectrum[2][:n, positions])
         if not shapes.size:
-            rest = kernel.bodies(self.time, self.x, self.p)
-            return np.zeros((6, rest.size, 0))
+            return kernel.bodies(self.time, self.x, self.p)[None, :, None]
         real, imag, state = shapes.real, shapes.imag, (self.time, self.x[:n], self.p)
         pairs = np.hstack([real, real, imag]), np.hstack([real, imag, imag])
         curvature = kernel.curvature.map(pairs[0].shape[1])(*state, *pairs).full()

@@ -232,7 +232,8 @@ def _at_rest(motion: Motion, coordinates: Coordinates) -> Linearized:
         raise AnalysisError(f"no equilibrium, {status}", status.residual)
     time, near = float(s.t[0]), motion.record.kernel.near(s)[:, 0]
     x = kernel.state(time, s.y[:, 0], s.v[:, 0], motion.parameters)
-    return Linearized(kernel, time, x, motion.parameters, kernel.resting, near, status.residual)
+    stable, p = bool(motion.statistics.get("stable", True)), motion.parameters
+    return Linearized(kernel, time, x, p, kernel.resting, near, status.residual, stable)
 
 
 def _last_instant(motion: Motion, coordinates: Coordinates) -> Linearized:

@@ -8,6 +8,8 @@ import { diagonal, distance } from "./timeline.js";
 
 /** Largest movement of a point, relative to the mechanism, and largest rotation of a body [rad], at the automatic amplitude. */
 const SHARE = 0.1, TURN = 0.3;
+/** Threshold of movements of round-off, relative to the rotation times the size. */
+const STILL = 1e-9;
 /** Largest displacement of a coordinate by which amplitudes are measured. */
 const PROBE = 1e-5;
 /** Phases of an oscillation at which amplitudes are measured. */
@@ -69,7 +71,7 @@ export class Swing {
       }
       this.amplitudes[k] = Math.min(moved > 0 ? (SHARE * size) / moved : Infinity, turned > 0 ? TURN / turned : Infinity);
       if (!Number.isFinite(this.amplitudes[k])) this.amplitudes[k] = 0;
-      this.movements[k] = this.amplitudes[k] * moved;
+      this.movements[k] = moved > STILL * turned * size ? this.amplitudes[k] * moved : 0;
     }
   }
 }

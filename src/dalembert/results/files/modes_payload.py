@@ -37,23 +37,28 @@ def modes_payload(modes: Modes, units: Sequence[str] = ()) -> dict[str, Any]:
         "kind": "spatial" if is_spatial(model) else "mechanism",
         "title": model.name,
         "subtitle": f"{modes.analysis.display_name} of small motions",
-        "states": {
-            "kind": "mode",
-            "names": shown.state_names,
-            "times": [],
-            "relative": True,
-            "numbers": shown.time,
-            "unit": shown.named[shown.main].unit,
-            "values": _column(shown, shown.main),
-            "damping": _column(shown, "damping_ratio"),
-        },
+        **(_states(shown) if shown.numbers.size else {"time": [float(modes.record.time)]}),
         "scene": mode_scene(shown),
-        "series": [_series(shown, name) for name in modes.named],
         "units": preferred_units(UNITS, units),
         "diagnosis": mechanism_diagnosis(modes, _note(omitted)),
         "statistics": _statistics(modes),
         "parameters": parameter_rows(model.parameters, modes.parameters, units),
     }
+
+
+def _states(modes: Modes) -> dict[str, Any]:
+    """States and series over the modes."""
+    states = {
+        "kind": "mode",
+        "names": modes.state_names,
+        "times": [],
+        "relative": True,
+        "numbers": modes.time,
+        "unit": modes.named[modes.main].unit,
+        "values": _column(modes, modes.main),
+        "damping": _column(modes, "damping_ratio"),
+    }
+    return {"states": states, "series": [_series(modes, name) for name in modes.named]}
 
 
 def _series(modes: Modes, name: str) -> Series:

@@ -19,7 +19,7 @@ from dalembert.results.recording import Trajectory
 from dalembert.results.sources import Blocks, Column
 from dalembert.results.variables import variables
 from dalembert.symbolic.formulas.expression import Expression, stack
-from dalembert.symbolic.formulas.oscillation import oscillation, parts
+from dalembert.symbolic.formulas.oscillation import PARTS, oscillation, parts
 from dalembert.symbolic.once import once
 
 POSES = ("position", "angle", "euler_parameters")
@@ -35,7 +35,8 @@ def mode_scene(modes: Modes) -> dict[str, Any]:
     """
     recording = ModeRecording.of(modes)
     scene = motion_scene(recording, np.arange(recording.time.size), loads=False)
-    _tag_blocks(scene, modes.model)
+    if modes.numbers.size:
+        _tag_blocks(scene, modes.model)
     return scene
 
 
@@ -70,12 +71,16 @@ class ModeRecording(LabelledRecording):
     def table(self, measures: Any) -> np.ndarray:
         model, s, symbols = self.model, self.trajectory, swing(self.model)
         e, count = model.all_equations, self.vectors.shape[2]
+        vectors = (
+            self.vectors[1:] if len(self.vectors) > 1 else np.zeros((PARTS, e.y.numel(), count))
+        )
         column = stack(model.at_ground(self.expression(m).sx) for m in measures)
         inputs = [e.t, e.y, e.v, e.a, e.transmitted, e.p, *symbols]
         function = ca.Function("columns", inputs, oscillation(column, e.y, symbols))
         still = [np.zeros(part.numel()) for part in (e.v, e.a, e.transmitted)]
         state = (s.t[:1], self.vectors[0], *still, self.parameters)
-        return np.hstack([part.full() for part in function.map(count)(*state, *self.vectors[1:])])
+        blocks = function.map(count)(*state, *vectors)[: len(self.vectors)]
+        return np.hstack([part.full() for part in blocks])
 
     def values(self, measure: str | Expression) -> np.ndarray:
         """Values of a measure at rest, at each of the instants."""
