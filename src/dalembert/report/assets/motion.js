@@ -4,7 +4,7 @@
 /** @import { BodyData, End, EndData, Gap, Ghost, Item, ItemData, Link, Part, Shape, States, Structure, Wheel } from "./scene_types.d.ts" */
 
 import { TAU, clock, floats, list, steady } from "./numbers.js";
-import { PHASES, Swing, dampingText } from "./swing.js";
+import { PHASES, Swing, UNDAMPED, dampingText } from "./swing.js";
 import { Signal } from "./theme.js";
 import { Timeline } from "./timeline.js";
 import { prefixed } from "./units.js";
@@ -15,9 +15,11 @@ const SWING = 2.4;
 /** Names of states; those of modes state a value, which a live page computes. @param {States | undefined} states */
 function stateNames({ names, kind, numbers, values, damping, unit = "" } = { kind: "", names: [] }) {
   if (!values) return list(names).map(String);
+  const largest = Math.max(0, ...Array.from(list(values), Number).filter(Number.isFinite));
   return Array.from(list(values), (value, k) => {
-    const { factor, unit: shown } = prefixed(Number(value), unit);
-    return `${kind} ${numbers?.[k]}: ${+(Number(value) / factor).toPrecision(5)} ${shown}`.trim() + (damping ? dampingText(Number(damping[k])) : "");
+    const { factor, unit: shown } = prefixed(Number(value), unit), name = `${kind} ${numbers?.[k]}`;
+    if (damping && Number(value) <= UNDAMPED * largest) return `${name}: free motion`;
+    return `${name}: ${+(Number(value) / factor).toPrecision(5)} ${shown}`.trim() + (damping ? dampingText(Number(damping[k])) : "");
   });
 }
 

@@ -15,7 +15,7 @@ const PROBE = 1e-5;
 /** Phases of an oscillation at which amplitudes are measured. */
 export const PHASES = [0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
 
-/** Threshold of round-off of damping ratios. */
+/** Threshold of round-off of damping ratios and of eigenvalues, relative to the largest. */
 export const UNDAMPED = 1e-9;
 
 /** Damping of a mode in its name. @param {number} ratio */
