@@ -136,3 +136,25 @@ def test_the_optimum_of_a_frequency_shows_the_first_design(show: Any) -> None:
     page = show(best.page())
     assert page.js("dalembert.motion.ghosts.length") == 2
     assert page.page.locator("#ghosts").inner_text() == "First design"
+
+
+def test_a_parameter_may_have_the_name_of_a_measure() -> None:
+    system = da.System("swing", gravity=(0.0, -9.81))
+    length = system.parameter("frequency", 1.0, "m", bounds=(0.5, 2.0))
+    bar = system.add(da.planar.Bar("bar", length=length, mass=1.0, angle=-1.5))
+    system.add(da.planar.Revolute("O", system.ground.center, bar.start))
+    modes = da.linearize(system.build())
+    expected = np.sqrt(1.5 * 9.81) / (2 * np.pi)
+    assert modes.frequencies == pytest.approx([expected], rel=1e-9)
+
+
+def test_a_mechanism_without_modes_has_a_page(show: Any) -> None:
+    system = da.System("truss", gravity=(0.0, -9.81))
+    bar = system.add(da.planar.Bar("bar", length=1.0, mass=1.0, angle=0.3))
+    system.add(da.planar.Revolute("O", system.ground.center, bar.start))
+    system.add(da.planar.RotationalDriver("hand", system.ground, bar, 0.3))
+    modes = da.linearize(system.build(), equilibrium=False)
+    assert modes.numbers.size == 0
+    page = show(modes)
+    assert page.page.locator("#case").count() == 0
+    assert page.js("dalembert.motion.bodies.length") == 1

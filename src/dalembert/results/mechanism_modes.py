@@ -66,7 +66,7 @@ class MechanismModes(Modes):
             It depends on a quantity that a mode does not have; ``ExpressionError`` if a text
             names it.
         """
-        symbols = MEASURES | model.parameters | model.derived_parameters
+        symbols = model.parameters | model.derived_parameters | MEASURES
         expression = Names(symbols.get, lambda: list(symbols)).expression(measure)
         foreign = free_symbols(expression.sx) - {REAL.name(), IMAG.name(), *model.parameters}
         if foreign:

@@ -1,10 +1,10 @@
 // Small motions of a mechanism in its modes: amplitudes, and columns at a phase of the oscillation.
 
-/** @import { Cursor } from "./types.d.ts" */
+/** @import { Cursor, Point } from "./types.d.ts" */
 /** @import { Motion } from "./motion.js" */
 
 import { TAU, number } from "./numbers.js";
-import { diagonal, distance } from "./timeline.js";
+import { diagonal } from "./timeline.js";
 
 /** Largest movement of a point, relative to the mechanism, and largest rotation of a body [rad], at the automatic amplitude. */
 const SHARE = 0.1, TURN = 0.3;
@@ -12,7 +12,9 @@ const SHARE = 0.1, TURN = 0.3;
 const STILL = 1e-9;
 /** Largest displacement of a coordinate by which amplitudes are measured. */
 const PROBE = 1e-5;
-/** Phases of an oscillation at which amplitudes are measured. */
+/** Phases that show the real and the imaginary part of a mode. */
+const QUARTERS = [0.25, 0];
+/** Phases of an oscillation. */
 export const PHASES = [0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
 
 /** Threshold of round-off of damping ratios and of eigenvalues, relative to the largest. */
@@ -65,13 +67,22 @@ export class Swing {
       const probe = PROBE / largest, rest = motion.bodies.map((body) => motion.pose(body, { i: k, f: 0 }));
       this.amplitudes[k] = probe;
       let [moved, turned] = [0, 0];
-      for (const f of PHASES) {
-        motion.cloud([{ i: k, f }]).forEach((place, j) => { moved = Math.max(moved, distance(place, still[j]) / probe); });
-        motion.bodies.forEach((body, j) => { const pose = motion.pose(body, { i: k, f }); if (pose && rest[j]) turned = Math.max(turned, motion.angleBetween(pose, rest[j]) / probe); });
-      }
+      const [real, imag] = QUARTERS.map((f) => motion.cloud([{ i: k, f }]));
+      still.forEach((place, j) => { moved = Math.max(moved, semiAxis(real[j], imag[j], place) / probe); });
+      motion.bodies.forEach((body, j) => {
+        const [first, second] = QUARTERS.map((f) => motion.pose(body, { i: k, f }));
+        if (first && second && rest[j]) turned = Math.max(turned, Math.hypot(motion.angleBetween(first, rest[j]), motion.angleBetween(second, rest[j])) / probe);
+      });
       this.amplitudes[k] = Math.min(moved > 0 ? (SHARE * size) / moved : Infinity, turned > 0 ? TURN / turned : Infinity);
       if (!Number.isFinite(this.amplitudes[k])) this.amplitudes[k] = 0;
       this.movements[k] = moved > STILL * turned * size ? this.amplitudes[k] * moved : 0;
     }
   }
+}
+
+/** Larger semi-axis of the ellipse on which a point moves about its place. @param {Point} p @param {Point} q places after a quarter of a period @param {Point} place */
+function semiAxis(p, q, place) {
+  let [a, b, c] = [0, 0, 0];
+  place.forEach((v, k) => { const x = p[k] - v, y = q[k] - v; a += x * x; b += y * y; c += x * y; });
+  return Math.sqrt((a + b) / 2 + Math.hypot((a - b) / 2, c));
 }
