@@ -118,6 +118,31 @@ def test_labels_and_units_of_responses(live: Visit, motion: Any) -> None:
     ]
 
 
+def test_responses_have_the_preferred_units(motion: Any, browser: Any, tmp_path: Path) -> None:
+    responses = [
+        da.final("coupler.x"),
+        2 * da.maximum("A.force_norm") + 5,
+        da.mean("kinetic_energy"),
+    ]
+    path = motion.report(tmp_path / "units.html", responses=responses, units=["mm", "kN", "deg"])
+    expected = [da.evaluate(motion, response) for response in responses]
+    with visit(browser, path) as page:
+        settle(page)
+        units = page.js("dalembert.table.responses.map(({ unit }) => unit)")
+        values = page.js("dalembert.table.values")
+        slopes = da.sensitivity(motion, responses).values
+        own = page.js(
+            """dalembert.solver.request({ parameters: dalembert.design.values,
+                responses: dalembert.table.responses, gradients: [0, 1, 2] })
+                .then(({ slopes }) => slopes.map((row) => [...row]))"""
+        )
+    assert units == ["mm", "kN", "J"]
+    factors = np.array([1e3, 1e-3, 1.0])
+    assert values == pytest.approx(factors * expected, rel=1e-9)
+    slopes *= factors[:, None]
+    assert np.abs(np.array(own) - slopes).max() < 1e-8 * np.abs(slopes).max()
+
+
 def test_initial_design_stays_visible(live: Visit) -> None:
     ghosts = "dalembert.motion.ghosts.length"
     assert live.js(ghosts) == 0

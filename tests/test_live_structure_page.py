@@ -139,6 +139,31 @@ def test_modes_of_a_frame_follow_their_sliders(browser: Any, tmp_path: Path) -> 
         assert (page.requests, page.console) == ([], [])
 
 
+def test_responses_of_structures_are_added(browser: Any, tmp_path: Path) -> None:
+    model, analysis = truss(), da.Statics()
+    path = analysis.run(model).report(tmp_path / "truss.html", responses=[da.total("compliance")])
+    added = {
+        ("side", "b0.uy"): ("b0.uy, side [m]", da.at(1, "b0.uy")),
+        ("maximum", "bar3.stress"): ("maximum of bar3.stress [Pa]", da.maximum("bar3.stress")),
+    }
+    with visit(browser, path) as page:
+        settle(page)
+        change(page, {0: 1.5})
+        other = analysis.run(model, {"height": 1.5})
+        for k, ((state, quantity), (label, response)) in enumerate(added.items(), 1):
+            page.page.click("#add-response > summary")
+            page.page.select_option("#add-response [aria-label='Load case']", label=state)
+            page.page.select_option("#add-response .measure", label=quantity)
+            page.page.click("#add-response-now")
+            settle(page)
+            assert page.page.locator(".responses tbody tr").last.inner_text().startswith(label)
+            value = page.js("dalembert.table.values.at(-1)")
+            assert value == pytest.approx(da.evaluate(other, response), rel=VALUES)
+            slopes = da.sensitivity(other, response, method="adjoint").values
+            close(page.js(SLOPE.format(k)), slopes, SLOPES)
+        assert page.console == []
+
+
 def test_a_statically_unstable_design_keeps_the_picture(browser: Any, tmp_path: Path) -> None:
     model = truss()
     path = da.solve_statics(model).report(tmp_path / "truss.html", live=True)

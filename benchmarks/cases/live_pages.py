@@ -57,7 +57,7 @@ DRAG = """async (count) => {
   }
   return [times, slopes];
 }"""
-"""Script that moves the first slider and waits for the drawing each time."""
+"""Script that moves the first slider, held by the pointer, and waits for the drawing each time."""
 
 
 def measure(effort: Effort) -> Iterator[Row]:
@@ -91,7 +91,10 @@ def _example(browser: Any, folder: Path, name: str, drags: int) -> Iterator[Row]
     tab = browser.new_page(viewport={"width": 1400, "height": 950})
     tab.goto(page.as_uri())
     tab.wait_for_selector("html[data-live]", state="attached", timeout=20_000)
+    tab.hover("#parameter-0")
+    tab.mouse.down()
     times, slopes = tab.evaluate(DRAG, drags)
+    tab.mouse.up()
     tab.close()
     note = f"{motion.time.size} instants, page {added / 1e3:.0f} kB larger"
     seconds = [t / 1e3 for t in times]

@@ -130,7 +130,9 @@ def run(
         if report and page is not None:
             with timing.part("report"):
                 choice = file.document.report.live if live is None else live
-                page = result.live_page(page, choice, live_responses(file, built, page, result))
+                responses = live_responses(file, built, page, result)
+                units = choices.get("units", ())
+                page = result.live_page(page, choice, responses, units=units)
                 files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
         interrupted_late = signals.pressed and result.status.outcome is not Outcome.INTERRUPTED
     code = INTERRUPTED if interrupted_late else _exit_code(result.status)

@@ -125,7 +125,8 @@ class MechanismModes(Modes):
         """
         from dalembert.report.page import write_page
 
-        return write_page(self.live_page(self.page(units, views), live, responses), path)
+        page = self.page(units, views)
+        return write_page(self.live_page(page, live, responses, units=units), path)
 
     def page(
         self,

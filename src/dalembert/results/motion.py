@@ -200,7 +200,7 @@ class Motion(LabelledRecording):
         from dalembert.report.page import write_page
 
         page = self.page(plots=plots, trace=trace, units=units, views=views)
-        return write_page(self.live_page(page, live, responses), path)
+        return write_page(self.live_page(page, live, responses, units=units), path)
 
     def page(
         self, plots: Groups = None, trace: Names = None, units: Units = (), views: Views = ()

@@ -175,6 +175,7 @@ class Result(CacheOwner, Protocol):
         live: bool | None = None,
         responses: Sequence[PageResponse] = (),
         designs: PageDesigns | None = None,
+        units: Sequence[str] = (),
     ) -> dict[str, Any]:
         """Payload of a live page, or the page with the reason why it is not live.
 
@@ -184,10 +185,11 @@ class Result(CacheOwner, Protocol):
         live : whether the page is live; by default where that is possible and the page stays small
         responses : that it lists, by default the maxima of the plotted measures
         designs : designs of its table
+        units : preferred units of the responses; each applies to its dimension
         """
         from dalembert.results.files.live_page import live_page
 
-        return live_page(self, page, live, responses, designs)
+        return live_page(self, page, live, responses, designs, units)
 
     def first_responses(self) -> Sequence[FirstResponse]:
         """Responses that a live page lists by default; if empty, maxima of the plotted measures."""
@@ -242,7 +244,8 @@ class Result(CacheOwner, Protocol):
         """
         from dalembert.report.page import write_page
 
-        return write_page(self.live_page(self.page(**first_view), live, responses), path)
+        page, units = self.page(**first_view), first_view.get("units", ())
+        return write_page(self.live_page(page, live, responses, units=units), path)
 
     def show(self, height: int = 680, **first_view: Any) -> InlinePage:
         """Report in a notebook, with player and plots, if ``has_page``."""

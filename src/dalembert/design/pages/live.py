@@ -57,7 +57,7 @@ def live_page(decision: Any, live: bool | None, first_view: dict[str, Any]) -> d
     page = task.page(**first_view) if runs else {}
     times = np.array(page.get("time", page.get("states", {}).get("numbers", ())))
     responses = computable(task.responses, times) if times.size else []
-    page = task.result.live_page(page, live, responses, task.designs)
+    page = task.result.live_page(page, live, responses, task.designs, first_view.get("units", ()))
     if "code" in page.get("live", {}):
         return dict(page)
     return decision.page(**first_view) | {key: page[key] for key in ("live",) if key in page}

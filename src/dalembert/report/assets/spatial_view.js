@@ -17,6 +17,10 @@ const TANGENT = Math.tan((FIELD * TAU) / 720);
 /** Size of another scene, relative to the present one, above which light and grid are built again. */
 const SLACK = 1.1;
 
+/** Duration of a frame above which frames are drawn at a lower resolution and without shadows while a pointer is held [ms], and that share of the resolution. */
+const SLOW_FRAME = 45;
+const COARSE = 0.5;
+
 export class SpatialView {
   hint = "Wheel zooms, drag rotates, right-button drag pans.";
   /** @type {Record<string, () => void>} */
@@ -43,6 +47,11 @@ export class SpatialView {
     /** Share of the canvas of a fitted view, and its margins that stay free [px]. */
     this.share = 0.84;
     this.free = { left: 0, top: 0 };
+    /** Duration of the last frame in full quality [ms]; whether the last one was coarse, and a pointer is held. */
+    this.duration = 0;
+    this.coarse = this.held = false;
+    addEventListener("pointerdown", () => { this.held = true; }, true);
+    for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => { this.held = false; if (this.coarse) this.onChange(); }, true);
   }
 
   /** Controls about the vertical axis. */
@@ -117,8 +126,8 @@ export class SpatialView {
     const lines = [[], []];
     for (let k = -5 * many; k <= 5 * many; k++) {
       // In pieces, because not every driver clips a line behind the camera well.
-      for (let piece = -many; piece < many; piece++) {
-        const s = (k * step) / 5, [from, to] = [piece * step, (piece + 1) * step];
+      for (let piece = -many; piece < many; piece += 8) {
+        const s = (k * step) / 5, [from, to] = [piece * step, Math.min(many, piece + 8) * step];
         for (const [p, q] of [[s, from], [s, to], [from, s], [to, s]]) {
           lines[k % 5 ? 0 : 1].push(u.clone().multiplyScalar(middle[0] + p).addScaledVector(v, middle[1] + q).toArray());
         }
@@ -196,13 +205,17 @@ export class SpatialView {
   /** @param {number[]} shift [m] */
   carry(shift) { for (const place of [this.camera.position, this.controls.target, this.centre]) place.add(vector(shift)); }
 
-  /** Render on the canvas. @param {number | undefined} ratio */
+  /** Render on the canvas. Where frames take long, as without a graphics processor, those of a drag have a lower quality. @param {number | undefined} ratio of a picture, always in full quality */
   render(ratio) {
-    const { canvas: { clientWidth: w, clientHeight: h }, renderer } = this;
-    renderer.setPixelRatio(ratio || window.devicePixelRatio || 1);
+    const { canvas: { clientWidth: w, clientHeight: h }, renderer } = this, begin = performance.now();
+    const coarse = !ratio && this.held && this.duration > SLOW_FRAME;
+    this.coarse = coarse;
+    this.sun.castShadow = !coarse;
+    renderer.setPixelRatio((ratio || window.devicePixelRatio || 1) * (coarse ? COARSE : 1));
     renderer.setSize(w, h, false);
     this.aim(w, h);
     renderer.render(this.world, this.camera);
+    if (!coarse) requestAnimationFrame((end) => { this.duration = end - begin; });
   }
 
   /** Depths of the camera and of the fog. @param {number} w @param {number} h */

@@ -9,6 +9,7 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 from dalembert.results.files.live_responses import (
+    in_units,
     joint_rows,
     page_responses,
     state_rows,
@@ -28,6 +29,7 @@ def live_page(
     live: bool | None,
     responses: Sequence[PageResponse] = (),
     designs: PageDesigns | None = None,
+    units: Sequence[str] = (),
 ) -> dict[str, Any]:
     """A page with its live part, or with the reason why it has none.
 
@@ -39,6 +41,7 @@ def live_page(
         designs have ranges, and its module is small
     responses : responses that the page lists
     designs : designs of its table
+    units : preferred units of the responses
     """
     model = result.model
     bounded = any(np.isfinite(parameter.bounds).all() for parameter in model.parameters.values())
@@ -57,8 +60,10 @@ def live_page(
     times = np.array(page["states"]["numbers"] if "states" in page else page["time"])
     listed = page_responses(result, responses, times, table.number)
     listed = listed or [response.page_data(table.number) for response in result.first_responses()]
-    states = [(place, state_rows(sx, table.number)) for place, sx in sources.states]
-    blocks = [(place, state_rows(sx, table.number)) for place, sx in sources.blocks]
+    listed = [in_units(response, units) for response in listed]
+    drawn = structure and result.of_any_size
+    states = [(place, state_rows(sx, table.number, drawn)) for place, sx in sources.states]
+    blocks = [(place, state_rows(sx, table.number, True)) for place, sx in sources.blocks]
     try:
         functions = result.analysis.live_functions(result, table.rows, times)
         p = model.p if structure else model.equations.p
@@ -74,11 +79,8 @@ def live_page(
     rows = None if designs is None else _designs(result, designs, parameters)
     numbers = [place for place, _ in sources.numbers]
     more = {"columns": columns, "numbers": numbers, "initial": sources.initial, "states": states}
-    more |= {
-        "blocks": blocks,
-        "responses": listed,
-        "joints": [] if structure else joint_rows(model),
-    }
+    more |= {"responses": listed, "joints": [] if structure else joint_rows(model)}
+    more |= {"blocks": blocks} if blocks else {}
     more |= {} if rows is None else {"designs": rows}
     return page | {"live": functions.page_data(parameters=parameters, **more)}
 

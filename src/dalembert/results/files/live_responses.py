@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -15,6 +15,7 @@ from dalembert.model.graph.model import Model
 from dalembert.results.live import PageResponse
 from dalembert.results.sources import Row, Source
 from dalembert.symbolic.formulas.expression import Expression
+from dalembert.units.unit import shown_in
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +99,23 @@ def page_responses(
     return result
 
 
-def state_rows(sx: ca.SX, row_of: Callable[[Source], int]) -> list[int]:
-    """Numbers of the rows of the entries of a drawn column of states; −1 for constant ones."""
+def in_units(response: dict[str, Any], units: Sequence[str]) -> dict[str, Any]:
+    """A response with its unit replaced by the first of the units of the same dimension."""
+    factor, unit = shown_in(response["unit"], units)
+    terms = [term | {"weight": term["weight"] / factor} for term in response["terms"]]
+    constant = response["constant"] / factor
+    return response | {"unit": unit, "terms": terms, "constant": constant}
+
+
+def state_rows(sx: ca.SX, row_of: Callable[[Source], int], drawn: bool) -> list[int]:
+    """Numbers of the rows of the entries of a column of states; −1 for constant ones.
+
+    Parameters
+    ----------
+    drawn : whether only pictures use them, such as shapes of modes
+    """
     entries = ca.vertsplit(ca.densify(sx))
-    return [-1 if entry.is_constant() else row_of(Row(entry, drawn=True)) for entry in entries]
+    return [-1 if entry.is_constant() else row_of(Row(entry, drawn=drawn)) for entry in entries]
 
 
 def joint_rows(model: Model) -> list[dict[str, Any]]:

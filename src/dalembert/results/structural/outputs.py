@@ -116,7 +116,7 @@ class StructuralOutputs(StructuralStates):
         from dalembert.report.page import write_page
 
         page = self.page(units=units, views=views)
-        return write_page(self.live_page(page, live, responses), path)
+        return write_page(self.live_page(page, live, responses, units=units), path)
 
     def first_responses(self) -> list[FirstResponse]:
         from dalembert.results.structural.formulas import first_responses
