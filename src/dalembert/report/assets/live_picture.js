@@ -89,7 +89,7 @@ export class LivePicture {
   /** Draw the payload. */
   renew() {
     const { motion, scene, player, board } = this, [dashed] = this.ghosts.put(this.changed), { now } = motion;
-    const next = new this.dimension.Motion(payload, this.dimension.structure), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name));
+    const next = new this.dimension.Motion(payload, this.dimension), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name));
     for (const point of next.points) point.swatch = motion.points.find(({ name }) => name === point.name)?.swatch;
     motion.replace(next);
     if (document.querySelector("#degrees[aria-pressed='true']")) motion.setDegrees(true);

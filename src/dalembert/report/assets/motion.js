@@ -1,37 +1,29 @@
 // Scene of a page over time: bodies, primitives between them, the mesh of a structure.
 
 /** @import { Column, Cursor, Payload, Point, TracedPoint } from "./types.d.ts" */
-/** @import { BodyData, End, EndData, Gap, Ghost, Item, ItemData, Link, Part, Shape, States, Structure, Wheel } from "./scene_types.d.ts" */
+/** @import { BodyData, End, EndData, Gap, Ghost, Item, ItemData, Link, Part, Parts, Shape, States, Wheel } from "./scene_types.d.ts" */
 
 import { TAU, clock, floats, list, steady } from "./numbers.js";
-import { PHASES, Swing, UNDAMPED, dampingText } from "./swing.js";
 import { Signal } from "./theme.js";
 import { Timeline } from "./timeline.js";
-import { prefixed } from "./units.js";
 
 /** Period in which a model swings in one of its states [s]. */
 const SWING = 2.4;
 
 /** Names of states; those of modes state a value, which a live page computes. @param {States | undefined} states */
-function stateNames({ names, kind, numbers, values, damping, unit = "" } = { kind: "", names: [] }) {
-  if (!values) return list(names).map(String);
-  const largest = Math.max(0, ...Array.from(list(values), Number).filter(Number.isFinite));
-  return Array.from(list(values), (value, k) => {
-    const { factor, unit: shown } = prefixed(Number(value), unit), name = `${kind} ${numbers?.[k]}`;
-    if (damping && Number(value) <= UNDAMPED * largest) return `${name}: free motion`;
-    return `${name}: ${+(Number(value) / factor).toPrecision(5)} ${shown}`.trim() + (damping ? dampingText(Number(damping[k])) : "");
-  });
+function stateNames({ names, kind, numbers, values, unit = "" } = { kind: "", names: [] }) {
+  return list(names).map((name, k) => (values ? `${kind} ${numbers?.[k]}: ${+Number(values[k]).toPrecision(5)} ${unit}`.trim() : String(name)));
 }
 
 /** Base class of planar and spatial scenes, whose methods read and place points. */
 export class Motion extends Timeline {
-  /** @param {Payload} payload @param {Structure | null} structure parts of pages of structures */
-  constructor(payload, structure = null) {
+  /** @param {Payload} payload @param {Parts} parts of pages of structures and modes */
+  constructor(payload, { structure = null, Swing } = {}) {
     const { scene = {}, states } = payload;
     super(states ? { ...payload, time: states.times } : payload);
     /** Signal of another state, field or scale. @type {Signal} */
     this.onState = new Signal();
-    this.states = { kind: String(states?.kind ?? ""), names: stateNames(states), relative: Boolean(states?.relative) };
+    this.states = { kind: String(states?.kind ?? ""), names: Swing?.names(states) ?? stateNames(states), relative: Boolean(states?.relative) };
     /** Whether the model swings in the chosen one of its states. */
     this.swings = Boolean(states) && this.n < 2;
     this.chosen = 0;
@@ -39,8 +31,7 @@ export class Motion extends Timeline {
     /** Share of the displacements of a mesh in a swing. */
     this.share = 1;
     /** Oscillation of a mechanism. */
-    this.swing = this.swings && !scene.mesh ? new Swing(this) : null;
-    if (this.swing) this.requested = [];
+    this.swing = this.swings && Swing ? new Swing(this) : null;
 
     /** @type {Float64Array[]} */
     const poses = [], column = (/** @type {unknown} */ values) => poses[poses.push(this.column(values)) - 1];
@@ -60,7 +51,7 @@ export class Motion extends Timeline {
     /** Bodies of another design or run, or of the initial guess. @type {Ghost[]} */
     this.ghosts = list(scene.ghosts).filter(({ mesh }) => !mesh).map((ghost) => this.readBody(ghost, (values) => (this.swing ? this.column(values) : steady(/** @type {Column} */ (values), this.n))));
     /** Bodies at rest behind an oscillation. @type {Ghost[]} */
-    this.resting = this.swing ? list(scene.bodies).map((body) => this.readBody(body, (values) => this.swing?.still(this.column(values)) ?? new Float64Array())) : [];
+    this.resting = [];
     /** @type {Gap[]} */
     this.gaps = list(scene.gaps).map(({ from, to, text }) => ({ from: this.point(from), to: this.point(to), text: String(text ?? "") }));
     this.mesh = scene.mesh && structure ? new structure.Mesh(scene.mesh, payload, scene) : null;
@@ -69,7 +60,7 @@ export class Motion extends Timeline {
     this.otherMesh = other && structure ? new structure.Mesh(other, { states: payload.states }, {}) : null;
     /** Reactions of the supports of a structure. @type {Item[]} */
     this.reactions = (this.mesh?.reactionItems() ?? []).map((item) => this.readItem(item));
-    this.swing?.measure(poses);
+    this.swing?.begin(list(scene.bodies), poses);
   }
 
   // Reading ------------------------------------------------------------------------------------
@@ -127,7 +118,7 @@ export class Motion extends Timeline {
     const { onState, mesh, swing, chosen } = this;
     Object.assign(this, next, { onState, chosen: Math.max(0, Math.min(chosen, next.states.names.length - 1)) });
     if (mesh) this.mesh?.adopt(mesh);
-    if (swing && this.swing) Object.assign(this.swing, { motion: this, factor: swing.factor });
+    if (swing) this.swing?.adopt(swing, this);
     this.choose(this.chosen);
   }
 
@@ -162,14 +153,10 @@ export class Motion extends Timeline {
   }
 
   /** Value between two instants, or at a phase of a mode. @override @param {Float64Array} column @param {Cursor} cursor */
-  sample(column, cursor) { return this.swing ? this.swing.sample(column, cursor) : super.sample(column, cursor); }
+  sample(column, cursor) { return this.swing?.sample(column, cursor) ?? super.sample(column, cursor); }
 
   /** Evenly distributed instants, or phases of all modes. @override @param {number} limit @returns {Cursor[]} */
-  frames(limit) {
-    if (!this.swing) return super.frames(limit);
-    const modes = Array.from({ length: Math.min(this.n, Math.ceil(limit / PHASES.length)) }, (_, i) => i);
-    return modes.flatMap((i) => PHASES.map((f) => ({ i, f })));
-  }
+  frames(limit) { return this.swing?.frames(limit) ?? super.frames(limit); }
 
   /** Values of columns. @param {Float64Array[] | null} columns */
   vectorOf(columns, cursor = this.cursor) { return columns ? columns.map((column) => this.sample(column, cursor)) : null; }
@@ -178,9 +165,6 @@ export class Motion extends Timeline {
 
   /** Pose of a body; null where it has none. @param {Part | Ghost} body @param {Cursor} cursor @returns {any} */
   pose(body, cursor = this.cursor) { return null; }
-
-  /** Angle of the rotation between two poses. @param {any} pose @param {any} other @returns {number} */
-  angleBetween(pose, other) { return 0; }
 
   /** Position of a point in a pose. @param {any} pose @param {Point} point @returns {Point} */
   placed(pose, point) { return point; }

@@ -24,7 +24,7 @@ import { preferUnits } from "./units.js";
 export function buildPage(dimension, buildTools = () => {}) {
   Theme.read();
   preferUnits(payload.units);
-  const motion = new dimension.Motion(payload, dimension.structure), { mesh } = motion, scene = new Scene(motion, /** @type {HTMLCanvasElement} */ (byId("scene")), byId("tip"), dimension), player = new Player(motion);
+  const motion = new dimension.Motion(payload, dimension), { mesh } = motion, scene = new Scene(motion, /** @type {HTMLCanvasElement} */ (byId("scene")), byId("tip"), dimension), player = new Player(motion);
   const picker = new Picker(/** @type {HTMLDialogElement} */ (byId("picker")), motion);
   const board = motion.moves && !motion.swings && motion.series.length ? new Board(byId("board"), motion, player, picker) : null;
   player.onTime.on((t) => { motion.setTime(t); scene.invalidate(); });
@@ -107,7 +107,7 @@ function showDesign(k, motion, scene, board, dimension, player) {
   const design = choice?.alternatives[k];
   if (!design?.scene) return;
   history.replaceState(null, "", `#design=${k}`);
-  const next = new dimension.Motion({ ...payload, ...design }, dimension.structure), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name)), { now } = motion;
+  const next = new dimension.Motion({ ...payload, ...design }, dimension), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name)), { now } = motion;
   for (const point of next.points) point.swatch = motion.points.find(({ name }) => name === point.name)?.swatch;
   motion.replace(next);
   scene.renew(traced);

@@ -39,9 +39,6 @@ export class PlanarMotion extends Motion {
     return Number.isNaN(x + y + a) || !this.n ? null : { x, y, a, c: Math.cos(a), s: Math.sin(a) };
   }
 
-  /** @override @param {PlanarPose} pose @param {PlanarPose} other */
-  angleBetween({ a }, other) { return Math.abs(a - other.a); }
-
   /** @override @param {PlanarPose} pose @param {Point} point @returns {[number, number]} */
   placed({ x, y, c, s }, [u, v]) { return [x + c * u - s * v, y + s * u + c * v]; }
 

@@ -50,9 +50,6 @@ export class SpatialMotion extends Motion {
     return { p: vector(position), q };
   }
 
-  /** @override @param {SpatialPose} pose @param {SpatialPose} other */
-  angleBetween({ q }, { q: r }) { return 4 * Math.asin(Math.min(1, Math.hypot(q.x - r.x, q.y - r.y, q.z - r.z, q.w - r.w) / 2)); }
-
   /** @override @param {SpatialPose} pose @param {Point} point @returns {[number, number, number]} */
   placed({ p, q }, point) { return vector(point).applyQuaternion(q).add(p).toArray(); }
 

@@ -42,7 +42,8 @@ class Spectrum extends Chart {
     const values = eigenvalues(motion).map(({ re, im }) => ({ re: re / along.factor, im: im / up.factor }));
     const x = new Scale([0, ...values.map(({ re }) => re)]), y = new Scale(values.flatMap(({ im }) => [im, -im, 0])), box = this.box(w, h, y);
     const { px, py } = this.frame(box, x, y, [labelled("Re s", along.unit), labelled("Im s", up.unit)]);
-    const grows = shape("rect", { x: px(0), y: box.top, width: Math.max(0, box.right - px(0)), height: box.bottom - box.top, class: "grows" }, hint("Growing motions"));
+    const grows = shape("rect", { x: px(0), y: box.top, width: Math.max(0, box.right - px(0)), height: box.bottom - box.top, class: "band" }, hint("Growing motions"));
+    grows.style.setProperty("--c", "color-mix(in srgb, var(--error) 50%, transparent)");
     this.svg.append(grows, shape("line", { x1: px(0), x2: px(0), y1: box.top, y2: box.bottom, class: "zero" }), shape("line", { x1: box.left, x2: box.right, y1: py(0), y2: py(0), class: "zero" }));
     const order = [...values.keys()].sort((a, b) => Number(a === motion.chosen) - Number(b === motion.chosen));  // the chosen one above the others
     for (const k of order) {

@@ -22,6 +22,7 @@ export function chooser(id, label, names, chosen, onchange) {
 export function stateChooser(motion) {
   const { states: { kind, names } } = motion, label = kind === "load case" ? "Case" : kind[0]?.toUpperCase() + kind.slice(1);
   const node = chooser("case", label, names, 0, (k) => motion.choose(k)), [select] = node.querySelectorAll("select");
+  select.style.maxWidth = "min(340px, 56vw)";  // names state values
   motion.onState.on(() => {
     const { states: { names: present }, chosen } = motion;
     if (select.options.length !== present.length) select.replaceChildren(...present.map((name, k) => el("option", { value: String(k) }, name)));
