@@ -69,12 +69,14 @@ def live_page(
         p = model.p if structure else model.equations.p
         functions = functions.with_limits(*model.value_limits())
         functions = functions.with_numbers([sx for _, sx in sources.numbers], p)
-        module = functions.module
+        size = functions.source.smallest_size
+        if live is None and size > MAX_BYTES:
+            raise UnsupportedError(_too_large(f"at least {size / 1e3:.0f} kB"))
+        size = len(functions.module.code)
+        if live is None and size > MAX_BYTES:
+            raise UnsupportedError(_too_large(f"{size / 1e3:.0f} kB"))
     except UnsupportedError as error:
         return page | {"live": {"reason": str(error)}}
-    if live is None and len(module.code) > MAX_BYTES:
-        size = f"{len(module.code) / 1e3:.0f} kB"
-        return page | {"live": {"reason": f"its module has {size}; request it by live=True"}}
     parameters = _parameters(result, page["parameters"])
     rows = None if designs is None else _designs(result, designs, parameters)
     numbers = [place for place, _ in sources.numbers]
@@ -83,6 +85,10 @@ def live_page(
     more |= {"blocks": blocks} if blocks else {}
     more |= {} if rows is None else {"designs": rows}
     return page | {"live": functions.page_data(parameters=parameters, **more)}
+
+
+def _too_large(size: str) -> str:
+    return f"its module has {size}; request it by live=True"
 
 
 def _parameters(result: Any, shown: list[dict[str, Any]]) -> list[dict[str, Any]]:
