@@ -5,6 +5,7 @@ import pytest
 
 import dalembert as da
 from dalembert import planar
+from dalembert.cli.app import main
 from dalembert.results.pictures.scene import motion_scene
 
 contact = planar.contact
@@ -68,3 +69,10 @@ def test_motions_without_contacts_have_none():
     system.add(planar.Body("b", mass=1.0, inertia=1.0))
     motion = da.solve_dynamics(system.build(), 0.1, step=0.1)
     assert motion.drawn_contacts(0) is None
+
+
+def test_films_of_files_have_contact_forces(resting, tmp_path):
+    """Files have no numbers where a symbol is unused."""
+    resting.save(tmp_path / "resting.nc")
+    code = main(["film", str(tmp_path / "resting.nc"), "--fps", "5", "--seconds", "1"])
+    assert not code and (tmp_path / "resting.gif").stat().st_size > 1000

@@ -185,7 +185,7 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
         Curve: curve_type,
         Shape: lambda: shape_type(dimension),
         Shapes: lambda: shapes_type(dimension),
-        Pairs: lambda: list[pair_type()],  # type: ignore[misc]
+        Pairs: lambda: list[table_of("Pair", CONTACT_PAIRS["Pair"], optional_type=True)],  # type: ignore[misc]
         NormalLaw: contact_law_type,
         Friction: friction_type,
     }
@@ -225,12 +225,6 @@ def shapes_type(dimension: int) -> Any:
     """Type of a list of contact shapes, or of lists by the names of groups."""
     shape = shape_type(dimension)
     return table_or(dict[str, list[shape]], list[shape])  # type: ignore[valid-type]
-
-
-@cache
-def pair_type() -> Any:
-    """Type of the coefficients of contacts between two groups."""
-    return table_of("Pair", CONTACT_PAIRS["Pair"], optional_type=True)
 
 
 @cache

@@ -108,7 +108,9 @@ class ScenePicture:
         if not contacts:
             return []
         places, forces = (
-            np.array([[joint[f"{kind}_{axis}"] for axis in axes] for joint in contacts])
+            np.array(
+                [[joint[f"{kind}_{axis}"] for axis in axes] for joint in contacts], dtype=float
+            )
             for kind in ("at", "force")
         )
         low, high = self.ax.get_ylim()
