@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import Visit, visit
+from live_pages import SLOPE, SLOPES, VALUES, change, close, settle
 
 import dalembert as da
-
-VALUES, SLOPES = 1e-9, 1e-8
-"""Tolerances, relative to the largest value of a quantity and the largest slope."""
 
 
 def truss() -> Any:
@@ -56,28 +54,6 @@ def portal() -> Any:
     return structure.build()
 
 
-def settle(page: Visit) -> None:
-    """Wait until the present design is computed and drawn."""
-    page.frames()
-    waiting = "dalembert.solver?.running === null && dalembert.solver.waiting === null"
-    page.until(f"document.documentElement.dataset.live !== undefined && {waiting}")
-    page.frames()
-
-
-def change(page: Visit, values: dict[int, float]) -> None:
-    page.js("dalembert.design.begin()")
-    for k, value in values.items():
-        page.js(f"dalembert.design.set({k}, {value})")
-    settle(page)
-
-
-def close(found: Any, expected: Any, tolerance: float) -> None:
-    found, expected = np.array(found, float), np.array(expected, float)
-    size = np.nanmax(np.abs(expected)) or 1.0
-    share = np.abs(found - expected.reshape(found.shape)) / size
-    assert np.nanmax(share) <= tolerance, (found, expected)
-
-
 def compare(page: Visit, result: Any) -> None:
     """Drawing, fields and reactions of the page and of a result."""
     expected = result.page()
@@ -101,13 +77,6 @@ def compare(page: Visit, result: Any) -> None:
     assert len(reactions) == len(expected["reactions"])
     if reactions:
         close(reactions, [row["values"] for row in expected["reactions"]], VALUES)
-
-
-SLOPE = """(async () => {{
-    const {{ solver, table, design }} = dalembert, {{ responses }} = table;
-    const request = {{ parameters: design.values, responses, gradients: [{0}] }};
-    return Array.from((await solver.request(request, true)).slopes[{0}]);
-}})()"""
 
 
 def test_a_truss_follows_its_sliders(browser: Any, tmp_path: Path) -> None:

@@ -45,19 +45,19 @@ function measuredStates(live) {
 /** Whether results have a single instant, such as equilibria. */
 const single = () => list(payload.states?.numbers ?? payload.time).length <= 1;
 
-/** Reductions over time, or over load cases and one for each state. @returns {Reduction[]} */
+/** Reductions over time, or over load cases and one for each state; of modes, one for each. @returns {Reduction[]} */
 function reductions() {
   if (single()) return [{ text: "", kind: "final" }];
   const { states } = payload;
   if (!states) return REDUCTIONS.map(([kind, text]) => ({ text, kind }));
-  const each = list(states.names).map((name, instant) => ({ text: String(name), kind: /** @type {const} */ ("at"), instant }));
-  return [...REDUCTIONS.slice(0, 2).map(([kind, text]) => ({ text, kind })), ...each];
+  const each = list(states.names).map((name, instant) => ({ text: states.values ? `${states.kind} ${states.numbers?.[instant]}` : String(name), kind: /** @type {const} */ ("at"), instant }));
+  return states.values ? each : [...REDUCTIONS.slice(0, 2).map(([kind, text]) => ({ text, kind })), ...each];
 }
 
 /** @param {Measured} measured @param {Reduction} reduction @returns {LiveResponse} */
 function responseOfSeries({ name, unit, row }, { text, kind, instant }) {
   const integral = kind === "integral" ? (unit ? `${unit} s` : "s") : unit;
-  const label = !text ? name : kind === "at" ? `${name}, ${text}` : `${text} of ${name}`;
+  const label = !text ? name : kind === "at" ? `${name}${payload.states?.values ? " of" : ","} ${text}` : `${text} of ${name}`;
   return { label, unit: integral, terms: [{ kind, row, weight: 1, instant }] };
 }
 
@@ -74,7 +74,7 @@ export function firstResponses(live) {
 export function addMenu(live, add) {
   const series = [...measuredSeries(live), ...measuredStates(live)], choices = reductions();
   if (!series.length) return null;
-  const groups = [...new Set(series.map(({ group }) => group))], over = payload.states ? "Load case" : "Reduction over time";
+  const groups = [...new Set(series.map(({ group }) => group))], over = payload.states?.values ? "Mode" : payload.states ? "Load case" : "Reduction over time";
   const kind = el("select", { "aria-label": over }, choices.map(({ text, kind }, k) => el("option", { value: payload.states ? String(k) : kind }, text)));
   const chosen = () => choices[kind.selectedIndex] ?? choices[0];
   const options = groups.map((group) => el("optgroup", { label: group }, series.flatMap((s, k) => (s.group === group ? [el("option", { value: String(k) }, s.name)] : []))));
