@@ -170,6 +170,7 @@ SHAPE_TABLES = {
     "Rectangle": 'point = "a", size = [1, "k"]',
     "Sprocket": 'point = "a", teeth = 9, pitch = 0.1, roller = "0.06*k/k"',
     "Profile": f'body = "a", curve = {{ type = "FormulaCurve", {CURVE_TABLES["FormulaCurve"]} }}',
+    "BeamLine": 'beam = "strip", radius = "k/100", stations = 2',
 }
 CONTACT_TABLES = {
     "Hertz": 'stiffness = "k"',
@@ -209,7 +210,8 @@ def test_every_contact_can_be_written(shape, law, friction, tmp_path, schema):
         "friction": (friction, FRICTION_TABLES[friction]),
     }
     lines = (f'{key} = {{ type = "{kind}", {text} }}' for key, (kind, text) in parts.items())
-    text = f'{HEAD}[forces.new]\ntype = "Contact"\n' + "\n".join(lines)
+    beam = f"[beams.strip]\n{ELEMENTS['beams']['Beam']}\n"
+    text = f'{HEAD}{beam}[forces.new]\ntype = "Contact"\n' + "\n".join(lines)
     element = load(written(tmp_path, text)).elements["new"]
     kinds = [type(getattr(element, key)).__name__ for key in parts]
     assert kinds == [shape, other, law, friction]

@@ -197,6 +197,7 @@ SHAPES = {
         planar.contact.Rectangle,
         planar.contact.Sprocket,
         planar.contact.Profile,
+        planar.contact.BeamLine,
     ),
     3: named(
         spatial.contact.Vertex,
@@ -206,6 +207,7 @@ SHAPES = {
         spatial.contact.Box,
         spatial.contact.Capsule,
         spatial.contact.Corners,
+        spatial.contact.BeamLine,
     ),
 }
 """Dimension → contact shapes."""

@@ -28,6 +28,7 @@ from dalembert.elements.contact.laws import NormalLaw, Restitution
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
 from dalembert.elements.fem.nodal import Nodal
+from dalembert.elements.flexible.beam import Beam
 from dalembert.elements.flexible.body import Interfaces, Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
@@ -70,7 +71,7 @@ FILE_TYPES: dict[Any, Any] = {
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
         *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *CONNECTABLE),
         *(Frames, Orientation, CountOrTimes, Shape, Shapes, NormalLaw, Friction),
-        *(FlexibleStructure, Interfaces, Numbers, Distribution),
+        *(Beam, FlexibleStructure, Interfaces, Numbers, Distribution),
         *(Coordinates, Formulation, Stabilization, Integrator, ContactScheme, ContactSolver),
     )
 } | {

@@ -1,5 +1,6 @@
 """Planar contact: shapes, normal force laws, friction and restitution."""
 
+from dalembert.elements.contact.beam_line import BeamLine
 from dalembert.elements.contact.friction import Coulomb, LuGre, Stribeck
 from dalembert.elements.contact.laws import (
     Flores,
@@ -17,6 +18,7 @@ from dalembert.elements.planar.contact.shapes import Bore, Circle, HalfPlane
 from dalembert.elements.planar.contact.sprocket import Sprocket
 
 __all__ = [
+    "BeamLine",
     "Bore",
     "Circle",
     "Coulomb",
