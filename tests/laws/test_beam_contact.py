@@ -126,6 +126,22 @@ def test_energy_is_balanced_and_linear_momentum_is_constant():
     np.testing.assert_allclose(momentum, [[0.0, -0.84]] * len(momentum), atol=1e-8)
 
 
+def test_a_strip_comes_to_rest_on_rigid_stations():
+    system = da.System("strip", gravity=(0, -10))
+    rigid = {"axial_rigidity": 1e4, "shear_rigidity": 4e3, "bending_rigidity": 1.0}
+    place = {"position": (0, 0.02), "angle": 0.05, "velocity": (0.3, 0)}
+    strip = {"length": 1.0, "mass_per_length": 3.0, "elements": 4, "order": 1, "damping": 1e-3}
+    line = kit.BeamLine(system.add(planar.Beam("strip", **strip, **rigid, **place)), radius=0.01)
+    floor, friction = kit.HalfPlane(system.ground.center), kit.Coulomb(0.3)
+    law = kit.Restitution(0.0)
+    system.add(planar.Contact("touch", floor, line, law=law, friction=friction))
+    motion = da.solve_nonsmooth(system.build(), 0.5, step=1e-3)
+    assert motion.status.success
+    gaps = np.array([motion[f"touch.gap{k}"].values for k in range(4)])
+    np.testing.assert_allclose(gaps[:, -1], 0.0, atol=1e-9)
+    assert abs(motion["strip.start.vx"].values[-1]) < 1e-4  # of 0.3, stopped by friction
+
+
 # gradients -----------------------------------------------------------------------------------
 def test_direct_and_adjoint_gradients_are_those_of_the_motion():
     model = on_disc().build()
