@@ -24,7 +24,8 @@ class Station:
     """A cross-section between the nodes of an element of a beam, which points are fixed in.
 
     Its position and velocity are those of the polynomials of the beam, ``r = Σ N_k r_k``; its
-    angular velocity is ``Σ N_k ω_k``. Forces at it act on the nodes in these proportions.
+    angular velocity is ``Σ N_k ω_k``. Forces at it act on the nodes in these proportions. Its frame
+    is at the centre and has inertial axes.
 
     Parameters
     ----------
@@ -49,8 +50,12 @@ class Station:
         )
 
     def locate(self, local: ca.SX) -> ca.SX:
-        """Inertial position of the centre, the only point."""
-        return self._place
+        """Inertial position of a point in its frame."""
+        return self._place + local
+
+    def turned(self, local: ca.SX) -> ca.SX:
+        """Inertial components of a vector in its frame."""
+        return local
 
     @cached_property
     def _place(self) -> ca.SX:
