@@ -32,11 +32,12 @@ def build(elements: int) -> da.System:
     system.add(planar.Revolute("axle", system.ground.center, drum.center))
     turn = -(da.t - 0.02 * (1 - da.exp(-da.t / 0.02)))  # from rest to 1 rad/s
     system.add(planar.RotationalDriver("motor", system.ground, drum, da.Formula(turn)))
+    length = RADIUS * (WRAP + 2 * SPAN)
     start = -RADIUS * math.cos(SPAN), -RADIUS * math.sin(SPAN)
     belt = system.add(
         planar.Beam(
             "belt",
-            length=RADIUS * (WRAP + 2 * SPAN),
+            length=length,
             curvature=-1 / RADIUS,  # wound on the drum at the start
             axial_rigidity=1e5,
             shear_rigidity=1e5,
@@ -59,7 +60,7 @@ def build(elements: int) -> da.System:
             "touch",
             planar.contact.Circle(drum.center, RADIUS),
             planar.contact.BeamLine(belt),
-            law=planar.contact.KelvinVoigt(stiffness=1e8, damping=1e4),  # per metre of the belt
+            law=planar.contact.KelvinVoigt(stiffness=1e8 * length, damping=1e4 * length),
             friction=planar.contact.Coulomb(friction, slip_speed=0.01),
         )
     )
@@ -94,14 +95,16 @@ def main(folder=None) -> dict[str, float]:
     for name, value in numbers.items():
         print(f"{name}: {value:.6f}")
     if folder:
-        figure, (left, right) = plt.subplots(1, 2, figsize=(8.6, 3.2))
+        figure, (picture, left, right) = plt.subplots(1, 3, figsize=(9.6, 3.2))
+        style.draw(picture, motion, DURATION)
+        picture.set(title="belt on a drum", xlabel="x [m]", ylabel="y [m]")
         wrap = np.linspace(0, WRAP, 100)
         left.plot(wrap, LOAD * np.exp(FRICTION * wrap), color=style.GREY, lw=4, alpha=0.4)
         left.plot(*tension(motion, elements), ".", ms=4)
-        left.set(xlabel="wrap [rad]", ylabel="R times line load [N]", title="belt on a drum")
+        left.set(xlabel="wrap [rad]", ylabel="R times line load [N]", title="tension")
         errors = [abs(numbers[f"error of {n} elements"]) for n in ELEMENTS]
         right.loglog(ELEMENTS, errors, "o-")
-        right.set(xlabel="elements", ylabel="relative error", title="convergence to e^(mu phi)")
+        right.set(xlabel="elements", ylabel="relative error", title="error of e^(mu phi)")
         style.save(figure, folder, "capstan")
     return numbers
 

@@ -28,7 +28,7 @@ def winkler(elements: int) -> tuple[dict[str, float], dict[str, float]]:
     half = {"length": length / 2, "mass_per_length": mass, "elements": elements, **rigid}
     left = system.add(planar.Beam("left", **half, **place))
     right = system.add(planar.Beam("right", left.end, **half))
-    floor, law = kit.HalfPlane(system.ground.center), kit.KelvinVoigt(stiffness=k)
+    floor, law = kit.HalfPlane(system.ground.center), kit.KelvinVoigt(stiffness=k * length / 2)
     for beam in (left, right):
         system.add(planar.Contact(f"under_{beam.name}", floor, kit.BeamLine(beam), law=law))
     system.add(planar.PinInSlot("guide", system.ground.center, left.end.center, axis=(0, 1)))
@@ -78,7 +78,7 @@ def test_a_rope_over_a_drum_hangs_in_equilibrium(slack):
     arc = {"length": math.pi * radius, "curvature": -1 / radius, "elements": 12}
     wrap = system.add(planar.Beam("wrap", left.end, **arc, **numbers))
     right = system.add(planar.Beam("right", wrap.end, length=span, **numbers, elements=6))
-    ground, law = system.ground, kit.KelvinVoigt(stiffness=1e6)
+    ground, law = system.ground, kit.KelvinVoigt(stiffness=3e5)
     for beam in (left, wrap, right):
         shapes = kit.Circle(ground.center, radius), kit.BeamLine(beam)
         system.add(planar.Contact(f"on_{beam.name}", *shapes, law=law))
@@ -94,4 +94,4 @@ def test_a_rope_over_a_drum_hangs_in_equilibrium(slack):
     shift = stiffness * slack / (stiffness - 2 * weight)  # of a rope that does not stretch
     assert high + span == pytest.approx(shift, abs=4e-4)
     assert low + span == pytest.approx(-shift, abs=4e-4)
-    assert force == pytest.approx(weight * (high - low), abs=2e-3 * weight * span)
+    assert force == pytest.approx(weight * (high - low), abs=5e-3 * weight * span)

@@ -74,9 +74,10 @@ class Station:
 class BeamLine(Ball):
     """A beam along its length: all points within a distance of its centre line.
 
-    It touches other shapes at stations, the Gauss points of its elements. Contact laws are per
-    length: at a station that represents the length ``w``, ``N = w p(δ, δ̇)`` with the force of the
-    law ``p``, so that the sum over all stations is ``∫ p ds``.
+    It touches other shapes at stations, the Gauss points of its elements. The contact law is that
+    of the whole beam: a station that represents the fraction ``w`` of its length has the force
+    ``w N(δ, δ̇)``, so that all together have ``∫ N ds/L``, independently of their number. A contact
+    stiffness ``k'`` per length is a stiffness ``k' L``.
 
     Parameters
     ----------
@@ -103,8 +104,8 @@ class BeamLine(Ball):
     >>> rest = da.solve_equilibrium(system.build())
     >>> round(rest["touch.force"].item(), 6)  # its weight
     60.0
-    >>> round(rest["touch.penetration"].item() * 1e6, 6)  # weight per length over k [µm]
-    30.0
+    >>> round(rest["touch.penetration"].item() * 1e6, 6)  # weight over k [µm]
+    60.0
     """
 
     beam: Beam = option("the beam")
@@ -144,6 +145,5 @@ class BeamLine(Ball):
             sections = beam.sections[e * order : (e + 1) * order + 1]
             for shares, weight in zip(values, weights, strict=True):
                 center = Point(Station(beam, sections, shares), (0.0,) * beam.dimension)
-                length = beam.length.sx * float(weight) / beam.elements
-                spots.append(Spot(center, self.radius.sx, length))
+                spots.append(Spot(center, self.radius.sx, float(weight) / beam.elements))
         return spots

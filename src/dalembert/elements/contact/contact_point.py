@@ -26,7 +26,7 @@ class ContactPoint:
     place : position halfway between the two surfaces
     foot : equations that determine it on a curve, or None
     bodies : the first and the second body, or cross-section of a beam, whose materials touch
-    weight : 1, or the length that a station of a line represents [m]
+    weight : 1, or the fraction of the length that a station of a line represents
     """
 
     distance: ca.SX
@@ -34,7 +34,7 @@ class ContactPoint:
     place: ca.SX
     foot: Constraint | None = None
     bodies: tuple[Any, Any] | None = None
-    weight: ca.SX | float = 1.0
+    weight: float = 1.0
 
     def reversed(self) -> ContactPoint:
         """The contact point with the bodies exchanged."""

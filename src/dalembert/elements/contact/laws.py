@@ -28,7 +28,7 @@ class NormalLaw(Component):
         """Energy of the elastic force [J]."""
         raise NotImplementedError
 
-    def depth_storing(self, energy: float | ca.SX) -> ca.SX:
+    def depth_storing(self, energy: float) -> ca.SX:
         """Penetration at a stored energy [m]."""
         raise NotImplementedError
 
@@ -57,7 +57,7 @@ class PowerLaw(NormalLaw):
         power = self.exponent.sx + 1
         return self.stiffness.sx * depth**power / power
 
-    def depth_storing(self, energy: float | ca.SX) -> ca.SX:
+    def depth_storing(self, energy: float) -> ca.SX:
         power = self.exponent.sx + 1
         return (power * energy / self.stiffness.sx) ** (1 / power)
 
@@ -257,7 +257,7 @@ class KelvinVoigt(NormalLaw):
     def stored(self, depth: ca.SX) -> ca.SX:
         return self.stiffness.sx * depth**2 / 2
 
-    def depth_storing(self, energy: float | ca.SX) -> ca.SX:
+    def depth_storing(self, energy: float) -> ca.SX:
         return ca.sqrt(2 * energy / self.stiffness.sx)
 
     def force(self, depth: ca.SX, speed: ca.SX) -> ca.SX:

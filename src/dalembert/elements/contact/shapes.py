@@ -33,12 +33,12 @@ class Spot:
 
     Attributes
     ----------
-    weight : 1, or the length that a station of a line represents [m]
+    weight : 1, or the fraction of the length that a station of a line represents
     """
 
     point: Point
     radius: ca.SX
-    weight: ca.SX | float = 1.0
+    weight: float = 1.0
 
 
 @dataclass(eq=False)
