@@ -171,6 +171,7 @@ SHAPE_TABLES = {
     "Sprocket": 'point = "a", teeth = 9, pitch = 0.1, roller = "0.06*k/k"',
     "Profile": f'body = "a", curve = {{ type = "FormulaCurve", {CURVE_TABLES["FormulaCurve"]} }}',
     "BeamLine": 'beam = "strip", radius = "k/100", stations = 2',
+    "BeamSurface": 'beam = "strip", radius = "k/100"',
 }
 CONTACT_TABLES = {
     "Hertz": 'stiffness = "k"',

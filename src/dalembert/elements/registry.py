@@ -198,6 +198,7 @@ SHAPES = {
         planar.contact.Sprocket,
         planar.contact.Profile,
         planar.contact.BeamLine,
+        planar.contact.BeamSurface,
     ),
     3: named(
         spatial.contact.Vertex,
@@ -208,6 +209,7 @@ SHAPES = {
         spatial.contact.Capsule,
         spatial.contact.Corners,
         spatial.contact.BeamLine,
+        spatial.contact.BeamSurface,
     ),
 }
 """Dimension → contact shapes."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import casadi as ca
-import numpy as np
 
 from dalembert.budget import check_budget, numeral
 from dalembert.elements.base import Scalar, option, quantity
@@ -20,8 +20,16 @@ from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import t
 
 
+def need_beam(value: Any, owner: str) -> None:
+    """Check that an argument is a beam."""
+    if not isinstance(value, Beam):
+        raise ModelError(
+            f"beam must be a beam, e.g. system.add(planar.Beam(...)); got {value!r}", owner
+        )
+
+
 class Station:
-    """A cross-section between the nodes of an element of a beam, which points are fixed in.
+    """A cross-section between nodes of a beam, which points are fixed in.
 
     Its position and velocity are those of the polynomials of the beam, ``r = Σ N_k r_k``; its
     angular velocity is ``Σ N_k ω_k``. Forces at it act on the nodes in these proportions. Its frame
@@ -30,16 +38,16 @@ class Station:
     Parameters
     ----------
     beam : Beam
-    sections : (p + 1,) cross-sections at the nodes of the element
-    values : (p + 1,) of the polynomials at the station
+    sections : cross-sections at the nodes
+    values : values of their polynomials at the station
     """
 
-    def __init__(self, beam: Beam, sections: list[CrossSection], values: np.ndarray):
+    def __init__(self, beam: Beam, sections: list[CrossSection], values: Iterable[ca.SX | float]):
         self.name, self.dimension = beam.name, beam.dimension
-        self.sections, self.values = sections, values
+        self.sections, self.values = sections, list(values)
 
     def parts(self) -> list[Coordinates]:
-        """The bodies that carry the nodes of the element."""
+        """The bodies that carry the nodes."""
         return list(dict.fromkeys(section.body for section in self.sections))
 
     def _between(self, quantities: list[ca.SX]) -> ca.SX:
@@ -51,22 +59,23 @@ class Station:
 
     def locate(self, local: ca.SX) -> ca.SX:
         """Inertial position of a point in its frame."""
-        return self._place + local
+        return self.place + local
 
     def turned(self, local: ca.SX) -> ca.SX:
         """Inertial components of a vector in its frame."""
         return local
 
     @cached_property
-    def _place(self) -> ca.SX:
+    def place(self) -> ca.SX:
+        """Inertial position of its centre."""
         return self._between([section.place for section in self.sections])
 
     def velocity_at(self, place: ca.SX) -> ca.SX:
         """(3,) velocity of the material of the cross-section at an inertial position."""
         beyond = ca.SX.zeros(3 - self.dimension)
-        velocity = rate_of(self._place, self.parts(), t.sx)
+        velocity = self._between([rate_of(s.place, [s.body], t.sx) for s in self.sections])
         spin = self._between([section.body.turning for section in self.sections])
-        arm = place - ca.vertcat(self._place, beyond)
+        arm = place - ca.vertcat(self.place, beyond)
         return ca.vertcat(velocity, beyond) + ca.cross(spin, arm)
 
 
@@ -113,11 +122,7 @@ class BeamLine(Ball):
     stations: int | None = option("number of stations per element", default=None)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.beam, Beam):
-            raise ModelError(
-                f"beam must be a beam, e.g. system.add(planar.Beam(...)); got {self.beam!r}",
-                "BeamLine",
-            )
+        need_beam(self.beam, type(self).__name__)
         if self.stations is None:
             self.stations = self.beam.order
         if type(self.stations) is not int or self.stations < 1:
