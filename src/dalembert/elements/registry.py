@@ -198,6 +198,8 @@ SHAPES = {
         planar.contact.Capsule,
         planar.contact.Sprocket,
         planar.contact.Profile,
+        planar.contact.BeamLine,
+        planar.contact.BeamSurface,
     ),
     3: named(
         spatial.contact.Vertex,
@@ -208,6 +210,8 @@ SHAPES = {
         spatial.contact.Capsule,
         spatial.contact.Corners,
         spatial.contact.Polyhedron,
+        spatial.contact.BeamLine,
+        spatial.contact.BeamSurface,
     ),
 }
 """Dimension → contact shapes."""

@@ -29,6 +29,7 @@ from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
 from dalembert.elements.fem.nodal import Nodal
+from dalembert.elements.flexible.beam import Beam
 from dalembert.elements.flexible.body import Interfaces, Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
@@ -72,7 +73,7 @@ FILE_TYPES: dict[Any, Any] = {
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
         *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *CONNECTABLE),
         *(Frames, Orientation, CountOrTimes, Shape, Shapes, Pairs, NormalLaw, Friction),
-        *(FlexibleStructure, Interfaces, Numbers, Distribution),
+        *(Beam, FlexibleStructure, Interfaces, Numbers, Distribution),
         *(Coordinates, Formulation, Stabilization, Integrator, ContactScheme, ContactSolver),
     )
 } | {

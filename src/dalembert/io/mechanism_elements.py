@@ -14,6 +14,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.beam import Beam
 from dalembert.elements.flexible.body import Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
@@ -147,6 +148,7 @@ class MechanismElements:
             Curve: lambda: self.laws.curve(entry, where),
             ForceLaw: lambda: self.force_law(entry, scope),
             Constraint: lambda: self.references.joint(entry),
+            Beam: lambda: self.references.beam(entry),
             Shape: lambda: self.shape(entry, where),
             Shapes: lambda: self.shapes(entry, where),
             Pairs: lambda: self.pairs(entry, where),

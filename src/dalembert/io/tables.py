@@ -19,6 +19,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.beam import Beam
 from dalembert.elements.flexible.body import Interfaces, Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
@@ -132,7 +133,7 @@ def _connection(connections: list[FileField], dimension: int) -> Any:
 
 VALUES: dict[Any, Any] = {
     **dict.fromkeys((Quantity, ForceLaw, Measured), Entry),
-    **dict.fromkeys((str, Path, Event, StructuralResult, BodyElement, Constraint), Text),
+    **dict.fromkeys((str, Path, Event, StructuralResult, BodyElement, Beam, Constraint), Text),
     float: Number,
     int: Integer,
     bool: Flag,

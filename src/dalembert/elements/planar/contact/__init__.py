@@ -1,5 +1,7 @@
 """Planar contact: shapes, normal force laws, friction and restitution."""
 
+from dalembert.elements.contact.beam_line import BeamLine
+from dalembert.elements.contact.beam_surface import BeamSurface
 from dalembert.elements.contact.friction import Coulomb, LuGre, Stribeck
 from dalembert.elements.contact.laws import (
     Flores,
@@ -19,6 +21,8 @@ from dalembert.elements.planar.contact.shapes import Bore, Circle, HalfPlane
 from dalembert.elements.planar.contact.sprocket import Sprocket
 
 __all__ = [
+    "BeamLine",
+    "BeamSurface",
     "Bore",
     "Capsule",
     "Circle",

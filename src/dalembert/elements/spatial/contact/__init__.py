@@ -1,5 +1,7 @@
 """Spatial contact: shapes, normal force laws, friction and restitution."""
 
+from dalembert.elements.contact.beam_line import BeamLine
+from dalembert.elements.contact.beam_surface import BeamSurface
 from dalembert.elements.contact.friction import Coulomb, LuGre, Stribeck
 from dalembert.elements.contact.laws import (
     Flores,
@@ -17,6 +19,8 @@ from dalembert.elements.spatial.contact.shapes import HalfSpace, Socket, Sphere
 from dalembert.elements.spatial.contact.solids import Box, Capsule, Corners
 
 __all__ = [
+    "BeamLine",
+    "BeamSurface",
     "Box",
     "Capsule",
     "Corners",
