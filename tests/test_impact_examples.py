@@ -1,0 +1,53 @@
+"""Examples of toys and machines with impacts and friction, beside independent calculations."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import compass_walker
+import numpy as np
+import pytest
+from example_runs import motion, numbers
+from scipy.optimize import brentq
+
+
+def test_compass_biped_walks_in_its_gait(pictures: Path) -> None:
+    """Gait, multipliers and optimum beside the return map in two angles by SciPy."""
+    slope, guess = math.radians(3), (0.27, 1.09, 0.38)
+    state, period, length = compass_walker.gait(slope, 0.5, guess)
+    used = compass_walker.start(*state, slope)  # rounded differently in the literature
+    assert used == pytest.approx((-0.2187, 0.3234, 1.0918, 0.3772), abs=1e-3)
+    printed = numbers("compass_biped", pictures)
+    assert printed["period [s]"] == pytest.approx(period, abs=2e-7)
+    assert printed["step [m]"] == pytest.approx(length, abs=2e-7)
+    columns = [
+        (
+            compass_walker.errors(state + change, slope, 0.5)
+            - compass_walker.errors(state - change, slope, 0.5)
+        )
+        / 2e-6
+        for change in 1e-6 * np.eye(3)
+    ]
+    largest = np.abs(np.linalg.eigvals(np.array(columns).T + np.eye(3))).max()
+    assert printed["largest multiplier"] == pytest.approx(largest, abs=1e-6)
+    strikes = [impact.name for impact in motion("compass_biped").impacts]
+    assert strikes == ["right_foot", "left_foot", "right_foot", "left_foot"]
+
+
+def test_compass_biped_needs_the_minimum_slope_for_its_speed(pictures: Path) -> None:
+    """The masses of the legs are as high as they may be, and lower ones need a steeper slope."""
+
+    def needed(low: float) -> float:
+        def faster(slope: float) -> float:
+            _, period, length = compass_walker.gait(slope, low, (0.193, 0.94, 0.296))
+            return length / period - 0.729
+
+        return math.degrees(brentq(faster, math.radians(1.2), math.radians(1.5), xtol=1e-12))
+
+    printed = numbers("compass_biped", pictures)
+    assert printed["optimised height of the masses [m]"] == 0.7
+    assert printed["optimised slope [deg]"] == pytest.approx(needed(0.7), abs=1e-6)
+    assert needed(0.69) > printed["optimised slope [deg]"]
+    assert printed["strikes of the optimised gait"] == 5
+    assert printed["violation"] < 1e-9
