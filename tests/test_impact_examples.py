@@ -6,10 +6,13 @@ import math
 from pathlib import Path
 
 import compass_walker
+import gliding_top
 import numpy as np
 import pytest
-from example_runs import motion, numbers
+from example_runs import model, motion, numbers, script
 from scipy.optimize import brentq
+
+import dalembert as da
 
 
 def test_compass_biped_walks_in_its_gait(pictures: Path) -> None:
@@ -51,3 +54,35 @@ def test_compass_biped_needs_the_minimum_slope_for_its_speed(pictures: Path) -> 
     assert needed(0.69) > printed["optimised slope [deg]"]
     assert printed["strikes of the optimised gait"] == 5
     assert printed["violation"] < 1e-9
+
+
+def test_tippe_top_turns_over(pictures: Path) -> None:
+    """Final states by Jellett's constant, which the depth of contact, 1/1000 radius, changes."""
+    printed = numbers("tippe_top", pictures)
+    assert printed["tilt at the end [deg]"] > 179.5
+    assert printed["change of Jellett's constant [share]"] < 1e-3
+    spin = 155 * (math.cos(0.1) - 0.3) / 1.3
+    assert printed["spin by Jellett's constant [rad/s]"] == pytest.approx(spin, rel=1e-9)
+    assert printed["spin at the end [rad/s]"] == pytest.approx(spin, rel=1e-3)
+    kinetic = gliding_top.AXIAL * (155**2 - spin**2) / 2
+    rise = gliding_top.M * gliding_top.G * gliding_top.R * 0.3 * (1 + math.cos(0.1))
+    assert printed["dissipated energy [mJ]"] == pytest.approx(1e3 * (kinetic - rise), rel=1e-3)
+    assert printed["the same for the slow top"] < 1 < printed["Jellett's constant over threshold"]
+    slow, lowest = (printed[f"its tilt {at} [deg]"] for at in ("at the end", "of minimum energy"))
+    assert slow == pytest.approx(lowest, abs=0.1)
+
+
+def test_tippe_top_beside_equations_of_a_rigid_table() -> None:
+    """The difference of the tilts is proportional to the depth of contact."""
+    soft, top = motion("tippe_top"), script("tippe_top")
+    exact = gliding_top.tilts(155, 0.1, soft.time)
+    stiff = da.solve_dynamics(
+        model("tippe_top"),
+        soft.time[-1],
+        outputs=soft.time,
+        integrator=da.DormandPrince853(1e-7, 1e-9),
+        parameters={"stiffness": 4e4},
+    )
+    off, less = (np.degrees(np.abs(top.tilt(run) - exact).max()) for run in (soft, stiff))
+    assert off < 1.3
+    assert less < 0.28 * off
