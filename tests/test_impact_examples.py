@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 import compass_walker
+import feeder_twin
 import gliding_top
 import numpy as np
 import pytest
@@ -86,3 +87,26 @@ def test_tippe_top_beside_equations_of_a_rigid_table() -> None:
     off, less = (np.degrees(np.abs(top.tilt(run) - exact).max()) for run in (soft, stiff))
     assert off < 1.3
     assert less < 0.28 * off
+
+
+def test_vibratory_feeder_transports_at_the_speed_of_its_twin(pictures: Path) -> None:
+    """Way and optimum line of vibration beside phases of stick, slip and flight by SciPy."""
+    printed, time = numbers("vibratory_feeder", pictures), 0.4
+    way, landings = feeder_twin.way(math.radians(30), time)
+    assert printed["speed [mm/s]"] == pytest.approx(1e3 * way / time, abs=1e-6)
+    assert printed["landings"] == landings == 10
+    line = feeder_twin.fastest((math.radians(48), math.radians(52)), time)
+    assert printed["optimised line [deg]"] == pytest.approx(math.degrees(line), abs=0.01)
+    best, _ = feeder_twin.way(line, time)
+    assert printed["optimised speed [mm/s]"] == pytest.approx(1e3 * best / time, abs=1e-5)
+
+
+@pytest.mark.parametrize("degrees", [15, 25, 45, 50])
+def test_gradient_of_the_way_through_stick_slip_and_hops(degrees: float) -> None:
+    """Exact beside central differences of the twin; without hops at 15°."""
+    line, h = math.radians(degrees), 1e-5
+    feeder, turned = script("vibratory_feeder"), {"line": line}
+    run = feeder.RUN.run(model("vibratory_feeder"), parameters=turned)
+    slope = da.sensitivity(run, da.final(feeder.WAY), wrt=["line"]).item()
+    ways = [feeder_twin.way(line + step, feeder.TIME)[0] for step in (h, -h)]
+    assert -slope == pytest.approx((ways[0] - ways[1]) / (2 * h), abs=1e-8)
