@@ -11,6 +11,7 @@ import gliding_top
 import numpy as np
 import pytest
 from example_runs import model, motion, numbers, script
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import dalembert as da
@@ -110,3 +111,31 @@ def test_gradient_of_the_way_through_stick_slip_and_hops(degrees: float) -> None
     slope = da.sensitivity(run, da.final(feeder.WAY), wrt=["line"]).item()
     ways = [feeder_twin.way(line + step, feeder.TIME)[0] for step in (h, -h)]
     assert -slope == pytest.approx((ways[0] - ways[1]) / (2 * h), abs=1e-8)
+
+
+def lag_of_a_gripped_disc(grip: float) -> float:
+    """Of a point that jaws lift by creeping friction from an elastic floor [m]."""
+    mass, gravity, rise, height, floor = 1.0, 9.81, 0.6, 0.2, 1e6
+
+    def rates(time: float, state: np.ndarray) -> list[float]:
+        up = height / rise * (1 - math.cos(2 * math.pi * time / rise)) if time < rise else 0.0
+        pull = 2 * 0.3 * grip * math.tanh(4 * (up - state[1]) / 1e-3)
+        bearing = max(-floor * state[0] - 200 * state[1], 0.0) if state[0] < 0 else 0.0
+        return [state[1], (pull + bearing) / mass - gravity]
+
+    sunk = mass * gravity / floor
+    run = solve_ivp(rates, (0, 0.8), (-sunk, 0.0), method="LSODA", rtol=1e-10, atol=1e-13)
+    return height - (run.y[0, -1] + sunk)
+
+
+def test_friction_gripper_lifts_what_its_force_permits(pictures: Path) -> None:
+    """The disc lags as a creeping point does, and stays down where ``2 μ N < m g``."""
+    printed = numbers("friction_gripper", pictures)
+    assert printed["lag at 30 N [mm]"] == pytest.approx(1e3 * lag_of_a_gripped_disc(30), abs=2e-5)
+    least = printed["smallest force [N]"]
+    assert lag_of_a_gripped_disc(least) == pytest.approx(3e-4, abs=2e-8)
+    assert least == pytest.approx((9.81 + 0.2 * 2 * math.pi / 0.6**2) / 0.6, rel=0.01)
+    assert printed["height at 15 N [mm]"] < 0.02
+    assert printed["floor bears during the lift at 15 N [N]"] == pytest.approx(
+        9.81 - 2 * 0.3 * 15, abs=0.01
+    )
