@@ -157,6 +157,22 @@ def test_other_analyses_are_modules_too(analysis, measure, rel, tmp_path, node):
     assert answer["gradients"][0]["length"] == pytest.approx(slope, rel=1e-7)
 
 
+def test_modes_are_exported_with_frequencies_and_damping_ratios(tmp_path, node, capsys):
+    ride = EXAMPLES / "teaching" / "ride.toml"
+    assert main(["export", str(ride), "--to", "js", "-o", str(tmp_path), "--json"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["measures"] == ["frequency", "damping_ratio"]
+    answer = node(tmp_path / "ride.js", {"damper": 2500.0}, ["bounce"])
+    model = da.load_model(ride).build()
+    modes = da.linearize(model, parameters={"damper": 2500.0})
+    for name, values in answer["outputs"].items():
+        assert values == pytest.approx(modes.values(name), rel=1e-9), name
+    slopes = da.sensitivity(modes, da.at(1, "frequency"))
+    assert answer["gradients"][0]["damper"] == pytest.approx(
+        slopes.sel(parameter="damper").item(), rel=1e-7
+    )
+
+
 def test_a_module_describes_itself(tmp_path, node):
     module = four_bar().module(da.Dynamics(duration=0.1, step=0.01), ["crank.angle"])
     assert module.code.startswith(b"\0asm") and "step" in module.functions

@@ -100,6 +100,29 @@ def test_structures_are_live_with_the_responses_of_their_file(tmp_path):
     assert not is_live(run(model, "--no-live"))
 
 
+def test_modes_of_a_file_are_live_with_its_responses_or_their_frequencies(tmp_path):
+    model = Path(shutil.copy(EXAMPLE.parent / "teaching" / "ride.toml", tmp_path))
+    page = run(model).replace("\\", "")
+    assert is_live(page) and '"label": "damping of bounce"' in page
+    assert not is_live(run(model, "--no-live"))
+    assert main(["report", str(model.with_suffix(".nc"))]) == 0
+    stored = model.with_suffix(".report.html").read_text(encoding="utf-8")
+    assert not is_live(stored) and '"states":{"kind":"mode"' in stored
+    text = model.read_text(encoding="utf-8")
+    before, _, after = text.partition("[responses]")
+    model.write_text(before + "[report]" + after.partition("[report]")[2], encoding="utf-8")
+    page = run(model).replace("\\", "")
+    assert all(f'"label": "frequency of mode {k}"' in page for k in (1, 2, 3, 4))
+
+
+def test_responses_of_motions_are_left_out_of_pages_of_modes(model):
+    text = model.read_text(encoding="utf-8")
+    model.write_text(text.replace('angle = "pi/2"', 'angle = "-pi/2"'), encoding="utf-8")
+    page = run(model, "--analysis", "Modal").replace("\\", "")
+    assert is_live(page) and '"label": "frequency of mode 1"' in page
+    assert '"reason":' not in page
+
+
 def test_wrong_values_are_refused_with_their_place(model, capsys):
     assert main(["run", str(with_live(model, '"yes"'))]) == 2
     error = capsys.readouterr().err

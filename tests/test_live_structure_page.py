@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import Visit, visit
+from live_pages import SLOPE, SLOPES, VALUES, change, close, settle
 
 import dalembert as da
-
-VALUES, SLOPES = 1e-9, 1e-8
-"""Tolerances, relative to the largest value of a quantity and the largest slope."""
 
 
 def truss() -> Any:
@@ -56,28 +54,6 @@ def portal() -> Any:
     return structure.build()
 
 
-def settle(page: Visit) -> None:
-    """Wait until the present design is computed and drawn."""
-    page.frames()
-    waiting = "dalembert.solver?.running === null && dalembert.solver.waiting === null"
-    page.until(f"document.documentElement.dataset.live !== undefined && {waiting}")
-    page.frames()
-
-
-def change(page: Visit, values: dict[int, float]) -> None:
-    page.js("dalembert.design.begin()")
-    for k, value in values.items():
-        page.js(f"dalembert.design.set({k}, {value})")
-    settle(page)
-
-
-def close(found: Any, expected: Any, tolerance: float) -> None:
-    found, expected = np.array(found, float), np.array(expected, float)
-    size = np.nanmax(np.abs(expected)) or 1.0
-    share = np.abs(found - expected.reshape(found.shape)) / size
-    assert np.nanmax(share) <= tolerance, (found, expected)
-
-
 def compare(page: Visit, result: Any) -> None:
     """Drawing, fields and reactions of the page and of a result."""
     expected = result.page()
@@ -101,13 +77,6 @@ def compare(page: Visit, result: Any) -> None:
     assert len(reactions) == len(expected["reactions"])
     if reactions:
         close(reactions, [row["values"] for row in expected["reactions"]], VALUES)
-
-
-SLOPE = """(async () => {{
-    const {{ solver, table, design }} = dalembert, {{ responses }} = table;
-    const request = {{ parameters: design.values, responses, gradients: [{0}] }};
-    return Array.from((await solver.request(request, true)).slopes[{0}]);
-}})()"""
 
 
 def test_a_truss_follows_its_sliders(browser: Any, tmp_path: Path) -> None:
@@ -168,6 +137,31 @@ def test_modes_of_a_frame_follow_their_sliders(browser: Any, tmp_path: Path) -> 
         assert page.page.input_value("#case") == "1"
         assert page.js("dalembert.motion.mesh.scales.length") == 3
         assert (page.requests, page.console) == ([], [])
+
+
+def test_responses_of_structures_are_added(browser: Any, tmp_path: Path) -> None:
+    model, analysis = truss(), da.Statics()
+    path = analysis.run(model).report(tmp_path / "truss.html", responses=[da.total("compliance")])
+    added = {
+        ("side", "b0.uy"): ("b0.uy, side [m]", da.at(1, "b0.uy")),
+        ("maximum", "bar3.stress"): ("maximum of bar3.stress [Pa]", da.maximum("bar3.stress")),
+    }
+    with visit(browser, path) as page:
+        settle(page)
+        change(page, {0: 1.5})
+        other = analysis.run(model, {"height": 1.5})
+        for k, ((state, quantity), (label, response)) in enumerate(added.items(), 1):
+            page.page.click("#add-response > summary")
+            page.page.select_option("#add-response [aria-label='Load case']", label=state)
+            page.page.select_option("#add-response .measure", label=quantity)
+            page.page.click("#add-response-now")
+            settle(page)
+            assert page.page.locator(".responses tbody tr").last.inner_text().startswith(label)
+            value = page.js("dalembert.table.values.at(-1)")
+            assert value == pytest.approx(da.evaluate(other, response), rel=VALUES)
+            slopes = da.sensitivity(other, response, method="adjoint").values
+            close(page.js(SLOPE.format(k)), slopes, SLOPES)
+        assert page.console == []
 
 
 def test_a_statically_unstable_design_keeps_the_picture(browser: Any, tmp_path: Path) -> None:

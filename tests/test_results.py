@@ -140,17 +140,15 @@ def test_verbs_tell_the_nearest_option(name):
 
 
 def test_modes_are_written_as_other_results_are(tmp_path):
-    """Also the optimum of frequencies, which has no page."""
     system = da.System("swing", gravity=(0.0, -9.81))
     bob = system.add(planar.Bar("bob", length=1.0, mass=2.0, angle=-1.5))
     system.add(planar.Revolute("O", system.ground.point(0, 0), bob.start))
     modes = da.linearize(system.build())
     files = modes.write(tmp_path / "swing", report=True, csv=True)
-    assert [f.name for f in files] == ["swing.nc", "swing.csv"] and all(f.exists() for f in files)
+    assert [f.name for f in files] == ["swing.nc", "swing.csv", "swing.report.html"]
+    assert all(f.exists() for f in files)
     computed = da.load_results(files[0])["frequency"].values
     assert computed == pytest.approx(modes.frequencies)
-    with pytest.raises(da.UnsupportedError, match="no report of MechanismModes"):
-        modes.report(tmp_path / "swing.html")
 
 
 def test_a_state_brings_its_own_parameters():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -89,6 +90,27 @@ class Pairs:
             share = np.abs(outcome.gradients[0] - slope).max() / np.abs(slope).max()
             assert share <= GRADIENTS, (label, outcome.gradients[0], slope)
             assert outcome.status["message"] == other.status.message
+
+
+def test_a_parameter_has_the_name_of_a_measure(tmp_path: Path) -> None:
+    """The mass of the structure is listed beside the parameter."""
+    structure = da.Structure("rod")
+    mass = structure.parameter("mass", 3.0, "kg", bounds=(1.0, 5.0))
+    base, top = structure.node("base", 0.0, 0.0), structure.node("top", 0.0, 2.0)
+    bar = {"area": 1e-4, "modulus": 2e11, "density": 5000.0}
+    structure.add(da.structures.Truss("bar", base, top, **bar))
+    structure.add(da.structures.PointMass("block", top, mass=mass))
+    structure.support(base)
+    structure.support(top, ux=0.0)
+    structure.gravity(0, -10.0)
+    result = da.solve_statics(structure.build())
+    page = result.live_page(result.page(), True)["live"]
+    module = Modules(tmp_path)
+    module.add("rod", page, np.array([4.0]))
+    outcomes, _ = module.run()
+    (response,) = [r for r in json.loads(page["exact"])["responses"] if r["label"] == "mass"]
+    row = outcomes["rod"].table[response["terms"][0]["row"]]
+    assert row == pytest.approx([4.0 + 5000.0 * 1e-4 * 2.0], rel=1e-14)
 
 
 @pytest.mark.parametrize("names", GROUPS)

@@ -55,7 +55,7 @@ def export(
         Folder for the files; the current folder by default.
     measure
         Output over time, name or formula; by default the plots and traced points of the file, else
-        the coordinates of all bodies. Repeatable.
+        the coordinates of all bodies; of modes the frequencies and damping ratios. Repeatable.
     response
         Name of a response of the file; all by default. Repeatable.
     analysis
@@ -73,10 +73,11 @@ def export(
         task = make_analysis(file, built, analysis)
         responses = make_responses(file, built)
         chosen = list(responses.values()) if response is None else _named(responses, response)
-        measures = measure or _shown(file, built)
     folder = output_folder(output)
     with file.located("analysis"):
         result = task.run(built, progress=not as_json and sys.stderr.isatty())
+    with wrong_input():
+        measures = measure or _shown(file, built, result)
     module = build_module(result, measures, chosen)
     files = write_export(to, module.data(), folder, file.path.stem)
     size = len(module.code)
@@ -98,11 +99,14 @@ def _named(responses: dict[str, Response], names: list[str]) -> list[Response]:
     return [responses[name] for name in names]
 
 
-def _shown(file: ModelFile, model: Any) -> list[str]:
-    """Measures of the report of the file, else the coordinates of all bodies."""
+def _shown(file: ModelFile, model: Any, result: Any) -> list[str]:
+    """Measures of modes, or of the report of the file, else the coordinates of all bodies."""
     from dalembert.io.report import report_choices
+    from dalembert.results.modes import Numbered
     from dalembert.results.pictures.scene import is_spatial
 
+    if isinstance(result, Numbered):
+        return list(result.exported)
     choices = report_choices(file, model)
     names = [name for group in choices.get("plots") or () for name in group]
     points = list(choices.get("trace") or ())

@@ -123,14 +123,15 @@ def run(
             result = task.run(built, progress=show)
         defer_ctrl_c()
         with timing.part("results"):
-            page = result.page(**choices) if result.has_page else None
-            if page is not None and (texts := file.document.report.notes):
+            page = result.page(**choices)
+            if texts := file.document.report.notes:
                 page["views"] = [notes("Notes", texts) | {"place": "board"}, *page.get("views", ())]
             files = result.write_data(base, csv, page, choices.get("units", ()))
-        if report and page is not None:
+        if report:
             with timing.part("report"):
                 choice = file.document.report.live if live is None else live
-                responses, units = live_responses(file, built, page), choices.get("units", ())
+                responses = live_responses(file, built, page, result)
+                units = choices.get("units", ())
                 page = result.live_page(page, choice, responses, units=units)
                 files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
         interrupted_late = signals.pressed and result.status.outcome is not Outcome.INTERRUPTED

@@ -13,11 +13,17 @@ from dalembert.io.model_file import ModelFile
 from dalembert.results.files.live_responses import PageResponse, computable
 from dalembert.results.files.tables import checked_units
 from dalembert.results.labelled import DATA_ONLY
+from dalembert.results.result import Result
 from dalembert.text.wording import unknown
 
 
-def live_responses(file: ModelFile, model: Any, page: dict[str, Any]) -> list[PageResponse]:
-    """Responses of the file that its page computes; none if one is invalid, as its tasks report."""
+def live_responses(
+    file: ModelFile, model: Any, page: dict[str, Any], result: Result
+) -> list[PageResponse]:
+    """Responses of the file that its page computes; none if one is invalid, as its tasks report.
+
+    Responses with measures of results of other analyses are left out.
+    """
     times = np.array(page.get("time", page.get("states", {}).get("numbers", ())))
     if not times.size:
         return []
@@ -25,7 +31,8 @@ def live_responses(file: ModelFile, model: Any, page: dict[str, Any]) -> list[Pa
         responses = make_responses(file, model).values()
     except DalembertError:
         return []
-    return computable(responses, times)
+    own = (r for r in responses if all(term.measure in result for _, term in r.terms))
+    return computable(own, times)
 
 
 def report_choices(file: ModelFile, model: Any) -> dict[str, Any]:

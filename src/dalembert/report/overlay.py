@@ -30,6 +30,8 @@ def overlay(first: dict[str, Any], second: dict[str, Any], name: str) -> dict[st
         raise FileError(f"only runs of the same kind can be compared, not {' and '.join(kinds)}")
     if kinds[0] == "structure":
         return _structures(first, second, name)
+    if "states" in first or "states" in second:
+        return _modes(first, second, name)
     time, other_time = (np.asarray(page["time"], dtype=float) for page in (first, second))
     if time.size == 0 or other_time.size == 0:
         raise FileError("one of the runs has no outputs to compare")
@@ -52,6 +54,14 @@ def overlay(first: dict[str, Any], second: dict[str, Any], name: str) -> dict[st
     ]
     scene = first["scene"] | {"ghosts": [*first["scene"].get("ghosts", []), *ghosts]}
     return first | {"series": series, "scene": scene, "other": name}
+
+
+def _modes(first: dict[str, Any], second: dict[str, Any], name: str) -> dict[str, Any]:
+    """Overlay a mechanism in its modes, which are compared by their numbers."""
+    if not ("states" in first and "states" in second):
+        raise FileError("modes are compared with modes, not with a motion")
+    ghosts = [*first["scene"].get("ghosts", []), *second["scene"]["bodies"]]
+    return first | {"scene": first["scene"] | {"ghosts": ghosts}, "other": name}
 
 
 def _structures(first: dict[str, Any], second: dict[str, Any], name: str) -> dict[str, Any]:

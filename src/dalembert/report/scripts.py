@@ -14,11 +14,15 @@ from typing import Any
 PAGES = {
     "mechanism": "planar_mechanism.js",
     "spatial mechanism": "spatial_mechanism.js",
+    "modes": "planar_modes.js",
+    "spatial modes": "spatial_modes.js",
     "structure": "planar_structure.js",
     "spatial structure": "spatial_structure.js",
     "decision": "decision.js",
     "live mechanism": "live_planar.js",
     "live spatial mechanism": "live_spatial.js",
+    "live modes": "live_planar_modes.js",
+    "live spatial modes": "live_spatial_modes.js",
     "live structure": "live_planar_structure.js",
     "live spatial structure": "live_spatial_structure.js",
 }
@@ -51,8 +55,9 @@ def page_kind(payload: dict[str, Any]) -> str:
     """Kind of the page of a payload; that of a spatial scene has three dimensions."""
     kind = payload.get("kind", "mechanism")
     live = "live " if "code" in payload.get("live", {}) else ""
-    if kind == "spatial":
-        return f"{live}spatial mechanism"
+    if kind in ("mechanism", "spatial"):
+        part = "modes" if "states" in payload else "mechanism"
+        return f"{live}spatial {part}" if kind == "spatial" else f"{live}{part}"
     spatial = kind == "structure" and payload["scene"].get("dimension") == 3
     return f"{live}spatial {kind}" if spatial else f"{live}{kind}"
 

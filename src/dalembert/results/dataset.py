@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from dalembert.model.graph.model import Model
 from dalembert.results.files.contents import COMPONENTS, Contents
 from dalembert.results.recording import Recording
-from dalembert.results.variables import variables
+from dalembert.results.variables import Variable, variables
 
 
 def motion_contents(motion: Recording) -> Contents:
     """Evaluate all variables along the motion."""
-    layout, s = variables(motion.model), motion.trajectory
+    data, coords = labelled_variables(motion, variables(motion.model))
+    _add_states(data, coords, motion)
+    _add_energies(data, motion)
+    _add_events(data, coords, motion)
+    if motion.impacts:
+        _add_impacts(data, coords, motion)
+    return Contents.from_arrays(data, coords, _attributes(motion))
+
+
+def labelled_variables(motion: Recording, layout: Sequence[Variable]) -> tuple[dict, dict]:
+    """Variables along the motion, and their coordinates, as arguments of ``Contents``."""
+    s = motion.trajectory
     table = motion.table([column for variable in layout for column in variable.columns])
     data: dict = {}
     coords: dict = {
@@ -35,12 +48,7 @@ def motion_contents(motion: Recording) -> Contents:
             data[variable.name] = (("time", variable.dimension, dimension), shaped, attributes)
         else:
             data[variable.name] = (("time", variable.dimension), shaped[:, :, 0], attributes)
-    _add_states(data, coords, motion)
-    _add_energies(data, motion)
-    _add_events(data, coords, motion)
-    if motion.impacts:
-        _add_impacts(data, coords, motion)
-    return Contents.from_arrays(data, coords, _attributes(motion))
+    return data, coords
 
 
 def _add_states(data: dict, coords: dict, motion: Recording) -> None:

@@ -20,7 +20,7 @@ import numpy as np
 if TYPE_CHECKING:
     from dalembert.model.value_limits import ValueLimit
     from dalembert.symbolic.formulas.expression import Expression
-    from dalembert.symbolic.native.webassembly import WebModule
+    from dalembert.symbolic.native.webassembly import WebModule, WebSource
 
 
 class PageResponse(Protocol):
@@ -93,11 +93,16 @@ class LiveFunctions:
         return LiveFunctions({**self.functions, **functions}, {**self.data, **data})
 
     @cached_property
+    def source(self) -> WebSource:
+        """C text of the functions."""
+        from dalembert.symbolic.native.webassembly import WebSource
+
+        return WebSource.of(self.functions)
+
+    @cached_property
     def module(self) -> WebModule:
         """The compiled functions."""
-        from dalembert.symbolic.native.webassembly import web_module
-
-        return web_module(self.functions)
+        return self.source.module()
 
     def page_data(self, **more: Any) -> dict[str, Any]:
         """Module, constants and more data of the script as plain data."""

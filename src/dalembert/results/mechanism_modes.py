@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
@@ -14,6 +17,9 @@ from dalembert.results.modes import Modes
 from dalembert.symbolic.formulas.expression import Expression, free_symbols
 from dalembert.symbolic.formulas.parser import Names
 from dalembert.text.wording import counted, listed
+
+if TYPE_CHECKING:
+    from dalembert.results.live import PageResponse
 
 REAL, IMAG = ca.SX.sym("eigenvalue_real"), ca.SX.sym("eigenvalue_imag")
 MAGNITUDE = ca.sqrt(REAL**2 + IMAG**2)
@@ -42,8 +48,8 @@ class MechanismModes(Modes):
     """
 
     model: Model
-    has_page = False
     named = MEASURES
+    exported = ("frequency", "damping_ratio")
 
     @property
     def matrix(self) -> np.ndarray:
@@ -60,7 +66,7 @@ class MechanismModes(Modes):
             It depends on a quantity that a mode does not have; ``ExpressionError`` if a text
             names it.
         """
-        symbols = MEASURES | model.parameters | model.derived_parameters
+        symbols = model.parameters | model.derived_parameters | MEASURES
         expression = Names(symbols.get, lambda: list(symbols)).expression(measure)
         foreign = free_symbols(expression.sx) - {REAL.name(), IMAG.name(), *model.parameters}
         if foreign:
@@ -87,6 +93,51 @@ class MechanismModes(Modes):
         if not s.size:
             return np.zeros((function.size1_out(0), 0))
         return function.map(s.size)(s.real, s.imag, np.tile(p[:, None], s.size)).full()
+
+    # output --------------------------------------------------------------------------------
+    def report(  # type: ignore[override]
+        self,
+        path: str | Path,
+        units: Sequence[str] = (),
+        views: Sequence[Mapping[str, Any]] = (),
+        live: bool | None = None,
+        responses: Sequence[PageResponse] = (),
+    ) -> Path:
+        """Write the interactive report, one self-contained HTML file.
+
+        The mechanism moves in the selected mode; a table and the complex plane contain all
+        eigenvalues. In a live page every parameter is a slider, and the page linearises the
+        mechanism again while it moves.
+
+        Parameters
+        ----------
+        units : units of the page, such as ``["mm", "kHz"]``; each applies to its dimension
+        views : further cards, from functions of ``dalembert.report.views``
+        live : whether the page is live; by default if the model has parameters with bounds and the
+            compiled functions have at most 300 kB. A page that is not live states the reason
+        responses : responses that a live page lists with their slopes, such as
+            ``[da.at(1, "damping_ratio")]``; by default the frequencies
+
+        Raises
+        ------
+        UnsupportedError
+            A page does not compute one of the responses.
+        """
+        from dalembert.report.page import write_page
+
+        page = self.page(units, views)
+        return write_page(self.live_page(page, live, responses, units=units), path)
+
+    def page(
+        self,
+        units: Sequence[str] = (),
+        views: Sequence[Mapping[str, Any]] = (),
+        **initial_view: Any,
+    ) -> dict[str, Any]:
+        """Payload of the report; ``initial_view`` (plots, traces) applies to motions only."""
+        from dalembert.results.files.modes_payload import modes_payload
+
+        return modes_payload(self, units) | {"views": list(views)}
 
     @cached_property
     def contents(self) -> Contents:

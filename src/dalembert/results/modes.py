@@ -20,6 +20,11 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from dalembert.results.files.live_responses import FirstResponse
+
+MOST_RESPONSES = 6
+"""Upper limit of the responses that a live page lists by default."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Numbered(Result):
@@ -60,6 +65,8 @@ class Numbered(Result):
     """Reported measures of the eigenvalue alone."""
     main: ClassVar[str] = "frequency"
     """Main measure in texts."""
+    exported: ClassVar[tuple[str, ...]] = ("frequency",)
+    """Measures of exported modules by default."""
 
     @property
     def time(self) -> np.ndarray:
@@ -142,6 +149,21 @@ class Numbered(Result):
                 for k, label in enumerate(self.state_names)
             ],
         }
+
+    def first_responses(self) -> list[FirstResponse]:
+        """The main measure of each mode."""
+        from dalembert.results.files.live_responses import FirstResponse
+
+        main = self.expression(self.main)
+        return [
+            FirstResponse(
+                f"{main.name} of mode {number}",
+                main.unit,
+                main.sx,
+                {"kind": "at", "instant": k},
+            )
+            for k, number in enumerate(self.numbers[:MOST_RESPONSES])
+        ]
 
     def __getitem__(self, measure: str | Expression) -> xr.DataArray:
         """A measure by name, or a formula of measures, as a labelled array over the modes."""

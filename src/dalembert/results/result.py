@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
 
 import numpy as np
 
-from dalembert.errors import AnalysisError, ExpressionError, UnsupportedError
+from dalembert.errors import AnalysisError, ExpressionError
 from dalembert.results.files.contents import Contents
 from dalembert.results.status import Status
 from dalembert.symbolic.formulas.expression import Expression
@@ -70,7 +70,6 @@ class Result(CacheOwner, Protocol):
     impacts : jumps of the speeds at rigid contacts
     continuous : whether states exist between the instants; if not, integrals are sums
     in_sequence : whether the states are consecutive; load cases and modes are not
-    has_page : whether it has a report
     """
 
     model: Any
@@ -84,7 +83,6 @@ class Result(CacheOwner, Protocol):
     impacts: Sequence[Any] = ()
     continuous: ClassVar[bool] = True
     in_sequence: ClassVar[bool] = True
-    has_page: ClassVar[bool] = True
 
     if TYPE_CHECKING:  # a property or a field of the results
 
@@ -166,8 +164,8 @@ class Result(CacheOwner, Protocol):
         ...
 
     def page(self) -> dict[str, Any]:
-        """Payload of the report as plain data, if ``has_page``."""
-        raise UnsupportedError(f"there is no report of {type(self).__name__}; save or draw it")
+        """Payload of the report as plain data."""
+        ...
 
     def live_page(
         self,
@@ -197,14 +195,14 @@ class Result(CacheOwner, Protocol):
 
     def save(self, path: str | Path, **first_view: Any) -> Path:
         """Write all results and the page to a NetCDF file; ``load_results`` reads it back."""
-        return self._save(path, self.page(**first_view) if self.has_page else None)
+        return self._save(path, self.page(**first_view))
 
-    def _save(self, path: str | Path, page: dict[str, Any] | None) -> Path:
+    def _save(self, path: str | Path, page: dict[str, Any]) -> Path:
         from dalembert.report.packing import pack
         from dalembert.report.page import as_json
         from dalembert.results.files.store import save_dataset
 
-        page_variable = {} if page is None else {"report": ((), as_json(pack(page)))}
+        page_variable = {"report": ((), as_json(pack(page)))}
         return save_dataset(self.contents.plus(page_variable), path)
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -238,7 +236,7 @@ class Result(CacheOwner, Protocol):
         responses: Sequence[PageResponse] = (),
         **first_view: Any,
     ) -> Path:
-        """Write the interactive report, one self-contained HTML file, if ``has_page``.
+        """Write the interactive report, one self-contained HTML file.
 
         ``live`` and ``responses`` as in ``live_page``.
         """
@@ -248,7 +246,7 @@ class Result(CacheOwner, Protocol):
         return write_page(self.live_page(page, live, responses, units=units), path)
 
     def show(self, height: int = 680, **first_view: Any) -> InlinePage:
-        """Report in a notebook, with player and plots, if ``has_page``."""
+        """Report in a notebook, with player and plots."""
         from dalembert.report.page import InlinePage
 
         return InlinePage(self.page(**first_view), height)
@@ -259,22 +257,21 @@ class Result(CacheOwner, Protocol):
         rows += [(name.replace("_", " "), value) for name, value in self.statistics.items()]
         name = getattr(self.model, "name", "")
         warnings = messages(("warning", text) for text in self.warnings)
-        hint = "show() draws it here" if self.has_page else ""
         kind = type(self).__name__
-        return card(f"{kind} of {name}", hint, warnings, table(rows))
+        return card(f"{kind} of {name}", "show() draws it here", warnings, table(rows))
 
     def write(self, base: Path, report: bool, csv: bool, **first_view: Any) -> list[Path]:
         """Write results (.nc) and, if requested, a table (.csv) and a report (.report.html)."""
         from dalembert.report.page import write_page
 
-        page = self.page(**first_view) if self.has_page else None
+        page = self.page(**first_view)
         files = self.write_data(base, csv, page, first_view.get("units", ()))
-        if report and page is not None:
+        if report:
             files.append(write_page(page, base.with_name(f"{base.name}.report.html")))
         return files
 
     def write_data(
-        self, base: Path, csv: bool, page: dict[str, Any] | None, units: Sequence[str] = ()
+        self, base: Path, csv: bool, page: dict[str, Any], units: Sequence[str] = ()
     ) -> list[Path]:
         """Write results with their page (.nc) and, if requested, a table (.csv)."""
         files = [self._save(base.with_name(f"{base.name}.nc"), page)]

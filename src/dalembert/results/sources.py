@@ -64,6 +64,25 @@ class States(list[Any]):
         return list, (list(self),)
 
 
+class Blocks(list[float]):
+    """Values of several formulas over the states, one after the other; copies of it are plain.
+
+    Parameters
+    ----------
+    values : (K m,)
+    sx : (m,) formulas; values of a constant one remain
+    """
+
+    __slots__ = ("sx",)
+
+    def __init__(self, values: Iterable[float], sx: ca.SX):
+        super().__init__(values)
+        self.sx = sx
+
+    def __reduce__(self) -> tuple[type, tuple[list[float]]]:
+        return list, (list(self),)
+
+
 @dataclass(frozen=True, eq=False)
 class Row:
     """Scalar over time.
@@ -159,18 +178,20 @@ class Sources:
     columns : places and formulas of time, coordinates, speeds, accelerations, multipliers and
         parameters, or rows with work since the start
     states : places and (n,) formulas of columns of states
+    blocks : places and (m,) formulas of values one after the other
     initial : names of bodies and elements whose picture remains that of the initial parameters
     """
 
     numbers: list[tuple[Place, ca.SX]]
     columns: list[tuple[Place, Source]]
     states: list[tuple[Place, ca.SX]]
+    blocks: list[tuple[Place, ca.SX]]
     initial: list[str]
 
 
 def payload_sources(payload: dict[str, Any]) -> Sources:
     """Formulas of all numbers and columns of a payload that have one."""
-    sources = Sources([], [], [], [])
+    sources = Sources([], [], [], [], [])
     for place, value in _tagged(payload, ()):
         if isinstance(value, Number):
             sources.numbers.append((place, value.sx))
@@ -178,6 +199,8 @@ def payload_sources(payload: dict[str, Any]) -> Sources:
             sources.columns.append((place, value.sx))
         elif isinstance(value, States):
             sources.states.append((place, value.sx))
+        elif isinstance(value, Blocks):
+            sources.blocks.append((place, value.sx))
         elif isinstance(value, Series) and value.source is not None:
             sources.columns.append(((*place, "values"), value.source))
         elif isinstance(value, InitialPicture) and value.owner not in sources.initial:
@@ -187,12 +210,12 @@ def payload_sources(payload: dict[str, Any]) -> Sources:
 
 def _tagged(value: Any, place: Place) -> Iterator[tuple[Place, Any]]:
     """Tagged values with their places, in the order of the payload."""
-    if isinstance(value, Number | Column | States | Series | InitialPicture):
+    if isinstance(value, Number | Column | States | Blocks | Series | InitialPicture):
         yield place, value
     if isinstance(value, dict):
         for key, item in value.items():
             yield from _tagged(item, (*place, key))
-    elif isinstance(value, list) and not isinstance(value, Column | States):
+    elif isinstance(value, list) and not isinstance(value, Column | States | Blocks):
         for index, item in enumerate(value):
             if isinstance(item, Number | dict | list):
                 yield from _tagged(item, (*place, index))

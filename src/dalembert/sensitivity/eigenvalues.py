@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.modes.linearization_kernel import Linearized
+from dalembert.analysis.modes.linearized import Linearized
 from dalembert.errors import SingularityError, UnsupportedError
 from dalembert.results.mechanism_modes import IMAG, REAL
 from dalembert.sensitivity.engine import RowEngine

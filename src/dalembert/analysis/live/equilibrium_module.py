@@ -20,6 +20,7 @@ from dalembert.results.motion import Motion
 from dalembert.results.sources import Row
 
 NO_EQUILIBRIUM = "no equilibrium was found"
+UNSTABLE = "the equilibrium is not stable, so that it is not isolated or not attained"
 
 
 def obstacle(motion: Motion) -> str:
@@ -32,7 +33,7 @@ def obstacle(motion: Motion) -> str:
     if model.equations.slips:
         return "the equilibrium of rolling bodies depends on the path"
     if not motion.statistics["stable"]:
-        return "the equilibrium is not stable, so that it is not isolated or not attained"
+        return UNSTABLE
     return common_obstacle(motion.analysis, model)
 
 

@@ -9,14 +9,17 @@ import casadi as ca
 import numpy as np
 
 from dalembert.analysis.equilibrium.static_balance import statics_kernel
-from dalembert.analysis.live.equilibrium_module import NO_EQUILIBRIUM, following
+from dalembert.analysis.live.equilibrium_module import NO_EQUILIBRIUM, UNSTABLE, following
 from dalembert.analysis.live.obstacles import common_obstacle
 from dalembert.analysis.live.start import closing, violation
-from dalembert.analysis.modes.linearization_kernel import Linearized
+from dalembert.analysis.modes.linearization_kernel import LinearizationKernel
+from dalembert.analysis.modes.linearized import Linearized
 from dalembert.results.live import LiveFunctions
 from dalembert.results.mechanism_modes import IMAG, REAL, MechanismModes
+from dalembert.results.pictures.mode_scene import swing
 from dalembert.results.sources import Row
 from dalembert.symbolic.formulas.expression import stack
+from dalembert.symbolic.formulas.oscillation import parts
 
 
 def obstacle(modes: MechanismModes) -> str:
@@ -27,10 +30,16 @@ def obstacle(modes: MechanismModes) -> str:
         return f"the modes were not computed ({modes.status.outcome.value})"
     if state.origin is None:
         return "the modes are about the end of a motion"
+    if not modes.numbers.size:
+        return "the mechanism has no modes"
+    if not np.array_equal(modes.numbers, np.arange(1, modes.numbers.size + 1)):
+        return "the modes are a selection"
     if model.equations.contacts:
         return "the mechanism has rigid contacts"
     if model.equations.slips:
         return "the equilibrium of rolling bodies depends on the path"
+    if not state.stable:
+        return UNSTABLE
     return common_obstacle(modes.analysis, model)
 
 
@@ -40,10 +49,11 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
     Parameters
     ----------
     modes : the modes that are repeated, without an ``obstacle``
-    rows : outputs, expressions of eigenvalues and parameters
+    rows : outputs, expressions of eigenvalues and parameters; those of pictures are the last ones
     times : (K,) numbers of the modes
     """
     state: Linearized = modes.record
+    analysis: Any = modes.analysis
     kernel, model = state.kernel, state.model
     e, origin = model.equations, state.origin
     assert origin is not None and state.near is not None
@@ -62,18 +72,22 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
     pulled = origin.adjoint(t, near, p, weights)[2]
     slopes = system.forward.adjoint(t, x, p, 0, q, still, a, b)[1:3]
     pushed = system.tangent(t, x, p, 0, q, still)
-    number, parts, bars = ca.SX.sym("number"), ca.vertcat(REAL, IMAG), ca.SX.sym("w", len(rows))
-    column = ca.densify(stack(row.sx for row in rows))
-    back = [ca.densify(ca.jtimes(column, of, bars, True)) for of in (parts, e.p)]
+    shown = [row for row in rows if not row.drawn]
+    number, value, bars = ca.SX.sym("number"), ca.vertcat(REAL, IMAG), ca.SX.sym("w", len(shown))
+    column = ca.densify(stack(row.sx for row in shown))
+    back = [ca.densify(ca.jtimes(column, of, bars, True)) for of in (value, e.p)]
     functions = {
         **start,
         "state": ca.Function("state", [t, near, p], [first]),
         "state_adjoint": ca.Function("state_adjoint", [t, near, p, weights], [pulled]),
         "tangent": ca.Function("tangent", [t, x, p, q], list(pushed)),
         "tangent_adjoint": ca.Function("tangent_adjoint", [t, x, p, q, a, b], list(slopes)),
-        "outputs": ca.Function("outputs", [number, parts, e.p], [column]),
-        "outputs_adjoint": ca.Function("outputs_adjoint", [number, parts, e.p, bars], back),
+        "outputs": ca.Function("outputs", [number, value, e.p], [column]),
+        "outputs_adjoint": ca.Function("outputs_adjoint", [number, value, e.p, bars], back),
     }
+    if len(shown) < len(rows):
+        functions["pictures"] = pictures(kernel, rows[len(shown) :])
+        functions["curvature"] = kernel.curvature
     anchor = (state.p, state.near) if rest else model.closure.anchor[:2]
     states, levels = state.sizes
     data: dict[str, Any] = {
@@ -84,6 +98,20 @@ def modes_functions(modes: MechanismModes, rows: Sequence[Row], times: np.ndarra
         "relative": [],
         "roots": [],
         "sizes": {"states": states, "rows": levels},
-        "name": modes.analysis.display_name,
+        "coordinates": kernel.e.coordinate_count,
+        "name": analysis.display_name,
+        "count": analysis.count,
     }
     return LiveFunctions(functions, data | ({"unsolved": NO_EQUILIBRIUM} if rest else {}))
+
+
+def pictures(kernel: LinearizationKernel, rows: Sequence[Row]) -> ca.Function:
+    """``(t, y, p, r, i, R, M, I) → rows`` of pictures of an oscillation."""
+    e, bodies = kernel.e, kernel.model.all_equations
+    column, vectors = stack(row.sx for row in rows), parts(e.coordinate_count)
+    still = [ca.SX.zeros(part.numel()) for part in (bodies.v, bodies.a, bodies.transmitted)]
+    inputs = [bodies.t, bodies.y, bodies.v, bodies.a, bodies.transmitted, bodies.p]
+    formulas = ca.Function("formulas", [*inputs, *swing(kernel.model)], [column])
+    rest, *swings = kernel.placing(e.t, e.y, e.p, *vectors)
+    value = ca.densify(formulas(e.t, rest, *still, e.p, *swings))
+    return ca.Function("pictures", [e.t, e.y, e.p, *vectors], [value], {"cse": True})

@@ -136,7 +136,7 @@ def _rows(
     """Formulas of measures of a state."""
     model = graph.model
     column = stack(row.sx for row in rows)
-    symbols = [s for s in ca.symvar(column) if s.name() not in {"t", *model.parameters}]
+    symbols = model.measure_symbols(column)
     values = [_value(graph, result.measure(s.name()), state, eigenvalue) for s in symbols]
     formula = ca.Function("rows", [t.sx, stack(symbols), model.p], [ca.densify(column)])
     return formula(number, ca.vertcat(*values), graph.p)

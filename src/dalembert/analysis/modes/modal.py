@@ -14,7 +14,8 @@ from typing import Annotated, Any
 import numpy as np
 
 from dalembert.analysis.equilibrium.equilibrium import Equilibrium
-from dalembert.analysis.modes.linearization_kernel import Linearized, linearization_kernel
+from dalembert.analysis.modes.linearization_kernel import linearization_kernel
+from dalembert.analysis.modes.linearized import Linearized
 from dalembert.analysis.modes.spectral import SpectralAnalysis
 from dalembert.analysis.modes.vibration import vibration
 from dalembert.analysis.requirements import need_count
@@ -231,7 +232,8 @@ def _at_rest(motion: Motion, coordinates: Coordinates) -> Linearized:
         raise AnalysisError(f"no equilibrium, {status}", status.residual)
     time, near = float(s.t[0]), motion.record.kernel.near(s)[:, 0]
     x = kernel.state(time, s.y[:, 0], s.v[:, 0], motion.parameters)
-    return Linearized(kernel, time, x, motion.parameters, kernel.resting, near, status.residual)
+    stable, p = bool(motion.statistics.get("stable", True)), motion.parameters
+    return Linearized(kernel, time, x, p, kernel.resting, near, status.residual, stable)
 
 
 def _last_instant(motion: Motion, coordinates: Coordinates) -> Linearized:

@@ -14,8 +14,8 @@ MAX_FRAMES = 2400
 MIN_FRAMES = 61
 """Lower limit of the instants of one design."""
 CHANGING = {
-    "mechanism": ("time", "scene", "series", "events"),
-    "spatial": ("time", "scene", "series", "events"),
+    "mechanism": ("time", "states", "scene", "series", "events"),
+    "spatial": ("time", "states", "scene", "series", "events"),
     "structure": ("states", "scene", "displacements", "reactions"),
 }
 """Kind of page → keys that depend on the design."""
@@ -98,7 +98,7 @@ def alternative(result: Any, page: dict[str, Any], **first_view: Any) -> dict[st
             other = _select(other, len(other["time"]), np.unique(indices))
     plotted = {name for group in page.get("default_plots", ()) for name in group}
     payload = {key: other[key] for key in CHANGING[page["kind"]] if key in other}
-    if "series" in payload:
+    if "series" in payload and "states" not in payload:
         payload["series"] = [s for s in payload["series"] if s["name"] in plotted]
     payload["parameters"] = other.get("parameters", [])
     return payload

@@ -21,7 +21,7 @@ MAX_MATRIX = 6
 def front_page(front: ParetoResult, **first_view: Any) -> dict[str, Any]:
     """Page of a ``ParetoResult``."""
     first = front.result(0) if len(front) else None
-    if first is None or not getattr(first, "has_page", False):
+    if first is None:
         return plain_page(front)
     page = thinned(first.page(**first_view), len(front))
     page = with_views(page, front, "front")

@@ -10,7 +10,7 @@ import numpy as np
 
 from dalembert.design.decision import axis_label
 from dalembert.design.identification.misfit import Misfit
-from dalembert.design.pages.decision import plain_page, with_views
+from dalembert.design.pages.decision import with_views
 from dalembert.design.pages.live import LiveTask
 from dalembert.report import views
 from dalembert.results.live import PageDesigns
@@ -53,10 +53,7 @@ def inversion_page(inversion: InversionResult, **first_view: Any) -> dict[str, A
 def _motion_page(
     decision: IdentificationResult | InversionResult, title: str, first_view: dict[str, Any]
 ) -> dict[str, Any]:
-    motion = decision.motions[0]
-    if not motion.has_page:
-        return plain_page(decision)
-    return with_views(motion.page(**first_view), decision, title)
+    return with_views(decision.motions[0].page(**first_view), decision, title)
 
 
 def identification_views(identification: IdentificationResult) -> list[dict[str, Any]]:

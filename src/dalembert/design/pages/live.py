@@ -53,7 +53,7 @@ def live_page(decision: Any, live: bool | None, first_view: dict[str, Any]) -> d
             raise UnsupportedError(f"designs of {type(decision).__name__} do not run in a page")
     except DalembertError as error:
         return decision.page(**first_view) | ({"live": {"reason": str(error)}} if live else {})
-    runs = task.result.has_page and not task.result.analysis.live_obstacle(task.result)
+    runs = not task.result.analysis.live_obstacle(task.result)
     page = task.page(**first_view) if runs else {}
     times = np.array(page.get("time", page.get("states", {}).get("numbers", ())))
     responses = computable(task.responses, times) if times.size else []

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dalembert.design.limit import Bounded
-from dalembert.design.pages.decision import plain_page, verdict
+from dalembert.design.pages.decision import verdict
 from dalembert.design.pages.live import LiveTask, responses_of
 from dalembert.report import views
 from dalembert.results.files.tables import checked_units
@@ -30,8 +30,6 @@ CONSTANT_KEYS = ("name", "node", "shapes")
 def optimum_page(optimum: OptimizationResult, **first_view: Any) -> dict[str, Any]:
     """Page of an ``OptimizationResult``."""
     units = checked_units(first_view.get("units") or ())
-    if not optimum.motion.has_page:
-        return plain_page(optimum) | {"optimum": optimum_payload(optimum, units)}
     page = optimum.motion.page(**first_view)
     page["title"] = f"{page['title']}: optimum"
     page["optimum"] = optimum_payload(optimum, units)
@@ -39,9 +37,11 @@ def optimum_page(optimum: OptimizationResult, **first_view: Any) -> dict[str, An
     page["verdict"] = verdict(optimum)
     if units:
         page["verdict"]["text"] = _sentence(page["optimum"])
-    first = optimum.initial.page() if optimum.initial.has_page else {}
-    if page.get("kind") == "structure" and first:
+    first = optimum.initial.page()
+    if page.get("kind") == "structure":
         page["scene"]["ghosts"] = [{"mesh": first["scene"]["mesh"]}]
+    elif "states" in page:
+        page["scene"]["ghosts"] = deepcopy(first["scene"]["bodies"])  # without formulas
     elif "scene" in page and page.get("time"):
         page["scene"]["ghosts"] = _ghosts(first, np.array(page["time"]))
     return page

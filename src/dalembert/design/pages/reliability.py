@@ -24,7 +24,7 @@ SPREAD = 4.0
 def reliability_page(reliability: ReliabilityResult, **first_view: Any) -> dict[str, Any]:
     """Page of a ``ReliabilityResult``."""
     result = reliability.result()
-    if result is None or not result.has_page:
+    if result is None:
         return plain_page(reliability)
     return with_views(result.page(**first_view), reliability, "design point")
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 def tolerance_page(result: ToleranceResult, **first_view: Any) -> dict[str, Any]:
     """Page of a ``ToleranceResult``."""
-    if result.run is None or not result.run.has_page:
+    if result.run is None:
         return plain_page(result)
     return with_views(result.run.page(**first_view), result, "tolerances")
 

@@ -237,6 +237,11 @@ class StructuralModel(ParametricModel):
         own = declared(self, name)
         return self.measures.find(name) if own is None else own
 
+    def measure_symbols(self, sx: ca.SX) -> list[ca.SX]:
+        """Symbols of measures in a formula; a parameter may have the name of a measure."""
+        others = {symbol.element_hash() for symbol in (t.sx, *ca.vertsplit(self.p))}
+        return [symbol for symbol in ca.symvar(sx) if symbol.element_hash() not in others]
+
     def measure(self, symbol: str) -> Measure:
         """The measure of a symbol in a formula."""
         return self.measures.of(symbol)

@@ -132,11 +132,20 @@ function swept(h, l, n, x, y, w) {
   }
 }
 
-/** Eigenvector of an isolated eigenvalue, of length one, by inverse iteration.
- * @param {Matrix} a @param {[number, number]} value @returns {Vector} */
-export function eigenvector(a, [re, im]) {
+/** Eigenvector of an eigenvalue, of length one, by inverse iteration.
+ * @param {Matrix} a @param {[number, number]} value @param {number} [start] number of the start, on which the vector of a multiple eigenvalue depends @returns {Vector} */
+export function eigenvector(a, [re, im], start = 0) {
   const n = a.length, size = Math.max(...a.map((row) => row.reduce((sum, x) => sum + Math.abs(x), 0)), Number.MIN_VALUE);
-  const real = !im, m = real ? n : 2 * n, matrix = zeros(m, m), near = re + 8 * EPSILON * size;
+  for (let distance = 8 * EPSILON; distance < 1e-6; distance *= 8) {  // exactly singular matrices have no inverse
+    const vector = inverseIteration(a, re + distance * size, im, start);
+    if (vector.every((part) => part.every(Number.isFinite))) return vector;
+  }
+  return [new Float64Array(n).fill(NaN), new Float64Array(n)];
+}
+
+/** @param {Matrix} a @param {number} near @param {number} im @param {number} start @returns {Vector} */
+function inverseIteration(a, near, im, start) {
+  const n = a.length, real = !im, m = real ? n : 2 * n, matrix = zeros(m, m);
   for (let i = 0; i < n; i++) {
     matrix[i].set(a[i]);
     matrix[i][i] -= near;
@@ -146,7 +155,7 @@ export function eigenvector(a, [re, im]) {
     matrix[i][n + i] = im;
     matrix[n + i][i] = -im;
   }
-  let x = Array.from({ length: m }, (_, i) => Float64Array.of(1 + Math.sin(7 * i) / 2));
+  let x = Array.from({ length: m }, (_, i) => Float64Array.of(1 + Math.sin((7 + start) * i) * (0.5 + start)));
   for (let k = 0; k < 3; k++) {
     x = solved(matrix, x);
     const length = Math.hypot(...x.map(([value]) => value));

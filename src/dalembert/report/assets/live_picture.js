@@ -74,20 +74,22 @@ export class LivePicture {
   /** Put a result into the payload. @param {LiveResult} result */
   put(result) {
     const { table, times, numbers } = result;
-    const n = times.length, { columns, numbers: places, states = [] } = this.live;
+    const n = times.length, { columns, numbers: places, states = [], blocks = [] } = this.live;
     const at = (/** @type {(string | number)[]} */ place) => place.reduce((owner, key) => owner[key], /** @type {any} */ (payload));
     const put = (/** @type {(string | number)[]} */ place, /** @type {unknown} */ value) => { at(place.slice(0, -1))[/** @type {string} */ (place.at(-1))] = value; };
     for (const [place, row] of columns) put(place, table.subarray(n * row, n * (row + 1)));
     for (const [place, rows] of states) put(place, at(place).map((/** @type {ArrayLike<number>} */ before, /** @type {number} */ k) => Float64Array.from(rows, (row, i) => (row < 0 ? before[i] ?? NaN : table[n * row + k]))));
+    for (const [place, rows] of blocks) { const before = at(place); put(place, Float64Array.from({ length: n * rows.length }, (_, k) => { const row = rows[Math.floor(k / n)]; return row < 0 ? before[k % before.length] ?? NaN : table[n * row + (k % n)]; })); }
     places.forEach((place, k) => put(place, numbers[k]));
     zeroRounding(list(payload.series));
     payload.time = times;
+    if (payload.states?.numbers) payload.states.numbers = times;
   }
 
   /** Draw the payload. */
   renew() {
     const { motion, scene, player, board } = this, [dashed] = this.ghosts.put(this.changed), { now } = motion;
-    const next = new this.dimension.Motion(payload, this.dimension.structure), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name));
+    const next = new this.dimension.Motion(payload, this.dimension), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name));
     for (const point of next.points) point.swatch = motion.points.find(({ name }) => name === point.name)?.swatch;
     motion.replace(next);
     if (document.querySelector("#degrees[aria-pressed='true']")) motion.setDegrees(true);

@@ -64,7 +64,7 @@ function smoothExtreme({ sign = 1, smooth = 0, relative = false }, samples) {
  * @returns {[number, Float64Array]} */
 function reduced(term, times, samples) {
   const n = samples.length, { kind } = term;
-  const single = (/** @type {number} */ k) => { const weights = new Float64Array(n); weights[k] = 1; return /** @type {[number, Float64Array]} */ ([samples[k], weights]); };
+  const single = (/** @type {number} */ k) => { const weights = new Float64Array(n); if (k < n) weights[k] = 1; else weights.fill(NaN); return /** @type {[number, Float64Array]} */ ([samples[k] ?? NaN, weights]); };
   const linear = (/** @type {Float64Array} */ weights) => /** @type {[number, Float64Array]} */ ([dot(weights, samples), weights]);
   switch (kind) {
     case "maximum": return single(peak(samples, 1));

@@ -1,13 +1,13 @@
 // Scene of a page over time: bodies, primitives between them, the mesh of a structure.
 
 /** @import { Column, Cursor, Payload, Point, TracedPoint } from "./types.d.ts" */
-/** @import { BodyData, End, EndData, Gap, Ghost, Item, ItemData, Link, Part, Shape, States, Structure, Wheel } from "./scene_types.d.ts" */
+/** @import { BodyData, End, EndData, Gap, Ghost, Item, ItemData, Link, Part, Parts, Shape, States, Wheel } from "./scene_types.d.ts" */
 
 import { TAU, clock, floats, list, steady } from "./numbers.js";
 import { Signal } from "./theme.js";
 import { Timeline } from "./timeline.js";
 
-/** Period in which a structure swings in one of its states [s]. */
+/** Period in which a model swings in one of its states [s]. */
 const SWING = 2.4;
 
 /** Names of states; those of modes state a value, which a live page computes. @param {States | undefined} states */
@@ -17,21 +17,24 @@ function stateNames({ names, kind, numbers, values, unit = "" } = { kind: "", na
 
 /** Base class of planar and spatial scenes, whose methods read and place points. */
 export class Motion extends Timeline {
-  /** @param {Payload} payload @param {Structure | null} structure parts of pages of structures */
-  constructor(payload, structure = null) {
+  /** @param {Payload} payload @param {Parts} parts of pages of structures and modes */
+  constructor(payload, { structure = null, Swing } = {}) {
     const { scene = {}, states } = payload;
     super(states ? { ...payload, time: states.times } : payload);
-    /** Signal of another state, field or scale of a structure. @type {Signal} */
+    /** Signal of another state, field or scale. @type {Signal} */
     this.onState = new Signal();
-    this.states = { kind: String(states?.kind ?? ""), names: stateNames(states), relative: Boolean(states?.relative) };
-    /** Whether a structure swings in the chosen one of its states. */
+    this.states = { kind: String(states?.kind ?? ""), names: Swing?.names(states) ?? stateNames(states), relative: Boolean(states?.relative) };
+    /** Whether the model swings in the chosen one of its states. */
     this.swings = Boolean(states) && this.n < 2;
     this.chosen = 0;
     if (this.swings) Object.assign(this, { n: this.states.names.length, start: 0, end: SWING, span: SWING, moves: true, cursor: { i: 0, f: 0 } });
-    /** Share of the displacements in a swing. */
+    /** Share of the displacements of a mesh in a swing. */
     this.share = 1;
+    /** Oscillation of a mechanism. */
+    this.swing = this.swings && Swing ? new Swing(this) : null;
 
-    const column = (/** @type {unknown} */ values) => floats(/** @type {Column} */ (values), this.n);
+    /** @type {Float64Array[]} */
+    const poses = [], column = (/** @type {unknown} */ values) => poses[poses.push(this.column(values)) - 1];
     this.setBodies(list(scene.bodies), (/** @type {BodyData} */ body) => this.readBody(body, column));
     this.ground.shapes = this.readShapes(scene.ground?.shapes);
     const gravity = scene.gravity ? this.point(scene.gravity) : null;
@@ -46,7 +49,9 @@ export class Motion extends Timeline {
     /** @type {TracedPoint[]} */
     this.points = list(scene.points).filter(known).map((item, index) => ({ name: String(item.name ?? ""), ...this.readEnd(item), index, traced: false, names: [], way: [], length: 0 }));
     /** Bodies of another design or run, or of the initial guess. @type {Ghost[]} */
-    this.ghosts = list(scene.ghosts).filter(({ mesh }) => !mesh).map((ghost) => this.readBody(ghost, (values) => steady(/** @type {Column} */ (values), this.n)));
+    this.ghosts = list(scene.ghosts).filter(({ mesh }) => !mesh).map((ghost) => this.readBody(ghost, (values) => (this.swing ? this.column(values) : steady(/** @type {Column} */ (values), this.n))));
+    /** Bodies at rest behind an oscillation. @type {Ghost[]} */
+    this.resting = [];
     /** @type {Gap[]} */
     this.gaps = list(scene.gaps).map(({ from, to, text }) => ({ from: this.point(from), to: this.point(to), text: String(text ?? "") }));
     this.mesh = scene.mesh && structure ? new structure.Mesh(scene.mesh, payload, scene) : null;
@@ -55,6 +60,7 @@ export class Motion extends Timeline {
     this.otherMesh = other && structure ? new structure.Mesh(other, { states: payload.states }, {}) : null;
     /** Reactions of the supports of a structure. @type {Item[]} */
     this.reactions = (this.mesh?.reactionItems() ?? []).map((item) => this.readItem(item));
+    this.swing?.begin(list(scene.bodies), poses);
   }
 
   // Reading ------------------------------------------------------------------------------------
@@ -71,6 +77,12 @@ export class Motion extends Timeline {
   /** @param {Partial<Shape>[] | undefined} shapes @returns {Shape[]} */
   readShapes(shapes) { return /** @type {Shape[]} */ (list(shapes)); }
 
+  /** Values over the instants or states; of an oscillation three blocks of them. @param {unknown} values */
+  column(values) {
+    const column = /** @type {Column} */ (values);
+    return floats(column, this.swing ? list(column).length : this.n);
+  }
+
   /** Columns of the pose of a body, and its shapes. @param {BodyData} body @param {(values: unknown) => Float64Array} column @returns {Ghost} */
   readBody(body, column) { return { shapes: this.readShapes(body.shapes), column }; }
 
@@ -86,7 +98,7 @@ export class Motion extends Timeline {
   /** Columns of a vector, `name_x` …, or of a planar moment, `name`. @param {ItemData} item @param {string} name */
   readVector(item, name) {
     const names = item[`${name}_x`] ? this.axes.map((axis) => `${name}_${axis}`) : item[name] ? [name] : null;
-    return names && names.map((key) => floats(/** @type {Column} */ (item[key]), this.n));
+    return names && names.map((key) => this.column(item[key]));
   }
 
   /** @param {ItemData} item @returns {Item} */
@@ -103,9 +115,10 @@ export class Motion extends Timeline {
 
   /** Show another design. @param {Motion} next */
   replace(next) {
-    const { onState, mesh, chosen } = this;
-    Object.assign(this, next, { onState, chosen: Math.min(chosen, next.states.names.length - 1) });
+    const { onState, mesh, swing, chosen } = this;
+    Object.assign(this, next, { onState, chosen: Math.max(0, Math.min(chosen, next.states.names.length - 1)) });
     if (mesh) this.mesh?.adopt(mesh);
+    if (swing) this.swing?.adopt(swing, this);
     this.choose(this.chosen);
   }
 
@@ -118,7 +131,7 @@ export class Motion extends Timeline {
   setTime(t) {
     const { state } = this;
     this.now = t;
-    this.cursor = this.swings ? { i: this.chosen, f: 0 } : this.locate(t);
+    this.cursor = this.swings ? { i: this.chosen, f: this.swing ? (t / this.span) % 1 : 0 } : this.locate(t);
     this.share = this.swings ? Math.sin((TAU * t) / this.span) : 1;
     if (this.mesh && this.state !== state) this.onState.emit();
   }
@@ -130,14 +143,20 @@ export class Motion extends Timeline {
   get inTime() { return !this.states?.kind || this.states.kind === "instant"; }
 
   /** Number of the present state. */
-  get state() { return this.cursor.i + (this.cursor.f >= 0.5 ? 1 : 0); }
+  get state() { return this.cursor.i + (this.cursor.f >= 0.5 && !this.swing ? 1 : 0); }
 
   /** @param {number} state */
   choose(state) {
     this.chosen = state;
-    if (this.swings) this.cursor = { i: state, f: 0 };
+    if (this.swings) this.cursor = { i: state, f: this.swing ? this.cursor.f : 0 };
     this.onState.emit();
   }
+
+  /** Value between two instants, or at a phase of a mode. @override @param {Float64Array} column @param {Cursor} cursor */
+  sample(column, cursor) { return this.swing?.sample(column, cursor) ?? super.sample(column, cursor); }
+
+  /** Evenly distributed instants, or phases of all modes. @override @param {number} limit @returns {Cursor[]} */
+  frames(limit) { return this.swing?.frames(limit) ?? super.frames(limit); }
 
   /** Values of columns. @param {Float64Array[] | null} columns */
   vectorOf(columns, cursor = this.cursor) { return columns ? columns.map((column) => this.sample(column, cursor)) : null; }

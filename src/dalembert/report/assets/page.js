@@ -24,9 +24,9 @@ import { preferUnits } from "./units.js";
 export function buildPage(dimension, buildTools = () => {}) {
   Theme.read();
   preferUnits(payload.units);
-  const motion = new dimension.Motion(payload, dimension.structure), { mesh } = motion, scene = new Scene(motion, /** @type {HTMLCanvasElement} */ (byId("scene")), byId("tip"), dimension), player = new Player(motion);
+  const motion = new dimension.Motion(payload, dimension), { mesh } = motion, scene = new Scene(motion, /** @type {HTMLCanvasElement} */ (byId("scene")), byId("tip"), dimension), player = new Player(motion);
   const picker = new Picker(/** @type {HTMLDialogElement} */ (byId("picker")), motion);
-  const board = motion.moves && motion.series.length ? new Board(byId("board"), motion, player, picker) : null;
+  const board = motion.moves && !motion.swings && motion.series.length ? new Board(byId("board"), motion, player, picker) : null;
   player.onTime.on((t) => { motion.setTime(t); scene.invalidate(); });
   player.onState.on(() => { if (motion.swings && !player.playing) player.seek(motion.home); });
 
@@ -34,7 +34,7 @@ export function buildPage(dimension, buildTools = () => {}) {
   byId("toolbar").append(toggles);
   buildTools(scene, toggles);
   toggles.append(arrowMenu(scene) ?? "", followChooser(motion, scene) ?? "");
-  if (motion.points.length && motion.moves) byId("toolbar").append(traceChips(motion, scene));
+  if (motion.points.length && motion.moves && !motion.swings) byId("toolbar").append(traceChips(motion, scene));
   const parts = mesh ? `${mesh.nodes.length} nodes, ${mesh.elements.length} elements` : `${motion.bodies.length} bodies, ${motion.joints.length} joints`;
   byId("scene").setAttribute("aria-label", `Drawing of ${motion.title}: ${parts}. ${scene.hint}`);
   buildZoom(scene, "Fit (F)");
@@ -62,7 +62,7 @@ export function buildPage(dimension, buildTools = () => {}) {
   player.seek(motion.home);
   scene.fit();
   Object.assign(window, { dalembert: { player, motion, scene, board, choice } });
-  if (motion.moves && !motion.swings && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
+  if (motion.moves && !(motion.swings && motion.mesh) && !matchMedia("(prefers-reduced-motion: reduce)").matches) player.play();
   return { motion, scene, player, board };
 }
 
@@ -95,7 +95,7 @@ function traceChips(motion, scene) {
 /** Choice of the body that the view follows. @param {Motion} motion @param {Scene} scene */
 function followChooser(motion, scene) {
   const bodies = motion.bodies.filter((body) => !body.of && !body.node);
-  if (!motion.moves || !bodies.length) return null;
+  if (!motion.moves || motion.swings || !bodies.length) return null;
   const options = bodies.map((body, k) => el("option", { value: String(k) }, body.name));
   const select = el("select", { id: "follow", onchange: () => scene.follow(bodies[+(select.value || -1)] ?? null) }, el("option", { value: "" }, "nothing"), options);
   select.value = scene.followed ? String(bodies.indexOf(scene.followed)) : "";
@@ -107,7 +107,7 @@ function showDesign(k, motion, scene, board, dimension, player) {
   const design = choice?.alternatives[k];
   if (!design?.scene) return;
   history.replaceState(null, "", `#design=${k}`);
-  const next = new dimension.Motion({ ...payload, ...design }, dimension.structure), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name)), { now } = motion;
+  const next = new dimension.Motion({ ...payload, ...design }, dimension), traced = new Set(motion.points.filter((point) => point.traced).map(({ name }) => name)), { now } = motion;
   for (const point of next.points) point.swatch = motion.points.find(({ name }) => name === point.name)?.swatch;
   motion.replace(next);
   scene.renew(traced);

@@ -182,7 +182,7 @@ export class PlanarPainter {
   drawGhosts() {
     const { ctx, motion } = this, look = { edge: Theme.muted, fill: Theme.surface, text: Theme.muted, width: 1.5 };
     ctx.globalAlpha = motion.n > 1 ? 0.5 : 0.25;
-    for (const ghost of this.scene.show.ghosts ? motion.ghosts : []) {
+    for (const ghost of this.scene.pale) {
       const pose = motion.pose(ghost);
       if (pose) for (const shape of ghost.shapes) this.drawShape(shape, pose, look);
     }

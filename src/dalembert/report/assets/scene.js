@@ -6,9 +6,9 @@
 
 import { newSizes } from "./loads.js";
 import { Marks } from "./marks.js";
-import { TAU, clamp, extent } from "./numbers.js";
+import { TAU, clamp } from "./numbers.js";
 import { Theme } from "./theme.js";
-import { distance } from "./timeline.js";
+import { boxOf, diagonal, distance } from "./timeline.js";
 import { drawTip } from "./tip.js";
 
 /** Limits of the numbers of bodies, or nodes, whose names are shown at first. */
@@ -115,6 +115,9 @@ export class Scene {
     this.greatest = { force: largest(loaded, "force"), moment: largest(loaded, "moment"), load: largest(applied, "force"), twist: largest(applied, "moment") };
   }
 
+  /** Bodies that are drawn behind the others: of other designs or runs, and at rest. */
+  get pale() { return [...this.show.ghosts ? this.motion.ghosts : [], ...this.show.rest ? this.motion.resting : []]; }
+
   // View -----------------------------------------------------------------------------------------
 
   /** @param {Point} place @returns {Pixel | null} */
@@ -207,15 +210,6 @@ export class Scene {
     this.hover = hover;
     drawTip(this);
   }
-}
-
-/** Lower and upper corner of the box about points. @param {Point[]} cloud @returns {Point[]} */
-const boxOf = (cloud) => [0, 1].map((end) => /** @type {Point} */ (cloud[0].map((_, axis) => (extent([cloud.map((p) => p[axis])]) ?? [0, 0])[end])));
-
-/** Diagonal of the box about points. @param {Point[]} cloud */
-function diagonal(cloud) {
-  const [low, high] = boxOf(cloud);
-  return distance(low, high) || 1;
 }
 
 /** Half the width of a bar, small against the scene and against the bars [m]. @param {Motion} motion @param {number} whole */

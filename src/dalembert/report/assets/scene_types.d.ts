@@ -5,6 +5,7 @@ import type { Marks } from "./marks.js";
 import type { Mesh } from "./mesh.js";
 import type { Motion } from "./motion.js";
 import type { Scene } from "./scene.js";
+import type { Swing } from "./swing.js";
 
 /** Point on the canvas [px]. */
 export type Pixel = [number, number];
@@ -75,8 +76,8 @@ export interface SceneData {
   diagrams?: DiagramData[];
 }
 
-/** States of a structure: load cases, modes, or instants at `times`. */
-export interface States { kind: string; names: string[]; times?: Column; relative?: boolean; numbers?: Column; values?: Column; unit?: string }
+/** States of a model: load cases, modes, or instants at `times`; modes have values and damping ratios. */
+export interface States { kind: string; names: string[]; times?: Column; relative?: boolean; numbers?: Column; values?: Column; unit?: string; damping?: Column }
 
 /** Tables of a structure. */
 export interface Tables {
@@ -206,12 +207,14 @@ export interface Painter {
 /** Context and its size. */
 export interface Paper { ctx: Context; w: number; h: number }
 
+/** Parts that only pages of structures, or of modes of mechanisms, have. */
+export interface Parts { structure?: Structure | null; Swing?: typeof Swing }
+
 /** Classes of the views of one dimension. */
-export interface Dimension {
-  Motion: new (payload: Payload, structure?: Structure | null) => Motion;
+export interface Dimension extends Parts {
+  Motion: new (payload: Payload, parts?: Parts) => Motion;
   View: new (canvas: HTMLCanvasElement, onChange: () => void) => View;
   Painter: new (scene: Scene) => Painter;
-  structure?: Structure;
 }
 
 /** Parts that only pages of structures have. */

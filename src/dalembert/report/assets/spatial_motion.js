@@ -40,6 +40,7 @@ export class SpatialMotion extends Motion {
     if (body.fixed) return { p: vector([0, 0, 0]), q: quaternion([1, 0, 0, 0]) };
     if (!this.n) return null;
     const position = this.vectorOf(body.position, cursor) ?? [], { i, f } = cursor;
+    if (this.swing) return { p: vector(position), q: quaternion(this.vectorOf(body.rotation, cursor) ?? []) };
     const parameters = (/** @type {number} */ k) => body.rotation.map((/** @type {Float64Array} */ column) => column[k]);
     const finite = (/** @type {number[]} */ values) => values.every(Number.isFinite);
     const near = f < 0.5 || i + 1 >= this.n ? i : i + 1;

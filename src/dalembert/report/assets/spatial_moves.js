@@ -27,7 +27,8 @@ function lead(object, at, way) {
 export function moveParts(painter) {
   const { motion, scene } = painter;
   for (const [body, group] of painter.groups) place(group, motion.pose(body));
-  painter.ghosts.forEach((group, k) => place(group, scene.show.ghosts ? motion.pose(motion.ghosts[k]) : null));
+  const pale = new Set(scene.pale);
+  for (const { ghost, group } of painter.ghosts) place(group, pale.has(ghost) ? motion.pose(ghost) : null);
   for (const { link: { i, j }, group, parts, rest } of painter.links) {
     const p = motion.at(i.body, i.point), q = motion.at(j.body, j.point);
     group.visible = Boolean(p && q);

@@ -84,7 +84,7 @@ export class SpatialPainter {
       mesh.castShadow = false;
     }
     this.links = motion.links.map((link) => this.addLink(link));
-    this.ghosts = motion.ghosts.map((ghost) => this.addGhost(ghost));
+    this.ghosts = [...motion.ghosts, ...motion.resting].map((ghost) => ({ ghost, group: this.addGhost(ghost) }));
     this.belts = motion.joints.filter(({ wheels }) => wheels.length === 2).map((joint) => this.addBelt(joint)).filter((belt) => belt !== null);
     this.traces = motion.points.map((point) => new SpatialTrace(point, this.parts));
     this.mesh = scene.structure && motion.mesh ? new scene.structure.Picture(this, motion.mesh, motion.otherMesh) : null;

@@ -4,7 +4,8 @@
 /** @import { Motion } from "./motion.js" */
 
 import { byId } from "./dom.js";
-import { fieldLegend, meshChoosers, scaleSlider } from "./mesh_controls.js";
+import { fieldLegend, meshChoosers } from "./mesh_controls.js";
+import { scaleSlider } from "./state_controls.js";
 import { structureTables } from "./structure_tables.js";
 
 /** Fill the page of a structure. @param {Motion} motion @param {Mesh} mesh */
@@ -14,5 +15,5 @@ export function buildStructure(motion, mesh) {
   byId("toolbar").prepend(meshChoosers(motion, mesh));
   byId("board").append(structureTables(motion, mesh));
   byId("view").append(fieldLegend(motion, mesh));
-  byId("player").append(scaleSlider(motion, mesh));
+  byId("player").append(scaleSlider(motion, () => motion.mesh ?? mesh));
 }

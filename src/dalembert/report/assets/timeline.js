@@ -3,7 +3,7 @@
 /** @import { Body, Cursor, Payload, Point, Series, TracedPoint } from "./types.d.ts" */
 /** @import { BodyData } from "./scene_types.d.ts" */
 
-import { TAU, clamp, floats, isNum, list } from "./numbers.js";
+import { TAU, clamp, extent, floats, isNum, list } from "./numbers.js";
 import { unitOf } from "./units.js";
 
 /** Upper limit of the points of a path, approximately. */
@@ -19,11 +19,12 @@ export class Timeline {
     this.end = this.n ? this.time[this.n - 1] : 0;
     this.span = this.end - this.start;
     this.moves = this.n > 1 && this.span > 0;
-    /** Names of the points whose paths the report requests; null for a choice by length. */
+    /** Names of the points whose paths the report requests; null for a choice by length. @type {string[] | null} */
     this.requested = Array.isArray(payload.trace) ? payload.trace.map(String) : null;
+    const count = this.n || list(payload.states?.numbers).length;
     this.series = list(payload.series).map((s) => /** @type {Series} */ ({
-      name: String(s.name ?? ""), unit: unitOf(s), group: String(s.group || "other"), values: floats(s.values, this.n),
-      other: s.other ? floats(s.other, this.n) : null,
+      name: String(s.name ?? ""), unit: unitOf(s), group: String(s.group || "other"), values: floats(s.values, count),
+      other: s.other ? floats(s.other, count) : null,
     }));
     this.seriesByName = new Map(this.series.map((s) => [s.name, s]));
     /** Name of the second run. */
@@ -168,3 +169,12 @@ export class Timeline {
 
 /** @param {Point} p @param {Point} q */
 export const distance = (p, q) => Math.hypot(...p.map((v, k) => v - q[k]));
+
+/** Lower and upper corner of the box about points. @param {Point[]} cloud @returns {Point[]} */
+export const boxOf = (cloud) => [0, 1].map((end) => /** @type {Point} */ (cloud[0].map((_, axis) => (extent([cloud.map((p) => p[axis])]) ?? [0, 0])[end])));
+
+/** Diagonal of the box about points. @param {Point[]} cloud */
+export function diagonal(cloud) {
+  const [low, high] = boxOf(cloud);
+  return distance(low, high) || 1;
+}

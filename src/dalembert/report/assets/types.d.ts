@@ -177,6 +177,8 @@ export interface LiveData extends LiveCode {
   columns: [(string | number)[], number][];
   /** Places of columns of states in the payload with the numbers of the rows of their entries; −1 for constant ones. */
   states?: [(string | number)[], number[]][];
+  /** Places of values one after the other in the payload with the numbers of their rows; −1 for constant ones. */
+  blocks?: [(string | number)[], number[]][];
   /** Places of numbers in the payload that follow from parameters. */
   numbers: (string | number)[][];
   /** Names of bodies and elements whose picture remains that of the initial parameters. */
@@ -198,6 +200,9 @@ export interface LiveData extends LiveCode {
   /** Natural sizes of the state and the equations of modes, and the name of their analysis. */
   sizes?: { states: number[]; rows: number[] };
   name?: string;
+  /** Number of coordinates, and of modes that are computed; all by default. */
+  coordinates?: number;
+  count?: number | null;
   /** Responses that are shown first, those of the plots by default. */
   responses?: LiveResponse[];
   /** Parameters of the designs of the table. */

@@ -57,29 +57,38 @@ def live_page(
     structure = model.kind == "structure"
     table = RowTable(None if structure else model.ground)
     columns = [(place, table.number(source)) for place, source in sources.columns]
-    times = np.array(page["states"]["numbers"] if structure else page["time"])
+    times = np.array(page["states"]["numbers"] if "states" in page else page["time"])
     listed = page_responses(result, responses, times, table.number)
     listed = listed or [response.page_data(table.number) for response in result.first_responses()]
     listed = [in_units(response, units) for response in listed]
-    states = [(place, state_rows(sx, table.number)) for place, sx in sources.states]
+    drawn = structure and result.of_any_size
+    states = [(place, state_rows(sx, table.number, drawn)) for place, sx in sources.states]
+    blocks = [(place, state_rows(sx, table.number, True)) for place, sx in sources.blocks]
     try:
         functions = result.analysis.live_functions(result, table.rows, times)
         p = model.p if structure else model.equations.p
         functions = functions.with_limits(*model.value_limits())
         functions = functions.with_numbers([sx for _, sx in sources.numbers], p)
-        module = functions.module
+        size = functions.source.smallest_size
+        if live is None and size > MAX_BYTES:
+            raise UnsupportedError(_too_large(f"at least {size / 1e3:.0f} kB"))
+        size = len(functions.module.code)
+        if live is None and size > MAX_BYTES:
+            raise UnsupportedError(_too_large(f"{size / 1e3:.0f} kB"))
     except UnsupportedError as error:
         return page | {"live": {"reason": str(error)}}
-    if live is None and len(module.code) > MAX_BYTES:
-        size = f"{len(module.code) / 1e3:.0f} kB"
-        return page | {"live": {"reason": f"its module has {size}; request it by live=True"}}
     parameters = _parameters(result, page["parameters"])
     rows = None if designs is None else _designs(result, designs, parameters)
     numbers = [place for place, _ in sources.numbers]
     more = {"columns": columns, "numbers": numbers, "initial": sources.initial, "states": states}
     more |= {"responses": listed, "joints": [] if structure else joint_rows(model)}
+    more |= {"blocks": blocks} if blocks else {}
     more |= {} if rows is None else {"designs": rows}
     return page | {"live": functions.page_data(parameters=parameters, **more)}
+
+
+def _too_large(size: str) -> str:
+    return f"its module has {size}; request it by live=True"
 
 
 def _parameters(result: Any, shown: list[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -107,10 +107,15 @@ def in_units(response: dict[str, Any], units: Sequence[str]) -> dict[str, Any]:
     return response | {"unit": unit, "terms": terms, "constant": constant}
 
 
-def state_rows(sx: ca.SX, row_of: Callable[[Source], int]) -> list[int]:
-    """Numbers of the rows of the entries of a drawn column of states; −1 for constant ones."""
+def state_rows(sx: ca.SX, row_of: Callable[[Source], int], drawn: bool) -> list[int]:
+    """Numbers of the rows of the entries of a column of states; −1 for constant ones.
+
+    Parameters
+    ----------
+    drawn : whether only pictures use them, such as shapes of modes
+    """
     entries = ca.vertsplit(ca.densify(sx))
-    return [-1 if entry.is_constant() else row_of(Row(entry, drawn=True)) for entry in entries]
+    return [-1 if entry.is_constant() else row_of(Row(entry, drawn=drawn)) for entry in entries]
 
 
 def joint_rows(model: Model) -> list[dict[str, Any]]:

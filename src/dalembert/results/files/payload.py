@@ -17,6 +17,7 @@ from dalembert.results.files.tables import (
 )
 from dalembert.results.labelled import DATA_ONLY, LabelledRecording, measured_series
 from dalembert.results.pictures.scene import is_spatial, motion_scene
+from dalembert.results.result import Result
 from dalembert.results.sources import Series
 from dalembert.units.unit import shown_in
 
@@ -65,7 +66,7 @@ def report_payload(
         "series": series,
         "default_plots": [g for g in groups if g] if groups else _default_plots(motion, names),
         "events": [event.row for event in motion.events],
-        "diagnosis": _diagnosis(motion),
+        "diagnosis": mechanism_diagnosis(motion),
         "statistics": _statistics(motion),
         "parameters": parameter_rows(motion.model.parameters, motion.parameters, units),
         "units": preferred_units({"m", "rad", "N", "N m"}, units),
@@ -156,8 +157,9 @@ def _default_plots(motion: LabelledRecording, names: set[str]) -> list[list[str]
     return plots
 
 
-def _diagnosis(motion: LabelledRecording) -> dict[str, Any]:
-    model_diagnosis = motion.model.diagnosis
+def mechanism_diagnosis(result: Result, notes: Sequence[tuple[str, str]] = ()) -> dict[str, Any]:
+    """Diagnosis of the model of a result, with its warnings, further notes and status."""
+    model_diagnosis = result.model.diagnosis
     items = [
         ("degrees of freedom", model_diagnosis.degrees_of_freedom),
         ("Grübler's count", model_diagnosis.gruebler),
@@ -168,10 +170,9 @@ def _diagnosis(motion: LabelledRecording) -> dict[str, Any]:
         ("redundant equations", len(model_diagnosis.redundancies)),
         ("loops", "; ".join("–".join(loop) for loop in model_diagnosis.topology.loops) or "none"),
     ]
-    warnings = [("warning", text) for text in motion.warnings]
-    return diagnosis(
-        model_diagnosis.summary, items, [*warnings, *model_diagnosis.messages], motion.status
-    )
+    messages = [*(("warning", text) for text in result.warnings), *notes]
+    messages += model_diagnosis.messages
+    return diagnosis(model_diagnosis.summary, items, messages, result.status)
 
 
 def _statistics(motion: LabelledRecording) -> list[dict[str, str]]:

@@ -138,6 +138,8 @@ def _picture(page: dict[str, Any], frames: int, state: str | None) -> tuple[Any,
     """Picture of a mechanism at equidistant instants or of a structure, and number of frames."""
     if page.get("kind", "mechanism") == "structure":
         return _structure(page, frames, state)
+    if "states" in page:
+        raise FileError("modes of a mechanism have no film; their page shows them")
     if state is not None:
         raise FileError("a motion has no states to choose from; leave state out")
     time = np.asarray(page["time"], dtype=float)

@@ -22,8 +22,6 @@ MAIN_FIELDS = ("von_mises", "stress", "force")
 """Quantities whose maximum is a response by default, the first that exists."""
 TOTALS = {"mass": "kg", "compliance": "J"}
 """Measures of the whole structure that are responses by default, with their units."""
-MOST_RESPONSES = 6
-"""Upper limit of the responses of modes that are listed by default."""
 
 
 def with_formulas(
@@ -124,13 +122,7 @@ class StructureFormulas:
 
 
 def first_responses(result: StructuralStates) -> list[FirstResponse]:
-    """Responses of a page by default: of modes the frequencies, of load cases extreme values."""
-    if result.of_any_size:
-        main = result.expression(result.main)
-        return [
-            FirstResponse(f"{main.name} of mode {number}", main.unit, main.sx, _at(k))
-            for k, number in enumerate(result.time[:MOST_RESPONSES].astype(int))
-        ]
+    """Responses of a page of load cases by default: extreme values."""
     model, degrees = result.model, result.model.degrees
     quantities = {q: unit for block in model.blocks for q, (_, unit) in block.kind.measures.items()}
     squares = [
@@ -160,10 +152,6 @@ def first_responses(result: StructuralStates) -> list[FirstResponse]:
         rows.append(("largest |moment|", "N m", ca.mmax(ca.vertcat(*moments))))
     rows += [(name, unit, _symbol(model, name)) for name, unit in TOTALS.items()]
     return [FirstResponse(label, unit, sx, {"kind": "maximum"}) for label, unit, sx in rows]
-
-
-def _at(k: int) -> dict[str, Any]:
-    return {"kind": "at", "instant": k}
 
 
 def _symbol(model: StructuralModel, name: str) -> ca.SX:

@@ -83,8 +83,7 @@ class FormulaGraph:
     """
 
     def __init__(self, model: StructuralModel, sx: ca.SX):
-        excluded = {"t", *model.parameters}
-        symbols = [s for s in ca.symvar(sx) if s.name() not in excluded]
+        symbols = model.measure_symbols(sx)
         self.names, self.alone = [s.name() for s in symbols], bool(symbols) and sx.is_symbolic()
         self._sx, self._inputs = sx, [t.sx, stack(symbols), model.p]
 

@@ -25,6 +25,8 @@ from dalembert.symbolic.native.web_object import data_end, imported, linked, sec
 TRIPLE = "wasm32-unknown-unknown"
 OPTIMISED = 1
 """Optimisation level of code generation."""
+TEXT_PER_BYTE = 6.0
+"""Upper limit of the length of the C text per byte of the module; 2 to 5 in the examples."""
 VERSION = 1
 """Incremented when the same text yields other instructions."""
 
@@ -96,23 +98,52 @@ class WebAssembly(Compiler):
         target.write_bytes(code)
 
 
-def web_module(functions: Mapping[str, ca.Function]) -> WebModule:
-    """WebAssembly of functions, by name; from the cache of compiled functions if it is there.
+@dataclass(frozen=True)
+class WebSource:
+    """C text of a module.
 
-    Raises
-    ------
-    UnsupportedError
-        A function cannot be written as C or translated, or packages are missing.
+    Attributes
+    ----------
+    functions : name → dense function
+    text : of all functions
     """
-    require_llvm()
-    dense_functions = {name: dense(function) for name, function in functions.items()}
-    text = c_sources(dense_functions)
-    if text is None:
-        raise UnsupportedError("CasADi cannot write these functions as C")
-    code = compiled_bytes(text, WebAssembly(tuple(map(loop_name, functions))))
-    sizes = {name: _sizes(function) for name, function in dense_functions.items()}
-    parts = sections(code)
-    return WebModule(code, sizes, imported(parts), data_end(parts))
+
+    functions: Mapping[str, ca.Function]
+    text: str
+
+    @classmethod
+    def of(cls, functions: Mapping[str, ca.Function]) -> WebSource:
+        """Source of functions.
+
+        Raises
+        ------
+        UnsupportedError
+            A function cannot be written as C, or packages are missing.
+        """
+        require_llvm()
+        dense_functions = {name: dense(function) for name, function in functions.items()}
+        text = c_sources(dense_functions)
+        if text is None:
+            raise UnsupportedError("CasADi cannot write these functions as C")
+        return cls(dense_functions, text)
+
+    @property
+    def smallest_size(self) -> float:
+        """Size below which the module is not [bytes]."""
+        return len(self.text) / TEXT_PER_BYTE
+
+    def module(self) -> WebModule:
+        """The compiled module, from the cache of compiled functions if it is there.
+
+        Raises
+        ------
+        UnsupportedError
+            A function cannot be translated.
+        """
+        code = compiled_bytes(self.text, WebAssembly(tuple(map(loop_name, self.functions))))
+        sizes = {name: _sizes(function) for name, function in self.functions.items()}
+        parts = sections(code)
+        return WebModule(code, sizes, imported(parts), data_end(parts))
 
 
 def _machine() -> Any:
