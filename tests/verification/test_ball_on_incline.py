@@ -1,4 +1,4 @@
-"""A ball released on an incline: it rolls if ``tan α < 7/2 μ``, and slips otherwise (Galilei, Euler).
+"""A ball released on an incline rolls if ``tan α < 7/2 μ``, and slips otherwise (closed form).
 
 Rolling, ``a = 5/7 g sin α``; slipping, ``a = g (sin α − μ cos α)`` and ``ω̇ = 5 μ g cos α/(2 R)``.
 By contact that is located, by many-body contact in fixed steps, and by a compliant law.
