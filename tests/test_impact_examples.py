@@ -139,3 +139,28 @@ def test_friction_gripper_lifts_what_its_force_permits(pictures: Path) -> None:
     assert printed["floor bears during the lift at 15 N [N]"] == pytest.approx(
         9.81 - 2 * 0.3 * 15, abs=0.01
     )
+
+
+def test_ratchet_turns_one_way_by_whole_pitches(pictures: Path) -> None:
+    """Contact forces of the pawl that bears the load by statics; tips sink in by 0.1 mm."""
+    printed, example = numbers("ratchet", pictures), script("ratchet")
+    assert printed["first swing [pitches]"] == pytest.approx(1, abs=0.01)
+    for swing in ("second", "third"):
+        assert printed[f"{swing} swing [pitches]"] == pytest.approx(1, abs=1e-4)
+    assert printed["farthest back [pitches]"] == pytest.approx(0.3, abs=0.01)
+    _, top, root, _ = example.tooth(-1)
+    normal = np.array([root[1] - top[1], top[0] - root[0]]) / math.dist(root, top)
+    x, y = example.seat()
+    touched = (x, y) - example.TIP * normal
+    arm = -example.HIGHER, example.ARM
+    balance = [
+        [x, touched[1] * normal[0] - touched[0] * normal[1]],  # of the wheel, by face and back
+        [-arm[0], arm[0] * normal[1] - arm[1] * normal[0]],  # of the pawl about its pivot
+    ]
+    forces = np.linalg.solve(balance, (example.LOAD, -example.SPRING * example.PRESS))
+    assert (forces > 0).all()
+    assert printed["contact forces of the holding pawl [N]"] == pytest.approx(
+        forces.sum(), rel=0.02
+    )
+    supplied, lost = (printed[f"energy {how} in a swing [J]"] for how in ("supplied", "dissipated"))
+    assert supplied == pytest.approx(lost, rel=0.01)
