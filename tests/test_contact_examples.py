@@ -70,6 +70,14 @@ def test_geneva_wheel_goes_on_by_quarters(pictures: Path) -> None:
     assert printed["off"] < 2 * play
 
 
+def test_belt_on_a_drum_obeys_the_capstan_equation(pictures: Path) -> None:
+    """Tensions grow by ``e^{μφ}``; the error converges and is far below 1 % with 40 elements."""
+    printed = numbers("capstan", pictures)
+    errors = [abs(printed[f"error of {elements} elements"]) for elements in (10, 20, 40)]
+    assert errors[0] < 0.01 and errors[1] < errors[0] / 2 and errors[2] < errors[1] / 2
+    assert printed["tension by friction"] == pytest.approx(1.0, rel=0.01)
+
+
 def test_chain_drive_keeps_the_ratio_of_its_teeth(pictures: Path) -> None:
     """Mean speeds and torques of rigid links; the polygon's effect but for what vibrates."""
     printed = numbers("chain_drive", pictures)
@@ -97,3 +105,12 @@ def test_discs_in_a_box(pictures: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert printed["deepest penetration [radii]"] <= 1e-6
     assert printed["largest gain of energy [share]"] <= 1e-12
     assert 0.2 < printed["energy left [share]"] < 0.9
+
+
+def test_crates_and_ball(pictures: Path) -> None:
+    """The stack stands until the ball comes, and nothing overlaps afterwards."""
+    printed = numbers("crates_and_ball", pictures)
+    assert printed["finished"] == 1
+    assert printed["motion of the stack before the impact [m]"] <= 1e-9
+    assert printed["maximum penetration [m]"] <= 1e-9
+    assert 0.05 < printed["energy left [share]"] < 0.9

@@ -168,8 +168,11 @@ SHAPE_TABLES = {
     "HalfPlane": 'point = "a.P", normal = ["k", 2]',
     "Polygon": 'body = "a", vertices = [["k", 0], [0, 1], [-1, 0]]',
     "Rectangle": 'point = "a", size = [1, "k"]',
+    "Capsule": 'point_i = "a", point_j = "a.P", radius = "k"',
     "Sprocket": 'point = "a", teeth = 9, pitch = 0.1, roller = "0.06*k/k"',
     "Profile": f'body = "a", curve = {{ type = "FormulaCurve", {CURVE_TABLES["FormulaCurve"]} }}',
+    "BeamLine": 'beam = "strip", radius = "k/100", stations = 2',
+    "BeamSurface": 'beam = "strip", radius = "k/100"',
 }
 CONTACT_TABLES = {
     "Hertz": 'stiffness = "k"',
@@ -209,7 +212,8 @@ def test_every_contact_can_be_written(shape, law, friction, tmp_path, schema):
         "friction": (friction, FRICTION_TABLES[friction]),
     }
     lines = (f'{key} = {{ type = "{kind}", {text} }}' for key, (kind, text) in parts.items())
-    text = f'{HEAD}[forces.new]\ntype = "Contact"\n' + "\n".join(lines)
+    beam = f"[beams.strip]\n{ELEMENTS['beams']['Beam']}\n"
+    text = f'{HEAD}{beam}[forces.new]\ntype = "Contact"\n' + "\n".join(lines)
     element = load(written(tmp_path, text)).elements["new"]
     kinds = [type(getattr(element, key)).__name__ for key in parts]
     assert kinds == [shape, other, law, friction]

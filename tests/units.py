@@ -19,6 +19,7 @@ from dalembert.elements.base import Constraint, Element
 from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
 from dalembert.elements.curves import Curve, FormulaCurve, u
+from dalembert.elements.flexible.beam import Beam
 from dalembert.elements.frame import Frame
 from dalembert.elements.laws.base import Law
 from dalembert.elements.planar import drivers as planar_drivers
@@ -159,7 +160,7 @@ class _Translation:
             return self.point(value)
         if isinstance(value, tuple):
             return tuple(self.point(point) for point in value)
-        if isinstance(value, Constraint):
+        if isinstance(value, (Constraint, Beam)):
             return self.converted.elements[value.name]
         if isinstance(value, Law):
             return self.formula(Expression(value.value(t.sx)), element.units()[0])

@@ -14,6 +14,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.beam import Beam
 from dalembert.elements.flexible.body import Interfaces, Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
@@ -43,6 +44,7 @@ HOLDS: dict[object, str] = {
     str: "text",
     Path: "path relative to the model file",
     BodyElement: "name of a body",
+    Beam: "name of a beam",
     Point: "point",
     Frame: "frame",
     Constraint: "name of a joint",
@@ -59,7 +61,8 @@ HOLDS: dict[object, str] = {
     Orientation: "orientation",
     Law: "law",
     Shape: "shape, or name of a point",
-    fields.Shapes: "list of shapes",
+    fields.Shapes: "list of shapes, or table of lists by groups",
+    fields.Pairs: "list of pairs",
     NormalLaw: "contact law",
     Friction: "friction",
     fields.Places: "list of points",

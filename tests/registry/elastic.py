@@ -49,6 +49,69 @@ def _(q):
     )
 
 
+def _line(c):
+    """The beam, and a disc of the ground that its stations touch, with friction."""
+    drum, forces = np.array([c.p.D_x, c.p.D_y]), _beam(c)
+    ends = (("a", c.a, P(c)), ("b", c.b, Q(c)))
+    for share in (0.5 - np.sqrt(1 / 12), 0.5 + np.sqrt(1 / 12)):
+        shares = 1 - share, share
+        center = sum(n * place for n, (_, _, place) in zip(shares, ends, strict=True))
+        moved = sum(n * b.velocity_at(r) for n, (_, b, r) in zip(shares, ends, strict=True))
+        spin = sum(n * b.w for n, (_, b, _) in zip(shares, ends, strict=True))
+        normal = (center - drum) / length(center - drum)
+        depth = c.p.drum + c.p.half - length(center - drum)
+        if np.real(depth) <= 0:
+            continue
+        arm = -normal * (c.p.half - depth / 2)
+        factor = 1 - c.p.d * (moved @ normal)
+        press = c.p.k / 2 * depth**c.p.power * (factor if np.real(factor) > 0 else 0.0)
+        slip = (moved + spin * left(arm)) @ -left(normal)
+        x = np.sqrt((slip / c.p.transition) ** 2 + 1e-12)
+        rub = press * c.p.dynamic * np.tanh(4 * x) * slip / c.p.transition / x
+        force = press * normal + rub * left(normal)
+        moment = cross(arm, force)
+        forces += [
+            (name, n * force, place, n * moment)
+            for n, (name, _, place) in zip(shares, ends, strict=True)
+        ]
+    return forces
+
+
+@case("beam on a disc", planar.Contact, loads=_line, objective=False)
+def _(q):
+    axial, shear, bending, lead = q.numbers(EA=40.0, GA=25.0, EI=3.0, lead=0.1)
+    size, bend = q.numbers(L=0.9, bend=0.3)
+    angles = q.numbers(angle_i=0.3, angle_j=-0.2)
+    beam = q.add(
+        planar.Beam(
+            "B",
+            *q.points(),
+            length=size,
+            curvature=bend,
+            axial_rigidity=axial,
+            shear_rigidity=shear,
+            bending_rigidity=bending,
+            damping=lead,
+            angle_i=angles[0],
+            angle_j=angles[1],
+            elements=1,
+            order=1,
+        )
+    )
+    k, d, power = q.numbers(k=80.0, d=0.3, power=1.5)
+    dynamic, transition = q.numbers(dynamic=0.3, transition=0.9)
+    kit, drum = planar.contact, q.point(q.ground, "D", 0.8, 0.7)
+    q.add(
+        planar.Contact(
+            "F",
+            kit.Circle(drum, q.number("drum", 0.5)),
+            kit.BeamLine(beam, q.number("half", 0.1), stations=2),
+            law=kit.HuntCrossley(stiffness=k, damping=d, exponent=power),
+            friction=kit.Coulomb(dynamic, slip_speed=transition),
+        )
+    )
+
+
 def _chord(c):
     """Between two nodes: natural length, length, direction and turn."""
     before = np.array([c.p.b_x0 - c.p.a_x0, c.p.b_y0 - c.p.a_y0])

@@ -195,8 +195,11 @@ SHAPES = {
         planar.contact.HalfPlane,
         planar.contact.Polygon,
         planar.contact.Rectangle,
+        planar.contact.Capsule,
         planar.contact.Sprocket,
         planar.contact.Profile,
+        planar.contact.BeamLine,
+        planar.contact.BeamSurface,
     ),
     3: named(
         spatial.contact.Vertex,
@@ -206,6 +209,9 @@ SHAPES = {
         spatial.contact.Box,
         spatial.contact.Capsule,
         spatial.contact.Corners,
+        spatial.contact.Polyhedron,
+        spatial.contact.BeamLine,
+        spatial.contact.BeamSurface,
     ),
 }
 """Dimension → contact shapes."""
@@ -218,3 +224,5 @@ CONTACT_LAWS = named(
     planar.contact.Restitution,
 )
 FRICTIONS = named(planar.contact.Coulomb, planar.contact.Stribeck, planar.contact.LuGre)
+CONTACT_PAIRS = named(planar.contact.Pair)
+"""Coefficients between groups of shapes."""

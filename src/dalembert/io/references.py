@@ -1,4 +1,4 @@
-"""Lookup of the bodies, points, nodes and joints that a file names."""
+"""Lookup of the bodies, points, nodes, beams and joints that a file names."""
 
 from __future__ import annotations
 
@@ -71,6 +71,13 @@ class References:
         names = list(self.document.joints)
         if name not in names:
             raise ModelError(unknown("joint", name, names))
+        return self.system.elements[name]
+
+    def beam(self, name: str) -> Element:
+        """The beam of this name."""
+        names = list(self.document.beams)
+        if name not in names:
+            raise ModelError(unknown("beam", name, names))
         return self.system.elements[name]
 
     def end(self, kind: type, reference: Any) -> Any:

@@ -19,12 +19,21 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.beam import Beam
 from dalembert.elements.flexible.body import Interfaces, Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law, Product, Sum
 from dalembert.elements.point import Point
-from dalembert.elements.registry import CONTACT_LAWS, CURVES, FRICTIONS, LAWS, SHAPES, SPACES
+from dalembert.elements.registry import (
+    CONTACT_LAWS,
+    CONTACT_PAIRS,
+    CURVES,
+    FRICTIONS,
+    LAWS,
+    SHAPES,
+    SPACES,
+)
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.io import fields
@@ -36,6 +45,7 @@ from dalembert.io.fields import (
     Laws,
     Measured,
     Names,
+    Pairs,
     Places,
     Points,
     Quantities,
@@ -123,7 +133,7 @@ def _connection(connections: list[FileField], dimension: int) -> Any:
 
 VALUES: dict[Any, Any] = {
     **dict.fromkeys((Quantity, ForceLaw, Measured), Entry),
-    **dict.fromkeys((str, Path, Event, StructuralResult, BodyElement, Constraint), Text),
+    **dict.fromkeys((str, Path, Event, StructuralResult, BodyElement, Beam, Constraint), Text),
     float: Number,
     int: Integer,
     bool: Flag,
@@ -175,7 +185,8 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
         Laws: lambda: list[law_type(*COMBINED[COMBINED.index(field.owner) :])],  # type: ignore[misc]
         Curve: curve_type,
         Shape: lambda: shape_type(dimension),
-        Shapes: lambda: list[shape_type(dimension)],  # type: ignore[misc]
+        Shapes: lambda: shapes_type(dimension),
+        Pairs: lambda: list[table_of("Pair", CONTACT_PAIRS["Pair"], optional_type=True)],  # type: ignore[misc]
         NormalLaw: contact_law_type,
         Friction: friction_type,
     }
@@ -208,6 +219,13 @@ def shape_type(dimension: int) -> Any:
         for name, cls in SHAPES[dimension].items()
     }
     return one_of(tables, plain=Text)
+
+
+@cache
+def shapes_type(dimension: int) -> Any:
+    """Type of a list of contact shapes, or of lists by the names of groups."""
+    shape = shape_type(dimension)
+    return table_or(dict[str, list[shape]], list[shape])  # type: ignore[valid-type]
 
 
 @cache

@@ -76,7 +76,7 @@ class Compliant(Unilateral, ForceElement):
         for gap, state in zip(self.gaps(rate), self.states(), strict=False):
             depth, speed = -gap.distance, rate(gap.distance)
             normal = if_penetrating(depth, lambda d, v=-speed, law=law: law.force(d, v))
-            elastic = if_penetrating(depth, law.elastic)
+            normal, elastic = normal * gap.weight, if_penetrating(depth, law.elastic) * gap.weight
             friction = ca.SX(gap.slip.numel(), 1)
             if friction_law is not None and gap.slip.numel():
                 friction = friction_law.force(normal, gap.slip, state)
@@ -94,21 +94,24 @@ class Compliant(Unilateral, ForceElement):
             return []
         depth, speed = ca.SX.sym("depth"), ca.SX.sym("speed")
         force, arguments = law.force(depth, speed), ca.vertcat(depth, speed)
-        values = ca.vertcat(law.depth_storing(energy), 0)
-        stiffness, damping = (
-            ca.substitute(ca.jacobian(force, s), arguments, values) for s in (depth, speed)
-        )
-        gaps = self.gaps(rate)
-        return [
-            (rate(g.distance), -stiffness * g.distance - damping * rate(g.distance)) for g in gaps
-        ]
+        powers: Powers = []
+        for gap in self.gaps(rate):
+            values = ca.vertcat(law.depth_storing(energy / gap.weight), 0)
+            stiffness, damping = (
+                gap.weight * ca.substitute(ca.jacobian(force, s), arguments, values)
+                for s in (depth, speed)
+            )
+            closing = rate(gap.distance)
+            powers.append((closing, -stiffness * gap.distance - damping * closing))
+        return powers
 
     def potential(self) -> ca.SX | None:
         law = self.normal_law()
         if law is None:
             return None
         gaps = self.gaps(lambda s: ca.SX.zeros(s.shape))
-        return sum((if_penetrating(-gap.distance, law.stored) for gap in gaps), ca.SX(0))
+        stored = (gap.weight * if_penetrating(-gap.distance, law.stored) for gap in gaps)
+        return sum(stored, ca.SX(0))
 
     def dissipation(self, rate: Rate) -> Powers:
         forces = self.contact_forces(rate)

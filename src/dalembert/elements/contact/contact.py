@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import casadi as ca
 
@@ -19,7 +19,7 @@ from dalembert.elements.contact.laws import NormalLaw, Restitution
 from dalembert.elements.contact.shapes import Hollow, Round, Shape, Vertex
 from dalembert.elements.contact.unilateral import Gap, Impact
 from dalembert.elements.coordinates import Coordinates
-from dalembert.elements.pair import BetweenPoints, need_point, refuse_same_body
+from dalembert.elements.pair import BetweenPoints, need_point
 from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression
@@ -83,8 +83,11 @@ class ShapeContact(Compliant):
         self._check("law", isinstance(self.law, (NormalLaw, Restitution)))
         self._check("friction", self.friction is None or isinstance(self.friction, Friction))
         super().__post_init__()
-        refuse_same_body(*self.ends(), self.name)
         i, j = self.shapes
+        if [b.owner for b in i.bodies] == [b.owner for b in j.bodies]:
+            raise ModelError(
+                f"ties {i.carrier.name} to itself; connect two different bodies", self.name
+            )
         if i.dimension != j.dimension:
             planar = i if i.dimension == 2 else j
             raise ModelError(
@@ -118,14 +121,10 @@ class ShapeContact(Compliant):
         """Shapes of the first and the second body."""
         raise NotImplementedError
 
-    def ends(self) -> tuple[Any, Any]:
-        """First and second body."""
-        i, j = self.shapes
-        return i.carrier, j.carrier
-
     def parts(self) -> list[Coordinates]:
         feet = [c for foot in self.own_constraints() for c in foot.own_coordinates()]
-        return [*self.ends(), *feet, *self.bristles]
+        bodies = [body for shape in self.shapes for body in shape.bodies]
+        return [*dict.fromkeys(bodies), *feet, *self.bristles]
 
     def own_coordinates(self) -> list[Coordinates]:
         return list(self.bristles)
@@ -148,7 +147,7 @@ class ShapeContact(Compliant):
 
     @cached_property
     def _gaps(self) -> list[Gap]:
-        return [Gap(p.distance, p.slip(*self.ends())) for p in self.contact_points]
+        return [Gap(p.distance, p.slip, p.weight) for p in self.contact_points]
 
     def gaps(self, rate: Rate) -> list[Gap]:
         return self._gaps
@@ -160,7 +159,8 @@ class ShapeContact(Compliant):
         return Impact(self.law.e.sx, self.law.tangential.sx, coefficient)
 
     def look(self) -> list[Look]:
-        return [part for shape in self.shapes for part in shape.look(self.contact_points[0].place)]
+        places = ca.horzcat(*(point.place for point in self.contact_points))
+        return [part for shape in self.shapes for part in shape.look(places)]
 
 
 @dataclass(eq=False)

@@ -25,16 +25,21 @@ class ContactPoint:
     normal : unit vector from the first body to the second, inertial components
     place : position halfway between the two surfaces
     foot : equations that determine it on a curve, or None
+    bodies : the first and the second body, or cross-section of a beam, whose materials touch
+    weight : 1, or the fraction of the length that a station of a line represents
     """
 
     distance: ca.SX
     normal: ca.SX
     place: ca.SX
     foot: Constraint | None = None
+    bodies: tuple[Any, Any] | None = None
+    weight: float = 1.0
 
     def reversed(self) -> ContactPoint:
         """The contact point with the bodies exchanged."""
-        return replace(self, normal=-self.normal)
+        bodies = self.bodies and self.bodies[::-1]
+        return replace(self, normal=-self.normal, bodies=bodies)
 
     @property
     def directions(self) -> ca.SX:
@@ -48,9 +53,11 @@ class ContactPoint:
         place = ca.vertcat(self.place, ca.SX.zeros(3 - n))
         return ca.mtimes(self.directions.T, (at_j(place) - at_i(place))[:n])
 
-    def slip(self, body_i: Any, body_j: Any) -> ca.SX:
+    @property
+    def slip(self) -> ca.SX:
         """(1,) or (2,) velocity of the second body along the surface of the first."""
-        return self.speeds(body_i.velocity_at, body_j.velocity_at)[1:]
+        at_i, at_j = (body.velocity_at for body in self.bodies or ())
+        return self.speeds(at_i, at_j)[1:]
 
 
 def contact_of_balls(

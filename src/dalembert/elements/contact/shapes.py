@@ -4,7 +4,8 @@ A shape states its *spots*, balls or corners that touch other shapes, or the sig
 position from its surface, or both. The contact of two shapes is that of the spots of one with the
 surface of the other.
 
-A new shape states ``carrier``, ``spots`` if it is ``Spotted``, ``distance`` if it ``feels``.
+A new shape states ``carrier``, ``spots`` if it is ``Spotted``, ``distance`` if it ``feels``,
+``hull`` if it takes part in ``Collisions``.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ import casadi as ca
 from dalembert.elements.base import Look, Scalar, option, quantity
 from dalembert.elements.component import Component
 from dalembert.elements.contact.contact_point import ContactPoint
+from dalembert.elements.contact.hull import Hull
+from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Ball as Dot, Rail
 from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
@@ -28,15 +31,21 @@ NO_LENGTH = 1e-30
 
 @dataclass(frozen=True, eq=False)
 class Spot:
-    """A ball that represents a shape or a part of it; a corner has the radius zero."""
+    """A ball that represents a shape or a part of it; a corner has the radius zero.
+
+    Attributes
+    ----------
+    weight : 1, or the fraction of the length that a station of a line represents
+    """
 
     point: Point
     radius: ca.SX
+    weight: float = 1.0
 
 
 @dataclass(eq=False)
 class Shape(Component):
-    """A shape fixed in a body."""
+    """A shape fixed in a body, or along a beam."""
 
     feels: ClassVar[tuple[type[Shape], ...]] = ()
     """Shapes whose spots touch its surface."""
@@ -47,8 +56,13 @@ class Shape(Component):
 
     @property
     def carrier(self) -> Any:
-        """The body it is fixed in."""
+        """The body it is fixed in, or the beam."""
         raise NotImplementedError
+
+    @property
+    def bodies(self) -> list[Coordinates]:
+        """The bodies that its position depends on."""
+        return [self.carrier]
 
     @property
     def dimension(self) -> int:
@@ -80,14 +94,25 @@ class Shape(Component):
         outward = ca.gradient(distance, symbol)
         distance, outward = ca.substitute([distance, outward], [symbol], [place])
         gap = distance - spot.radius
-        return ContactPoint(gap, outward, place - outward * (spot.radius + gap / 2))
+        middle = place - outward * (spot.radius + gap / 2)
+        bodies = self.carrier, spot.point.body
+        return ContactPoint(gap, outward, middle, bodies=bodies, weight=spot.weight)
 
     def spots(self) -> list[Spot]:
         """Balls or corners that touch other shapes."""
         raise NotImplementedError
 
+    def hull(self) -> Hull | None:
+        """Its form in collisions; None for shapes that are not convex or without corners."""
+        return None
+
     def look(self, near: ca.SX) -> list[Look]:
-        """Primitives that represent it in pictures, given an inertial contact point."""
+        """Primitives that represent it in pictures.
+
+        Parameters
+        ----------
+        near : (d, m) inertial contact points
+        """
         return []
 
 
@@ -126,12 +151,12 @@ class Pointed(Shape):
         return ca.sqrt(ca.sumsqr(place - self.point.position.sx) + NO_LENGTH**2)
 
 
-class Ball(Spotted, Pointed):
-    """A shape with a single spot."""
+class Ball(Spotted):
+    """A shape whose spots are balls."""
 
 
 @dataclass(eq=False)
-class Vertex(Ball):
+class Vertex(Ball, Pointed):
     """A point: a corner, a tip, a particle.
 
     Parameters
@@ -156,12 +181,15 @@ class Vertex(Ball):
     def spots(self) -> list[Spot]:
         return [Spot(self.point, ca.SX(0))]
 
+    def hull(self) -> Hull:
+        return Hull((self.point.local.sx,), ca.SX(0))
+
     def look(self, near: ca.SX) -> list[Look]:
         return [Dot(self.point)]
 
 
 @dataclass(eq=False)
-class Round(Ball):
+class Round(Ball, Pointed):
     """All points within a distance of a point.
 
     Parameters
@@ -175,6 +203,9 @@ class Round(Ball):
 
     def spots(self) -> list[Spot]:
         return [Spot(self.point, self.radius.sx)]
+
+    def hull(self) -> Hull:
+        return Hull((self.point.local.sx,), self.radius.sx)
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         return self.away(place) - self.radius.sx
@@ -216,8 +247,8 @@ class Flat(Pointed):
         return ca.dot(self.outward, place - self.point.position.sx)
 
     def look(self, near: ca.SX) -> list[Look]:
-        relative = near - self.point.position.sx
+        relative = near - ca.repmat(self.point.position.sx, 1, near.shape[1])
         return [
-            Rail(self.point, tangent, ca.dot(self.carrier.turned(tangent), relative))
+            Rail(self.point, tangent, ca.mtimes(relative.T, self.carrier.turned(tangent)))
             for tangent in self.along
         ]

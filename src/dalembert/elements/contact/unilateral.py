@@ -36,10 +36,12 @@ class Gap:
     distance : ``g``, positive while separated, minus the penetration in contact [m]
     slip : (k,) velocity along the surface, linear in twists [m/s]; k = 0 without friction, 1 for
         planar, 2 for spatial contact
+    weight : factor of force laws: 1, or the fraction of the length that a station represents
     """
 
     distance: ca.SX
     slip: ca.SX
+    weight: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)

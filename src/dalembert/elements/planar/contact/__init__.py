@@ -1,5 +1,7 @@
 """Planar contact: shapes, normal force laws, friction and restitution."""
 
+from dalembert.elements.contact.beam_line import BeamLine
+from dalembert.elements.contact.beam_surface import BeamSurface
 from dalembert.elements.contact.friction import Coulomb, LuGre, Stribeck
 from dalembert.elements.contact.laws import (
     Flores,
@@ -9,15 +11,20 @@ from dalembert.elements.contact.laws import (
     LankaraniNikravesh,
     Restitution,
 )
+from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
+from dalembert.elements.planar.contact.capsule import Capsule
 from dalembert.elements.planar.contact.polygon import Polygon, Rectangle
 from dalembert.elements.planar.contact.profile import Profile
 from dalembert.elements.planar.contact.shapes import Bore, Circle, HalfPlane
 from dalembert.elements.planar.contact.sprocket import Sprocket
 
 __all__ = [
+    "BeamLine",
+    "BeamSurface",
     "Bore",
+    "Capsule",
     "Circle",
     "Coulomb",
     "Flores",
@@ -27,6 +34,7 @@ __all__ = [
     "KelvinVoigt",
     "LankaraniNikravesh",
     "LuGre",
+    "Pair",
     "Polygon",
     "Profile",
     "Rectangle",

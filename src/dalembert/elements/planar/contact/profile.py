@@ -116,15 +116,17 @@ class Foot(NearestPointEquations):
     spot: Spot
 
     def parts(self) -> list[Coordinates]:
-        return [self.profile.body, self.spot.point.body, self.nearest]
+        return [self.profile.body, *self.spot.point.body.parts(), self.nearest]
 
     def residual(self) -> ca.SX:
         place = self.profile.local(self.spot.point.position.sx)
         return place - self.profile.curve.offset_position(self.u, self.distance)
 
     def contact_point(self) -> ContactPoint:
-        gap = self.distance - self.spot.radius
-        return ContactPoint(gap, self.outward, self.position + self.outward * gap / 2, self)
+        gap, spot = self.distance - self.spot.radius, self.spot
+        bodies = self.profile.body, spot.point.body
+        middle = self.position + self.outward * gap / 2
+        return ContactPoint(gap, self.outward, middle, self, bodies, spot.weight)
 
 
 @dataclass(eq=False)
@@ -143,4 +145,5 @@ class Tangency(NearestPointEquations):
     def contact_point(self) -> ContactPoint:
         normal = self.flat.outward
         place = self.position - normal * self.distance / 2
-        return ContactPoint(self.distance, -normal, place, self)
+        bodies = self.profile.body, self.flat.carrier
+        return ContactPoint(self.distance, -normal, place, self, bodies)

@@ -1,5 +1,7 @@
 """Spatial contact: shapes, normal force laws, friction and restitution."""
 
+from dalembert.elements.contact.beam_line import BeamLine
+from dalembert.elements.contact.beam_surface import BeamSurface
 from dalembert.elements.contact.friction import Coulomb, LuGre, Stribeck
 from dalembert.elements.contact.laws import (
     Flores,
@@ -9,12 +11,16 @@ from dalembert.elements.contact.laws import (
     LankaraniNikravesh,
     Restitution,
 )
+from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
+from dalembert.elements.spatial.contact.polyhedron import Polyhedron
 from dalembert.elements.spatial.contact.shapes import HalfSpace, Socket, Sphere
 from dalembert.elements.spatial.contact.solids import Box, Capsule, Corners
 
 __all__ = [
+    "BeamLine",
+    "BeamSurface",
     "Box",
     "Capsule",
     "Corners",
@@ -26,6 +32,8 @@ __all__ = [
     "KelvinVoigt",
     "LankaraniNikravesh",
     "LuGre",
+    "Pair",
+    "Polyhedron",
     "Restitution",
     "Socket",
     "Sphere",
