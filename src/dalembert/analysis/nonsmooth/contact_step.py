@@ -10,9 +10,10 @@ import scipy
 from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
-from dalembert.integrators.contact.contact_solver import ContactSolver, Impulses
+from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.impulses import Impulses
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Matrix
