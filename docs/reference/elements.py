@@ -14,6 +14,7 @@ from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
+from dalembert.elements.flexible.beam import Beam
 from dalembert.elements.flexible.body import Interfaces, Numbers
 from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
@@ -46,6 +47,7 @@ HOLDS: dict[object, str] = {
     Point: "point",
     Frame: "frame",
     Constraint: "name of a joint",
+    Beam: "name of a beam",
     FlexibleStructure: "file of a structure",
     StructuralResult: "table of an analysis",
     Interfaces: "name of a section: nodes; or list of nodes",

@@ -29,7 +29,7 @@ CATEGORIES: dict[str, tuple[str, str]] = {
     ),
     "Contact and impacts": (
         "",
-        "cam_lift_off catenary_cable discs_in_a_box slider_crank_with_play woodpecker",
+        "cam_lift_off capstan catenary_cable discs_in_a_box slider_crank_with_play woodpecker",
     ),
     "Structures": ("", "plate truss ten_bar_truss truss_shape marimba_bar mbb_beam tuned_mass"),
     "Design": (
