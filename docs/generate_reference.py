@@ -22,6 +22,7 @@ from reference.sections import FIXED, section
 
 from dalembert.elements.registry import (
     CONTACT_LAWS,
+    CONTACT_PAIRS,
     CURVES,
     FRICTIONS,
     LAWS,
@@ -60,6 +61,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "curves": lambda: records(CURVES),
     "shapes": lambda: records(SHAPES[2], "####"),
     "spatial_shapes": lambda: records(SHAPES[3], "####"),
+    "contact_pairs": lambda: records(CONTACT_PAIRS, "####"),
     "contact_laws": lambda: records(CONTACT_LAWS, "####"),
     "frictions": lambda: records(FRICTIONS, "####"),
     "analyses": lambda: records(ANALYSES),

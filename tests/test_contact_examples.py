@@ -105,3 +105,12 @@ def test_discs_in_a_box(pictures: Path, monkeypatch: pytest.MonkeyPatch) -> None
     assert printed["deepest penetration [radii]"] <= 1e-6
     assert printed["largest gain of energy [share]"] <= 1e-12
     assert 0.2 < printed["energy left [share]"] < 0.9
+
+
+def test_crates_and_ball(pictures: Path) -> None:
+    """The stack stands until the ball comes, and nothing overlaps afterwards."""
+    printed = numbers("crates_and_ball", pictures)
+    assert printed["finished"] == 1
+    assert printed["motion of the stack before the impact [m]"] <= 1e-9
+    assert printed["maximum penetration [m]"] <= 1e-9
+    assert 0.05 < printed["energy left [share]"] < 0.9

@@ -3,6 +3,7 @@
 from benchmarks.cases import (
     build,
     cold_start,
+    discs,
     flexible_bar,
     gradients,
     live_pages,
@@ -18,6 +19,7 @@ CASES = [
     soft_pendulum.CASE,
     flexible_bar.CASE,
     plate.CASE,
+    discs.CASE,
     gradients.CASE,
     build.CASE,
     machine_code.CASE,

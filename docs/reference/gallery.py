@@ -14,8 +14,8 @@ CATEGORIES: dict[str, tuple[str, str]] = {
     "Linkages, cams and gears": (
         "quick_return_shaper",
         "four_bar slider_crank quick_return_shaper sewing_machine cam_follower geneva_wheel "
-        "double_parallelogram flat_four_bars n_four_bar massless_coupler rolling_disc carts "
-        "cart_a cart_b cart_c "
+        "double_parallelogram flat_four_bars n_four_bar massless_coupler ratchet rolling_disc "
+        "carts cart_a cart_b cart_c "
         "gait_torques smooth_torque chain_drive excavator four_bar_balancing",
     ),
     "Spatial mechanisms": (
@@ -29,7 +29,8 @@ CATEGORIES: dict[str, tuple[str, str]] = {
     ),
     "Contact and impacts": (
         "",
-        "cam_lift_off capstan catenary_cable discs_in_a_box slider_crank_with_play woodpecker",
+        "cam_lift_off capstan catenary_cable compass_biped crates_and_ball discs_in_a_box "
+        "friction_gripper slider_crank_with_play tippe_top vibratory_feeder woodpecker",
     ),
     "Structures": ("", "plate truss ten_bar_truss truss_shape marimba_bar mbb_beam tuned_mass"),
     "Design": (

@@ -11,7 +11,14 @@ from dalembert import planar, spatial, structures
 from dalembert.elements.base import Element
 from dalembert.elements.fem.base import StructuralElement
 from dalembert.elements.fem.registry import ELEMENTS
-from dalembert.elements.registry import CONTACT_LAWS, FRICTIONS, PLANAR, SHAPES, SPATIAL
+from dalembert.elements.registry import (
+    CONTACT_LAWS,
+    CONTACT_PAIRS,
+    FRICTIONS,
+    PLANAR,
+    SHAPES,
+    SPATIAL,
+)
 from dalembert.formulations.base import Formulation
 from dalembert.formulations.stabilization import Stabilization
 from dalembert.integrators.base import Integrator
@@ -48,7 +55,7 @@ def test_elements(space):
 @pytest.mark.parametrize(("module", "dimension"), [(planar, 2), (spatial, 3)])
 def test_parts_of_contacts(module, dimension):
     classes = {n for n in module.contact.__all__ if inspect.isclass(getattr(module.contact, n))}
-    assert classes <= {*SHAPES[dimension], *CONTACT_LAWS, *FRICTIONS}
+    assert classes <= {*SHAPES[dimension], *CONTACT_LAWS, *FRICTIONS, *CONTACT_PAIRS}
 
 
 @pytest.mark.parametrize("base", [Formulation, Stabilization, Integrator, ContactScheme])

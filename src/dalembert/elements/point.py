@@ -137,7 +137,8 @@ def components(letter: str, vector: ca.SX, unit: str) -> dict[str, tuple[ca.SX, 
 
 def _count(local: Vector, usual: int) -> int:
     """Number of coordinates of a point; ``usual`` if it cannot be determined."""
-    size = local.sx.numel() if isinstance(local, Expression) else _length(local)
+    sx = local.sx if isinstance(local, Expression) else local
+    size = sx.numel() if isinstance(sx, ca.SX) else _length(sx)
     return size if size in (2, 3) and size >= usual else usual
 
 

@@ -195,6 +195,7 @@ SHAPES = {
         planar.contact.HalfPlane,
         planar.contact.Polygon,
         planar.contact.Rectangle,
+        planar.contact.Capsule,
         planar.contact.Sprocket,
         planar.contact.Profile,
         planar.contact.BeamLine,
@@ -208,6 +209,7 @@ SHAPES = {
         spatial.contact.Box,
         spatial.contact.Capsule,
         spatial.contact.Corners,
+        spatial.contact.Polyhedron,
         spatial.contact.BeamLine,
         spatial.contact.BeamSurface,
     ),
@@ -222,3 +224,5 @@ CONTACT_LAWS = named(
     planar.contact.Restitution,
 )
 FRICTIONS = named(planar.contact.Coulomb, planar.contact.Stribeck, planar.contact.LuGre)
+CONTACT_PAIRS = named(planar.contact.Pair)
+"""Coefficients between groups of shapes."""

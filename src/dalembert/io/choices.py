@@ -123,7 +123,7 @@ def one_of(
     return Annotated[Union[tuple(members)], Discriminator(choose), BeforeValidator(check)]  # noqa: UP007
 
 
-def table_or(table: type[BaseModel], plain: Any) -> Any:
+def table_or(table: Any, plain: Any) -> Any:
     """Union of one table and a plain value."""
 
     def choose(value: object) -> str:

@@ -25,6 +25,7 @@ from dalembert.elements.base import Constraint, Rows, Vector
 from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw, Restitution
+from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.shapes import Shape
 from dalembert.elements.curves import Curve
 from dalembert.elements.fem.nodal import Nodal
@@ -59,7 +60,8 @@ Names = tuple[str, ...]
 Nodes = tuple[Nodal, ...]
 Laws = tuple[Law, ...]
 Places = tuple[Point, ...]
-Shapes = tuple[Shape, ...]
+Shapes = tuple[Shape, ...] | dict[str, tuple[Shape, ...]]
+Pairs = tuple[Pair, ...]
 Interval = tuple[float, float]
 Measured = str | Expression
 CountOrTimes = int | Sequence[float]
@@ -70,7 +72,7 @@ FILE_TYPES: dict[Any, Any] = {
     for kind in (
         *(bool, int, float, str, Path, Rows, Points, Names, Interval, Measured, Events),
         *(Constraint, Law, Laws, Places, ForceLaw, Curve, Rayleigh, StructuralResult, *CONNECTABLE),
-        *(Frames, Orientation, CountOrTimes, Shape, Shapes, NormalLaw, Friction),
+        *(Frames, Orientation, CountOrTimes, Shape, Shapes, Pairs, NormalLaw, Friction),
         *(Beam, FlexibleStructure, Interfaces, Numbers, Distribution),
         *(Coordinates, Formulation, Stabilization, Integrator, ContactScheme, ContactSolver),
     )

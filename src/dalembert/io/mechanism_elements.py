@@ -20,7 +20,7 @@ from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law
 from dalembert.elements.point import Point
-from dalembert.elements.registry import CONTACT_LAWS, FRICTIONS, SHAPES, elements_of
+from dalembert.elements.registry import CONTACT_LAWS, CONTACT_PAIRS, FRICTIONS, SHAPES, elements_of
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.elements.user_constraint import UserConstraint
@@ -31,6 +31,7 @@ from dalembert.io.declarations import (
 from dalembert.io.documents import Document
 from dalembert.io.fields import (
     FileField,
+    Pairs,
     Places,
     Points,
     Quantities,
@@ -149,7 +150,8 @@ class MechanismElements:
             Constraint: lambda: self.references.joint(entry),
             Beam: lambda: self.references.beam(entry),
             Shape: lambda: self.shape(entry, where),
-            Shapes: lambda: [self.shape(shape, (*where, str(k))) for k, shape in enumerate(entry)],
+            Shapes: lambda: self.shapes(entry, where),
+            Pairs: lambda: self.pairs(entry, where),
             NormalLaw: lambda: self.component(CONTACT_LAWS, entry, where),
             Friction: lambda: self.component(FRICTIONS, entry, where),
             Rows: lambda: [self.vector(row, Scope.PARAMETERS) for row in entry],
@@ -167,6 +169,20 @@ class MechanismElements:
         if isinstance(entry, str):
             return self.references.end(Point, entry)
         return self.component(SHAPES[self.document.space.dimension], entry, where)
+
+    def shapes(self, entry: list | dict[str, list], where: tuple[str | int, ...]) -> Any:
+        """Contact shapes, or lists of these by the names of groups."""
+        if isinstance(entry, dict):
+            return {group: self.shapes(listed, (*where, group)) for group, listed in entry.items()}
+        return [self.shape(shape, (*where, k)) for k, shape in enumerate(entry)]
+
+    def pairs(self, entry: list, where: tuple[str | int, ...]) -> list:
+        """Coefficients of contacts between groups of shapes."""
+        pairs = []
+        for k, table in enumerate(entry):
+            with self.located(*where, k):
+                pairs.append(self.component(CONTACT_PAIRS, table, (*where, k)))
+        return pairs
 
     def component(self, registry: dict[str, type], table: Any, where: tuple[str | int, ...]) -> Any:
         """Component object of an element, such as a contact law, from its table."""

@@ -25,7 +25,15 @@ from dalembert.elements.flexible.shapes import FlexibleStructure
 from dalembert.elements.frame import Frame, Frames
 from dalembert.elements.laws.base import Law, Product, Sum
 from dalembert.elements.point import Point
-from dalembert.elements.registry import CONTACT_LAWS, CURVES, FRICTIONS, LAWS, SHAPES, SPACES
+from dalembert.elements.registry import (
+    CONTACT_LAWS,
+    CONTACT_PAIRS,
+    CURVES,
+    FRICTIONS,
+    LAWS,
+    SHAPES,
+    SPACES,
+)
 from dalembert.elements.rotation import Orientation
 from dalembert.elements.springs import ForceLaw
 from dalembert.io import fields
@@ -37,6 +45,7 @@ from dalembert.io.fields import (
     Laws,
     Measured,
     Names,
+    Pairs,
     Places,
     Points,
     Quantities,
@@ -176,7 +185,8 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
         Laws: lambda: list[law_type(*COMBINED[COMBINED.index(field.owner) :])],  # type: ignore[misc]
         Curve: curve_type,
         Shape: lambda: shape_type(dimension),
-        Shapes: lambda: list[shape_type(dimension)],  # type: ignore[misc]
+        Shapes: lambda: shapes_type(dimension),
+        Pairs: lambda: list[table_of("Pair", CONTACT_PAIRS["Pair"], optional_type=True)],  # type: ignore[misc]
         NormalLaw: contact_law_type,
         Friction: friction_type,
     }
@@ -209,6 +219,13 @@ def shape_type(dimension: int) -> Any:
         for name, cls in SHAPES[dimension].items()
     }
     return one_of(tables, plain=Text)
+
+
+@cache
+def shapes_type(dimension: int) -> Any:
+    """Type of a list of contact shapes, or of lists by the names of groups."""
+    shape = shape_type(dimension)
+    return table_or(dict[str, list[shape]], list[shape])  # type: ignore[valid-type]
 
 
 @cache

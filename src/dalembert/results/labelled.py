@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from dalembert.results.contact_forces import ContactForces
 from dalembert.results.files.contents import COMPONENTS, Contents
 from dalembert.results.recording import Recording
 from dalembert.results.sources import Series, Source
@@ -50,6 +51,10 @@ class LabelledRecording(Recording):
             dimension, names = COMPONENTS[len(expression)]
             coords[dimension] = list(names)
         return self.labelled(measure, coords)
+
+    def drawn_contacts(self, row: int) -> ContactForces | None:
+        """Contacts at an output, for pictures; None for motions without a record of contacts."""
+        return None
 
     def __contains__(self, measure: object) -> bool:
         return (isinstance(measure, str) and measure in DATA_ONLY) or super().__contains__(measure)

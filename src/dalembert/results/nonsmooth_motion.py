@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dalembert.errors import AnalysisError
+from dalembert.results.contact_forces import ContactForces
 from dalembert.results.files.contents import Contents
 from dalembert.results.motion import Motion
 from dalembert.results.recording import Trajectory
@@ -102,6 +103,30 @@ class NonsmoothMotion(Motion):
             text = f"no element with gaps is called {name!r} (known: {', '.join(names)})"
             raise AnalysisError(text)
         return self.data["normal_impulse"].sel(contact=name)
+
+    def contact_forces(self, time: float) -> ContactForces:
+        """Positions and forces of all contacts at the output nearest to a time.
+
+        Examples
+        --------
+        >>> import dalembert as da
+        >>> from dalembert import planar
+        >>> system = da.System("crate", gravity=(0, -10))
+        >>> crate = planar.Body("crate", mass=2.0, inertia=0.1, position=(0, 0.1))
+        >>> shapes = [planar.contact.Rectangle(system.add(crate), (0.4, 0.2)),
+        ...     planar.contact.HalfPlane(system.ground)]
+        >>> floor = system.add(planar.Collisions("floor", shapes))
+        >>> motion = da.solve_nonsmooth(system.build(), 0.1, step=0.01)
+        >>> contacts = motion.contact_forces(0.1)
+        >>> contacts.places.round(6).tolist(), contacts.forces[:, 1].round(6).tolist()
+        ([[-0.2, 0.0], [0.2, 0.0]], [10.0, 10.0])
+        """
+        return self.drawn_contacts(int(np.argmin(np.abs(self.time - time))))
+
+    def drawn_contacts(self, row: int) -> ContactForces:
+        analysis: Any = self.analysis
+        forces: ContactForces = analysis.contact_forces(self, row)
+        return forces
 
 
 def _attributes(name: str, unit: str) -> dict[str, str]:

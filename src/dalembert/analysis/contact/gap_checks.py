@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import casadi as ca
 import numpy as np
 
-from dalembert.analysis.nonsmooth.collision_gaps import collision_gaps
+from dalembert.elements.contact.collisions import Collisions
 from dalembert.errors import AnalysisError, DalembertError, UnsupportedError
 from dalembert.model.graph.model import Model
 from dalembert.model.graph.rigid_gaps import RigidGap
@@ -118,16 +118,20 @@ def ignored_contacts(model: Model, s: Trajectory, p: np.ndarray, forces: bool = 
 
 
 def refuse_collisions(model: Model) -> None:
-    """Refuse elements with gaps among many balls.
+    """Refuse elements with gaps among many shapes.
 
     Raises
     ------
     UnsupportedError
         The model has such elements.
     """
-    if names := [element.name for source in collision_gaps(model) for element in source.elements]:
-        text = f"{', '.join(names)}: gaps among many balls need solve_nonsmooth"
+    if names := [element.name for element in _collisions_of(model)]:
+        text = f"{', '.join(names)}: gaps among many balls or other shapes need solve_nonsmooth"
         raise UnsupportedError(text)
+
+
+def _collisions_of(model: Model) -> list[Collisions]:
+    return [e for e in model.parts.elements.values() if isinstance(e, Collisions)]
 
 
 Smallest = tuple[str, int, float, str]
@@ -148,7 +152,11 @@ def _single_gaps(model: Model, s: Trajectory, p: np.ndarray) -> Iterator[Smalles
 
 
 def _collisions(model: Model, s: Trajectory, p: np.ndarray) -> Iterator[Smallest]:
-    """Smallest gaps among many balls that are closed or nearly closed."""
+    """Smallest gaps among many shapes that are closed or nearly closed."""
+    if not _collisions_of(model):
+        return
+    from dalembert.analysis.nonsmooth.collision_gaps import collision_gaps
+
     travels = CLOSED * model.equations.scales.displacements[:, None]
     for source in collision_gaps(model):
         smallest = np.full(s.t.size, np.inf)

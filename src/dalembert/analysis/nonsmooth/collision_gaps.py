@@ -4,28 +4,33 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-import scipy
 
+from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.hull_gaps import HullGaps
+from dalembert.analysis.nonsmooth.joined_gaps import JoinedGaps
+from dalembert.analysis.nonsmooth.near_pairs import NearPairs, ShapesAt
+from dalembert.analysis.nonsmooth.neighbours import Neighbours
+from dalembert.analysis.nonsmooth.shape_velocities import TWIST, ShapeVelocities
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
+from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
+from dalembert.symbolic.evaluation.kernel import Kernel
 from dalembert.symbolic.once import once
 
 SMALLEST = 16
 """Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
-TWIST = 6
-"""Components of a velocity and an angular velocity."""
 
 
 class CollisionGaps(GapSource):
     """Gaps of one ``Collisions`` element.
 
     Velocities of the balls and walls are ``J v``; those at the gaps follow from them by the
-    geometry of each pair, ``W = K J``.
+    geometry of each pair, ``W = K J``. The gaps at the last position are stored, as a step
+    evaluates the same position several times.
 
     Parameters
     ----------
@@ -44,52 +49,74 @@ class CollisionGaps(GapSource):
         ]
         normals = [_in_space(wall.outward) for wall in walls]
         radii = ca.vertcat(*(b.radius.sx for b in balls))
-        coefficients = ca.vertcat(
-            element.restitution.sx, element.tangential.sx, element.friction.sx
-        )
+        coefficients = element.coefficients
+        self._groups, self._laws = element.group_of([*balls, *walls]), element.laws
         moving, inputs = model.at_ground(ca.vertcat(*twists)), [e.t, e.y, e.p]
-        self._velocities = Patterned("velocities", inputs, [ca.jacobian(moving, e.v)])
+        self._velocities = ShapeVelocities(moving, e.v, inputs)
         columns = [ca.horzcat(*positions), ca.horzcat(*normals) if normals else ca.SX(3, 0)]
         columns = [model.at_ground(ca.densify(c)) if c.numel() else c for c in columns]
         self._symbolic = moving, *columns, radii, coefficients
         outputs = [*columns, ca.densify(radii), coefficients]
         self._geometry = Kernel(ca.Function("geometry", inputs, outputs))
         names = [p.body.name for p in points]
-        self._body = np.array([names.index(name) for name in names])
+        number = {name: k for k, name in enumerate(dict.fromkeys(names))}
+        self._neighbours = Neighbours(np.array([number[name] for name in names]))
         self._kernels: dict[tuple[bool, int], Kernel] = {}
+        self._last: NearPairs | None = None
 
     def near(
         self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
     ) -> Contacts:
-        positions, normals, radii, coefficients = self._geometry(time, y, p)
-        positions, normals, radii = positions.T, normals.T, radii.ravel()
-        velocities = self._velocities(time, y, p)[0]
-        moved = (velocities @ travels).reshape(positions.shape[0], TWIST, -1)[:, :3]
-        reach = 2 * float(np.linalg.norm(moved, axis=1).max(initial=0.0))
-        pairs, wall_pairs = (
-            self._pairs(positions, radii, reach),
-            self._walls(positions, normals, radii, reach),
-        )
-        parts = [
-            self._evaluate(pairs, positions, radii, None),
-            self._evaluate(wall_pairs, positions, radii, normals),
-        ]
-        distance = np.concatenate([part[0] for part in parts])
-        blocks = np.concatenate([part[1] for part in parts])
-        near = distance <= reach
-        first, second = np.hstack([pairs, wall_pairs])[:, near]
-        count = first.size
-        laws = np.repeat(coefficients, count, axis=1)
+        pairs = self._pairs(time, y, p)
+        reach = 2 * self._velocities.fastest(pairs.shapes.velocities, travels)
+        if reach > pairs.reach:
+            pairs = self._last = self._within(pairs.shapes, reach)
+        near = np.flatnonzero(pairs.distance <= reach)
+        first, second = pairs.first[near], pairs.second[near]
+        laws = pairs.shapes.coefficients[:, self._law(first, second)]
         return Contacts(
-            distance[near],
-            self._directions(blocks[near], first, second, velocities, width),
-            np.zeros((count, width)),
+            pairs.distance[near],
+            pairs.derivatives.rows(near, width),
+            np.zeros((near.size, width)),
             laws[0],
             laws[1],
             laws[2],
-            first * positions.shape[0] + second,
-            np.zeros(count, dtype=int),
+            first * pairs.shapes.positions.shape[0] + second,
+            np.zeros(near.size, dtype=int),
         )
+
+    def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
+        return float(self._pairs(time, y, p).distance.min(initial=0.0))
+
+    def _pairs(self, time: float, y: np.ndarray, p: np.ndarray) -> NearPairs:
+        """Pairs near each other at a position; those of the last call if it is the same."""
+        last = self._last
+        if last is not None and last.shapes.is_at(time, y, p):
+            return last
+        positions, normals, radii, coefficients = self._geometry(time, y, p)
+        geometry = positions.T, normals.T, radii.ravel(), coefficients
+        shapes = ShapesAt(time, y.copy(), p.copy(), *geometry, self._velocities(time, y, p))
+        self._last = self._within(shapes, 0.0 if last is None else last.reach)
+        return self._last
+
+    def _within(self, shapes: ShapesAt, reach: float) -> NearPairs:
+        """The pairs within reach."""
+        geometry = shapes.positions, shapes.normals, shapes.radii
+        parts = [self._touching(part) for part in self._neighbours.near(*geometry, reach)]
+        gaps = [self._evaluate(part, shapes, k == 1) for k, part in enumerate(parts)]
+        distance, blocks = (np.concatenate(gap) for gap in zip(*gaps, strict=True))
+        first, second = np.hstack(parts)
+        derivatives = self._velocities.gap_derivatives(blocks, first, second, shapes.velocities)
+        return NearPairs(shapes, reach, first, second, distance, derivatives)
+
+    def _law(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """(n,) numbers of the laws of pairs of shapes."""
+        numbers: np.ndarray = self._laws[self._groups[first], self._groups[second]]
+        return numbers
+
+    def _touching(self, pairs: np.ndarray) -> np.ndarray:
+        """(2, m) pairs of shapes whose groups touch each other."""
+        return pairs[:, self._law(*pairs) != APART]
 
     def symbolic(self, key: int) -> SymbolicGap:
         moving, positions, normals, radii, coefficients = self._symbolic
@@ -101,57 +128,40 @@ class CollisionGaps(GapSource):
             ca.vertcat(positions[:, here], own), ca.vertcat(positions[:, there], radii[there])
         )
         speeds = ca.mtimes(directions, ca.vertcat(*twists))
-        return SymbolicGap(distance, speeds, *ca.vertsplit(coefficients))
+        law = int(self._laws[self._groups[here], self._groups[there]])
+        return SymbolicGap(distance, speeds, *ca.vertsplit(coefficients[:, law]))
 
-    # search for near pairs ------------------------------------------------------------------
-    def _pairs(self, positions: np.ndarray, radii: np.ndarray, reach: float) -> np.ndarray:
-        """(2, n) pairs of balls of different bodies whose gap is within reach."""
-        if radii.size < 2:
-            return np.zeros((2, 0), dtype=int)
-        from scipy.spatial import cKDTree
-
-        centers = positions[: radii.size]
-        largest = 2 * radii.max() + reach
-        first, second = cKDTree(centers).query_pairs(largest, output_type="ndarray").T
-        gap = np.linalg.norm(centers[first] - centers[second], axis=1)
-        near = gap <= radii[first] + radii[second] + reach
-        near &= self._body[first] != self._body[second]
-        pairs = np.stack([first[near], second[near]])
-        return pairs[:, np.lexsort(pairs[::-1])]
-
-    def _walls(
-        self, positions: np.ndarray, normals: np.ndarray, radii: np.ndarray, reach: float
-    ) -> np.ndarray:
-        """(2, n) walls (numbered after the balls) and balls whose gap is within reach."""
+    def points(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        positions, normals, radii, _ = self._geometry(time, y, p)
+        places, directions = super().points(time, y, p, keys)
         balls = radii.size
-        depth = normals @ positions[:balls].T - np.sum(normals * positions[balls:], axis=1)[:, None]
-        wall, ball = np.nonzero(depth - radii <= reach)
-        apart = self._body[balls + wall] != self._body[ball]
-        return np.stack([balls + wall[apart], ball[apart]])
+        for k, key in enumerate(keys):
+            here, there = divmod(int(key), positions.shape[1])
+            other = np.concatenate([positions[:, there], radii[there], positions[:, there]])
+            if here >= balls:
+                feature, own = Feature.WALL, [positions[:, here], normals[:, here - balls], [0.0]]
+            else:
+                feature, own = Feature.CORNERS, [positions[:, here], radii[here]]
+            function = gap_function(feature, self.width)
+            out = function(np.concatenate([*own, positions[:, here]]), other)
+            places[k], directions[k] = out[2].full().ravel(), out[3].full()
+        return places, directions
 
-    # gaps of pairs ---------------------------------------------------------------------------
     def _evaluate(
-        self,
-        pairs: np.ndarray,
-        positions: np.ndarray,
-        radii: np.ndarray,
-        normals: np.ndarray | None,
+        self, chosen: np.ndarray, shapes: ShapesAt, wall: bool
     ) -> tuple[np.ndarray, np.ndarray]:
         """(n,) distances and (n, k, 12) derivatives of gap velocities by both twists."""
-        count = pairs.shape[1]
+        count, positions, radii = chosen.shape[1], shapes.positions, shapes.radii
         if not count:
             return np.zeros(0), np.zeros((0, self.width, 2 * TWIST))
         size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
-        padded = (
-            np.resize(pairs, (2, count)) if size == count else pairs[:, np.arange(size) % count]
-        )
-        first, second = padded
-        if normals is None:
-            about = np.vstack([positions[first].T, radii[first]])
-        else:
-            about = np.vstack([positions[first].T, normals[first - radii.size].T])
-        kernel = self._kernel(normals is not None, size)
-        distance, blocks = kernel(about, np.vstack([positions[second].T, radii[second]]))
+        first, second = chosen if size == count else chosen[:, np.arange(size) % count]
+        own = shapes.normals[first - radii.size].T if wall else radii[None, first]
+        here, there = positions[first].T, positions[second].T
+        kernel = self._kernel(wall, size)
+        distance, blocks = kernel(np.vstack([here, own]), np.vstack([there, radii[second]]))
         blocks = blocks.reshape(self.width, 2 * TWIST, size, order="F")
         return distance.ravel()[:count], np.moveaxis(blocks, 2, 0)[:count]
 
@@ -160,36 +170,6 @@ class CollisionGaps(GapSource):
         if (wall, size) not in self._kernels:
             self._kernels[wall, size] = Kernel(_gap_function(self.width, wall).map(size))
         return self._kernels[wall, size]
-
-    def _directions(
-        self,
-        blocks: np.ndarray,
-        first: np.ndarray,
-        second: np.ndarray,
-        velocities: Matrix,
-        width: int,
-    ) -> Matrix:
-        """``W = K J`` (n width, n_v) of pairs with derivatives ``blocks`` by both twists."""
-        if scipy.sparse.issparse(velocities):
-            gaps = self._assembled(blocks, first, second, velocities.shape[0], width)
-            return scipy.sparse.csr_array(gaps @ velocities)
-        twists = velocities.reshape(-1, TWIST, velocities.shape[1])
-        directions = np.zeros((first.size, width, velocities.shape[1]))
-        directions[:, : self.width] = blocks @ np.hstack([twists[first], twists[second]])
-        return directions.reshape(first.size * width, velocities.shape[1])
-
-    def _assembled(
-        self, blocks: np.ndarray, first: np.ndarray, second: np.ndarray, entries: int, width: int
-    ) -> scipy.sparse.csr_array:
-        """``K`` (n width, entries of the twists)."""
-        count = first.size
-        rows = np.arange(count)[:, None] * width + np.arange(self.width)
-        behind = np.arange(TWIST)
-        columns = np.hstack([first[:, None] * TWIST + behind, second[:, None] * TWIST + behind])
-        row = np.broadcast_to(rows[:, :, None], blocks.shape)
-        column = np.broadcast_to(columns[:, None, :], blocks.shape)
-        values = (blocks.ravel(), (row.ravel(), column.ravel()))
-        return scipy.sparse.csr_array(values, shape=(count * width, entries))
 
 
 @once
@@ -202,10 +182,18 @@ def gap_sources(model: Model) -> list[GapSource]:
 
 
 @once
-def collision_gaps(model: Model) -> list[CollisionGaps]:
-    """Sources of the gaps between balls and walls."""
+def collision_gaps(model: Model) -> list[GapSource]:
+    """Sources of the gaps of ``Collisions``."""
     elements = model.parts.elements.values()
-    return [CollisionGaps(model, e) for e in elements if isinstance(e, Collisions)]
+    return [_collision_gaps(model, e) for e in elements if isinstance(e, Collisions)]
+
+
+def _collision_gaps(model: Model, element: Collisions) -> GapSource:
+    """Gaps of balls, and of other shapes where there are any."""
+    balls = [CollisionGaps(model, element)] if element.balls else []
+    hulls = [HullGaps(model, element)] if element.solids else []
+    sources: list[GapSource] = [*balls, *hulls]
+    return sources[0] if len(sources) == 1 else JoinedGaps(sources)
 
 
 def _in_space(vector: ca.SX) -> ca.SX:

@@ -5,14 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 
 from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
-from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion, Solve
+from dalembert.analysis.nonsmooth.mobility import Mobility
+from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.integrators.contact.contact_solver import ContactSolver, Impulses
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
+from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
 from dalembert.model.graph.model import Model
-from dalembert.symbolic.evaluation.kernel import dense_array
+from dalembert.symbolic.evaluation.kernel import Matrix
 
 ROUNDS = 50
 """Upper limit of the changes of the contact offsets in one step."""
@@ -95,17 +98,27 @@ class ContactStep:
         number, own = divmod(int(key), APART)
         return self.sources[number].symbolic(own)
 
+    def deepest(self, t: float, y: np.ndarray) -> float:
+        """The smallest gap if it is negative, else 0 [m]."""
+        speeds = self.model.equations.speed_count
+        return min(source.deepest(t, y, self.p, speeds) for source in self.sources)
+
     def closed(self, t: float, y: np.ndarray) -> Contacts:
         """Gaps that are negative by more than rounding."""
         contacts = self.near(t, y, np.zeros((self.model.equations.speed_count, 1)))
-        return contacts.some(contacts.distance < -CLOSED * self.model.scales.length)
+        return contacts.some(contacts.distance < -self.rounding)
+
+    @property
+    def rounding(self) -> float:
+        """Penetration that counts as rounding [m]."""
+        return CLOSED * self.model.scales.length
 
     def advance(
         self, t: float, h: float, y: np.ndarray, v: np.ndarray, before: StepResult | None
     ) -> StepResult:
         """A step of length ``h``; impulses of the step ``before`` are the starting point."""
         theta, go = self.scheme.theta, self.model.equations.manifold.go
-        free, multiplier, solve = self.smooth.step(t, y, v, self.p, h, theta)
+        free, multiplier, mobility = self.smooth.step(t, y, v, self.p, h, theta)
         reach, begins = AHEAD * h, before is None
         for _ in range(WIDENINGS):
             contacts = self.near(t, y, reach * np.column_stack([v, free]))
@@ -115,32 +128,29 @@ class ContactStep:
                 contacts = contacts.some(acting)
                 speeds = approach.before[acting], approach.free[acting]
                 approach = Approach(contacts, *speeds, h, begins)
-            mobility, joints = self._mobility(contacts, solve)
             impulses = self._impulses(approach, mobility, before)
             push = impulses.impulses.ravel()
-            after = free + mobility @ push
+            change, reactions = mobility(contacts.directions.T @ push)
+            after = free + change
             position = go(y, h * (theta * after + (1 - theta) * v))
             if not self.scheme.anticipates or not np.isfinite(position).all():
+                break
+            if self.deepest(t + h, position) >= -self.rounding:
                 break
             if np.isin(self.closed(t + h, position).key, contacts.key).all():
                 break
             reach *= WIDER
         loss = -0.5 * float(push @ (contacts.directions @ (after + v)))
-        return StepResult(position, after, multiplier + joints @ push, contacts, impulses, loss)
-
-    def _mobility(self, contacts: Contacts, solve: Solve) -> tuple[np.ndarray, np.ndarray]:
-        """Changes of speeds and of multipliers by unit impulses."""
-        directions = dense_array(contacts.directions).T
-        return solve(directions, None)
+        return StepResult(position, after, multiplier + reactions, contacts, impulses, loss)
 
     def _impulses(
-        self, approach: Approach, mobility: np.ndarray, before: StepResult | None
+        self, approach: Approach, mobility: Mobility, before: StepResult | None
     ) -> Impulses:
         """Impulses of the contacts; offsets are updated until they no longer change."""
         contacts, shape = approach.contacts, approach.before.shape
         if not contacts.count:
             return Impulses(np.zeros(shape), 0.0, True)
-        matrix = contacts.directions @ mobility
+        matrix = delassus(contacts.directions, mobility)
         offsets = self.scheme.first(approach)
         scale = float(max(np.abs(approach.free).max(), np.abs(approach.before).max()))
         start, rounds = warm_start(contacts, before, shape), 0
@@ -156,6 +166,15 @@ class ContactStep:
                 break
             offsets = changed
         return replace(solution, rounds=rounds)
+
+
+def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:
+    """``W A⁻¹ Wᵀ``, as an operator if the directions are sparse."""
+    responses = mobility.responses(directions)
+    if not scipy.sparse.issparse(directions):
+        return np.asarray(directions @ responses.T)
+    none = np.zeros(directions.shape[0])
+    return Delassus(directions, responses, mobility.matrix, mobility.joints, none)
 
 
 def warm_start(contacts: Contacts, before: StepResult | None, shape: tuple[int, ...]) -> np.ndarray:

@@ -6,14 +6,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep
-from dalembert.analysis.nonsmooth.smooth_motion import Solve
+from dalembert.analysis.nonsmooth.contact_step import CLOSED, ContactStep, delassus
+from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.symbolic.equations import newton
-from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
+from dalembert.symbolic.evaluation.kernel import Matrix
 
 SETTINGS = newton.NewtonSettings(tolerance=CLOSED, max_iterations=20, halvings=0)
 """Newton's method converges quadratically."""
+SHARE = 0.1
+"""Accuracy of a displacement, relative to the penetration that counts as rounding [-]."""
 ROUNDS = 20
 """Upper limit of the number of times that further gaps join the correction."""
 
@@ -38,19 +40,24 @@ class PositionCorrection(newton.Equations[np.ndarray]):
     step : ContactStep
     t : the instant [s]
     open_gaps : whether gaps count, too
+    travel : (n_v, 1) displacement within whose reach gaps take part at once; by default only
+        penetrating gaps do, and others when they would close
     """
 
-    def __init__(self, step: ContactStep, t: float, open_gaps: bool):
-        self.step_of, self.t, self.open_gaps = step, t, open_gaps
+    def __init__(
+        self, step: ContactStep, t: float, open_gaps: bool, travel: np.ndarray | None = None
+    ):
+        self.step_of, self.t, self.open_gaps, self.travel = step, t, open_gaps, travel
         scales = step.model.equations.scales
         self.scale = np.append(scales.rows, scales.length)
 
     def residual(self, x: np.ndarray) -> PositionResidual:
         value, rounding = self.step_of.smooth.open_by(self.t, x, self.step_of.p)
-        gaps = None
-        if self.open_gaps and np.isfinite(x).all():
+        gaps, deepest = None, 0.0
+        counted = self.open_gaps and bool(np.isfinite(x).all())
+        if counted and self.step_of.deepest(self.t, x) < -self.step_of.rounding:
             gaps = self.step_of.closed(self.t, x)
-        deepest = 0.0 if gaps is None else gaps.distance.min(initial=0.0)
+            deepest = gaps.distance.min(initial=0.0)
         return PositionResidual(
             np.append(value, deepest), self.scale, np.append(rounding, 0.0), gaps=gaps
         )
@@ -64,29 +71,36 @@ class PositionCorrection(newton.Equations[np.ndarray]):
     ) -> tuple[np.ndarray, Contacts | None]:
         """The displacement, and the gaps involved: penetrating ones, and those that the
         displacement would close, such as the next ones in a stack."""
-        solve = self.step_of.smooth.at(self.t, x, self.step_of.p)[0]
+        mobility = self.step_of.smooth.at(self.t, x, self.step_of.p)[0]
         still = np.zeros(self.step_of.model.equations.speed_count)
-        joint_shift, gaps = solve(still, -residual.value[:-1])[0], residual.gaps
-        if gaps is None or not gaps.count:
+        joint_shift, closed = mobility(still, -residual.value[:-1])[0], residual.gaps
+        if closed is None or not closed.count:
             return joint_shift, None
-        allowed = CLOSED * self.step_of.model.scales.length
+        allowed = self.step_of.rounding
+        gaps = closed if self.travel is None else self.step_of.near(self.t, x, self.travel)
         for _ in range(ROUNDS):
-            shift = joint_shift + self._gap_shift(gaps, joint_shift, solve)
+            push, opened = self._push(gaps, joint_shift, mobility)
+            shift = joint_shift + opened
             near = self.step_of.near(self.t, x, shift[:, None])
             closes = near.distance + normals_of(near) @ shift < -allowed
-            if np.isin(near.key[closes], gaps.key).all():
+            missing = closes & ~np.isin(near.key, gaps.key)
+            if not missing.any():
                 break
-            gaps = near.some(np.isin(near.key, gaps.key) | closes)
-        return shift, gaps
+            gaps = Contacts.joined([gaps, near.some(missing)])
+        return shift, gaps.some((push > 0) | (gaps.distance < -allowed))
 
-    def _gap_shift(self, gaps: Contacts, joint_shift: np.ndarray, solve: Solve) -> np.ndarray:
-        """Displacement that opens gaps, in addition to ``joint_shift``, which closes joints."""
-        normals = normals_of(gaps)
-        response = solve(dense_array(normals).T, None)[0]
+    def _push(
+        self, gaps: Contacts, joint_shift: np.ndarray, mobility: Mobility
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Multipliers of gaps, and the displacement that opens them in addition to
+        ``joint_shift``, which closes joints."""
+        normals, solver = normals_of(gaps), self.step_of.solver
         open_by = (gaps.distance + normals @ joint_shift)[:, None]
-        scale = float(np.abs(open_by).max())
-        problem = FrictionProblem(normals @ response, open_by, np.zeros(gaps.count), scale)
-        return response @ self.step_of.solver.solve(problem).impulses.ravel()
+        fine = SHARE * self.step_of.rounding / solver.tolerance
+        scale = max(float(-open_by.min(initial=0.0)), fine)
+        problem = FrictionProblem(delassus(normals, mobility), open_by, np.zeros(gaps.count), scale)
+        push = solver.solve(problem).impulses.ravel()
+        return push, mobility(normals.T @ push)[0]
 
     def retract(self, x: np.ndarray, step: np.ndarray) -> np.ndarray:
         return self.step_of.model.equations.manifold.go(x, step)
@@ -98,16 +112,23 @@ def normals_of(gaps: Contacts) -> Matrix:
 
 
 def correct_position(
-    step: ContactStep, t: float, y: np.ndarray, open_gaps: bool
+    step: ContactStep,
+    t: float,
+    y: np.ndarray,
+    open_gaps: bool,
+    travel: np.ndarray | None = None,
 ) -> newton.Solution[np.ndarray]:
     """The nearest position with joints closed and, with ``open_gaps``, gaps open.
 
     Speeds do not change, so that impulses do no work here; lifted weights gain potential energy.
     """
-    return newton.solve(PositionCorrection(step, t, open_gaps), y, SETTINGS)
+    return newton.solve(PositionCorrection(step, t, open_gaps, travel), y, SETTINGS)
 
 
-def consistent_speeds(step: ContactStep, t: float, y: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """The nearest speeds, by kinetic energy, with ``C v = −Φ_t``."""
-    solve, _, still, joints = step.smooth.at(t, y, step.p)
-    return v + solve(np.zeros(v.size), -still - joints @ v)[0]
+def consistent_speeds(
+    step: ContactStep, t: float, y: np.ndarray, v: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """The nearest speeds, by kinetic energy, with ``C v = −Φ_t``, and the kinetic energy lost."""
+    mobility, _, still, joints = step.smooth.at(t, y, step.p)
+    change = mobility(np.zeros(v.size), -still - joints @ v)[0]
+    return v + change, -float(change @ (mobility.matrix @ (v + change / 2)))

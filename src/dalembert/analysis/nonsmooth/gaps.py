@@ -61,6 +61,20 @@ class GapSource(ABC):
     def symbolic(self, key: int) -> SymbolicGap:
         """The gap with this key."""
 
+    def points(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 3) contact points and (n, 3, width) directions of velocities at gaps with some keys.
+
+        Gaps stated by formulas have no position, which is NaN.
+        """
+        return np.full((keys.size, 3), np.nan), np.zeros((keys.size, 3, self.width))
+
+    def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
+        """The smallest gap if it is negative, else 0 [m]; ``speeds`` is the number of speeds."""
+        closed = self.near(time, y, p, np.zeros((speeds, 1)), self.width)
+        return float(closed.distance.min(initial=0.0))
+
 
 class FormulaGaps(GapSource):
     """Gaps of elements that state them as formulas, evaluated in one function.

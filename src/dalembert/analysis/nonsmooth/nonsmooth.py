@@ -11,6 +11,7 @@ import numpy as np
 from dalembert.analysis.dynamics.residual_check import check_balance
 from dalembert.analysis.keywords import NonsmoothKeywords
 from dalembert.analysis.kinematics.kinematics import refuse_outside
+from dalembert.analysis.nonsmooth.contact_forces import contact_forces
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
 from dalembert.analysis.nonsmooth.step_log import interpolate
 from dalembert.analysis.timeline import OverTime
@@ -20,6 +21,7 @@ from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.schemes import AnticipatedImpacts, ContactScheme
 from dalembert.model.graph.model import Model
 from dalembert.options import options
+from dalembert.results.contact_forces import ContactForces
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
 from dalembert.text.arguments import check_arguments
 
@@ -82,6 +84,10 @@ class Nonsmooth(OverTime[NonsmoothMotion]):
         """
         refuse_outside(times, motion.record.t)
         return replace(motion, trajectory=interpolate(motion.model, motion.record, times))
+
+    def contact_forces(self, motion: NonsmoothMotion, row: int) -> ContactForces:
+        """Positions and mean forces of the contacts of the step at an output."""
+        return contact_forces(motion, row)
 
 
 @check_arguments

@@ -90,7 +90,7 @@ class NonsmoothRun:
             parameters=self.p,
             trajectory=trajectory,
             status=check.verify(status),
-            statistics=self.statistics(record, elapsed),
+            statistics=self.statistics(record, log.scheme_losses, elapsed),
             warnings=[*check.warnings, *elastic_warnings(self.model, trajectory, self.p)],
             record=record,
         )
@@ -104,11 +104,11 @@ class NonsmoothRun:
                 result = self.step.advance(t, h, log.y, log.v, result)
                 if failure := self.failure(t, result):
                     return failure
-                position = self.corrected(t + h, result)
+                position = self.corrected(t + h, h, result)
                 if not position.accepted:
                     return self.not_corrected(t, h, position)
-                v = self.speeds(t + h, position.x, result)
-                log.add(t + h, h, position.x, v, result)
+                v, lost = self.speeds(t + h, position.x, result)
+                log.add(t + h, h, position.x, v, result, lost)
                 report((grid[k + 1] - self.start) / (self.end - self.start))
         except KeyboardInterrupt:
             return stopped(log.t, log.open_by)
@@ -118,14 +118,15 @@ class NonsmoothRun:
             return Status(Outcome.SINGULAR, f"{error} (t = {log.t:.9g} s)", log.t, log.open_by)
         return reached(log.t, log.open_by)
 
-    def corrected(self, t: float, result: StepResult) -> Solution[np.ndarray]:
+    def corrected(self, t: float, h: float, result: StepResult) -> Solution[np.ndarray]:
         """Position with joints closed and, if the scheme corrects gaps, gaps open."""
-        return correct_position(self.step, t, result.y, self.analysis.integrator.projection)
+        travel, projection = h * result.v[:, None], self.analysis.integrator.projection
+        return correct_position(self.step, t, result.y, projection, travel)
 
-    def speeds(self, t: float, y: np.ndarray, result: StepResult) -> np.ndarray:
-        """Speeds consistent with the joints at a position."""
+    def speeds(self, t: float, y: np.ndarray, result: StepResult) -> tuple[np.ndarray, float]:
+        """Speeds consistent with the joints at a position, and the kinetic energy lost."""
         joints = self.step.smooth.has_joints
-        return consistent_speeds(self.step, t, y, result.v) if joints else result.v
+        return consistent_speeds(self.step, t, y, result.v) if joints else (result.v, 0.0)
 
     def not_corrected(self, t: float, h: float, position: Solution[np.ndarray]) -> Status:
         """Status of a run in which the correction of positions failed."""
@@ -152,7 +153,9 @@ class NonsmoothRun:
             return Status(Outcome.NOT_CONVERGED, text, t, impulses.residual)
         return None
 
-    def statistics(self, record: ContactRecord, elapsed: float) -> dict[str, Any]:
+    def statistics(
+        self, record: ContactRecord, scheme_losses: np.ndarray, elapsed: float
+    ) -> dict[str, Any]:
         count = max(record.loss.size, 1)
         key = "initial overlaps removed"
         overlaps = {key: self.closed_gaps} if self.closed_gaps else {}
@@ -166,6 +169,7 @@ class NonsmoothRun:
             "maximum residual [m/s]": float(record.residual.max(initial=0.0)),
             "maximum penetration [m]": float(record.penetration.max(initial=0.0)),
             "energy dissipated in contacts [J]": float(record.loss.sum()),
+            "energy dissipated by the scheme [J]": float(scheme_losses[-1]),
             "maximum energy gained in contacts [J]": float((-record.loss).max(initial=0.0)),
         }
 

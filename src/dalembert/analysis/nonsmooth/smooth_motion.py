@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import casadi as ca
 import numpy as np
-import scipy
 
-from dalembert.errors import SingularityError, UnsupportedError
+from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
+from dalembert.errors import UnsupportedError
 from dalembert.model.graph.assembly.assembly import ROUNDING
 from dalembert.model.graph.model import Model
-from dalembert.sparse.factorise import general_factors
 from dalembert.symbolic.evaluation.kernel import Kernel, Matrix, Patterned
-
-Solve = Callable[[np.ndarray, np.ndarray | None], tuple[np.ndarray, np.ndarray]]
-"""``(right side of the speeds, of the joints or None) → (speeds, multipliers)``."""
 
 
 class SmoothMotion:
@@ -55,12 +49,16 @@ class SmoothMotion:
             ca.Function("powers", [e.t, e.y, e.v, e.a, e.multiplier, e.p], [ca.densify(e.powers)])
         )
         self._reacts = ca.sparsify(ca.horzcat(damping, stiffness)).nnz() > 0
+        pattern = ca.sparsify(e.mass).sparsity()
+        for slope in (damping, stiffness):
+            pattern = pattern + ca.sparsify(slope).sparsity()
+        self._coupling = Coupling.of(pattern, e.jacobian.sparsity())
         self.has_joints, self._go = e.constraint_count > 0, e.manifold.go
 
     def step(
         self, t: float, y: np.ndarray, v: np.ndarray, p: np.ndarray, h: float, theta: float
-    ) -> tuple[np.ndarray, np.ndarray, Solve]:
-        """Speeds at the end without impulses, multipliers times ``h``, and the solver of the
+    ) -> tuple[np.ndarray, np.ndarray, Mobility]:
+        """Speeds at the end without impulses, multipliers times ``h``, and the mobility of the
         step."""
         fraction = constrained_fraction(theta)
         middle, between = self._go(y, theta * h * v), self._go(y, fraction * h * v)
@@ -70,9 +68,9 @@ class SmoothMotion:
         if self._reacts:
             matrix = mass - h * theta * damping - (h * theta) ** 2 * stiffness
         joints, still = self._joints(t + fraction * h, between, p)[:2]
-        solve = solver(matrix, joints)
-        change, multiplier = solve(h * force, -(still + joints @ v) / fraction)
-        return v + change, multiplier, solve
+        mobility = Mobility(matrix, joints, self._coupling)
+        change, multiplier = mobility(h * force, -(still + joints @ v) / fraction)
+        return v + change, multiplier, mobility
 
     def open_by(self, t: float, y: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """``Φ``, and its rounding error."""
@@ -81,55 +79,12 @@ class SmoothMotion:
 
     def at(
         self, t: float, y: np.ndarray, p: np.ndarray
-    ) -> tuple[Solve, np.ndarray, np.ndarray, Matrix]:
-        """Solver with ``M`` and ``C`` at a position, ``Φ``, ``Φ_t`` and ``C``."""
+    ) -> tuple[Mobility, np.ndarray, np.ndarray, Matrix]:
+        """Mobility with ``M`` and ``C`` at a position, ``Φ``, ``Φ_t`` and ``C``."""
         joints, still, open_by = self._joints(t, y, p)[:3]
-        return solver(self._mass(y, p)[0], joints), open_by, still, joints
+        return Mobility(self._mass(y, p)[0], joints, self._coupling), open_by, still, joints
 
 
 def constrained_fraction(theta: float) -> float:
     """``σ``, the fraction of a step at which interpolated speeds satisfy the joints."""
     return max(theta, 0.5)
-
-
-def solver(matrix: Matrix, joints: Matrix) -> Solve:
-    """Solver of ``A x + Cᵀ λ = r``, ``C x = s``, for one or many right-hand sides.
-
-    Raises
-    ------
-    SingularityError
-        The matrix has no inverse.
-    """
-    m, n = joints.shape
-    if not m and (diagonal := _diagonal(matrix)) is not None:
-        return lambda right, _: ((right.T / diagonal).T, np.zeros((0, *right.shape[1:])))
-    try:
-        factors = general_factors(_saddle(matrix, joints))
-    except np.linalg.LinAlgError:
-        text = "inertia and joints of a step have no solution; look for a singular position"
-        raise SingularityError(text) from None
-
-    def solve(right: np.ndarray, below: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-        right_below = np.zeros((m, *right.shape[1:])) if below is None else below
-        solution = factors.solve(np.concatenate([right, right_below]))
-        return solution[:n], solution[n:]
-
-    return solve
-
-
-def _diagonal(matrix: Matrix) -> np.ndarray | None:
-    """The diagonal of a diagonal matrix; None for any other matrix."""
-    diagonal = matrix.diagonal()
-    entries = matrix.count_nonzero() if scipy.sparse.issparse(matrix) else np.count_nonzero(matrix)
-    return diagonal if np.all(diagonal) and entries == diagonal.size else None
-
-
-def _saddle(matrix: Matrix, joints: Matrix) -> Matrix:
-    """``[[A, Cᵀ], [C, 0]]``."""
-    m, n = joints.shape
-    if scipy.sparse.issparse(matrix) or scipy.sparse.issparse(joints):
-        blocks = [[matrix, joints.T], [joints, None]] if m else [[matrix]]
-        return scipy.sparse.block_array(blocks, format="csc")
-    whole = np.zeros((n + m, n + m))
-    whole[:n, :n], whole[n:, :n], whole[:n, n:] = matrix, joints, joints.T
-    return whole

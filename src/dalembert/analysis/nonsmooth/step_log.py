@@ -2,15 +2,55 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
+import casadi as ca
 import numpy as np
 
+from dalembert.analysis.dynamics.residual_check import energy_errors
+from dalembert.analysis.model_residuals import ModelResiduals
 from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
 from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.recording import Trajectory
 from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.once import once
+
+
+@dataclass(frozen=True, eq=False)
+class StepEntry:
+    """Part of a step that is recorded.
+
+    Attributes
+    ----------
+    multiplier : of the joints, times the step
+    owner, key, impulse : element, gap and impulse of each pressing contact
+    loss : energy dissipated by the contacts
+    residual, rounds : of the solution of the friction problem
+    """
+
+    multiplier: np.ndarray
+    owner: np.ndarray
+    key: np.ndarray
+    impulse: np.ndarray
+    loss: float
+    residual: float
+    rounds: int
+
+    @classmethod
+    def of(cls, result: StepResult) -> StepEntry:
+        """The entry of a step."""
+        impulses, contacts = result.impulses, result.contacts
+        pressing = impulses.impulses[:, 0] > 0
+        return cls(
+            result.multiplier,
+            contacts.owner[pressing],
+            contacts.key[pressing],
+            impulses.impulses[pressing],
+            result.loss,
+            impulses.residual,
+            impulses.rounds,
+        )
 
 
 class StepLog:
@@ -19,14 +59,17 @@ class StepLog:
     Attributes
     ----------
     t, y, v : the last state
+    scheme_losses : (K+1,) energy dissipated by the scheme, once recorded [J]
     """
 
     def __init__(self, step: ContactStep, t: float, y: np.ndarray, v: np.ndarray):
         self.step = step
         self.times, self.positions, self.speeds = [t], [y], [v]
         self.lengths: list[float] = []
-        self.results: list[StepResult] = []
+        self.entries: list[StepEntry] = []
+        self.speed_losses: list[float] = []
         self.depths = [self._depth(t, y)]
+        self.scheme_losses = np.zeros(1)
 
     @property
     def t(self) -> float:
@@ -45,54 +88,57 @@ class StepLog:
         """The deepest penetration [m]."""
         return max(self.depths)
 
-    def add(self, t: float, h: float, y: np.ndarray, v: np.ndarray, result: StepResult) -> None:
-        """Append a step and the corrected state at its end."""
+    def add(
+        self, t: float, h: float, y: np.ndarray, v: np.ndarray, result: StepResult, lost: float
+    ) -> None:
+        """Append a step and the corrected state at its end, whose kinetic energy is smaller by
+        ``lost``."""
         self.times.append(t)
         self.lengths.append(h)
         self.positions.append(y)
         self.speeds.append(v)
-        self.results.append(result)
+        self.entries.append(StepEntry.of(result))
+        self.speed_losses.append(lost)
         self.depths.append(self._depth(t, y))
 
     def _depth(self, t: float, y: np.ndarray) -> float:
-        none = np.zeros((self.step.model.equations.speed_count, 1))
-        return max(0.0, -float(self.step.near(t, y, none).distance.min(initial=0.0)))
+        return abs(self.step.deepest(t, y))
 
     def record(self) -> ContactRecord:
         """The steps as arrays."""
         y, v, h = np.stack(self.positions, 1), np.stack(self.speeds, 1), np.array(self.lengths)
-        model, results = self.step.model, self.results
+        model, entries = self.step.model, self.entries
         m = model.equations.constraint_count
         a = np.diff(v, axis=1) / h
         multiplier = np.stack(
-            [s.multiplier / d for s, d in zip(results, h, strict=True)] or [np.zeros(m)], 1
+            [s.multiplier / d for s, d in zip(entries, h, strict=True)] or [np.zeros(m)], 1
         )[:, : h.size]
-        pressing = [s.impulses.impulses[:, 0] > 0 for s in results]
-        impulses = [s.impulses.impulses[w] for s, w in zip(results, pressing, strict=True)]
-        owners, keys = (
-            [getattr(s.contacts, name)[w] for s, w in zip(results, pressing, strict=True)]
-            for name in ("owner", "key")
+        owners, keys, impulses = (
+            [getattr(s, name) for s in entries] for name in ("owner", "key", "impulse")
         )
-        counts = [int(w.sum()) for w in pressing]
-        loss = np.array([s.loss for s in results])
+        loss = np.array([s.loss for s in entries])
+        ends = Trajectory(
+            np.array(self.times),
+            y,
+            v,
+            _with_start(a),
+            _with_start(model.all_multipliers(multiplier)),
+            self._work(y, v, a, multiplier, h, loss),
+        )
+        if h.size:
+            self.scheme_losses = self._scheme_losses(ends)
+            ends.work[0] += self.scheme_losses
         return ContactRecord(
-            ends=Trajectory(
-                np.array(self.times),
-                y,
-                v,
-                _with_start(a),
-                _with_start(model.all_multipliers(multiplier)),
-                self._work(y, v, a, multiplier, h, loss),
-            ),
+            ends=ends,
             names=tuple(e.name for source in self.step.sources for e in source.elements),
-            step=np.repeat(np.arange(h.size), counts),
+            step=np.repeat(np.arange(h.size), [own.size for own in keys]),
             owner=np.concatenate([*owners, np.zeros(0, dtype=int)]),
             key=np.concatenate([*keys, np.zeros(0, dtype=int)]),
             impulse=np.concatenate([*impulses, np.zeros((0, self.step.width))]),
             loss=loss,
             penetration=np.array(self.depths),
-            residual=np.array([s.impulses.residual for s in results]),
-            rounds=np.array([s.impulses.rounds for s in results], dtype=int),
+            residual=np.array([s.residual for s in entries]),
+            rounds=np.array([s.rounds for s in entries], dtype=int),
         )
 
     def _work(self, y, v, a, multiplier, h: np.ndarray, loss: np.ndarray) -> np.ndarray:
@@ -107,6 +153,37 @@ class StepLog:
         rates = powers(t[:-1] + h / 2, middle, speeds, a, multiplier, p)[0]
         work[:, 1:] = np.cumsum(h * rates + np.vstack([loss, np.zeros_like(loss)]), axis=1)
         return work
+
+    def _scheme_losses(self, ends: Trajectory) -> np.ndarray:
+        """(K+1,) energy dissipated by the scheme since the start [J].
+
+        With ``θ = ½`` it is exchanged where positions are corrected, so that they are not
+        ``y ⊕ h (v⁺ + v)/2``, and where speeds are made consistent with the joints. Other ``θ``
+        exchange all that is missing in the balance. Only the net loss counts; a net gain is left as
+        an error of the balance.
+        """
+        model, p = self.step.model, self.step.p
+        if self.step.scheme.theta != 0.5:
+            energies = ModelResiduals(model, ends, p).energies
+            losses = -energy_errors(energies, ends.work)[1:]
+        else:
+            h, v = np.array(self.lengths), ends.v
+            middle = h * (v[:, 1:] + v[:, :-1]) / 2
+            middle = model.equations.manifold.go(ends.y[:, :-1], middle)
+            potential, repeated = _potential(model, h.size), np.tile(p[:, None], h.size)
+            change, corrected = (
+                potential(ends.t[1:], y, repeated)[0].ravel() for y in (middle, ends.y[:, 1:])
+            )
+            losses = np.cumsum(change - corrected + np.array(self.speed_losses))
+        return np.append(0.0, np.maximum.accumulate(np.maximum(losses, 0.0)))
+
+
+@once
+def _potential(model: Model, count: int) -> Kernel:
+    """``(t, y, p) → V`` of ``count`` columns."""
+    e = model.equations
+    function = ca.Function("potential", [e.t, e.y, e.p], [ca.densify(e.potential)])
+    return Kernel(function.map(count))
 
 
 def interpolate(model: Model, record: ContactRecord, times: np.ndarray) -> Trajectory:

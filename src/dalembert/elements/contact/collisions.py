@@ -1,39 +1,51 @@
-"""Unilateral contacts of many balls with each other and with walls."""
+"""Unilateral contacts among many shapes."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
+import numpy as np
 
 from dalembert.elements.base import Condition, Element, Look, Scalar, option, quantity
 from dalembert.elements.body import BodyElement
-from dalembert.elements.contact.shapes import Flat, Round, Shape
+from dalembert.elements.component import Component
+from dalembert.elements.contact.hull import Hull
+from dalembert.elements.contact.pairs import Pair, checked_pairs, law_numbers
+from dalembert.elements.contact.shapes import Flat, Round, Shape, Vertex
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Rail
+from dalembert.elements.pair import need_point
+from dalembert.elements.point import Point
 from dalembert.errors import ModelError
 from dalembert.symbolic.formulas.expression import Expression
+
+EXAMPLE = "contact.Circle(ball.center, 0.1), contact.HalfPlane(ground)"
 
 
 @dataclass(eq=False)
 class Collisions(Element):
-    """Unilateral contacts ``g ≥ 0`` of all pairs of balls, and of each ball with each wall.
+    """Unilateral contacts ``g ≥ 0`` among all shapes of different bodies.
 
-    Newton's restitution and Coulomb's friction, as in ``Impact``. The number of gaps is that of
-    pairs, of which few are active; ``solve_nonsmooth`` detects these in every step.
+    Newton's restitution and Coulomb's friction, as in ``Impact``. Two shapes touch at one point, or
+    at several where edges or faces are parallel. ``solve_nonsmooth`` detects near pairs in every
+    step.
 
     Parameters
     ----------
-    shapes : shapes of ``contact``: circles and half-planes, or spheres and half-spaces
+    shapes : convex shapes of ``contact``, half-planes, points of bodies; or lists of these by the
+        names of groups
     restitution : ``e`` along the normal, 0 to 1
     tangential : restitution of the slip, 0 to 1
     friction : ``μ``
+    pairs : other coefficients between two groups, or groups that do not touch: ``contact.Pair``
 
     Raises
     ------
     ModelError
-        No circle or sphere, or another shape.
+        No convex shape, another shape, or an unknown group.
 
     Examples
     --------
@@ -49,52 +61,118 @@ class Collisions(Element):
     (0.0, 2.0)
     """
 
-    shapes: tuple[Shape, ...] = option("circles and half-planes, or spheres and half-spaces")
+    shapes: tuple[Shape, ...] | dict[str, tuple[Shape, ...]] = option(
+        "shapes, or lists of shapes by the names of groups"
+    )
     restitution: Scalar = quantity("", "restitution along the normal", default=0.0, minimum=0.0)
     tangential: Scalar = quantity("", "restitution of the slip", default=0.0, minimum=0.0)
     friction: Scalar = quantity("", "coefficient of friction", default=0.0, minimum=0.0)
+    pairs: tuple[Pair, ...] = option("laws between two groups", default=())
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if isinstance(self.shapes, Shape):
-            self.shapes = (self.shapes,)
-        self.shapes = tuple(self._shape(k, shape) for k, shape in enumerate(self.shapes))
-        if not self.balls:
-            raise ModelError(
-                "there is no ball; give shapes such as contact.Circle(ball.center, 0.1)", self.name
-            )
-        self.dimension: int = max(ball.dimension for ball in self.balls)
+        grouped = self.shapes if isinstance(self.shapes, Mapping) else {"": self.shapes}
+        self.groups: dict[str, tuple[Shape, ...]] = {
+            group: self._shapes(self._label(group), shapes) for group, shapes in grouped.items()
+        }
+        self._check_shapes()
+        self.dimension: int = self.members[0].dimension
+        self.pairs = checked_pairs(self.pairs, list(self.groups), self.name)
 
-    def _shape(self, number: int, shape: Shape) -> Shape:
-        if not isinstance(shape, (Round, Flat)):
-            raise ModelError(
-                f"is {shape!r:.60}; give shapes such as contact.Circle(ball.center, 0.1) and "
-                "contact.HalfPlane(ground.center)",
-                f"{self.name}.shapes[{number}]",
-            )
+    def _label(self, group: str) -> str:
+        return f"{self.name}.shapes.{group}" if group else f"{self.name}.shapes"
+
+    def _shapes(self, label: str, shapes: Shape | tuple[Shape, ...]) -> tuple[Shape, ...]:
+        listed = shapes if isinstance(shapes, (list, tuple)) else (shapes,)
+        return tuple(self._shape(f"{label}[{k}]", shape) for k, shape in enumerate(listed))
+
+    def _shape(self, entity: str, shape: Shape | Point | BodyElement) -> Shape:
+        if isinstance(shape, (Point, BodyElement)):
+            shape = Vertex(need_point(shape, entity, "point"))
+        if not isinstance(shape, Shape):
+            raise ModelError(f"is {shape!r:.60}; give shapes such as {EXAMPLE}", entity)
         if isinstance(shape, Flat):
             try:
                 _ = shape.outward
             except ModelError as error:  # a zero normal
-                entity = f"{self.name}.shapes[{number}].normal"
-                raise ModelError(error.message, entity) from None
+                raise ModelError(error.message, f"{entity}.normal") from None
+        elif shape.hull() is None:
+            raise ModelError(
+                f"a {type(shape).__name__} is not available here, only convex shapes; give shapes "
+                f"such as {EXAMPLE}, or use Contact",
+                entity,
+            )
         return shape
+
+    def _check_shapes(self) -> None:
+        if not self.hulls:
+            text = "there is no ball nor another convex shape; give shapes such as "
+            raise ModelError(text + EXAMPLE, self.name)
+        first = self.members[0]
+        for shape in self.members:
+            if shape.dimension != first.dimension:
+                planar, other = sorted((first, shape), key=lambda s: s.dimension)
+                raise ModelError(
+                    f"the {type(planar).__name__} of {planar.carrier.name} lies in a plane and the "
+                    f"{type(other).__name__} of {other.carrier.name} in space; give both the same "
+                    "number of coordinates",
+                    self.name,
+                )
+
+    @cached_property
+    def members(self) -> tuple[Shape, ...]:
+        """Shapes of all groups."""
+        return tuple(shape for shapes in self.groups.values() for shape in shapes)
+
+    @cached_property
+    def hulls(self) -> list[tuple[Shape, Hull]]:
+        """Convex shapes, and their hulls."""
+        hulls = ((shape, shape.hull()) for shape in self.members if not isinstance(shape, Flat))
+        return [(shape, hull) for shape, hull in hulls if hull is not None]
 
     @property
     def balls(self) -> list[Round]:
         """Circles or spheres."""
-        return [shape for shape in self.shapes if isinstance(shape, Round)]
+        return [shape for shape in self.members if isinstance(shape, Round)]
 
     @property
     def walls(self) -> list[Flat]:
         """Half-planes or half-spaces."""
-        return [shape for shape in self.shapes if isinstance(shape, Flat)]
+        return [shape for shape in self.members if isinstance(shape, Flat)]
+
+    @property
+    def solids(self) -> list[Shape]:
+        """Convex shapes except circles and spheres."""
+        return [shape for shape in self.members if not isinstance(shape, (Round, Flat))]
+
+    @property
+    def coefficients(self) -> ca.SX:
+        """(3, n) restitution, tangential restitution and friction of each law."""
+        own = self.restitution, self.tangential, self.friction
+        laws = [own, *(pair.completed(*own) for pair in self.pairs)]
+        return ca.horzcat(*(ca.vertcat(*(c.sx for c in law)) for law in laws))
+
+    @cached_property
+    def laws(self) -> np.ndarray:
+        """(groups, groups) number of the law, ``APART`` for groups that do not touch."""
+        return law_numbers(list(self.groups), self.pairs)
+
+    def group_of(self, shapes: list) -> np.ndarray:
+        """(n,) numbers of the groups of some of its shapes."""
+        group = {id(s): k for k, shapes in enumerate(self.groups.values()) for s in shapes}
+        return np.array([group[id(shape)] for shape in shapes], dtype=int)
 
     def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
+        components: dict[str, Component] = {
+            f"{self._label(group)}[{k}]": shape
+            for group, shapes in self.groups.items()
+            for k, shape in enumerate(shapes)
+        }
+        components |= {f"{self.name}.pairs[{k}]": pair for k, pair in enumerate(self.pairs)}
         quantities = [
             quantity
-            for k, shape in enumerate(self.shapes)
-            for quantity in shape.checked_quantities(f"{self.name}.shapes[{k}]")
+            for entity, part in components.items()
+            for quantity in part.checked_quantities(entity)
         ]
         return [*super().checked_quantities(), *quantities]
 
@@ -104,22 +182,23 @@ class Collisions(Element):
             (1 - e, f"{name} is {{}}; it must not be above 1", e)
             for name, e in coefficients.items()
         ]
-        return own + [condition for shape in self.shapes for condition in shape.conditions()]
+        parts = (*self.members, *self.pairs)
+        return own + [condition for part in parts for condition in part.conditions()]
 
     def parts(self) -> list[Coordinates]:
-        bodies: dict[int, BodyElement] = {id(s.carrier): s.carrier for s in self.shapes}
+        bodies: dict[int, BodyElement] = {id(s.carrier): s.carrier for s in self.members}
         return list(bodies.values())
 
     def look(self) -> list[Look]:
-        first = self.balls[0].point.position.sx
-        balls = [part for ball in self.balls for part in ball.look(first)]
+        places = [s.carrier.locate(corner) for s, hull in self.hulls for corner in hull.corners]
+        parts = [part for shape, _ in self.hulls for part in shape.look(places[0])]
         if self.dimension == 2:
-            return balls + [self._floor(wall) for wall in self.walls]
-        return balls + [part for wall in self.walls for part in wall.look(first)]
+            return parts + [self._floor(wall, places) for wall in self.walls]
+        return parts + [part for wall in self.walls for part in wall.look(places[0])]
 
-    def _floor(self, wall: Flat) -> Rail:
-        """A wall whose length follows from the motion of the balls along it."""
+    def _floor(self, wall: Flat, places: list[ca.SX]) -> Rail:
+        """A wall whose length follows from the motion of the shapes along it."""
         (tangent,) = wall.along
-        inertial = wall.carrier.turned(tangent)
-        positions = (b.point.position.sx - wall.point.position.sx for b in self.balls)
-        return Rail(wall.point, tangent, ca.vertcat(*(ca.dot(inertial, p[:2]) for p in positions)))
+        inertial, origin = wall.carrier.turned(tangent), wall.point.position.sx
+        travels = [ca.dot(inertial, (place - origin)[:2]) for place in places]
+        return Rail(wall.point, tangent, ca.vertcat(*travels))

@@ -4,7 +4,8 @@ A shape states its *spots*, balls or corners that touch other shapes, or the sig
 position from its surface, or both. The contact of two shapes is that of the spots of one with the
 surface of the other.
 
-A new shape states ``carrier``, ``spots`` if it is ``Spotted``, ``distance`` if it ``feels``.
+A new shape states ``carrier``, ``spots`` if it is ``Spotted``, ``distance`` if it ``feels``,
+``hull`` if it takes part in ``Collisions``.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import casadi as ca
 from dalembert.elements.base import Look, Scalar, option, quantity
 from dalembert.elements.component import Component
 from dalembert.elements.contact.contact_point import ContactPoint
+from dalembert.elements.contact.hull import Hull
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Ball as Dot, Rail
 from dalembert.elements.pair import need_point
@@ -100,13 +102,12 @@ class Shape(Component):
         """Balls or corners that touch other shapes."""
         raise NotImplementedError
 
-    def look(self, near: ca.SX) -> list[Look]:
-        """Primitives that represent it in pictures.
+    def hull(self) -> Hull | None:
+        """Its form in collisions; None for shapes that are not convex or without corners."""
+        return None
 
-        Parameters
-        ----------
-        near : (d, m) inertial contact points
-        """
+    def look(self, near: ca.SX) -> list[Look]:
+        """Primitives that represent it in pictures, given (d, m) inertial contact points."""
         return []
 
 
@@ -175,6 +176,9 @@ class Vertex(Ball, Pointed):
     def spots(self) -> list[Spot]:
         return [Spot(self.point, ca.SX(0))]
 
+    def hull(self) -> Hull:
+        return Hull((self.point.local.sx,), ca.SX(0))
+
     def look(self, near: ca.SX) -> list[Look]:
         return [Dot(self.point)]
 
@@ -194,6 +198,9 @@ class Round(Ball, Pointed):
 
     def spots(self) -> list[Spot]:
         return [Spot(self.point, self.radius.sx)]
+
+    def hull(self) -> Hull:
+        return Hull((self.point.local.sx,), self.radius.sx)
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         return self.away(place) - self.radius.sx

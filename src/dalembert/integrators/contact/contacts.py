@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from dalembert.integrators.contact.delassus import Delassus
 from dalembert.symbolic.evaluation.kernel import Matrix
 
 
@@ -91,13 +92,13 @@ class FrictionProblem:
 
     Attributes
     ----------
-    matrix : (n k, n k) ``H``, positive semidefinite
+    matrix : (n k, n k) ``H``, positive semidefinite; an operator for many contacts
     velocity : (n, k) ``b``
     friction : (n,) ``μ``
     scale : lower limit of the speed that residuals are compared with [m/s]
     """
 
-    matrix: np.ndarray
+    matrix: np.ndarray | Delassus
     velocity: np.ndarray
     friction: np.ndarray
     scale: float = 1.0
@@ -136,8 +137,8 @@ class FrictionProblem:
         """Largest violation of the conditions as a speed, ``|P − proj(P − ρ u)| / ρ``."""
         violation = np.abs(impulses - self.project(impulses, self.speeds(impulses)))
         normal, along = self.mobility
-        sizes = np.column_stack([normal, np.repeat(along[:, None], self.shape[1] - 1, axis=1)])
-        worst = (violation * sizes).max(initial=0.0)
+        worst = (violation[:, 0] * normal).max(initial=0.0)
+        worst = max(worst, (violation[:, 1:] * along[:, None]).max(initial=0.0))
         return float(worst) if np.isfinite(impulses).all() else np.inf
 
 

@@ -12,7 +12,7 @@ const ORDER = ["bar", "line", "particle", "block", "polygon", "curve", "disc"];
 /** Part of a scene at a pixel. @param {PlanarPainter} painter @param {Pixel} pixel @returns {Hit | null} */
 export function planarHit(painter, pixel) {
   const { half, motion, view } = painter, near = (/** @type {Pixel | null} */ p, /** @type {number} */ r) => p !== null && Math.hypot(p[0] - pixel[0], p[1] - pixel[1]) <= r;
-  for (const item of motion.joints) if (near(painter.place(item), Math.max(8, half))) return { kind: "joint", item };
+  for (const item of motion.joints) if (near(painter.placeOf(item), Math.max(8, half))) return { kind: "joint", item };
   for (const item of motion.spots) if (near(painter.place(item), 8)) return { kind: "point", item };
   for (const item of motion.links) {
     const p = painter.place(item.i), q = painter.place(item.j);

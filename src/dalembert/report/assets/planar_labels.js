@@ -16,7 +16,7 @@ export const mean = (values) => values.reduce((sum, v) => sum + v, 0) / values.l
 export function planarLabels(painter) {
   const { ctx, half, motion, view } = painter, bodies = [...painter.poses].filter(([, pose]) => pose !== null);
   const covered = (/** @type {Pixel} */ pixel) => bodies.filter(([body, pose]) => pose && body.shapes.some((shape) => inShape(shape, local(pose, view.world(pixel)), (half + 4) / view.s))).length;
-  const short = motion.joints.filter(({ name }) => name && name.length <= 3), [dx, dy] = [1.1 * half + 7, 0.9 * half + 5];
+  const short = motion.joints.filter(({ at, name }) => !at && name && name.length <= 3), [dx, dy] = [1.1 * half + 7, 0.9 * half + 5];
   const joints = (short.length > 24 ? [] : short).map((joint) => {
     const p = painter.place(joint);
     if (!p) return null;

@@ -73,6 +73,12 @@ export class PlanarPainter {
 
   // Positions ------------------------------------------------------------------------------------
 
+  /** Pixel of a joint: of its point, or of a position of its own over time. @param {Item} joint */
+  placeOf(joint) {
+    const place = joint.at && this.motion.placeOf(joint);
+    return joint.at ? place && this.view.screen(place) : this.place(joint);
+  }
+
   /** Pixel of a point of a body. @param {Pick<End, "body" | "point">} end */
   place({ body, point }) {
     const pose = this.poses.get(body);
@@ -119,7 +125,7 @@ export class PlanarPainter {
     for (const item of [...motion.symbols, ...motion.joints]) if (item.wheels.length === 2) drawBelt(this, item);
     for (const item of motion.symbols) LOOKS[item.symbol]?.(this, item);
     for (const joint of motion.joints) {
-      const p = this.place(joint);
+      const p = this.placeOf(joint);
       if (!p) continue;
       if (this.highlighted === joint) { circle(ctx, p, this.half + 5); stroke(ctx, Theme.accent, 2); }
       jointMark(ctx, joint, p, this.half, this.colours);

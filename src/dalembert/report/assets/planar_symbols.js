@@ -143,6 +143,7 @@ export function jointMark(ctx, joint, p, h, colours) {
       circle(ctx, p, 0.35 * r);
       ctx.fillStyle = colours.ink;
       return ctx.fill();
+    case "contact":
     case "slider":
       circle(ctx, p, Math.max(1.5, 0.3 * r));
       ctx.fillStyle = colours.ink;

@@ -9,7 +9,7 @@ import { Theme, mix } from "./theme.js";
 
 /** Names at the middles of bodies and beside joints, the nearest first. @param {SpatialPainter} painter @returns {Label[]} */
 export function spatialLabels({ motion, unit, view }) {
-  const short = motion.joints.filter(({ name }) => name && name.length <= 3);
+  const short = motion.joints.filter(({ at, name }) => !at && name && name.length <= 3);
   const items = [
     ...motion.bodies.filter(({ label }) => label).map((body) => ({ text: body.label, font: "600 12px", place: motion.at(body, middleOf(motion, body)), colour: mix(Theme.colour(body.index), Theme.ink, 0.35), owner: body })),
     ...(short.length > 24 ? [] : short).map((joint) => ({ text: joint.name, font: "italic 12px", place: motion.placeOf(joint), colour: Theme.muted, owner: joint })),

@@ -125,6 +125,9 @@ class _PositionRecording:
     def source(self, variable: str, **labels: str) -> None:
         """No variable has a formula: the picture is that of one design."""
 
+    def drawn_contacts(self, row: int) -> None:
+        """Positions have no contact forces."""
+
     def columns(self, measures: list[Expression]) -> list[np.ndarray]:
         """``values`` of several measures."""
         return [self.values(measure) for measure in measures]

@@ -13,6 +13,7 @@ from dalembert.elements.flexible.shapes import FloatingShapes
 from dalembert.elements.look import Bars, Beams, Coils
 from dalembert.elements.point import Point
 from dalembert.results.labelled import LabelledRecording
+from dalembert.results.pictures.contact_symbols import contact_symbols
 from dalembert.results.pictures.primitives import Primitives
 from dalembert.results.sources import InitialPicture, Track
 from dalembert.results.structural.drawing import StructuralDrawing
@@ -48,6 +49,7 @@ class MechanismScene:
             if not (body.node or isinstance(body, FloatingFrame)):
                 self.outline(body)
         primitives.fill_in()
+        contacts = contact_symbols(primitives.motion, self.keep, primitives.dimension)
         gravity = self.model.parts.gravity
         return {
             "gravity": None if gravity is None else primitives.number(gravity.sx),
@@ -62,7 +64,7 @@ class MechanismScene:
             ]
             + self.deformed(),
             "ground": {"shapes": primitives.shapes["ground"]},
-            "joints": primitives.joints,
+            "joints": primitives.joints + contacts,
             "links": primitives.links,
             "symbols": primitives.symbols,
             "points": [

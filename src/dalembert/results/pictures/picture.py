@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31")
+FORCE = "#c00000"
+LONGEST = 0.25
+"""Length of the largest contact force, relative to the height of the picture."""
 LINE_WIDTHS = {"bar": 4.0, "capsule": 4.0, "line": 1.5}
 """Line widths; outlines are thin."""
 
@@ -50,13 +53,15 @@ class ScenePicture:
                 self._add(body["name"], shape, COLOURS[names.index(owner) % len(COLOURS)])
                 if owner != body["name"]:
                     self.parts[-1][0].set_marker("")
-        for joint in self.scene["joints"] if self.spatial else ():
+        fixed = [joint for joint in self.scene["joints"] if "at_x" not in joint]
+        for joint in fixed if self.spatial else ():
             line = self._line(color="0.25", marker="o", ms=4, mfc="white")
             self.parts.append((line, joint["body"], np.array([joint["point"]])))
         self.links = [
             (self._line(color="0.35", lw=1, ls="--"), link) for link in self.scene["links"]
         ]
         self._limits()
+        self.forces = self._contact_forces()
         self.ax.set_title(title)
 
     def _axes(self) -> Any:
@@ -95,6 +100,26 @@ class ScenePicture:
         if self.spatial:
             self.ax.view_init(elev=22, azim=-58, vertical_axis=self._vertical())
 
+    def _contact_forces(self) -> list[tuple[Any, np.ndarray]]:
+        """Lines of contact forces with their ends (K, 2, d), to a common scale."""
+        axes = AXES[: self.dimension]
+        contacts = [joint for joint in self.scene["joints"] if joint["symbol"] == "contact"]
+        contacts = [joint for joint in contacts if "force_x" in joint]
+        if not contacts:
+            return []
+        places, forces = (
+            np.array(
+                [[joint[f"{kind}_{axis}"] for axis in axes] for joint in contacts], dtype=float
+            )
+            for kind in ("at", "force")
+        )
+        low, high = self.ax.get_ylim()
+        largest = np.nanmax(np.linalg.norm(forces, axis=1), initial=0.0) or 1.0
+        tips = places + LONGEST * (high - low) / largest * forces
+        ends = np.stack([places, tips], axis=1).transpose(0, 3, 1, 2)
+        style: dict[str, Any] = {"color": FORCE, "lw": 1.5, "marker": ".", "markevery": [0]}
+        return [(self._line(**style), points) for points in ends]
+
     def _vertical(self) -> str:
         """Axis of gravity."""
         gravity = self.scene["gravity"]
@@ -109,7 +134,10 @@ class ScenePicture:
                 self._transformed(link[e]["body"], np.array([link[e]["point"]]), k) for e in "ij"
             ]
             self._set(line, np.vstack(ends))
-        return [part[0] for part in self.parts] + [line for line, _ in self.links]
+        for line, points in self.forces:
+            self._set(line, points[k])
+        lines = [part[0] for part in self.parts] + [line for line, _ in self.links]
+        return lines + [line for line, _ in self.forces]
 
     def _transformed(self, body: str, points: np.ndarray, k: int) -> np.ndarray:
         rotations, positions = self.poses[body]

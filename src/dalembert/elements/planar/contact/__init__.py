@@ -11,8 +11,10 @@ from dalembert.elements.contact.laws import (
     LankaraniNikravesh,
     Restitution,
 )
+from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
+from dalembert.elements.planar.contact.capsule import Capsule
 from dalembert.elements.planar.contact.polygon import Polygon, Rectangle
 from dalembert.elements.planar.contact.profile import Profile
 from dalembert.elements.planar.contact.shapes import Bore, Circle, HalfPlane
@@ -22,6 +24,7 @@ __all__ = [
     "BeamLine",
     "BeamSurface",
     "Bore",
+    "Capsule",
     "Circle",
     "Coulomb",
     "Flores",
@@ -31,6 +34,7 @@ __all__ = [
     "KelvinVoigt",
     "LankaraniNikravesh",
     "LuGre",
+    "Pair",
     "Polygon",
     "Profile",
     "Rectangle",

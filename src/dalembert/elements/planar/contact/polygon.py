@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.elements.base import Condition, Look, Rows, Vector, option, quantity
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.hull import Hull
 from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Spotted
 from dalembert.elements.look import Path
 from dalembert.elements.pair import need_body
@@ -31,6 +32,9 @@ class ConvexShape(Spotted):
 
     def spots(self) -> list[Spot]:
         return [Spot(Point(self.carrier, corner), ca.SX(0)) for corner in self.corners()]
+
+    def hull(self) -> Hull:
+        return Hull.planar(self.corners(), ca.SX(0))
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         local, corners = self.local(place), self.corners()

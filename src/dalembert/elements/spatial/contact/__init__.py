@@ -11,8 +11,10 @@ from dalembert.elements.contact.laws import (
     LankaraniNikravesh,
     Restitution,
 )
+from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
+from dalembert.elements.spatial.contact.polyhedron import Polyhedron
 from dalembert.elements.spatial.contact.shapes import HalfSpace, Socket, Sphere
 from dalembert.elements.spatial.contact.solids import Box, Capsule, Corners
 
@@ -30,6 +32,8 @@ __all__ = [
     "KelvinVoigt",
     "LankaraniNikravesh",
     "LuGre",
+    "Pair",
+    "Polyhedron",
     "Restitution",
     "Socket",
     "Sphere",

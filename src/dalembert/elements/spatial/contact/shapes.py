@@ -12,6 +12,7 @@ from dalembert.elements.contact.contact import ClearanceJoint
 from dalembert.elements.contact.shapes import Ball, Flat, Hollow, Round
 from dalembert.elements.frame import Frame
 from dalembert.elements.look import Socket as BallJoint
+from dalembert.elements.spatial.contact.polyhedron import Polyhedron
 from dalembert.elements.spatial.contact.solids import Corners
 from dalembert.elements.spatial.shape import Orb
 from dalembert.errors import ModelError
@@ -37,7 +38,7 @@ class Sphere(Round):
     """
 
     space = 3
-    feels = (Ball, Corners)
+    feels = (Ball, Corners, Polyhedron)
 
     def look(self, near: ca.SX) -> list[Look]:
         return [Orb(self.point, self.radius.sx)]

@@ -8,16 +8,28 @@ from typing import Any
 
 import casadi as ca
 
-from dalembert.elements.base import Look, Scalar, Vector, option, quantity
+from dalembert.elements.base import Look, Vector, option, quantity
+from dalembert.elements.contact.hull import Hull
+from dalembert.elements.contact.rounded_line import RoundedLine
 from dalembert.elements.contact.shapes import NO_LENGTH, Ball, Pointed, Spot, Spotted
-from dalembert.elements.pair import need_point
 from dalembert.elements.point import Point
+from dalembert.elements.spatial.contact.polyhedron import ConvexHull
 from dalembert.elements.spatial.mesh import Mesh
 from dalembert.elements.spatial.shape import Cuboid, Pill, Surface
 from dalembert.errors import ModelError
 
 CORNERS = 200
 """Upper limit of the corners of a mesh; each is a potential contact point."""
+
+BOX_FACES = (
+    *((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1)),
+    *((2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)),
+)
+"""Faces of a box, by corners in the order of ``spots``, anticlockwise from outside."""
+BOX_EDGES = tuple((i, i + step) for step in (4, 2, 1) for i in range(8) if not i & step)
+"""Edges of a box along x, y and z."""
+BOX_DIRECTIONS = ((0, 1, 2, 3), (4, 5, 6, 7), (8, 9, 10, 11))
+"""Parallel edges of a box."""
 
 
 @dataclass(eq=False)
@@ -50,9 +62,16 @@ class Box(Spotted, Pointed):
     feels = (Ball,)
 
     def spots(self) -> list[Spot]:
+        return [Spot(Point(self.carrier, corner), ca.SX(0)) for corner in self.corners()]
+
+    def corners(self) -> tuple[ca.SX, ...]:
+        """Its corners in the axes of the body."""
         middle, half = self.point.local.sx, self.size.sx / 2
-        corners = (middle + half * ca.SX(list(signs)) for signs in product((-1, 1), repeat=3))
-        return [Spot(Point(self.carrier, corner), ca.SX(0)) for corner in corners]
+        signs = (ca.SX(list(signs)) for signs in product((-1, 1), repeat=3))
+        return tuple(middle + half * sign for sign in signs)
+
+    def hull(self) -> Hull:
+        return Hull(self.corners(), ca.SX(0), BOX_EDGES, BOX_FACES, BOX_DIRECTIONS)
 
     def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
         heights = ca.fabs(self.local(place) - self.point.local.sx) - self.size.sx / 2
@@ -67,7 +86,7 @@ class Box(Spotted, Pointed):
 
 
 @dataclass(eq=False)
-class Capsule(Spotted):
+class Capsule(RoundedLine):
     """All points within a distance of the line between two points of a body.
 
     Parameters
@@ -93,36 +112,10 @@ class Capsule(Spotted):
     """
 
     space = 3
-    point_i: Point = option("one end of its axis")
-    point_j: Point = option("the other end, of the same body")
-    radius: Scalar = quantity("m", "radius", above=0.0)
-    feels = (Ball,)
 
-    def __post_init__(self) -> None:
-        self.point_i = need_point(self.point_i, "Capsule", "point_i", 3)
-        self.point_j = need_point(self.point_j, "Capsule", "point_j", 3)
-        bodies = self.point_i.body, self.point_j.body
-        if bodies[0] is not bodies[1]:
-            names = " and ".join(body.name for body in bodies)
-            raise ModelError(f"its ends are on {names}; give two points of one body", "Capsule")
-        super().__post_init__()
-
-    @property
-    def carrier(self) -> Any:
-        return self.point_i.body
-
-    @property
-    def dimension(self) -> int:
-        return self.point_i.dimension
-
-    def spots(self) -> list[Spot]:
-        return [Spot(end, self.radius.sx) for end in (self.point_i, self.point_j)]
-
-    def distance(self, place: ca.SX, sharp: bool) -> ca.SX:
-        start, end = self.point_i.position.sx, self.point_j.position.sx
-        axis, relative = end - start, place - start
-        fraction = ca.fmin(1, ca.fmax(0, ca.dot(axis, relative) / ca.sumsqr(axis)))
-        return ca.sqrt(ca.sumsqr(relative - fraction * axis) + NO_LENGTH**2) - self.radius.sx
+    def hull(self) -> Hull:
+        ends = self.point_i.local.sx, self.point_j.local.sx
+        return Hull(ends, self.radius.sx, ((0, 1),))
 
     def look(self, near: ca.SX) -> list[Look]:
         return [Pill(self.point_i, self.point_j, self.radius.sx)]
@@ -130,7 +123,9 @@ class Capsule(Spotted):
 
 @dataclass(eq=False)
 class Corners(Spotted):
-    """The corners of a mesh as contact points; edges and faces are ignored.
+    """The corners of a mesh as contact points; in ``Collisions``, its convex hull.
+
+    In ``Contact``, edges and faces are ignored.
 
     Parameters
     ----------
@@ -178,6 +173,9 @@ class Corners(Spotted):
         scale, surface = self.body.scale.sx, self.body.surface
         corners = (scale * ca.SX(list(map(float, corner))) for corner in surface.corners)
         return [Spot(Point(self.body, corner), ca.SX(0)) for corner in corners]
+
+    def hull(self) -> Hull:
+        return ConvexHull.of(self.body.surface.corners, "Corners").scaled(self.body.scale.sx)
 
     def look(self, near: ca.SX) -> list[Look]:
         surface = self.body.surface

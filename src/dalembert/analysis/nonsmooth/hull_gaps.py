@@ -1,0 +1,246 @@
+"""Gaps among rounded convex hulls and walls, with a numerical search for near features."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
+from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
+from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions
+from dalembert.analysis.nonsmooth.planar_features import planar_features
+from dalembert.analysis.nonsmooth.shape_velocities import TWIST
+from dalembert.analysis.nonsmooth.spatial_features import spatial_features
+from dalembert.elements.contact.collisions import Collisions
+from dalembert.elements.contact.pairs import APART
+from dalembert.elements.contact.shapes import Round
+from dalembert.integrators.contact.contacts import Contacts
+from dalembert.model.graph.model import Model
+from dalembert.symbolic.evaluation.kernel import Kernel
+
+SMALLEST = 16
+"""Number of columns of the smallest mapped function; larger ones have 2, 4, 8 … times as many."""
+
+
+@dataclass(eq=False)
+class LastPosition:
+    """Gaps at one position, which a step evaluates several times.
+
+    Attributes
+    ----------
+    time, y, p : position and parameters
+    at, velocities : positions and velocities of the shapes
+    reach : distance within which gaps are evaluated; at first that of the position before
+    requested : largest distance of a request
+    contacts : the gaps; None before the first request
+    """
+
+    time: float
+    y: np.ndarray
+    p: np.ndarray
+    at: Positions
+    velocities: np.ndarray
+    reach: float
+    requested: float = 0.0
+    contacts: Contacts | None = None
+
+    def is_at(self, time: float, y: np.ndarray, p: np.ndarray) -> bool:
+        """Whether this is the position."""
+        return time == self.time and np.array_equal(y, self.y) and np.array_equal(p, self.p)
+
+
+class HullGaps(GapSource):
+    """Gaps of one ``Collisions`` element, except those of balls with balls and walls.
+
+    A numerical search selects features of near hulls; the gap of two features is a smooth function.
+
+    Parameters
+    ----------
+    model : Model
+    element : Collisions
+    """
+
+    def __init__(self, model: Model, element: Collisions):
+        self.elements, self.width = [element], element.dimension
+        self.geometry = geometry = HullGeometry(model, element)
+        self._groups, self._laws = element.group_of(geometry.shapes), element.laws
+        self._round = np.array([isinstance(shape, Round) for shape in geometry.shapes])
+        features = [max(len(h.corners), 2 * len(h.edges), len(h.faces)) for h in geometry.hulls]
+        self._radix = max(features), len(geometry.shapes)
+        self._speeds = model.all_equations.speed_count
+        self._last: LastPosition | None = None
+        self._kernels: dict[tuple[Feature, int], Kernel] = {}
+
+    def near(
+        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+    ) -> Contacts:
+        last = self._last
+        if last is None or not last.is_at(time, y, p):
+            at, velocities = (
+                self.geometry.positions(time, y, p),
+                self.geometry.velocities(time, y, p),
+            )
+            ahead = 0.0 if last is None else last.requested
+            last = self._last = LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
+        reach = self._reach(last.at, last.velocities, travels)
+        if last.contacts is None or reach > last.reach or last.contacts.drift.shape[1] != width:
+            last.reach = max(last.reach, reach)
+            parts = [
+                self._contacts(pairs, last, width)
+                for pairs in [*self._walls(last.at, last.reach), *self._hulls(last.at, last.reach)]
+            ]
+            last.contacts = Contacts.joined(parts or [self._none(width)])
+        last.requested = max(last.requested, reach)
+        return last.contacts.some(last.contacts.distance <= reach)
+
+    def symbolic(self, key: int) -> SymbolicGap:
+        pairs = self._pairs_of(np.array([key]))
+        columns = self.geometry.symbolic_columns(pairs)
+        distance, blocks, *_ = gap_function(pairs.feature, self.width)(*columns)
+        shapes = int(pairs.first[0]), int(pairs.second[0])
+        twists = [self.geometry.twists[k * TWIST : (k + 1) * TWIST] for k in shapes]
+        speeds = ca.mtimes(blocks, ca.vertcat(*twists))
+        law = int(self._law(pairs)[0])
+        return SymbolicGap(distance, speeds, *ca.vertsplit(self.geometry.symbols[4][:, law]))
+
+    def points(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        at = self.geometry.positions(time, y, p)
+        places = np.zeros((keys.size, 3))
+        directions = np.zeros((keys.size, 3, self.width))
+        kinds = keys // self._first_key(Feature(1))
+        for kind in np.unique(kinds):
+            own = kinds == kind
+            places[own], directions[own] = self._evaluate(self._pairs_of(keys[own]), at)[2:]
+        return places, directions
+
+    # search --------------------------------------------------------------------------------------
+    def _reach(self, at: Positions, velocities: np.ndarray, travels: np.ndarray) -> float:
+        """Largest distance that two shapes cover by displacements of their twists."""
+        moved = self.geometry.velocities.displacements(velocities, travels)
+        hulls, starts = len(self.geometry.hulls), self.geometry.starts
+        arms = at.corners - np.repeat(at.origins[:hulls], np.diff(starts), axis=0)
+        arm = np.zeros(at.radii.size)
+        arm[:hulls] = np.maximum.reduceat(np.linalg.norm(arms, axis=1), starts[:-1])
+        straight, turned = (np.linalg.norm(moved[:, s], axis=1) for s in (slice(3), slice(3, 6)))
+        return 2 * float((straight + arm[:, None] * turned).max(initial=0.0))
+
+    def _may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Mask of pairs of shapes of different bodies, whose groups touch, not both of balls."""
+        groups = self._groups[first], self._groups[second]
+        apart = self.geometry.owner[first] != self.geometry.owner[second]
+        solid = ~(self._round[first] & self._round[second])
+        return apart & solid & (self._laws[groups] != APART)
+
+    def _walls(self, at: Positions, reach: float) -> list[Pairs]:
+        """Corners near walls."""
+        starts, count = self.geometry.starts, len(self.geometry.hulls)
+        hull = np.repeat(np.arange(count), np.diff(starts))
+        normals, points = at.walls[:, 1], at.walls[:, 0]
+        heights = normals @ at.corners.T - (normals * points).sum(axis=1)[:, None]
+        wall, corner = np.nonzero(heights - at.radii[hull] <= reach)
+        first, second = wall + count, hull[corner]
+        touching = self._may_touch(first, second) & ~self._round[second]
+        pairs = Pairs(Feature.WALL, first, second, 0 * first, corner - starts[second])
+        return [_some(pairs, touching)] if touching.any() else []
+
+    def _hulls(self, at: Positions, reach: float) -> list[Pairs]:
+        """Near features of hulls."""
+        starts = self.geometry.starts
+        centers, radii = bounding_balls(at.corners, starts)
+        first, second = near_balls(centers, radii + at.radii[: radii.size], reach)
+        touching = self._may_touch(first, second)
+        first, second = first[touching], second[touching]
+        if not first.size:
+            return []
+        rounded = self.geometry.rounded[first] | self.geometry.rounded[second]
+        search = planar_features if self.width == 2 else spatial_features
+        found: dict[Feature, list[np.ndarray]] = {}
+        for pairs, one, another in self.geometry.batches(first, second, at):
+            i, j = first[pairs], second[pairs]
+            for feature, row, swapped, own, other in search(one, another, rounded[pairs]):
+                a, b = np.where(swapped, j[row], i[row]), np.where(swapped, i[row], j[row])
+                found.setdefault(feature, []).append(np.stack([a, b, own, other]))
+        joined = ((feature, np.hstack(parts)) for feature, parts in found.items())
+        return [Pairs(feature, *table) for feature, table in joined if table.size]
+
+    # gaps of pairs -------------------------------------------------------------------------------
+    def _contacts(self, pairs: Pairs, last: LastPosition, width: int) -> Contacts:
+        """Gaps of pairs within reach."""
+        distance, blocks, *_ = self._evaluate(pairs, last.at)
+        near = distance <= last.reach
+        pairs, count = _some(pairs, near), int(near.sum())
+        restitution, tangential, friction = last.at.coefficients[:, self._law(pairs)]
+        directions = self.geometry.velocities.gap_derivatives(
+            blocks[near], pairs.first, pairs.second, last.velocities
+        )
+        return Contacts(
+            distance[near],
+            directions.rows(np.arange(count), width),
+            np.zeros((count, width)),
+            restitution,
+            tangential,
+            friction,
+            self._keys(pairs),
+            np.zeros(count, dtype=int),
+        )
+
+    def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
+        """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
+        (n, 3, k) directions."""
+        count, k = pairs.first.size, self.width
+        size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
+        padded = np.arange(size) % count
+        kernel = self._kernel(pairs.feature, size)
+        distance, blocks, place, directions = kernel(
+            *(column[:, padded] for column in self.geometry.columns(pairs, at))
+        )
+        return [
+            distance.ravel()[:count],
+            blocks.T.reshape(size, 2 * TWIST, k)[:count].swapaxes(1, 2),
+            place.T[:count],
+            directions.T.reshape(size, k, 3)[:count].swapaxes(1, 2),
+        ]
+
+    def _kernel(self, feature: Feature, size: int) -> Kernel:
+        """Gap function mapped over ``size`` pairs."""
+        if (feature, size) not in self._kernels:
+            function = gap_function(feature, self.width)
+            self._kernels[feature, size] = Kernel(function.map(size))
+        return self._kernels[feature, size]
+
+    def _law(self, pairs: Pairs) -> np.ndarray:
+        return self._laws[self._groups[pairs.first], self._groups[pairs.second]]
+
+    def _first_key(self, feature: Feature) -> int:
+        """The smallest key of a kind of features."""
+        features, shapes = self._radix
+        return int(feature) * (shapes * features) ** 2
+
+    def _keys(self, pairs: Pairs) -> np.ndarray:
+        features, shapes = self._radix
+        numbers = (pairs.first * shapes + pairs.second) * features + pairs.own
+        return self._first_key(pairs.feature) + numbers * features + pairs.other
+
+    def _pairs_of(self, keys: np.ndarray) -> Pairs:
+        """The pairs of keys of one kind of features."""
+        features, shapes = self._radix
+        rest, other = np.divmod(keys, features)
+        rest, own = np.divmod(rest, features)
+        rest, second = np.divmod(rest, shapes)
+        kind, first = np.divmod(rest, shapes)
+        return Pairs(Feature(int(kind[0])), first, second, own, other)
+
+    def _none(self, width: int) -> Contacts:
+        empty, numbers = np.zeros(0), np.zeros(0, dtype=int)
+        rows = np.zeros((0, self._speeds)), np.zeros((0, width))
+        return Contacts(empty, *rows, empty, empty, empty, numbers, numbers)
+
+
+def _some(pairs: Pairs, selected: np.ndarray) -> Pairs:
+    names = ("first", "second", "own", "other")
+    return replace(pairs, **{name: getattr(pairs, name)[selected] for name in names})

@@ -1,0 +1,219 @@
+"""Positions and features of rounded convex hulls and walls, symbolic and numeric."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from dalembert.analysis.nonsmooth.gap_functions import Feature, point_counts
+from dalembert.analysis.nonsmooth.planar_features import Polygons
+from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
+from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
+from dalembert.elements.contact.collisions import Collisions
+from dalembert.elements.contact.shapes import Shape
+from dalembert.model.graph.model import Model
+from dalembert.symbolic.evaluation.kernel import Kernel
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Near features of one kind.
+
+    Attributes
+    ----------
+    feature : kind
+    first, second : (n,) numbers of the shapes
+    own, other : (n,) numbers of their features
+    """
+
+    feature: Feature
+    first: np.ndarray
+    second: np.ndarray
+    own: np.ndarray
+    other: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Positions:
+    """Inertial positions at an instant.
+
+    Attributes
+    ----------
+    corners : (n, 3) of all hulls
+    walls : (f, 2, 3) point and normal
+    radii : (s,) of hulls and walls; a wall has none
+    origins : (s, 3) reference points of the bodies
+    coefficients : (3, l) restitution, tangential restitution and friction of each law
+    """
+
+    corners: np.ndarray
+    walls: np.ndarray
+    radii: np.ndarray
+    origins: np.ndarray
+    coefficients: np.ndarray
+
+
+class HullGeometry:
+    """Shapes of one ``Collisions`` element: hulls, then walls.
+
+    Parameters
+    ----------
+    model : Model
+    element : Collisions
+
+    Attributes
+    ----------
+    shapes, hulls : all shapes; forms of those before the walls
+    starts : (h + 1,) number of the first corner of each hull
+    owner : (s,) number of the body of each shape
+    velocities : twists of all shapes by the speeds
+    """
+
+    def __init__(self, model: Model, element: Collisions):
+        walls = element.walls
+        self.shapes: list[Shape] = [*(shape for shape, _ in element.hulls), *walls]
+        self.hulls, self.dimension = [hull for _, hull in element.hulls], element.dimension
+        self.starts = np.cumsum([0, *(len(hull.corners) for hull in self.hulls)])
+        self._edge_starts = np.cumsum([0, *(len(hull.edges) for hull in self.hulls)])
+        self._face_starts = np.cumsum([0, *(len(hull.faces) for hull in self.hulls)])
+        self._edges = self._table(2, [hull.edges for hull in self.hulls])
+        self._faces = self._table(3, [hull.faces for hull in self.hulls])
+        forms = [(len(h.corners), h.edges, h.faces, h.parallel) for h in self.hulls]
+        self._form = _first_equal(forms)
+        self._forms = {int(k): Form(self.hulls[k]) for k in np.unique(self._form)}
+        owners = [id(shape.carrier.owner) for shape in self.shapes]
+        self.owner = _first_equal(owners)
+        sharp = [hull.is_sharp for hull in self.hulls]
+        self.rounded = ~np.array(sharp, dtype=bool)
+        self._symbols(model, element)
+
+    def _table(self, size: int, features: list[tuple[tuple[int, ...], ...]]) -> np.ndarray:
+        """(n, size) numbers of the first corners of the features of all hulls."""
+        rows = [
+            [start + corner for corner in feature[:size]]
+            for start, listed in zip(self.starts, features, strict=False)
+            for feature in listed
+        ]
+        return np.array(rows, dtype=int).reshape(-1, size)
+
+    def _symbols(self, model: Model, element: Collisions) -> None:
+        e = model.all_equations
+        origins = [_in_space(s.carrier.locate(ca.SX.zeros(s.dimension))) for s in self.shapes]
+        carriers = [shape.carrier for shape in self.shapes]
+        twists = [
+            ca.vertcat(carrier.velocity_at(origin), carrier.turning)
+            for carrier, origin in zip(carriers, origins, strict=True)
+        ]
+        corners = [
+            _in_space(shape.carrier.locate(corner))
+            for shape, hull in zip(self.shapes, self.hulls, strict=False)
+            for corner in hull.corners
+        ]
+        walls = [
+            ca.vertcat(_in_space(wall.point.position.sx), _in_space(wall.outward))
+            for wall in element.walls
+        ]
+        radii = ca.vertcat(*(hull.radius for hull in self.hulls), ca.SX.zeros(len(walls)))
+        outputs = [
+            ca.horzcat(*corners),
+            ca.horzcat(*walls) if walls else ca.SX(6, 0),
+            radii,
+            ca.horzcat(*origins),
+            element.coefficients,
+        ]
+        outputs = [model.at_ground(ca.densify(s)) if s.numel() else s for s in outputs]
+        self.twists = model.at_ground(ca.vertcat(*twists))
+        self.symbols, inputs = outputs, [e.t, e.y, e.p]
+        self._positions = Kernel(ca.Function("positions", inputs, outputs))
+        self.velocities = ShapeVelocities(self.twists, e.v, inputs)
+
+    def positions(self, time: float, y: np.ndarray, p: np.ndarray) -> Positions:
+        """Positions at an instant."""
+        corners, walls, radii, origins, coefficients = self._positions(time, y, p)
+        return Positions(
+            corners.T, walls.T.reshape(-1, 2, 3), radii.ravel(), origins.T, coefficients
+        )
+
+    def batches(
+        self, first: np.ndarray, second: np.ndarray, at: Positions
+    ) -> Iterator[tuple[np.ndarray, Any, Any]]:
+        """Numbers of pairs, with their polygons or their polyhedra of equal form."""
+        if self.dimension == 2:
+            pairs = np.arange(first.size)
+            yield pairs, self.polygons(first, at), self.polygons(second, at)
+            return
+        kinds = self._form[first] * len(self.hulls) + self._form[second]
+        for kind in np.unique(kinds):
+            pairs = np.flatnonzero(kinds == kind)
+            yield pairs, self.polyhedra(first[pairs], at), self.polyhedra(second[pairs], at)
+
+    def polyhedra(self, hulls: np.ndarray, at: Positions) -> Polyhedra:
+        """Corners of some hulls of equal form."""
+        count = self.starts[hulls[0] + 1] - self.starts[hulls[0]]
+        corners = at.corners[self.starts[hulls][:, None] + np.arange(count)]
+        return Polyhedra(corners, self._forms[self._form[hulls[0]]])
+
+    def polygons(self, hulls: np.ndarray, at: Positions) -> Polygons:
+        """Corners of some hulls."""
+        counts = self.starts[hulls + 1] - self.starts[hulls]
+        number = np.minimum(np.arange(counts.max()), counts[:, None] - 1)
+        corners = at.corners[self.starts[hulls][:, None] + number]
+        return Polygons(corners[..., :2], counts)
+
+    def columns(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
+        """Arguments of the gap function of some pairs: a matrix for the features of each body."""
+        first, second = self.points(pairs)
+        points = at.walls[pairs.first - len(self.hulls)] if first is None else at.corners[first]
+        sides = ((points, pairs.first), (at.corners[second], pairs.second))
+        return [
+            np.vstack([p.reshape(shape.size, -1).T, at.radii[shape], at.origins[shape].T])
+            for p, shape in sides
+        ]
+
+    def symbolic_columns(self, pairs: Pairs) -> list[ca.SX]:
+        """The same for a single pair, as formulas."""
+        corners, walls, radii, origins, _ = self.symbols
+        first, second = self.points(pairs)
+        i, j = int(pairs.first[0]), int(pairs.second[0])
+        own = walls[:, i - len(self.hulls)] if first is None else _column(corners, first[0])
+        other = _column(corners, second[0])
+        return [
+            ca.vertcat(points, radii[shape], origins[:, shape])
+            for points, shape in ((own, i), (other, j))
+        ]
+
+    def points(self, pairs: Pairs) -> tuple[np.ndarray | None, np.ndarray]:
+        """(n, k) numbers of the corners that define the features; None for a wall."""
+        counts = point_counts(pairs.feature, self.dimension)
+        first = None
+        if pairs.feature is not Feature.WALL:
+            first = self._corners_of(counts[0], pairs.first, pairs.own)
+        return first, self._corners_of(counts[1], pairs.second, pairs.other)
+
+    def _corners_of(self, count: int, shape: np.ndarray, feature: np.ndarray) -> np.ndarray:
+        """(n, count) corners of corners, edges or faces; the second half of edges is reversed."""
+        if count == 1:
+            return (self.starts[shape] + feature)[:, None]
+        if count == 3:
+            return self._faces[self._face_starts[shape] + feature]
+        edges = self._edge_starts[shape + 1] - self._edge_starts[shape]
+        ends = self._edges[self._edge_starts[shape] + feature % edges]
+        return np.where((feature >= edges)[:, None], ends[:, ::-1], ends)
+
+
+def _first_equal(keys: list[Any]) -> np.ndarray:
+    """Number of the first equal key, for each key."""
+    first: dict[Any, int] = {}
+    return np.array([first.setdefault(key, k) for k, key in enumerate(keys)])
+
+
+def _in_space(vector: ca.SX) -> ca.SX:
+    return vector if vector.numel() == 3 else ca.vertcat(vector, 0)
+
+
+def _column(corners: ca.SX, numbers: np.ndarray) -> ca.SX:
+    return ca.vertcat(*(corners[:, int(k)] for k in numbers))

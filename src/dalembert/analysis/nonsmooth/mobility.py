@@ -1,0 +1,195 @@
+"""Speeds and joint multipliers of a step for given momenta, body by body where bodies are free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+import scipy
+
+from dalembert.errors import SingularityError
+from dalembert.sparse.factorise import general_factors
+from dalembert.symbolic.evaluation.kernel import Matrix
+
+WIDEST = 6
+"""Largest number of coupled speeds without joints whose matrix is inverted as a block."""
+COLUMNS = 256
+"""Right-hand sides solved at once with the factors of coupled bodies."""
+
+
+@dataclass(frozen=True, eq=False)
+class Coupling:
+    """Independent groups of speeds.
+
+    Attributes
+    ----------
+    group, position : (n,) number of the block of a speed, and its position in the block; -1 for
+        speeds outside of blocks
+    members : (groups, w) speeds of each block; the last one is repeated in shorter blocks
+    sizes : (groups,) numbers of speeds of the blocks
+    coupled : speeds in larger groups or with joints
+    """
+
+    group: np.ndarray
+    position: np.ndarray
+    members: np.ndarray
+    sizes: np.ndarray
+    coupled: np.ndarray
+
+    @classmethod
+    def of(cls, pattern: ca.Sparsity, joints: ca.Sparsity) -> Coupling:
+        """Groups of speeds connected by a matrix (n, n) or by joints (m, n)."""
+        rows, columns = np.array(joints.row(), dtype=int), _columns(joints)
+        n = pattern.size2()
+        own = np.array(pattern.row(), dtype=int), _columns(pattern)
+        row, column = (np.concatenate(p) for p in zip(own, (n + rows, columns), strict=True))
+        size = n + joints.size1()
+        graph = scipy.sparse.coo_array((np.ones(row.size), (row, column)), shape=(size, size))
+        labels = scipy.sparse.csgraph.connected_components(graph, directed=False)[1][:n]
+        sizes = np.bincount(labels, minlength=labels.max(initial=-1) + 1)
+        joined = np.zeros(sizes.size, dtype=bool)
+        joined[labels[columns]] = True
+        blocked = (sizes <= WIDEST) & ~joined
+        order = np.argsort(labels, kind="stable")
+        order = order[blocked[labels[order]]]
+        numbers = np.cumsum(blocked) - 1
+        group, position = np.full(n, -1), np.full(n, -1)
+        group[order] = numbers[labels[order]]
+        first = np.cumsum(sizes[blocked]) - sizes[blocked]
+        position[order] = np.arange(order.size) - first[group[order]]
+        width = int(sizes[blocked].max(initial=1))
+        last = sizes[blocked] - 1
+        place = first[:, None] + np.minimum(np.arange(width), last[:, None])
+        return cls(group, position, order[place], sizes[blocked], np.flatnonzero(group < 0))
+
+
+class Mobility:
+    """Solution of ``A x + Cᵀ λ = r``, ``C x = s``, for many right-hand sides.
+
+    Parameters
+    ----------
+    matrix : (n, n) ``A``
+    joints : (m, n) ``C``
+    coupling : groups of speeds
+
+    Raises
+    ------
+    SingularityError
+        The matrix has no inverse.
+    """
+
+    def __init__(self, matrix: Matrix, joints: Matrix, coupling: Coupling):
+        self.matrix, self.joints, self.coupling = matrix, joints, coupling
+        self.plain = not coupling.coupled.size and coupling.members.shape[1] == 1
+        try:
+            if self.plain:
+                self._diagonal = matrix.diagonal()
+                if not self._diagonal.all():
+                    raise np.linalg.LinAlgError("singular")
+            else:
+                self._inverses = self._inverted()
+                self._factors = general_factors(self._saddle())
+        except np.linalg.LinAlgError:
+            text = "inertia and joints of a step have no solution; look for a singular position"
+            raise SingularityError(text) from None
+
+    def __call__(
+        self, right: np.ndarray, below: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Speeds and multipliers for momenta ``right`` and rates ``below`` of the joints, 0 by
+        default."""
+        m, shape = self.joints.shape[0], right.shape[1:]
+        if self.plain:
+            return (right.T / self._diagonal).T, np.zeros((m, *shape))
+        speeds, coupled = np.zeros(right.shape), self.coupling.coupled
+        if self._inverses.size:
+            members, free = self.coupling.members, self.coupling.group >= 0
+            own = self._inverses @ right[members].reshape(*members.shape, -1)
+            own = own[self.coupling.group[free], self.coupling.position[free]]
+            speeds[free] = own.reshape(speeds[free].shape)
+        below = np.zeros((m, *shape)) if below is None else below
+        solution = self._factors.solve(np.concatenate([right[coupled], below]))
+        speeds[coupled] = solution[: coupled.size]
+        return speeds, solution[coupled.size :]
+
+    def responses(self, directions: Matrix) -> Matrix:
+        """(r, n) speeds by unit impulses along the rows of ``directions`` (r, n)."""
+        if not scipy.sparse.issparse(directions):
+            return self(directions.T)[0].T
+        if self.plain:
+            data = directions.data / self._diagonal[directions.indices]
+            return scipy.sparse.csr_array(
+                (data, directions.indices, directions.indptr), shape=directions.shape
+            )
+        row = np.repeat(np.arange(directions.shape[0]), np.diff(directions.indptr))
+        group = self.coupling.group[directions.indices]
+        free = group >= 0
+        parts = [self._free(row[free], directions.indices[free], directions.data[free])]
+        rows = np.unique(row[~free])
+        across = directions[rows][:, self.coupling.coupled]
+        for start in range(0, rows.size, COLUMNS):
+            some = rows[start : start + COLUMNS]
+            right = np.zeros((self.coupling.coupled.size + self.joints.shape[0], some.size))
+            right[: self.coupling.coupled.size] = across[start : start + COLUMNS].toarray().T
+            speeds = self._factors.solve(right)[: self.coupling.coupled.size]
+            place, number = np.nonzero(speeds)
+            parts.append((some[number], self.coupling.coupled[place], speeds[place, number]))
+        rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return scipy.sparse.csr_array((values, (rows, columns)), shape=directions.shape)
+
+    def _free(
+        self, row: np.ndarray, column: np.ndarray, value: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rows, columns and values of responses of free bodies."""
+        group, members = self.coupling.group[column], self.coupling.members
+        width = members.shape[1]
+        inverse = self._inverses[group, :, self.coupling.position[column]]
+        inside = np.arange(width) < self.coupling.sizes[group, None]
+        rows = np.repeat(row, width).reshape(-1, width)[inside]
+        return rows, members[group][inside], (value[:, None] * inverse)[inside]
+
+    def _inverted(self) -> np.ndarray:
+        """(groups, w, w) inverses of the blocks of free bodies."""
+        members = self.coupling.members
+        count, width = members.shape
+        blocks = np.zeros((count, width, width))
+        blocks[:] = np.eye(width)
+        row, column, value = _entries(self.matrix)
+        free = self.coupling.group[row] >= 0
+        row, column = row[free], column[free]
+        place = self.coupling.group[row], self.coupling.position[row]
+        blocks[(*place, self.coupling.position[column])] = value[free]
+        return np.linalg.inv(blocks)
+
+    def _saddle(self) -> Matrix:
+        """``[[A, Cᵀ], [C, 0]]`` of the coupled speeds."""
+        coupled = self.coupling.coupled
+        matrix, joints = self.matrix, self.joints
+        if coupled.size < matrix.shape[0]:
+            matrix, joints = matrix[coupled][:, coupled], joints[:, coupled]
+        return saddle(matrix, joints)
+
+
+def saddle(matrix: Matrix, joints: Matrix) -> Matrix:
+    """``[[A, Cᵀ], [C, 0]]``."""
+    m, n = joints.shape
+    if scipy.sparse.issparse(matrix) or scipy.sparse.issparse(joints):
+        blocks = [[matrix, joints.T], [joints, None]] if m else [[matrix]]
+        return scipy.sparse.block_array(blocks, format="csc")
+    whole = np.zeros((n + m, n + m))
+    whole[:n, :n], whole[n:, :n], whole[:n, n:] = matrix, joints, joints.T
+    return whole
+
+
+def _columns(pattern: ca.Sparsity) -> np.ndarray:
+    return np.repeat(np.arange(pattern.size2()), np.diff(np.array(pattern.colind(), dtype=int)))
+
+
+def _entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows, columns and values of the entries that are not zero."""
+    if scipy.sparse.issparse(matrix):
+        entries = matrix.tocoo()
+        return entries.row, entries.col, entries.data
+    row, column = np.nonzero(matrix)
+    return row, column, matrix[row, column]

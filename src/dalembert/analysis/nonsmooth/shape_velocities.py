@@ -1,0 +1,114 @@
+"""Velocities of shapes by the speeds of their bodies, and of gaps by those of two shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+import scipy
+
+from dalembert.symbolic.evaluation.kernel import Kernel
+from dalembert.symbolic.formulas.expression import stack
+
+TWIST = 6
+"""Components of a velocity and an angular velocity."""
+
+
+class ShapeVelocities:
+    """``J`` of all shapes, each with the columns of its own speeds.
+
+    Parameters
+    ----------
+    moving : (6 n,) twists of the shapes
+    speeds : (n_v,) symbols of the speeds
+    inputs : other symbols
+    """
+
+    def __init__(self, moving: ca.SX, speeds: ca.SX, inputs: Sequence[ca.SX]):
+        jacobian = ca.sparsify(ca.jacobian(moving, speeds))
+        row = np.array(jacobian.sparsity().row(), dtype=int)
+        starts = np.array(jacobian.sparsity().colind(), dtype=int)
+        column = np.repeat(np.arange(speeds.numel()), np.diff(starts))
+        shape, self._count = row // TWIST, moving.numel() // TWIST
+        self._speeds = speeds.numel()
+        own = np.unique(np.stack([shape, column]), axis=1)
+        self._sizes = np.bincount(own[0], minlength=self._count)
+        first = np.cumsum(self._sizes) - self._sizes
+        self._width = int(self._sizes.max(initial=1))
+        self._columns = np.zeros((self._count, self._width), dtype=int)
+        place = np.arange(own.shape[1]) - first[own[0]]
+        self._columns[own[0], place] = own[1]
+        order = {(int(s), int(c)): int(k) for s, c, k in zip(*own, place, strict=True)}
+        within = [order[int(s), int(c)] for s, c in zip(shape, column, strict=True)]
+        self._places = shape, row % TWIST, np.array(within, dtype=int)
+        entries = ca.densify(stack(jacobian.nonzeros()))  # type: ignore[arg-type]
+        self._entries = Kernel(ca.Function("velocities", list(inputs), [entries]))
+        fixed = not ca.depends_on(entries, ca.vertcat(*inputs))
+        self._constant = self._assembled(self._entries(*([0.0] * len(inputs)))) if fixed else None
+
+    def __call__(self, *arguments) -> np.ndarray:
+        """(n, 6, c) derivatives of the twists by the own speeds of the shapes."""
+        if self._constant is not None:
+            return self._constant
+        return self._assembled(self._entries(*arguments))
+
+    def _assembled(self, entries: list[np.ndarray]) -> np.ndarray:
+        derivatives = np.zeros((self._count, TWIST, self._width))
+        derivatives[self._places] = entries[0].ravel()
+        return derivatives
+
+    def fastest(self, derivatives: np.ndarray, travels: np.ndarray) -> float:
+        """The largest displacement of a shape by displacements (n_v, m) of the bodies."""
+        moved = self.displacements(derivatives, travels)[:, :3]
+        return float(np.sqrt(np.einsum("scm,scm->sm", moved, moved).max(initial=0.0)))
+
+    def displacements(self, derivatives: np.ndarray, travels: np.ndarray) -> np.ndarray:
+        """(n, 6, m) displacements and rotations of the shapes by those of the bodies."""
+        moved: np.ndarray = derivatives @ travels[self._columns]
+        return moved
+
+    def gap_derivatives(
+        self, blocks: np.ndarray, first: np.ndarray, second: np.ndarray, derivatives: np.ndarray
+    ) -> GapDerivatives:
+        """``W = K J`` of pairs with derivatives ``blocks`` (n, k, 12) by both twists."""
+        own = [
+            blocks[:, :, :TWIST] @ derivatives[first],
+            blocks[:, :, TWIST:] @ derivatives[second],
+        ]
+        inside = np.arange(self._width) < self._sizes[:, None]
+        columns, used = (np.hstack([t[first], t[second]]) for t in (self._columns, inside))
+        return GapDerivatives(np.concatenate(own, axis=2), columns, used, self._speeds)
+
+
+@dataclass(frozen=True, eq=False)
+class GapDerivatives:
+    """Derivatives of gap velocities by the speeds of two shapes each.
+
+    Attributes
+    ----------
+    values : (n, k, 2 c)
+    columns : (n, 2 c) numbers of the speeds
+    used : (n, 2 c) False for padding
+    speeds : number of speeds
+    """
+
+    values: np.ndarray
+    columns: np.ndarray
+    used: np.ndarray
+    speeds: int
+
+    def rows(self, selected: np.ndarray, width: int) -> scipy.sparse.csr_array:
+        """``W`` (m width, n_v) of selected gaps, with empty rows for components they lack."""
+        values, used = self.values[selected], self.used[selected]
+        count, components, _ = values.shape
+        sizes = np.zeros((count, width), dtype=np.int32)
+        sizes[:, :components] = used.sum(axis=1)[:, None]
+        starts = np.zeros(count * width + 1, dtype=np.int32)
+        np.cumsum(sizes.ravel(), out=starts[1:])
+        inside = np.repeat(used[:, None], components, axis=1)
+        columns = np.repeat(self.columns[selected][:, None], components, axis=1)
+        indices = columns[inside].astype(np.int32)
+        shape = count * width, self.speeds
+        return scipy.sparse.csr_array((values[inside], indices, starts), shape=shape)

@@ -1,0 +1,47 @@
+"""Convex hulls of corners, rounded by a radius: the form of shapes in collisions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+
+
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """All points within a distance of the convex hull of corners.
+
+    A ball has one corner, a capsule two, a polygon or a box has the radius zero.
+
+    Attributes
+    ----------
+    corners : positions in the axes of the body; of a polygon anticlockwise
+    radius : [m]
+    edges : numbers of their corners; those of planar hulls have the material on their left
+    faces : numbers of their corners, anticlockwise from outside; spatial hulls only
+    parallel : groups of edges of equal direction for all parameters; none by default
+    """
+
+    corners: tuple[ca.SX, ...]
+    radius: ca.SX
+    edges: tuple[tuple[int, int], ...] = ()
+    faces: tuple[tuple[int, ...], ...] = ()
+    parallel: tuple[tuple[int, ...], ...] = ()
+
+    @property
+    def parallel_edges(self) -> tuple[tuple[int, ...], ...]:
+        """Groups of all edges by their directions."""
+        return self.parallel or tuple((k,) for k in range(len(self.edges)))
+
+    @cached_property
+    def is_sharp(self) -> bool:
+        """Whether its corners and edges are sharp."""
+        return bool(self.radius.is_zero())
+
+    @classmethod
+    def planar(cls, corners: list[ca.SX], radius: ca.SX) -> Hull:
+        """The hull of planar corners; a capsule has two edges with opposite normals."""
+        n = len(corners)
+        edges = tuple((k, (k + 1) % n) for k in range(n)) if n > 1 else ()
+        return cls(tuple(corners), radius, edges)

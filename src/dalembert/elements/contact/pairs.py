@@ -1,0 +1,111 @@
+"""Laws of contact between groups of shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from dalembert.elements.base import Condition, Scalar, option, quantity
+from dalembert.elements.component import Component
+from dalembert.elements.contact.unilateral import at_most_one
+from dalembert.errors import ModelError
+from dalembert.text.wording import unknown
+
+APART = -1
+"""Law number of shapes that pass through each other."""
+
+
+@dataclass(eq=False)
+class Pair(Component):
+    """Restitution and friction between two groups of shapes of ``Collisions``.
+
+    Parameters
+    ----------
+    groups : names of two groups; the same name twice for shapes of one group
+    restitution, tangential, friction : those of ``Collisions`` by default
+    touching : False if shapes of these groups pass through each other
+
+    Examples
+    --------
+    >>> import dalembert as da
+    >>> from dalembert import planar
+    >>> contact = planar.contact
+    >>> system = da.System("two pucks")
+    >>> fast = planar.Particle("fast", mass=1.0, position=(0, 0), velocity=(1, 0))
+    >>> slow = planar.Particle("slow", mass=1.0, position=(0.3, 0))
+    >>> steel, rubber = (contact.Circle(system.add(puck), 0.1) for puck in (fast, slow))
+    >>> pair = contact.Pair(("steel", "rubber"), restitution=0.5)
+    >>> shapes = {"steel": [steel], "rubber": [rubber]}
+    >>> hits = system.add(planar.Collisions("hits", shapes, pairs=[pair]))
+    >>> motion = da.solve_nonsmooth(system.build(), 0.3, step=0.01)
+    >>> motion["slow.vx"][-1].round(9).item()  # (1 + e)/2
+    0.75
+    """
+
+    groups: tuple[str, ...] = option("names of two groups, or one name twice")
+    restitution: Scalar = quantity("", "restitution along the normal", default=None, minimum=0.0)
+    tangential: Scalar = quantity("", "restitution of the slip", default=None, minimum=0.0)
+    friction: Scalar = quantity("", "coefficient of friction", default=None, minimum=0.0)
+    touching: bool = option("whether shapes of these groups touch each other", default=True)
+
+    def __post_init__(self) -> None:
+        groups = self.groups
+        texts = isinstance(groups, (list, tuple)) and all(isinstance(g, str) for g in groups)
+        if not texts or len(groups) != 2:
+            raise ModelError(
+                f"groups is {groups!r:.60}; give two names of groups, such as ('discs', 'walls')",
+                "Pair",
+            )
+        self.groups = tuple(groups)
+        if not isinstance(self.touching, bool):
+            raise ModelError(f"touching is {self.touching!r}; give True or False", "Pair")
+        super().__post_init__()
+
+    def conditions(self) -> list[Condition]:
+        coefficients = {"restitution": self.restitution, "tangential": self.tangential}
+        return [at_most_one(e.sx, name) for name, e in coefficients.items() if e is not None]
+
+    def completed(self, *defaults: Scalar) -> tuple[Scalar, ...]:
+        """Restitution, tangential restitution and friction, with defaults where it has none."""
+        own = self.restitution, self.tangential, self.friction
+        return tuple(
+            default if coefficient is None else coefficient
+            for coefficient, default in zip(own, defaults, strict=True)
+        )
+
+
+def checked_pairs(pairs: Pair | Iterable[Pair], groups: list[str], owner: str) -> tuple[Pair, ...]:
+    """Pairs of known groups.
+
+    Raises
+    ------
+    ModelError
+        Another object, an unknown group, or two pairs of the same groups.
+    """
+    listed = (pairs,) if isinstance(pairs, Pair) else tuple(pairs)
+    names, pairs_of_groups = [group for group in groups if group], set()
+    for k, pair in enumerate(listed):
+        entity = f"{owner}.pairs[{k}]"
+        if not isinstance(pair, Pair):
+            example = "contact.Pair(('discs', 'walls'), friction=0.3)"
+            raise ModelError(f"is {pair!r:.60}; give pairs such as {example}", entity)
+        for group in pair.groups:
+            if group not in names:
+                text = f"there is no group {group!r}; give shapes={{{group!r}: […], …}}"
+                raise ModelError(unknown("group", group, names) if names else text, entity)
+        if frozenset(pair.groups) in pairs_of_groups:
+            both = " and ".join(pair.groups)
+            raise ModelError(f"{both} have another pair; give one pair of two groups", entity)
+        pairs_of_groups.add(frozenset(pair.groups))
+    return listed
+
+
+def law_numbers(groups: list[str], pairs: tuple[Pair, ...]) -> np.ndarray:
+    """(groups, groups) numbers of the laws: 0 by default, k + 1 of pair k, or ``APART``."""
+    table = np.zeros((len(groups), len(groups)), dtype=int)
+    for k, pair in enumerate(pairs):
+        i, j = (groups.index(group) for group in pair.groups)
+        table[i, j] = table[j, i] = k + 1 if pair.touching else APART
+    return table

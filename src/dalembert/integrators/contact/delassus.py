@@ -1,0 +1,108 @@
+"""Delassus operator of many contacts in sparse factors, ``H = W A⁻¹ Wᵀ``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy
+
+from dalembert.sparse.factorise import SuperLUFactors
+from dalembert.symbolic.evaluation.kernel import Matrix, dense_array
+
+DENSE = 100
+"""Upper limit of rows below which the matrix itself is cheaper than its factors."""
+ORDERING = {
+    "permc_spec": "MMD_AT_PLUS_A",
+    "diag_pivot_thresh": 1e-3,
+    "options": {"SymmetricMode": True},
+}
+"""Ordering for symmetric patterns; diagonal pivots unless they are small."""
+
+
+@dataclass(frozen=True, eq=False)
+class Delassus:
+    """``H + diag(shift)``, stored by the bodies of each contact.
+
+    Attributes
+    ----------
+    directions : (r, n) ``W``, compressed by rows
+    responses : (r, n) speeds by unit impulses, ``W A⁻ᵀ``, compressed by rows
+    inertia : (n, n) ``A``
+    joints : (m, n) constraints on the speeds
+    shift : (r,) addition to the diagonal
+    """
+
+    directions: scipy.sparse.csr_array
+    responses: scipy.sparse.csr_array
+    inertia: Matrix
+    joints: Matrix
+    shift: np.ndarray
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of ``H``."""
+        return self.shift.size, self.shift.size
+
+    @cached_property
+    def dense(self) -> np.ndarray | None:
+        """The matrix of few contacts; None for more."""
+        if self.shift.size > DENSE:
+            return None
+        matrix = dense_array(self.directions @ self.responses.T)
+        matrix[np.diag_indices_from(matrix)] += self.shift
+        return matrix
+
+    def __matmul__(self, impulses: np.ndarray) -> np.ndarray:
+        return np.asarray(self.directions @ self.response(impulses) + self.shift * impulses)
+
+    def response(self, impulses: np.ndarray) -> np.ndarray:
+        """(n,) speeds of the bodies by impulses (r,)."""
+        x = self.responses
+        values = x.data * np.repeat(impulses, np.diff(x.indptr))
+        return np.bincount(x.indices, values, x.shape[1])
+
+    def diagonal(self) -> np.ndarray:
+        """(r,) diagonal."""
+        w, x = self.directions, self.responses
+        if w.indices is x.indices:
+            row = np.repeat(np.arange(self.shift.size), np.diff(w.indptr))
+            own = np.bincount(row, w.data * x.data, self.shift.size)
+        else:
+            own = np.asarray(w.multiply(x).sum(axis=1)).ravel()
+        return own + self.shift
+
+    def shifted(self, diagonal: np.ndarray) -> Delassus:
+        """The operator with an addition to its diagonal."""
+        return replace(self, shift=self.shift + diagonal)
+
+    def active_impulses(
+        self, rows: np.ndarray, own: np.ndarray, coupled: np.ndarray, right: np.ndarray
+    ) -> np.ndarray:
+        """``(own + coupled H) P = right`` for contacts ``rows`` (n, k), with blocks (n, k, k).
+
+        The impulses are eliminated, so that speeds ``x`` and multipliers are the unknowns:
+
+            (A + Wᵀ B⁻¹ coupled W) x + Cᵀ λ = Wᵀ B⁻¹ right,    C x = 0,    B = own + coupled shift
+
+        Raises
+        ------
+        numpy.linalg.LinAlgError
+            A matrix is singular.
+        """
+        w = self.directions[rows.ravel()]
+        inverse = np.linalg.inv(own + coupled * self.shift[rows][:, None, :])
+        gains = scipy.sparse.bsr_array(
+            (inverse @ coupled, np.arange(rows.shape[0]), np.arange(rows.shape[0] + 1))
+        )
+        free = (inverse @ right[:, :, None]).ravel()
+        across = w.T.tocsr()
+        system = self.inertia + across @ (gains @ w)
+        m = self.joints.shape[0]
+        if m:
+            system = scipy.sparse.block_array([[system, self.joints.T], [self.joints, None]])
+        push = np.concatenate([across @ free, np.zeros(m)])
+        options = {} if m else ORDERING
+        speeds = SuperLUFactors(system, **options).solve(push)[: w.shape[1]]
+        return (free - gains @ (w @ speeds)).reshape(rows.shape)

@@ -1,0 +1,152 @@
+"""Groups of shapes and their pairs, in Python and in files."""
+
+import tomllib
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
+from dalembert.errors import ModelError
+from dalembert.io import load
+
+contact = planar.contact
+FILE = """
+format = 1
+name = "groups"
+gravity = [0, -9.81]
+parameters = { mu = 0.3 }
+
+[bodies.disc]
+mass = 1
+inertia = 0.005
+position = [0, 0.1]
+
+[bodies.crate]
+mass = 1
+inertia = 0.005
+position = [0.5, 0.05]
+
+[forces.box]
+type = "Collisions"
+restitution = 0.1
+friction = 0.2
+pairs = [
+  { groups = ["crates", "walls"], friction = "mu" },
+  { groups = ["discs", "crates"], touching = false },
+]
+
+[forces.box.shapes]
+discs = [{ type = "Circle", point = "disc", radius = 0.1 }]
+crates = [{ type = "Rectangle", point = "crate", size = [0.2, 0.1] }]
+walls = [{ type = "HalfPlane", point = "ground" }]
+"""
+
+
+def read(tmp_path, text: str) -> da.System:
+    path = tmp_path / "model.toml"
+    path.write_text(text, encoding="utf-8")
+    return load(path)
+
+
+def gaps_of(model: da.Model, reach: float = 10.0):
+    travels = np.full((model.equations.speed_count, 1), reach)
+    return gap_sources(model)[0].near(0.0, model.start.y, model.nominal, travels, 2)
+
+
+def test_files_have_groups_and_pairs(tmp_path, schema):
+    system = read(tmp_path, FILE)
+    element = system.elements["box"]
+    assert list(element.groups) == ["discs", "crates", "walls"]
+    gaps = gaps_of(system.build())  # disc on the wall; four corners of the crate on the wall
+    assert sorted(gaps.friction) == [0.2, 0.3, 0.3, 0.3, 0.3]
+    assert gaps.restitution == pytest.approx(0.1)
+    schema.validate(tomllib.loads(FILE))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"crates", "walls"', '"crates", "wals"', r"box.pairs\[0\]: unknown group 'wals' \(did"),
+        ('"crates", "walls"', '"crates"', r"box.pairs\[0\]: groups is \['crates'\]; give two"),
+        ('"discs", "crates"', '"walls", "crates"', r"box.pairs\[1\]: walls and crates have"),
+        ('friction = "mu"', 'fricton = "mu"', r"pairs\[0\].fricton: unknown key"),
+        ("touching = false", "friction = -1", r"pairs\[1\].friction: is -1"),
+        ("radius = 0.1", "radius = 0", r"shapes.discs\[0\].radius: is 0 m"),
+        ('"Rectangle", point = "crate", size = [0.2, 0.1]', '"Bore", point = "crate", radius = 1',
+         r"shapes.crates\[0\]: a Bore is not available here"),
+        ('discs = [{ type = "Circle", point = "disc", radius = 0.1 }]', "discs = 3",
+         "shapes.discs: expected a list"),
+    ],
+)  # fmt: skip
+def test_errors_name_the_place(tmp_path, old, new, message):
+    assert old in FILE
+    with pytest.raises(ModelError, match=message):
+        read(tmp_path, FILE.replace(old, new)).build()
+
+
+def pucks(**options) -> da.Model:
+    """Three pucks in a row; the left one moves."""
+    system, groups = da.System("pucks"), {}
+    for k, name in enumerate(["left", "middle", "right"]):
+        speed = 1.0 if k == 0 else 0.0
+        puck = planar.Body(
+            name, mass=1.0, inertia=1.0, position=(0.3 * k, 0.0), velocity=(speed, 0.0)
+        )
+        groups[name] = [contact.Circle(system.add(puck), 0.1)]
+    system.add(planar.Collisions("hits", groups, **options))
+    return system.build()
+
+
+def test_pairs_have_their_own_restitution():
+    pairs = [contact.Pair(("right", "middle"), restitution=0.5)]
+    motion = da.solve_nonsmooth(pucks(restitution=1.0, pairs=pairs), 0.5, step=1e-3)
+    speeds = [motion[f"{name}.vx"][-1].item() for name in ("left", "middle", "right")]
+    assert speeds == pytest.approx([0.0, 0.25, 0.75], abs=1e-12)
+
+
+def test_groups_that_do_not_touch_pass_through_each_other():
+    pairs = [
+        contact.Pair(("left", "middle"), touching=False),
+        contact.Pair(("middle", "right"), touching=False),
+    ]
+    motion = da.solve_nonsmooth(pucks(restitution=1.0, pairs=pairs), 0.7, step=1e-3)
+    assert motion["middle.vx"][-1] == 0
+    assert motion["right.vx"][-1] == pytest.approx(1.0)  # hit by the left one
+
+
+def test_shapes_of_one_body_do_not_touch():
+    system = da.System("compound")
+    body = system.add(planar.Body("cross", mass=1.0, inertia=1.0))
+    bars = [
+        contact.Rectangle(body.center, (1.0, 0.1)),
+        contact.Rectangle(body.center, (0.1, 1.0)),
+        contact.Circle(body.center, 0.2),
+    ]
+    system.add(planar.Collisions("none", bars))
+    assert gaps_of(system.build()).count == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"pairs": [3]}, r"pairs\[0\]: is 3; give pairs such as contact.Pair"),
+        ({"pairs": [contact.Pair(("left", "top"))]}, "unknown group 'top'"),
+    ],
+)
+def test_wrong_pairs_are_refused(options, message):
+    with pytest.raises(ModelError, match=message):
+        pucks(**options)
+
+
+def test_wrong_shapes_are_refused():
+    body = planar.Body("b", mass=1.0, inertia=1.0)
+    disc = contact.Circle(body, 0.1)
+    with pytest.raises(ModelError, match=r"there is no group 'a'; give shapes=\{'a'"):
+        planar.Collisions("c", [disc], pairs=[contact.Pair(("a", "b"))])
+    with pytest.raises(ModelError, match="touching is 3"):
+        contact.Pair(("a", "b"), touching=3)
+    profile = contact.Profile(body, da.FormulaCurve(da.cos(da.curves.u), da.sin(da.curves.u)))
+    with pytest.raises(ModelError, match="Profile is not available here"):
+        planar.Collisions("c", [profile])

@@ -1,0 +1,159 @@
+"""Many contacts: sparse operators against dense ones, near pairs against all, piles, energy."""
+
+import casadi as ca
+import numpy as np
+import pytest
+import scipy
+
+import dalembert as da
+from dalembert import planar
+from dalembert.analysis.nonsmooth.mobility import Coupling, Mobility
+from dalembert.analysis.nonsmooth.neighbours import Neighbours
+from dalembert.integrators.contact.contacts import FrictionProblem
+from dalembert.integrators.contact.delassus import DENSE, Delassus
+from dalembert.integrators.contact.semismooth_newton import semismooth_newton
+from dalembert.integrators.contact.sweeps import swept
+
+G = 9.81
+JOINED = 5
+"""Speeds of a chain of bodies in the random inertia."""
+
+
+def random_mobility(rng: np.random.Generator, blocks: int, joints: bool) -> Mobility:
+    """Free bodies of three speeds, and a few bodies coupled by their matrix or by a joint."""
+    n = 3 * blocks + JOINED
+    matrix = np.zeros((n, n))
+    for k in range(blocks):
+        part = rng.normal(size=(3, 3))
+        matrix[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = part @ part.T + 3 * np.eye(3)
+    part = rng.normal(size=(JOINED, JOINED))
+    matrix[-JOINED:, -JOINED:] = part @ part.T + 5 * np.eye(JOINED)
+    constraint = np.zeros((1 if joints else 0, n))
+    constraint[:, -2:] = 1.0, -2.0
+    patterns = ca.DM(matrix).sparsity(), ca.sparsify(ca.DM(constraint)).sparsity()
+    coupling = Coupling.of(ca.sparsify(ca.DM(matrix)).sparsity(), patterns[1])
+    return Mobility(scipy.sparse.csr_array(matrix), scipy.sparse.csr_array(constraint), coupling)
+
+
+def random_directions(rng: np.random.Generator, rows: int, speeds: int) -> scipy.sparse.csr_array:
+    return scipy.sparse.csr_array(
+        scipy.sparse.random_array((rows, speeds), density=6 / speeds, rng=rng, format="csr")
+    )
+
+
+@pytest.mark.parametrize("joints", [False, True])
+def test_mobility_solves_the_equations_of_free_and_joined_bodies(joints):
+    rng = np.random.default_rng(4)
+    mobility = random_mobility(rng, 20, joints)
+    matrix, constraint = mobility.matrix.toarray(), mobility.joints.toarray()
+    right, below = rng.normal(size=matrix.shape[0]), rng.normal(size=constraint.shape[0])
+    speeds, multipliers = mobility(right, below)
+    assert matrix @ speeds + constraint.T @ multipliers == pytest.approx(right)
+    assert constraint @ speeds == pytest.approx(below)
+    directions = random_directions(rng, 40, matrix.shape[0])
+    expected = mobility(directions.toarray().T)[0].T
+    assert mobility.responses(directions).toarray() == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("joints", [False, True])
+@pytest.mark.parametrize("width", [1, 2, 3])
+def test_sparse_impulses_are_those_of_the_dense_matrix(joints, width):
+    """Operator, its diagonal and shift, sweeps, and Newton steps with eliminated impulses."""
+    rng = np.random.default_rng(5)
+    mobility, count = random_mobility(rng, 60, joints), 1 + DENSE // width
+    directions = random_directions(rng, count * width, mobility.matrix.shape[0])
+    responses, shift = mobility.responses(directions), rng.random(count * width)
+    sparse = Delassus(directions, responses, mobility.matrix, mobility.joints, shift)
+    dense = directions.toarray() @ responses.toarray().T + np.diag(shift)
+    some = rng.normal(size=count * width)
+    assert sparse.dense is None
+    assert sparse @ some == pytest.approx(dense @ some)
+    assert sparse.diagonal() == pytest.approx(dense.diagonal())
+    velocity, friction = rng.normal(size=(count, width)), rng.random(count)
+    problem = FrictionProblem(sparse, velocity, friction)
+    same = FrictionProblem(dense, velocity, friction)
+    start = np.zeros(problem.shape)
+    expected = semismooth_newton(same, start, 1e-12)
+    assert same.residual(expected) < 1e-10
+    assert semismooth_newton(problem, start, 1e-12) == pytest.approx(expected, abs=1e-8)
+    assert swept(problem, start, 1e-13) == pytest.approx(expected, abs=1e-8)
+
+
+def test_a_list_of_neighbours_contains_all_near_pairs_while_bodies_move():
+    rng = np.random.default_rng(6)
+    count, radii = 60, np.full(60, 0.1)
+    positions = np.hstack([rng.uniform(0, 2, (count + 1, 2)), np.zeros((count + 1, 1))])
+    positions[count] = 0.0
+    normals, neighbours = np.array([[0.0, 1.0, 0.0]]), Neighbours(np.arange(count + 1))
+    for _ in range(30):
+        positions[:count, :2] += rng.uniform(-0.004, 0.004, (count, 2))
+        reach = rng.uniform(0.0, 0.05)
+        pairs, walls = neighbours.near(positions, normals, radii, reach)
+        first, second = np.triu_indices(count, 1)
+        apart = np.linalg.norm(positions[first] - positions[second], axis=1) - 0.2
+        near = apart <= reach
+        assert (pairs == np.stack([first[near], second[near]])).all()
+        assert (walls[1] == np.flatnonzero(positions[:count, 1] - 0.1 <= reach)).all()
+
+
+def pile(rows: int, columns: int, pendulum: bool = False) -> da.Model:
+    """Discs in rows in a box; a pendulum may swing into them."""
+    rng, radius = np.random.default_rng(7), 0.05
+    system, width = da.System("pile", gravity=(0.0, -G)), 2.3 * 0.05 * columns
+    shapes = []
+    for k in range(rows * columns):
+        place = (0.115 * (k % columns) + 0.06 + 0.004 * rng.random(), 0.06 + 0.11 * (k // columns))
+        disc = planar.Body(f"d{k}", mass=1.0, inertia=0.00125, position=place, angle=0.0)
+        shapes.append(planar.contact.Circle(system.add(disc), radius))
+    if pendulum:
+        rod = planar.Bar("rod", length=0.4, mass=5.0, angle=0.0, position=(0.2, 0.5))
+        system.add(rod)
+        system.add(planar.Revolute("pin", system.ground.point(0.0, 0.5), rod.start))
+        shapes.append(planar.contact.Circle(rod.end, radius))
+    corners = system.ground.center, system.ground.point(width, 0.0)
+    shapes += [
+        planar.contact.HalfPlane(corners[0], (0.0, 1.0)),
+        planar.contact.HalfPlane(corners[0], (1.0, 0.0)),
+        planar.contact.HalfPlane(corners[1], (-1.0, 0.0)),
+    ]
+    system.add(planar.Collisions("contacts", shapes, friction=0.3))
+    return system.build()
+
+
+@pytest.mark.parametrize("scheme", [da.AnticipatedImpacts(), da.MoreauJean()])
+def test_a_pile_of_discs_closes_no_gap_and_gains_no_energy_in_contacts(scheme):
+    motion = da.solve_nonsmooth(pile(8, 8), 0.15, step=1e-3, integrator=scheme)
+    assert motion.status.success
+    assert motion.statistics["maximum active contacts"] > 40
+    assert motion.statistics["maximum residual [m/s]"] <= 1e-8
+    assert motion.statistics["maximum penetration [m]"] <= 1e-9 * 0.05
+    assert motion.statistics["maximum energy gained in contacts [J]"] <= 1e-10
+    if scheme.anticipates:
+        assert np.diff(motion.data["energy"]).max() <= 1e-10
+
+
+def test_a_joint_stays_closed_beside_a_pile():
+    motion = da.solve_nonsmooth(pile(3, 8, pendulum=True), 0.4, step=1e-3)
+    assert motion.status.success
+    assert motion.data["position_violation"].max() <= 1e-11
+    assert motion.data["penetration"].max() <= 1e-9 * 0.05
+    assert np.abs(motion.data["balance_error"]).max() <= 1e-3 * motion.data["dissipated_energy"][-1]
+
+
+@pytest.mark.parametrize("theta", [0.5, 0.8, 1.0])
+def test_energy_dissipated_by_the_scheme_is_accounted(theta):
+    """An oscillator: the θ-method takes ``(θ − ½)(Δvᵀ M Δv + Δyᵀ K Δy)`` in each step."""
+    system = da.System("oscillator")
+    ball = system.add(planar.Particle("ball", mass=1.0, position=(1.5, 0.0)))
+    spring = {"stiffness": 400.0, "free_length": 1.0}
+    system.add(planar.Spring("spring", system.ground.center, ball.center, **spring))
+    floor = planar.contact.HalfPlane(system.ground.point(0.0, -1.0))
+    system.add(planar.Collisions("floor", [planar.contact.Circle(ball, 0.1), floor]))
+    scheme = da.MoreauJean(theta=theta)
+    motion = da.solve_nonsmooth(system.build(), 3.0, step=1e-2, integrator=scheme)
+    y, v = motion.trajectory.y[0], motion.trajectory.v[0]
+    expected = (theta - 0.5) * (np.diff(v) ** 2 + 400.0 * np.diff(y) ** 2).sum()
+    assert motion.status.success and not motion.warnings
+    assert motion.statistics["energy dissipated by the scheme [J]"] == pytest.approx(expected)
+    assert motion.data["dissipated_energy"][-1] == pytest.approx(expected)
+    assert np.abs(motion.data["balance_error"]).max() <= 1e-9

@@ -1,0 +1,120 @@
+"""Boxes stand, slide and topple; bodies of all shapes neither overlap nor gain energy."""
+
+import numpy as np
+import pytest
+
+import dalembert as da
+from dalembert import planar
+from dalembert.analysis.nonsmooth.collision_gaps import gap_sources
+
+G = 9.81
+contact = planar.contact
+
+
+def stack(count: int, angle: float = 0.0, friction: float = 0.5, width: float = 0.2) -> da.Model:
+    """Boxes on top of each other, on an incline."""
+    system, normal = da.System("stack", gravity=(0.0, -G)), (-np.sin(angle), np.cos(angle))
+    shapes = [contact.HalfPlane(system.ground.center, normal)]
+    for k in range(count):
+        place = tuple((0.1 + 0.2 * k) * np.array(normal))
+        box = planar.Body(f"b{k}", mass=1.0, inertia=0.01, position=place, angle=angle)
+        shapes.append(contact.Rectangle(system.add(box), (width, 0.2)))
+    system.add(planar.Collisions("stack", shapes, friction=friction))
+    return system.build()
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_boxes_stand(count):
+    """At rest to rounding, and every face carries what is above it."""
+    motion = da.solve_nonsmooth(stack(count), 0.5, step=2e-3)
+    assert motion.status.success
+    assert np.ptp(motion.trajectory.y, axis=1).max() < 1e-10
+    carried = motion.impulse("stack").values[-1]
+    assert carried == pytest.approx(G * 2e-3 * count * (count + 1) / 2, rel=1e-7)
+
+
+@pytest.mark.parametrize("friction", [0.3, 0.55, 0.6])
+def test_box_slides_above_the_angle_of_friction(friction):
+    angle = np.pi / 6
+    motion = da.solve_nonsmooth(stack(1, angle, friction), 0.5, step=2e-3)
+    position = motion.data["position"].values[:, 0]
+    gone = np.linalg.norm(position[-1] - position[0])
+    expected = max(0.0, np.sin(angle) - friction * np.cos(angle)) * G * 0.5**2 / 2
+    assert gone == pytest.approx(expected, abs=1e-11)
+    assert motion.values("b0.angle")[-1] == pytest.approx(angle, abs=1e-11)
+
+
+@pytest.mark.parametrize(("width", "topples"), [(0.1, True), (0.13, False)])
+def test_slender_box_topples_on_an_incline(width, topples):
+    """Where its mass centre is not above its base, ``b/h < tan α``."""
+    angle = np.pi / 6
+    motion = da.solve_nonsmooth(stack(1, angle, 2.0, width), 0.4, step=2e-3)
+    assert (abs(motion.values("b0.angle")[-1] - angle) > 0.1) == topples
+
+
+def mixture() -> da.Model:
+    """Bodies of all planar shapes that fall into a box."""
+    rng, system = np.random.default_rng(5), da.System("mixture", gravity=(0.0, -G))
+    corners = system.ground.point(-0.3, 0.0), system.ground.point(0.3, 0.0)
+    shapes = [
+        contact.HalfPlane(corners[0], (0.0, 1.0)),
+        contact.HalfPlane(corners[0], (1.0, 0.0)),
+        contact.HalfPlane(corners[1], (-1.0, 0.0)),
+    ]
+    for k in range(9):
+        body = planar.Body(
+            f"b{k}",
+            mass=1.0,
+            inertia=2e-3,
+            position=(-0.18 + 0.18 * (k % 3), 0.1 + 0.17 * (k // 3)),
+            angle=rng.uniform(0, 2 * np.pi),
+            velocity=tuple(0.5 * rng.normal(size=2)),
+            angular_velocity=3 * rng.normal(),
+        )
+        system.add(body)
+        triangle = [(-0.06, -0.04), (0.06, -0.04), (0.0, 0.08)]
+        kinds = [
+            contact.Circle(body, 0.06),
+            contact.Capsule(body.point(-0.04, 0.0), body.point(0.04, 0.0), 0.03),
+            contact.Rectangle(body, (0.12, 0.08)),
+            contact.Polygon(body, triangle),
+        ]
+        shapes.append(kinds[k % 4])
+    system.add(planar.Collisions("all", shapes, restitution=0.3, friction=0.3))
+    return system.build()
+
+
+@pytest.fixture(scope="module")
+def fallen() -> da.Motion:
+    return da.solve_nonsmooth(mixture(), 0.6, step=2e-3)
+
+
+def test_bodies_of_all_shapes_do_not_overlap(fallen):
+    assert fallen.status.success
+    source, p = gap_sources(fallen.model)[0], fallen.model.nominal
+    none = np.zeros((fallen.model.equations.speed_count, 1))
+    deepest = min(
+        source.near(0.0, y, p, none, 2).distance.min(initial=0.0) for y in fallen.trajectory.y.T
+    )
+    assert deepest > -1e-9
+
+
+def test_energy_is_never_gained(fallen):
+    """Contacts create no energy; a corner under a turning face is lifted by O(h²)."""
+    energy = fallen.data["energy"].values
+    assert fallen.statistics["maximum energy gained in contacts [J]"] <= 1e-12 * energy[0]
+    assert np.diff(energy).max() <= 1e-4 * energy[0]
+    assert np.abs(fallen.data["balance_error"]).max() <= 1e-3 * energy[0]
+    assert energy[-1] < 0.5 * energy[0]
+
+
+def test_elastic_box_conserves_its_energy():
+    """A box that falls on a corner, without friction: no energy is lost at all."""
+    system = da.System("elastic", gravity=(0.0, -G))
+    box = planar.Body("box", mass=1.0, inertia=0.01, position=(0.0, 0.4), angle=0.3)
+    shapes = [contact.Rectangle(system.add(box), (0.3, 0.2)), contact.HalfPlane(system.ground)]
+    system.add(planar.Collisions("floor", shapes, restitution=1.0))
+    motion = da.solve_nonsmooth(system.build(), 1.0, step=1e-3)
+    energy = motion.data["energy"].values
+    assert motion.status.success and motion.impulse("floor").max() > 0
+    assert np.ptp(energy) <= 1e-9 * energy[0]
