@@ -44,6 +44,7 @@ HOLDS: dict[object, str] = {
     str: "text",
     Path: "path relative to the model file",
     BodyElement: "name of a body",
+    Beam: "name of a beam",
     Point: "point",
     Frame: "frame",
     Constraint: "name of a joint",

@@ -183,12 +183,10 @@ def value_type(field: FileField, dimension: int = 2) -> Any:
         Places: lambda: list[reference(dimension)],  # type: ignore[misc]
         Law: law_type,
         Laws: lambda: list[law_type(*COMBINED[COMBINED.index(field.owner) :])],  # type: ignore[misc]
-        Curve: curve_type,
         Shape: lambda: shape_type(dimension),
         Shapes: lambda: shapes_type(dimension),
         Pairs: lambda: list[table_of("Pair", CONTACT_PAIRS["Pair"], optional_type=True)],  # type: ignore[misc]
-        NormalLaw: contact_law_type,
-        Friction: friction_type,
+        **{kind: partial(registered_type, kind) for kind in REGISTRIES},
     }
     return makers[field.holds]() if field.holds in makers else strategy_type(field.holds)
 
@@ -204,10 +202,18 @@ def law_type(*without: type) -> Any:
     return one_of(tables, plain=Entry)
 
 
+REGISTRIES: dict[type, Mapping[str, type]] = {
+    Curve: CURVES,
+    NormalLaw: CONTACT_LAWS,
+    Friction: FRICTIONS,
+}
+"""Kind of an object that a table describes → its classes."""
+
+
 @cache
-def curve_type() -> Any:
-    """Type of a curve."""
-    return any_of(CURVES)
+def registered_type(kind: type) -> Any:
+    """Type of an object of a kind."""
+    return any_of(REGISTRIES[kind])
 
 
 @cache
@@ -226,18 +232,6 @@ def shapes_type(dimension: int) -> Any:
     """Type of a list of contact shapes, or of lists by the names of groups."""
     shape = shape_type(dimension)
     return table_or(dict[str, list[shape]], list[shape])  # type: ignore[valid-type]
-
-
-@cache
-def contact_law_type() -> Any:
-    """Type of a normal contact law."""
-    return any_of(CONTACT_LAWS)
-
-
-@cache
-def friction_type() -> Any:
-    """Type of a friction law."""
-    return any_of(FRICTIONS)
 
 
 def any_of(registry: Mapping[str, type], misplaced: Mapping[str, str] | None = None) -> Any:
