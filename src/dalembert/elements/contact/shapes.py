@@ -107,12 +107,7 @@ class Shape(Component):
         return None
 
     def look(self, near: ca.SX) -> list[Look]:
-        """Primitives that represent it in pictures.
-
-        Parameters
-        ----------
-        near : (d, m) inertial contact points
-        """
+        """Primitives that represent it in pictures, given (d, m) inertial contact points."""
         return []
 
 
