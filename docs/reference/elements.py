@@ -48,7 +48,6 @@ HOLDS: dict[object, str] = {
     Point: "point",
     Frame: "frame",
     Constraint: "name of a joint",
-    Beam: "name of a beam",
     FlexibleStructure: "file of a structure",
     StructuralResult: "table of an analysis",
     Interfaces: "name of a section: nodes; or list of nodes",

@@ -1,0 +1,133 @@
+"""Impulses of frictional contact: sweeps, semismooth Newton method, proximal point fallback."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from dalembert.integrators.contact.contacts import FrictionProblem
+from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.semismooth_newton import MAX_ITERATIONS, semismooth_newton
+from dalembert.integrators.contact.sweeps import swept
+
+WEIGHT, INCREASE, DECREASE, WEIGHT_MAX, WEIGHT_MIN = 0.01, 4.0, 0.3, 1.0, 1e-11
+"""Proximal weight: initial value, factors after failure and success, upper and lower limit [-]."""
+ALTERNATIONS, NEWTON_ITERATIONS = 20, 5
+"""Upper limits for many contacts: rounds of sweeps and Newton's method; iterations of the latter,
+which without friction is not limited further."""
+SWEEP_SHARE = 0.1
+"""Tolerance of sweeps relative to that of the problem [-]."""
+RESIDUAL_SHARE, TOLERANCE_SHARE = 0.01, 0.3
+"""Tolerance of a proximal problem relative to the residual and to the tolerance of the original
+problem; the larger one counts [-]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Impulses:
+    """Impulses of a contact problem and their residual.
+
+    Attributes
+    ----------
+    impulses : (n, k)
+    residual : largest violation of the conditions [m/s]
+    converged : whether the residual is within the tolerance
+    rounds : iterations of the proximal method; 0 if Newton's method converged alone
+    """
+
+    impulses: np.ndarray
+    residual: float
+    converged: bool
+    rounds: int = 0
+
+
+def solved_impulses(
+    problem: FrictionProblem, guess: np.ndarray, share: float, max_iterations: int
+) -> Impulses:
+    """Impulses of a problem.
+
+    Parameters
+    ----------
+    guess : (n, k) initial impulses
+    share : tolerance relative to the largest speed of a contact [-]
+    max_iterations : upper limit of iterations of the proximal method
+    """
+    allowed = share * problem.size(guess)
+    if isinstance(problem.matrix, Delassus):
+        guess, residual = _alternating(problem, guess, allowed)
+        if residual <= allowed:
+            return Impulses(guess, residual, True)
+        if problem.matrix.dense is None:
+            return _proximal(problem, guess, share * problem.size(guess), max_iterations)
+    impulses = semismooth_newton(problem, guess, allowed)
+    residual = problem.residual(impulses)
+    allowed = share * problem.size(impulses)
+    if residual <= allowed:
+        return Impulses(impulses, residual, True)
+    impulses = semismooth_newton(problem, sticking_impulses(problem), allowed)
+    residual = problem.residual(impulses)
+    if residual <= share * problem.size(impulses):
+        return Impulses(impulses, residual, True)
+    return _proximal(problem, guess, share * problem.size(guess), max_iterations)
+
+
+def _alternating(
+    problem: FrictionProblem, impulses: np.ndarray, allowed: float
+) -> tuple[np.ndarray, float]:
+    """Impulses after sweeps and Newton's method in turns, and their residual."""
+    few = NEWTON_ITERATIONS if problem.friction.any() else MAX_ITERATIONS
+    for _ in range(ALTERNATIONS):
+        impulses = swept(problem, impulses, SWEEP_SHARE * allowed)
+        if (residual := problem.residual(impulses)) <= allowed:
+            break
+        impulses = semismooth_newton(problem, impulses, allowed, few)
+        if (residual := problem.residual(impulses)) <= allowed:
+            break
+    return impulses, residual
+
+
+def _proximal(
+    problem: FrictionProblem, impulses: np.ndarray, allowed: float, max_iterations: int
+) -> Impulses:
+    """Impulses by the proximal point method."""
+    weight, residual, rounds = WEIGHT, problem.residual(impulses), 0
+    best = impulses, residual
+    while best[1] > allowed and rounds < max_iterations and np.isfinite(residual):
+        proximal = proximal_problem(problem, impulses, weight)
+        tolerance = max(RESIDUAL_SHARE * residual, TOLERANCE_SHARE * allowed)
+        start = swept(proximal, impulses, SWEEP_SHARE * tolerance)
+        trial = semismooth_newton(proximal, start, tolerance)
+        solved = proximal.residual(trial) <= tolerance
+        changed = weight * (DECREASE if solved else INCREASE)
+        weight = min(max(changed, WEIGHT_MIN), WEIGHT_MAX)
+        rounds += 1
+        if solved or weight == WEIGHT_MAX:
+            impulses, residual = trial, problem.residual(trial)
+            best = min(best, (impulses, residual), key=lambda pair: pair[1])
+    return Impulses(*best, bool(best[1] <= allowed), rounds)
+
+
+def sticking_impulses(problem: FrictionProblem) -> np.ndarray:
+    """Impulses that stop few contacts, the only solution when sliding jams (Painlevé)."""
+    change, matrix = -problem.velocity.ravel(), problem.matrix
+    if isinstance(matrix, Delassus):
+        assert matrix.dense is not None
+        matrix = matrix.dense
+    if not (np.isfinite(matrix).all() and np.isfinite(change).all()):
+        return np.zeros(problem.shape)
+    impulses = np.linalg.lstsq(matrix, change, rcond=None)[0]
+    return impulses.reshape(problem.shape)
+
+
+def proximal_problem(
+    problem: FrictionProblem, impulses: np.ndarray, weight: float
+) -> FrictionProblem:
+    """The problem with a proximal term at ``impulses``."""
+    normal, along = problem.mobility
+    diagonal = weight * np.column_stack([normal, *[along] * (problem.shape[1] - 1)])
+    matrix = problem.matrix
+    if isinstance(matrix, Delassus):
+        matrix = matrix.shifted(diagonal.ravel())
+    else:
+        matrix = matrix + np.diag(diagonal.ravel())
+    return replace(problem, matrix=matrix, velocity=problem.velocity - diagonal * impulses)
