@@ -213,3 +213,22 @@ def test_outputs_and_other_times():
     assert motion.time.size == 11
     assert motion.impulse("floor").sum() == pytest.approx(whole.impulse("floor").sum().item())
     assert whole.at(motion.time).values("ball.y") == pytest.approx(motion.values("ball.y"))
+
+
+def test_forces_of_rigid_contacts_are_those_of_located_contacts():
+    """Normal force and friction of a block that slides on two points and is pressed down."""
+    system = da.System("block", gravity=(0, -10))
+    block = planar.Body("block", mass=2.0, inertia=0.1, position=(0, 0.1), velocity=(1, 0))
+    system.add(block)
+    floor, law = planar.contact.HalfPlane(system.ground.center), planar.contact.Restitution(0.0)
+    friction = planar.contact.Coulomb(0.3)
+    for name, x in (("left", -0.2), ("right", 0.3)):
+        point = planar.contact.Vertex(block.point(x, -0.1))
+        system.add(planar.Contact(name, floor, point, law=law, friction=friction))
+    system.add(planar.Force("pressure", block.center, (0, -3.0)))
+    model = system.build()
+    stepped = da.solve_nonsmooth(model, 0.1, step=0.005)
+    located = da.solve_dynamics(model, 0.1, step=0.005)
+    for name in ("left.normal_force", "right.normal_force", "left.friction_force"):
+        expected = located.values(name)
+        assert np.abs(stepped.values(name) - expected).max() < 1e-5 * np.abs(expected).max(), name

@@ -122,7 +122,7 @@ class StepLog:
             y,
             v,
             _with_start(a),
-            _with_start(model.all_multipliers(multiplier)),
+            _with_start(np.vstack([model.all_multipliers(multiplier), self._contact_forces(h)])),
             self._work(y, v, a, multiplier, h, loss),
         )
         if h.size:
@@ -140,6 +140,17 @@ class StepLog:
             residual=np.array([s.residual for s in entries]),
             rounds=np.array([s.rounds for s in entries], dtype=int),
         )
+
+    def _contact_forces(self, h: np.ndarray) -> np.ndarray:
+        """(n, K) means over the steps of the normal and tangential forces of formula gaps."""
+        parts = [np.zeros((0, h.size))]
+        for key, gap in enumerate(self.step.model.all_equations.contacts):
+            forces = np.zeros((1 + gap.slip.numel(), h.size))
+            for k, entry in enumerate(self.entries):
+                impulses = entry.impulse[entry.key == key]  # none or one
+                forces[:, k] = impulses[:, : forces.shape[0]].sum(axis=0) / h[k]
+            parts.append(forces)
+        return np.vstack(parts)
 
     def _work(self, y, v, a, multiplier, h: np.ndarray, loss: np.ndarray) -> np.ndarray:
         """Dissipated energy and input at the ends of the steps, by the midpoint rule."""
