@@ -1,24 +1,57 @@
-"""A ball hits a stack of crates: shapes, groups and contact forces of a model file.
+"""A ball hits a stack of crates: shapes by groups, coefficients of their pairs, contact forces.
 
 The stack stands until the ball arrives. Circles, rectangles, a polygon and a capsule touch each
 other; crates have more friction than the ball.
 """
 
 import sys
-from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
 import style
 
 import dalembert as da
-from dalembert.io import load
+from dalembert import planar
 
-FILE = Path(__file__).with_suffix(".toml")
+CRATE = (0.346, 0.2)
+"""Width and height [m]."""
+
+
+def build() -> da.System:
+    system = da.System("crates and ball", gravity=(0.0, -9.81))
+    speed = system.parameter("speed", 6.0, "m/s", bounds=(0.0, 10.0))
+    grip = system.parameter("grip", 0.6, bounds=(0.1, 1.0))
+    rows = {"lower": (2.0, 0.0267, 0.1), "middle": (2.0, 0.0267, 0.3), "upper": (1.0, 0.01, 0.5)}
+    flight = {"position": (-1.0, 0.35), "velocity": (speed, 0.0)}
+    ball = system.add(planar.Body("ball", mass=4.0, inertia=0.02, **flight))
+    lower, middle, upper = (
+        system.add(planar.Body(name, mass=mass, inertia=inertia, position=(0.0, y)))
+        for name, (mass, inertia, y) in rows.items()
+    )
+    chute = system.ground.point(-1.1, 0.2), system.ground.point(-0.6, 0.15)
+    shapes = {
+        "balls": [planar.contact.Circle(ball.center, 0.1)],
+        "crates": [
+            planar.contact.Rectangle(lower.center, CRATE),
+            planar.contact.Rectangle(middle.center, CRATE),
+            planar.contact.Polygon(upper, [(-0.15, -0.1), (0.15, -0.1), (0.0, 0.15)]),
+        ],
+        "ground": [
+            planar.contact.HalfPlane(system.ground.center),
+            planar.contact.Capsule(*chute, 0.05),
+        ],
+    }
+    pairs = [
+        planar.contact.Pair(("crates", other), friction=grip, restitution=0.0)
+        for other in ("ground", "crates")
+    ]
+    contacts = {"friction": 0.2, "restitution": 0.1, "pairs": pairs}
+    system.add(planar.Collisions("contacts", shapes, **contacts))
+    return system
 
 
 def solve(duration: float = 0.7, step: float = 2e-3) -> da.Motion:
-    return da.solve_nonsmooth(load(FILE).build(), duration, step=step)
+    return da.solve_nonsmooth(build().build(), duration, step=step)
 
 
 def picture(motion: da.Motion, folder) -> None:

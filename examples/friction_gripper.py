@@ -73,6 +73,7 @@ def main(folder=None) -> dict[str, float]:
         vary=["grip"],
         subject_to=[da.Limit(lag, upper=CREEP)],
         analysis=RUN,
+        method=da.Ipopt(),
     )
     weak, firm = RUN.run(model, parameters={"grip": WEAK}), best.initial
     least = best.x["grip"]

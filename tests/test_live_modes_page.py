@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import Visit, visit
-from live_pages import SLOPE, SLOPES, VALUES, change, close, settle
+from live_visits import SLOPE, SLOPES, VALUES, change, close, settle
 from mode_models import carts, double_pendulum, suspended_body
 
 import dalembert as da

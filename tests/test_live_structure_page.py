@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import Visit, visit
-from live_pages import SLOPE, SLOPES, VALUES, change, close, settle
+from live_visits import SLOPE, SLOPES, VALUES, change, close, settle
 
 import dalembert as da
 
