@@ -23,9 +23,9 @@ def compare(page: Visit, modes: Any) -> None:
     """Eigenvalues, names and pictures of the page and of a result."""
     expected = modes.page()
     for series in expected["series"]:
-        found = page.js(f"[...dalembert.motion.seriesByName.get('{series['name']}').values]")
+        values = page.js(f"[...dalembert.motion.seriesByName.get('{series['name']}').values]")
         size = np.abs(modes.eigenvalues).max()
-        np.testing.assert_allclose(found, series["values"], rtol=0, atol=VALUES * size)
+        np.testing.assert_allclose(values, series["values"], rtol=0, atol=VALUES * size)
     bodies = expected["scene"]["bodies"]
     poses = [[body[key] for key in POSES if key in body] for body in bodies]
     for drawn, columns in zip(page.js(DRAWN), poses, strict=True):

@@ -61,8 +61,7 @@ def pages(name: str, analysis: Any) -> Iterator[Any]:
 
 def evaluated(result: Any, sx: ca.SX) -> np.ndarray:
     """(n, K) values of formulas over the states."""
-    known = {"t", *result.model.parameters}
-    symbols = [s for s in ca.symvar(sx) if s.name() not in known]
+    symbols = result.model.measure_symbols(sx)
     function = ca.Function("f", [ca.vertcat(*symbols), result.model.p], [ca.densify(sx)])
     measures = [result.measure(s.name()) for s in symbols]
     states = [result.state(k) for k in range(len(result.time))]

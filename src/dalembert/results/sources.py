@@ -32,27 +32,8 @@ class Number(float):
         return float, (float(self),)
 
 
-class Column(list[float]):
-    """Values over time with their formula, a scalar SX; copies of it are plain."""
-
-    __slots__ = ("sx",)
-
-    def __init__(self, values: Iterable[float], sx: ca.SX):
-        super().__init__(values)
-        self.sx = sx
-
-    def __reduce__(self) -> tuple[type, tuple[list[float]]]:
-        return list, (list(self),)
-
-
-class States(list[Any]):
-    """Columns of several states with the formulas of their entries; copies of it are plain.
-
-    Parameters
-    ----------
-    values : a column of n numbers for each state
-    sx : (n,) formulas; entries with a constant one keep their values
-    """
+class Formulated(list[Any]):
+    """Numbers with their formulas; copies of it are plain."""
 
     __slots__ = ("sx",)
 
@@ -64,23 +45,28 @@ class States(list[Any]):
         return list, (list(self),)
 
 
-class Blocks(list[float]):
-    """Values of several formulas over the states, one after the other; copies of it are plain.
+class Column(Formulated):
+    """Values over time with their formula, a scalar SX."""
+
+
+class States(Formulated):
+    """Columns of several states with the formulas of their entries.
+
+    Parameters
+    ----------
+    values : a column of n numbers for each state
+    sx : (n,) formulas; entries with a constant one keep their values
+    """
+
+
+class Blocks(Formulated):
+    """Values of several formulas over the states, one after the other.
 
     Parameters
     ----------
     values : (K m,)
     sx : (m,) formulas; values of a constant one remain
     """
-
-    __slots__ = ("sx",)
-
-    def __init__(self, values: Iterable[float], sx: ca.SX):
-        super().__init__(values)
-        self.sx = sx
-
-    def __reduce__(self) -> tuple[type, tuple[list[float]]]:
-        return list, (list(self),)
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,6 @@ def contact_forces(motion: NonsmoothMotion, row: int) -> ContactForces:
             places[own], axes = source.points(t, y, motion.parameters, key[own] % APART)
             mean = impulse[own, : axes.shape[2]] / (record.t[step + 1] - record.t[step])
             forces[own] = (axes @ mean[:, :, None])[..., 0]
-    known = np.isfinite(places).all(axis=1)
+    located = np.isfinite(places).all(axis=1)
     names = np.array(record.names)[record.owner[acting]]
-    return ContactForces(names[known], key[known], places[known, :d], forces[known, :d])
+    return ContactForces(names[located], key[located], places[located, :d], forces[located, :d])

@@ -159,13 +159,13 @@ class HullGaps(GapSource):
             return []
         rounded = self.geometry.rounded[first] | self.geometry.rounded[second]
         search = planar_features if self.width == 2 else spatial_features
-        found: dict[Feature, list[np.ndarray]] = {}
+        tables: dict[Feature, list[np.ndarray]] = {}
         for pairs, one, another in self.geometry.batches(first, second, at):
             i, j = first[pairs], second[pairs]
             for feature, row, swapped, own, other in search(one, another, rounded[pairs]):
                 a, b = np.where(swapped, j[row], i[row]), np.where(swapped, i[row], j[row])
-                found.setdefault(feature, []).append(np.stack([a, b, own, other]))
-        joined = ((feature, np.hstack(parts)) for feature, parts in found.items())
+                tables.setdefault(feature, []).append(np.stack([a, b, own, other]))
+        joined = ((feature, np.hstack(parts)) for feature, parts in tables.items())
         return [Pairs(feature, *table) for feature, table in joined if table.size]
 
     # gaps of pairs -------------------------------------------------------------------------------

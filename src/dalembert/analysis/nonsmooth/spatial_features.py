@@ -98,7 +98,7 @@ def _outermost(
 
 def _beside_edges(first: Polyhedra, second: Polyhedra) -> np.ndarray:
     """(m,) distance along the shortest line between a corner and an edge."""
-    found = np.full(first.corners.shape[0], -np.inf)
+    largest = np.full(first.corners.shape[0], -np.inf)
     for polyhedra, others in ((first, second), (second, first)):
         if polyhedra.form.edges.size:
             distance, vectors = edge_distances(polyhedra, others)
@@ -106,8 +106,8 @@ def _beside_edges(first: Polyhedra, second: Polyhedra) -> np.ndarray:
             e, c = np.divmod(distance.reshape(m, -1).argmin(axis=1), count)
             rows = np.arange(m)
             along = np.where(np.isfinite(distance[rows, e, c])[:, None], vectors[rows, e, c], 0.0)
-            found = np.maximum(found, separation(polyhedra, others, along))
-    return found
+            largest = np.maximum(largest, separation(polyhedra, others, along))
+    return largest
 
 
 def _corners_beside_edges(pair: np.ndarray, first: Polyhedra, second: Polyhedra) -> list[Rows]:

@@ -143,12 +143,14 @@ class StepLog:
 
     def _contact_forces(self, h: np.ndarray) -> np.ndarray:
         """(n, K) means over the steps of the normal and tangential forces of formula gaps."""
+        step = np.repeat(np.arange(h.size), [entry.key.size for entry in self.entries])
+        keys = np.concatenate([np.zeros(0, dtype=int), *(entry.key for entry in self.entries)])
+        none = np.zeros((0, self.step.width))
+        impulses = np.concatenate([none, *(entry.impulse for entry in self.entries)])
         parts = [np.zeros((0, h.size))]
         for key, gap in enumerate(self.step.model.all_equations.contacts):
-            forces = np.zeros((1 + gap.slip.numel(), h.size))
-            for k, entry in enumerate(self.entries):
-                impulses = entry.impulse[entry.key == key]  # none or one
-                forces[:, k] = impulses[:, : forces.shape[0]].sum(axis=0) / h[k]
+            forces, own = np.zeros((1 + gap.slip.numel(), h.size)), keys == key
+            forces[:, step[own]] = impulses[own, : forces.shape[0]].T / h[step[own]]
             parts.append(forces)
         return np.vstack(parts)
 
