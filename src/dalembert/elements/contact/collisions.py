@@ -162,28 +162,34 @@ class Collisions(Element):
         group = {id(s): k for k, shapes in enumerate(self.groups.values()) for s in shapes}
         return np.array([group[id(shape)] for shape in shapes], dtype=int)
 
-    def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
-        components: dict[str, Component] = {
+    @property
+    def components(self) -> dict[str, Component]:
+        """Place of each shape and pair → the shape or pair."""
+        shapes: dict[str, Component] = {
             f"{self._label(group)}[{k}]": shape
             for group, shapes in self.groups.items()
             for k, shape in enumerate(shapes)
         }
-        components |= {f"{self.name}.pairs[{k}]": pair for k, pair in enumerate(self.pairs)}
+        return shapes | {f"{self.name}.pairs[{k}]": pair for k, pair in enumerate(self.pairs)}
+
+    def checked_quantities(self) -> list[tuple[str, Expression, Mapping]]:
         quantities = [
             quantity
-            for entity, part in components.items()
+            for entity, part in self.components.items()
             for quantity in part.checked_quantities(entity)
         ]
         return [*super().checked_quantities(), *quantities]
 
     def conditions(self) -> list[Condition]:
         coefficients = {"restitution": self.restitution.sx, "tangential": self.tangential.sx}
-        own: list[Condition] = [
+        conditions: list[Condition] = [
             (1 - e, f"{name} is {{}}; it must not be above 1", e)
             for name, e in coefficients.items()
         ]
-        parts = (*self.members, *self.pairs)
-        return own + [condition for part in parts for condition in part.conditions()]
+        for entity, part in self.components.items():
+            place = entity.removeprefix(f"{self.name}.")
+            conditions += [_placed(condition, place) for condition in part.conditions()]
+        return conditions
 
     def parts(self) -> list[Coordinates]:
         bodies: dict[int, BodyElement] = {id(s.carrier): s.carrier for s in self.members}
@@ -202,3 +208,11 @@ class Collisions(Element):
         inertial, origin = wall.carrier.turned(tangent), wall.point.position.sx
         travels = [ca.dot(inertial, (place - origin)[:2]) for place in places]
         return Rail(wall.point, tangent, ca.vertcat(*travels))
+
+
+def _placed(condition: Condition, place: str) -> Condition:
+    """The condition with a place in its message, which is a format where values follow."""
+    if len(condition) == 2:
+        return condition[0], f"{place}: {condition[1]}"
+    escaped = place.replace("{", "{{").replace("}", "}}")
+    return condition[0], f"{escaped}: {condition[1]}", condition[2]
