@@ -71,18 +71,32 @@ class CollisionGaps(GapSource):
         reach = 2 * self._velocities.fastest(pairs.shapes.velocities, travels)
         if reach > pairs.reach:
             pairs = self._last = self._within(pairs.shapes, reach)
-        near = np.flatnonzero(pairs.distance <= reach)
-        first, second = pairs.first[near], pairs.second[near]
+        return self._contacts(pairs, np.flatnonzero(pairs.distance <= reach), width)
+
+    def selected(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray, width: int
+    ) -> Contacts:
+        shapes = self._shapes(time, y, p)
+        chosen = np.stack(np.divmod(keys, shapes.positions.shape[0]))
+        walls = chosen[0] >= shapes.radii.size
+        order = np.argsort(walls, kind="stable")  # pairs of balls before those with walls
+        parts = chosen[:, ~walls], chosen[:, walls]
+        pairs = self._evaluated(parts, shapes, np.inf)
+        return self._contacts(pairs, np.argsort(order), width)
+
+    def _contacts(self, pairs: NearPairs, rows: np.ndarray, width: int) -> Contacts:
+        """Gaps of some rows of the pairs."""
+        first, second = pairs.first[rows], pairs.second[rows]
         laws = pairs.shapes.coefficients[:, self._law(first, second)]
         return Contacts(
-            pairs.distance[near],
-            pairs.derivatives.rows(near, width),
-            np.zeros((near.size, width)),
+            pairs.distance[rows],
+            pairs.derivatives.rows(rows, width),
+            np.zeros((rows.size, width)),
             laws[0],
             laws[1],
             laws[2],
             first * pairs.shapes.positions.shape[0] + second,
-            np.zeros(near.size, dtype=int),
+            np.zeros(rows.size, dtype=int),
         )
 
     def deepest(self, time: float, y: np.ndarray, p: np.ndarray, speeds: int) -> float:
@@ -93,16 +107,29 @@ class CollisionGaps(GapSource):
         last = self._last
         if last is not None and last.shapes.is_at(time, y, p):
             return last
-        positions, normals, radii, coefficients = self._geometry(time, y, p)
-        geometry = positions.T, normals.T, radii.ravel(), coefficients
-        shapes = ShapesAt(time, y.copy(), p.copy(), *geometry, self._velocities(time, y, p))
+        shapes = self._shapes(time, y, p)
         self._last = self._within(shapes, 0.0 if last is None else last.reach)
         return self._last
+
+    def _shapes(self, time: float, y: np.ndarray, p: np.ndarray) -> ShapesAt:
+        """The shapes at a position."""
+        last = self._last
+        if last is not None and last.shapes.is_at(time, y, p):
+            return last.shapes
+        positions, normals, radii, coefficients = self._geometry(time, y, p)
+        geometry = positions.T, normals.T, radii.ravel(), coefficients
+        return ShapesAt(time, y.copy(), p.copy(), *geometry, self._velocities(time, y, p))
 
     def _within(self, shapes: ShapesAt, reach: float) -> NearPairs:
         """The pairs within reach."""
         geometry = shapes.positions, shapes.normals, shapes.radii
-        parts = [self._touching(part) for part in self._neighbours.near(*geometry, reach)]
+        balls, walls = (self._touching(part) for part in self._neighbours.near(*geometry, reach))
+        return self._evaluated((balls, walls), shapes, reach)
+
+    def _evaluated(
+        self, parts: tuple[np.ndarray, np.ndarray], shapes: ShapesAt, reach: float
+    ) -> NearPairs:
+        """Gaps of pairs of balls, and of walls and balls."""
         gaps = [self._evaluate(part, shapes, k == 1) for k, part in enumerate(parts)]
         distance, blocks = (np.concatenate(gap) for gap in zip(*gaps, strict=True))
         first, second = np.hstack(parts)

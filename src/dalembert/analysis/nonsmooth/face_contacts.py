@@ -15,11 +15,17 @@ ON_EDGE = 1e-9
 
 
 def face_rows(
-    pair: np.ndarray, swapped: bool, polyhedra: Polyhedra, others: Polyhedra, f: np.ndarray
+    pair: np.ndarray,
+    swapped: bool,
+    polyhedra: Polyhedra,
+    others: Polyhedra,
+    f: np.ndarray,
+    farthest: np.ndarray,
 ) -> list[Rows]:
     """Corners over face ``f``, corners under the face of the other, and edges that cross.
 
-    Where all of these are higher than the lowest corner, which is beside the face, that corner.
+    Where all of these are higher than the lowest corner, which is beside the face, that corner if
+    the normal of the face is the axis of the largest distance.
 
     Parameters
     ----------
@@ -27,6 +33,7 @@ def face_rows(
     swapped : whether the face belongs to the second hull of the pair
     polyhedra, others : m hulls with the face, and the other ones
     f : (m,) numbers of the faces
+    farthest : (m,) whether no other axis has a larger distance
     """
     if not pair.size:
         return []
@@ -58,6 +65,7 @@ def face_rows(
     lowest = heights.argmin(axis=1)
     size = np.ptp(others.corners, axis=1).max(axis=1)
     alone = nearest > heights[rows, lowest] - start + FLAT * size  # a corner beside the face
+    alone &= farthest
     sides = np.full(int(alone.sum()), swapped)
     first = np.full(crossed.size, swapped)
     return [

@@ -17,6 +17,9 @@ from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Patterned, dense_array
 from dalembert.symbolic.formulas.expression import t
 
+Instant = tuple[float, np.ndarray]
+"""Time and position."""
+
 
 @dataclass(frozen=True, eq=False)
 class SymbolicGap:
@@ -56,6 +59,19 @@ class GapSource(ABC):
 
         Gap velocities have ``width`` components, padded by zeros.
         """
+
+    @abstractmethod
+    def selected(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray, width: int
+    ) -> Contacts:
+        """The gaps with some keys, at any distance, in the order of the keys."""
+
+    def separating(
+        self, start: Instant, end: Instant, p: np.ndarray, keys: np.ndarray, rounding: float
+    ) -> np.ndarray:
+        """Keys of gaps between the shapes of the gaps ``keys`` that separate them at the start of
+        a step, up to ``rounding``, and are closed at its end; none by default."""
+        return keys[:0]
 
     @abstractmethod
     def symbolic(self, key: int) -> SymbolicGap:
@@ -122,13 +138,22 @@ class FormulaGaps(GapSource):
     def near(
         self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
     ) -> Contacts:
+        gaps = self._all(time, y, p, width)
+        reach = np.abs(gaps.directions @ travels).max(initial=0.0)
+        return gaps.some(gaps.distance <= reach)
+
+    def selected(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray, width: int
+    ) -> Contacts:
+        return self._all(time, y, p, width).some(keys)
+
+    def _all(self, time: float, y: np.ndarray, p: np.ndarray, width: int) -> Contacts:
         distance, directions, drift = self._gaps(time, y, p)
-        reach = np.abs(directions @ travels).max(initial=0.0)
         count = self.owner.size
         padding = ((0, 0), (0, width - self.width), (0, 0))
         rows = np.pad(dense_array(directions).reshape(count, self.width, -1), padding)
         restitution, tangential, friction = self._laws(time, y, p)[0][:, self.owner]
-        gaps = Contacts(
+        return Contacts(
             distance,
             rows.reshape(count * width, -1),
             np.pad(drift.reshape(count, self.width), padding[:2]),
@@ -138,7 +163,6 @@ class FormulaGaps(GapSource):
             np.arange(count),
             self.owner,
         )
-        return gaps.some(distance <= reach)
 
     def symbolic(self, key: int) -> SymbolicGap:
         distances, speeds, coefficients = self._symbolic

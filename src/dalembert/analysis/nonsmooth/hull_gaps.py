@@ -9,7 +9,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_balls
 from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
-from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import GapSource, Instant, SymbolicGap
 from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions
 from dalembert.analysis.nonsmooth.planar_features import planar_features
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST
@@ -77,24 +77,55 @@ class HullGaps(GapSource):
     def near(
         self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
     ) -> Contacts:
-        last = self._last
-        if last is None or not last.is_at(time, y, p):
-            at, velocities = (
-                self.geometry.positions(time, y, p),
-                self.geometry.velocities(time, y, p),
-            )
-            ahead = 0.0 if last is None else last.requested
-            last = self._last = LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
+        last = self._last = self._position(time, y, p)
         reach = self._reach(last.at, last.velocities, travels)
         if last.contacts is None or reach > last.reach or last.contacts.drift.shape[1] != width:
             last.reach = max(last.reach, reach)
             parts = [
-                self._contacts(pairs, last, width)
+                self._contacts(pairs, last, last.reach, width)
                 for pairs in [*self._walls(last.at, last.reach), *self._hulls(last.at, last.reach)]
             ]
             last.contacts = Contacts.joined(parts or [self._none(width)])
         last.requested = max(last.requested, reach)
         return last.contacts.some(last.contacts.distance <= reach)
+
+    def selected(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray, width: int
+    ) -> Contacts:
+        position, kinds = self._position(time, y, p), keys // self._first_key(Feature(1))
+        rows = [np.flatnonzero(kinds == kind) for kind in np.unique(kinds)]
+        parts = [self._contacts(self._pairs_of(keys[own]), position, np.inf, width) for own in rows]
+        order = np.argsort(np.concatenate([np.zeros(0, dtype=int), *rows]))
+        return Contacts.joined(parts or [self._none(width)]).some(order)
+
+    def _position(self, time: float, y: np.ndarray, p: np.ndarray) -> LastPosition:
+        """The last position if it is this one, else a new one."""
+        last = self._last
+        if last is not None and last.is_at(time, y, p):
+            return last
+        geometry = self.geometry
+        at, velocities = geometry.positions(time, y, p), geometry.velocities(time, y, p)
+        ahead = 0.0 if last is None else last.requested
+        return LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
+
+    def separating(
+        self, start: Instant, end: Instant, p: np.ndarray, keys: np.ndarray, rounding: float
+    ) -> np.ndarray:
+        shapes, count = keys % self._first_key(Feature(1)) // self._radix[0] ** 2, self._radix[1]
+        hulls = {divmod(int(pair), count) for pair in shapes}
+        pairs = [pair for i, j in hulls for pair in ((i, j), (j, i))]
+        tables = [table for i, j in pairs if (table := self.geometry.face_gaps(i, j)).size]
+        if not tables:
+            return keys[:0]
+        faces = Pairs(Feature.FACE, *np.hstack(tables))
+        opened, closed = (
+            self._evaluate(faces, self._position(*instant, p).at)[0] for instant in (start, end)
+        )
+        sides = np.stack([faces.first, faces.second, faces.own])
+        face = np.unique(sides, axis=1, return_inverse=True)[1]
+        lowest = np.full(face.max(initial=0) + 1, np.inf)
+        np.minimum.at(lowest, face, opened)
+        return self._keys(_some(faces, (lowest[face] >= -rounding) & (closed < -rounding)))
 
     def symbolic(self, key: int) -> SymbolicGap:
         pairs = self._pairs_of(np.array([key]))
@@ -169,10 +200,10 @@ class HullGaps(GapSource):
         return [Pairs(feature, *table) for feature, table in joined if table.size]
 
     # gaps of pairs -------------------------------------------------------------------------------
-    def _contacts(self, pairs: Pairs, last: LastPosition, width: int) -> Contacts:
+    def _contacts(self, pairs: Pairs, last: LastPosition, reach: float, width: int) -> Contacts:
         """Gaps of pairs within reach."""
         distance, blocks, *_ = self._evaluate(pairs, last.at)
-        near = distance <= last.reach
+        near = distance <= reach
         pairs, count = _some(pairs, near), int(near.sum())
         restitution, tangential, friction = last.at.coefficients[:, self._law(pairs)]
         directions = self.geometry.velocities.gap_derivatives(

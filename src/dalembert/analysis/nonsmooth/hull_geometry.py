@@ -194,6 +194,16 @@ class HullGeometry:
             first = self._corners_of(counts[0], pairs.first, pairs.own)
         return first, self._corners_of(counts[1], pairs.second, pairs.other)
 
+    def face_gaps(self, first: int, second: int) -> np.ndarray:
+        """(4, n) numbers of the hulls, of each face of the first and each corner of the second;
+        none of walls."""
+        if max(first, second) >= len(self.hulls):
+            return np.zeros((4, 0), dtype=int)
+        hull, other = self.hulls[first], self.hulls[second]
+        count = len(hull.edges if self.dimension == 2 else hull.faces)
+        face, corner = np.indices((count, len(other.corners))).reshape(2, -1)
+        return np.stack([np.full_like(face, first), np.full_like(face, second), face, corner])
+
     def _corners_of(self, count: int, shape: np.ndarray, feature: np.ndarray) -> np.ndarray:
         """(n, count) corners of corners, edges or faces; the second half of edges is reversed."""
         if count == 1:

@@ -6,11 +6,51 @@ from dataclasses import replace
 
 import numpy as np
 
-from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import GapSource, Instant, SymbolicGap
 from dalembert.integrators.contact.contacts import Contacts
 
 SOURCE = 2**38
 """Offset between the keys of gaps of different sources of an element."""
+
+
+def selected_of(
+    sources: list[GapSource],
+    offset: int,
+    time: float,
+    y: np.ndarray,
+    p: np.ndarray,
+    keys: np.ndarray,
+    width: int,
+) -> Contacts:
+    """The gaps with some keys, of sources whose keys differ by multiples of ``offset``."""
+    numbers, own = np.divmod(keys, offset)
+    parts, order = [], []
+    for number, source in enumerate(sources):
+        rows = np.flatnonzero(numbers == number)
+        gaps = source.selected(time, y, p, own[rows], width)
+        parts.append(replace(gaps, key=keys[rows]))
+        order.append(rows)
+    return Contacts.joined(parts).some(np.argsort(np.concatenate(order)))
+
+
+def separating_of(
+    sources: list[GapSource],
+    offset: int,
+    start: Instant,
+    end: Instant,
+    p: np.ndarray,
+    keys: np.ndarray,
+    rounding: float,
+) -> np.ndarray:
+    """Keys of separating gaps of sources whose keys differ by multiples of ``offset``."""
+    numbers, own = np.divmod(keys, offset)
+    parts = [keys[:0]]
+    for number in np.unique(numbers):
+        source = sources[number]
+        parts.append(
+            source.separating(start, end, p, own[numbers == number], rounding) + number * offset
+        )
+    return np.concatenate(parts)
 
 
 class JoinedGaps(GapSource):
@@ -32,6 +72,16 @@ class JoinedGaps(GapSource):
         return Contacts.joined(
             [replace(part, key=part.key + k * SOURCE) for k, part in enumerate(parts)]
         )
+
+    def selected(
+        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray, width: int
+    ) -> Contacts:
+        return selected_of(self.sources, SOURCE, time, y, p, keys, width)
+
+    def separating(
+        self, start: Instant, end: Instant, p: np.ndarray, keys: np.ndarray, rounding: float
+    ) -> np.ndarray:
+        return separating_of(self.sources, SOURCE, start, end, p, keys, rounding)
 
     def symbolic(self, key: int) -> SymbolicGap:
         number, own = divmod(int(key), SOURCE)

@@ -43,7 +43,7 @@ def spatial_features(first: Polyhedra, second: Polyhedra, rounded: np.ndarray) -
     flat = (face >= edge - FLAT * size) & (face >= np.maximum(corner, beside) - ROUNDING * size)
     best = np.stack([edge, corner, beside]).argmax(axis=0)
     pair = np.arange(size.size)
-    rows = _faces(pair[flat], first, second, faces)
+    rows = _faces(pair[flat], first, second, faces, edge <= face)
     rows += _edges(
         pair[(~flat & (best == 0)) | (flat & (edge > face))], first, second, edges, normals
     )
@@ -55,17 +55,21 @@ def spatial_features(first: Polyhedra, second: Polyhedra, rounded: np.ndarray) -
 
 
 def _faces(
-    pair: np.ndarray, first: Polyhedra, second: Polyhedra, faces: tuple[np.ndarray, np.ndarray]
+    pair: np.ndarray,
+    first: Polyhedra,
+    second: Polyhedra,
+    faces: tuple[np.ndarray, np.ndarray],
+    farthest: np.ndarray,
 ) -> list[Rows]:
-    """Contacts of pairs along the normal of their best face."""
+    """Contacts of pairs along the normal of their best face, ``farthest`` among all axes or not."""
     if not pair.size:
         return []
     k, count = np.hstack(faces)[pair].argmax(axis=1), faces[0].shape[1]
     own = k < count
     a, b = pair[own], pair[~own]
     return [
-        *face_rows(a, False, first.some(a), second.some(a), k[own]),
-        *face_rows(b, True, second.some(b), first.some(b), k[~own] - count),
+        *face_rows(a, False, first.some(a), second.some(a), k[own], farthest[a]),
+        *face_rows(b, True, second.some(b), first.some(b), k[~own] - count, farthest[b]),
     ]
 
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from dalembert.analysis.dynamics.residual_check import energy_errors
 from dalembert.analysis.model_residuals import ModelResiduals
-from dalembert.analysis.nonsmooth.contact_step import ContactStep, StepResult
+from dalembert.analysis.nonsmooth.contact_step import ContactStep
+from dalembert.analysis.nonsmooth.step_state import StepResult
 from dalembert.model.graph.model import Model
 from dalembert.results.nonsmooth_motion import ContactRecord
 from dalembert.results.recording import Trajectory
@@ -171,23 +172,24 @@ class StepLog:
         """(K+1,) energy dissipated by the scheme since the start [J].
 
         With ``θ = ½`` it is exchanged where positions are corrected, so that they are not
-        ``y ⊕ h (v⁺ + v)/2``, and where speeds are made consistent with the joints. Other ``θ``
-        exchange all that is missing in the balance. Only the net loss counts; a net gain is left as
-        an error of the balance.
+        ``y ⊕ h (v⁺ + v)/2``, and where speeds are made consistent with the joints; gains are left
+        as errors of the balance. Other ``θ`` exchange all that is missing in the balance. As they
+        shift positions by ``h (θ − ½)(v⁺ − v)``, an impact returns what the fall before it lost:
+        only the net loss since the start counts, and a net gain is an error.
         """
         model, p = self.step.model, self.step.p
         if self.step.scheme.theta != 0.5:
             energies = ModelResiduals(model, ends, p).energies
             losses = -energy_errors(energies, ends.work)[1:]
-        else:
-            h, v = np.array(self.lengths), ends.v
-            middle = h * (v[:, 1:] + v[:, :-1]) / 2
-            middle = model.equations.manifold.go(ends.y[:, :-1], middle)
-            potential, repeated = _potential(model, h.size), np.tile(p[:, None], h.size)
-            change, corrected = (
-                potential(ends.t[1:], y, repeated)[0].ravel() for y in (middle, ends.y[:, 1:])
-            )
-            losses = np.cumsum(change - corrected + np.array(self.speed_losses))
+            return np.append(0.0, np.maximum(losses, 0.0))
+        h, v = np.array(self.lengths), ends.v
+        middle = h * (v[:, 1:] + v[:, :-1]) / 2
+        middle = model.equations.manifold.go(ends.y[:, :-1], middle)
+        potential, repeated = _potential(model, h.size), np.tile(p[:, None], h.size)
+        change, corrected = (
+            potential(ends.t[1:], y, repeated)[0].ravel() for y in (middle, ends.y[:, 1:])
+        )
+        losses = np.cumsum(change - corrected + np.array(self.speed_losses))
         return np.append(0.0, np.maximum.accumulate(np.maximum(losses, 0.0)))
 
 

@@ -112,7 +112,10 @@ class MoreauJean(ContactScheme):
         return approach.contacts.distance + ahead <= 0
 
     def first(self, approach: Approach) -> Offsets:
-        return approach.newton()
+        offsets, parting = approach.newton(), approach.before[:, 0]
+        if self.projection:
+            offsets[:, 0] = np.maximum(offsets[:, 0], parting)
+        return offsets
 
 
 SLOW, CLOSING = 2.0, 0.5
@@ -188,7 +191,7 @@ class AnticipatedImpacts(ContactScheme):
 
 def _open(approach: Approach) -> np.ndarray:
     """``s``, the minimum speed that leaves the gap open."""
-    return -2 * np.maximum(approach.contacts.distance, 0) / approach.h - approach.before[:, 0]
+    return -2 * approach.contacts.distance / approach.h - approach.before[:, 0]
 
 
 def _margin(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:

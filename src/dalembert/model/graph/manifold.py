@@ -111,6 +111,18 @@ class Manifold:
         """``other ⊖ y`` of a pair of positions, or of all columns."""
         return other - y if self.flat else _shaped(self._apart(y, other), y)
 
+    def path_velocity(self, y: np.ndarray, delta: np.ndarray, s: float) -> np.ndarray:
+        """Displacement per ``s`` at ``y ⊕ s δ``; δ where ``s = 0``."""
+        return delta if self.flat or s == 0 else self._path_velocity(y, delta, s).full().ravel()
+
+    @cached_property
+    def _path_velocity(self) -> ca.Function:
+        path = ca.SX.sym("s")
+        moved = self.retract(self.y, path * self.delta)
+        rate = ca.jtimes(moved, path, ca.SX(1))
+        velocity = ca.mtimes(ca.substitute(self.reading, self.y, moved), rate)
+        return ca.Function("path_velocity", [self.y, self.delta, path], [velocity])
+
     @cached_property
     def going(self) -> ca.Function:
         """``(y, δ) → y ⊕ δ``."""

@@ -119,7 +119,10 @@ class ContactMaps:
             impulse = ca.SX.sym("P", end.numel())
             impulses.append(impulse)
             dynamics -= ca.mtimes(ca.jacobian(before, e.v).T, impulse)
-            rows.append(end[0] + restitution * before[0])
+            bounce = restitution * before[0]
+            if self.contact_step.scheme.projection:
+                bounce = ca.fmax(bounce, before[0])
+            rows.append(end[0] + bounce)
             along = end[1:] + tangential * before[1:]
             if state is Friction.NONE:
                 rows.append(impulse[1:])

@@ -1,0 +1,64 @@
+"""Gaps over the path of a step, with velocities whose integral is the change of the gap."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import scipy
+
+from dalembert.integrators.contact.contacts import Contacts
+from dalembert.model.graph.manifold import Manifold
+from dalembert.symbolic.evaluation.kernel import Matrix
+
+LOBATTO = {0.0: 1 / 12, (1 - 5**-0.5) / 2: 5 / 12, (1 + 5**-0.5) / 2: 5 / 12, 1.0: 1 / 12}
+"""Fractions of the path and their weights in the mean (Lobatto's rule with four points)."""
+STILL = 1e-9
+"""Displacements below this share of the largest one do not correct velocities [-]."""
+
+
+def mean_gaps(
+    gaps_at: Callable[[float, np.ndarray], Contacts],
+    manifold: Manifold,
+    span: tuple[float, float],
+    y: np.ndarray,
+    displacement: np.ndarray,
+) -> Contacts:
+    """The same gaps along ``y ⊕ s δ``, ``0 ≤ s ≤ 1``: means of their velocities, and the distance
+    ``g(y ⊕ δ) − W̄ δ − h w̄``, so that the gap at the end of the step is linear in ``δ``.
+
+    ``W̄ δ + h w̄`` is the change of the gap but for ``O(h⁷)``. An impulse therefore
+    does the work that closes the gap, on curved paths too (discrete gradient: Gonzalez 1996).
+
+    Parameters
+    ----------
+    gaps_at : gaps at a time and position
+    manifold : of the positions
+    span : start time and length ``h`` of the step
+    y : position at the start
+    displacement : (n_v,) ``δ``
+    """
+    t, h = span
+    parts = []
+    for s in LOBATTO:
+        parts.append(gaps_at(t + s * h, manifold.go(y, s * displacement)))
+    still = np.abs(displacement) <= STILL * np.abs(displacement).max(initial=0.0)
+    divisor = np.where(still, 1.0, displacement)
+    directions = []
+    for (s, weight), gaps in zip(LOBATTO.items(), parts, strict=True):
+        velocity = manifold.path_velocity(y, displacement, s)
+        shares = np.where(still, 1.0, velocity / divisor)
+        directions.append(_scaled(gaps.directions, weight * shares))
+    drift = sum(weight * gaps.drift for weight, gaps in zip(LOBATTO.values(), parts, strict=True))
+    mean = replace(parts[0], directions=sum(directions[1:], directions[0]), drift=drift)
+    change = h * mean.speeds(displacement / h)[:, 0]
+    return replace(mean, distance=parts[-1].distance - change)
+
+
+def _scaled(directions: Matrix, factors: np.ndarray) -> Matrix:
+    """Directions whose columns are multiplied by factors."""
+    if isinstance(directions, np.ndarray):
+        return directions * factors
+    scaled: Matrix = scipy.sparse.csr_array(directions @ scipy.sparse.diags_array(factors))
+    return scaled

@@ -1,0 +1,82 @@
+"""Start and result of one time step with contacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from dalembert.analysis.nonsmooth.mobility import Mobility
+from dalembert.integrators.contact.contacts import Contacts
+from dalembert.integrators.contact.impulses import Impulses
+from dalembert.integrators.contact.schemes import Approach
+
+
+@dataclass(frozen=True, eq=False)
+class StepResult:
+    """Result of one step.
+
+    Attributes
+    ----------
+    y, v : state at the end
+    multiplier : of the joints, times the step
+    contacts : contacts of the friction problem
+    impulses : solution of the friction problem
+    loss : energy dissipated by the contacts
+    curved : keys of the contacts with means over the path; others have the values of the start
+    """
+
+    y: np.ndarray
+    v: np.ndarray
+    multiplier: np.ndarray
+    contacts: Contacts
+    impulses: Impulses
+    loss: float
+    curved: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+
+    @property
+    def pressing(self) -> tuple[np.ndarray, np.ndarray]:
+        """Sorted keys, and impulses, of the contacts that press."""
+        rows = np.flatnonzero(self.impulses.impulses[:, 0] > 0)
+        rows = rows[np.argsort(self.contacts.key[rows])]
+        return self.contacts.key[rows], self.impulses.impulses[rows]
+
+
+@dataclass(frozen=True, eq=False)
+class StepStart:
+    """Start of a step, and its motion without contacts.
+
+    Attributes
+    ----------
+    t, h : start time and length
+    y, v : state
+    free, multiplier : speeds and multipliers at the end without impulses
+    mobility : of the step
+    begins : True in the first step
+    """
+
+    t: float
+    h: float
+    y: np.ndarray
+    v: np.ndarray
+    free: np.ndarray
+    multiplier: np.ndarray
+    mobility: Mobility
+    begins: bool
+
+    def approach(self, contacts: Contacts) -> Approach:
+        """Contacts with their velocities."""
+        speeds = contacts.speeds(self.v), contacts.speeds(self.free)
+        return Approach(contacts, *speeds, self.h, self.begins)
+
+
+def warm_start(contacts: Contacts, before: StepResult | None, shape: tuple[int, ...]) -> np.ndarray:
+    """Impulses of the same gaps in the step before; zero for new contacts."""
+    start = np.zeros(shape)
+    if before is None or not before.pressing[0].size:
+        return start
+    keys, impulses = before.pressing
+    position = np.minimum(np.searchsorted(keys, contacts.key), keys.size - 1)
+    same = keys[position] == contacts.key
+    start[same] = impulses[position[same]]
+    return start
