@@ -104,5 +104,5 @@ def test_solids_neither_overlap_nor_gain_energy():
     assert motion.data["penetration"].max() < 1e-9
     energy = motion.data["energy"].values
     assert motion.statistics["maximum energy gained in contacts [J]"] <= 1e-12 * energy[0]
-    assert np.diff(energy).max() <= 1e-4 * energy[0]
+    assert np.diff(energy).max() <= 1e-10 * energy[0]
     assert energy[-1] < 0.5 * energy[0]

@@ -27,6 +27,9 @@ AHEAD = 2.0
 """Search distance for gaps in motions of a step; those beyond it are added where they close."""
 REPETITIONS = 12
 """Upper limit of the solutions of a step that open gaps at its end."""
+JAMMED = 1e-6
+"""Upper limit of the residual relative to the speeds before the impulses, which may be large
+without any effect where contacts jam [-]."""
 GAIN = 1e-10
 """Work of contacts that counts as rounding, relative to that of their impulses alone [-]."""
 CLOSED = 1e-12
@@ -164,8 +167,8 @@ class ContactStep:
             if depth <= self.rounding:
                 break
             added = self._added(start, (end, result.y), contacts)
-            if depth >= last and not added.count:
-                break
+            if start.begins and depth >= last and not added.count:
+                break  # an impact, which has no earlier step to prepare for it
             contacts = Contacts.joined([contacts, added])
             none = np.zeros(added.count, dtype=bool)
             overlaps, curved = np.append(overlaps, none), np.append(curved, none)
@@ -226,6 +229,10 @@ class ContactStep:
                 matrix, approach.free + offsets, contacts.friction, scale or 1.0
             )
             solution = self.solver.solve(problem, start)
+            if solution.residual > JAMMED * (scale or 1.0):
+                solution = self.solver.solve(problem)
+                accurate = solution.residual <= JAMMED * (scale or 1.0)
+                solution = replace(solution, converged=solution.converged and accurate)
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets
             changed = self.scheme.again(approach, offsets, solution.impulses, after)

@@ -76,7 +76,9 @@ class MoreauJean(ContactScheme):
         g + γ h u_N⁻ ≤ 0  ⇒  0 ≤ u_N⁺ + e u_N⁻ ⟂ P_N ≥ 0
 
     (Moreau 1988; Jean 1999; Acary & Brogliato 2008, 10.2). Gaps close by up to half a step's
-    motion; ``projection`` opens them again, along ``M⁻¹``, without a change of speeds.
+    motion; ``projection`` opens them again, along ``M⁻¹``, without a change of speeds. Gaps that
+    would then be opened act in the step, too, so that resting bodies are not lifted (combined
+    projection: Acary 2013), those that part with ``u_N⁺ ≥ −u_N⁻``, which does no work.
 
     Parameters
     ----------
@@ -129,11 +131,19 @@ ROUNDING = 1e-10
 class AnticipatedImpacts(ContactScheme):
     """Scheme that keeps gaps open at the end of every step, without penetration.
 
-    With the midpoint rule, ``y⁺ = y ⊕ h (v⁺ + v)/2``, a linear or convex gap stays open where
+    With the midpoint rule, ``y⁺ = y ⊕ δ``, ``δ = h (v⁺ + v)/2``, a linear or convex gap stays open
+    where
 
-        u_N⁺ ≥ s = −2 g/h − u_N⁻
+        u_N⁺ ≥ s = −2 g/h − u_N⁻,      u = W(y) v + w
 
-    (gaps at the end of the step: Stewart & Trinkle 1996, Anitescu & Potra 1997). An impact needs
+    (gaps at the end of the step: Stewart & Trinkle 1996, Anitescu & Potra 1997). For other gaps,
+    those that this condition leaves closed at ``y⁺``, the step is repeated with means over its path
+
+        W̄ = ∫ W(y ⊕ s δ) (d(y ⊕ s δ)/ds / δ) ds,      ḡ = g(y⁺) − W̄ δ − h w̄,      0 ≤ s ≤ 1
+
+    in place of ``W``, ``g`` and ``w``, until ``g(y⁺) ≥ 0``: the converged step satisfies the
+    condition for the gap itself, and impulses along ``W̄`` do the work ``P_N (g(y⁺) − g)/h``, which
+    is not positive (discrete gradient: Gonzalez 1996). An impact needs
     part of the gap for the half step before it, so it is applied one step early, while the gap is
     large enough: ``u_N⁺ ≥ max(−e u_N⁻, s)``. A contact whose approach speed is within the change of
     speed by forces in two steps is at rest, and closes its gap gradually. An impact in the first
