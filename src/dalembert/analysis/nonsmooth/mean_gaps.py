@@ -50,7 +50,7 @@ def mean_gaps(
         velocity = manifold.path_velocity(y, displacement, s)
         shares = np.where(still, 1.0, velocity / divisor)
         directions.append(_scaled(gaps.directions, weight * shares))
-    drift = sum(weight * gaps.drift for weight, gaps in zip(LOBATTO.values(), parts, strict=True))
+    drift = np.tensordot(list(LOBATTO.values()), [gaps.drift for gaps in parts], axes=1)
     mean = replace(parts[0], directions=sum(directions[1:], directions[0]), drift=drift)
     change = h * mean.speeds(displacement / h)[:, 0]
     return replace(mean, distance=parts[-1].distance - change)
