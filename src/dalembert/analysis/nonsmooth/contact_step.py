@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -10,6 +11,7 @@ import scipy
 from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
+from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
@@ -76,16 +78,16 @@ class ContactStep:
     solver: ContactSolver
     p: np.ndarray
 
-    @property
-    def width(self) -> int:
-        """Components of the relative velocities."""
-        return max((source.width for source in self.sources), default=1)
+    @cached_property
+    def groups(self) -> tuple[int, ...]:
+        """Widths of the groups of tangential components of the relative velocities."""
+        return widest_groups([source.groups for source in self.sources])
 
     def near(self, t: float, y: np.ndarray, travels: np.ndarray) -> Contacts:
         """Gaps of all sources within reach of the displacements ``travels``."""
         parts, elements = [], 0
         for number, source in enumerate(self.sources):
-            contacts = source.near(t, y, self.p, travels, self.width)
+            contacts = source.near(t, y, self.p, travels, self.groups)
             parts.append(
                 replace(
                     contacts, owner=contacts.owner + elements, key=contacts.key + number * APART
@@ -153,13 +155,12 @@ class ContactStep:
             return Impulses(np.zeros(shape), 0.0, True)
         matrix = delassus(contacts.directions, mobility)
         offsets = self.scheme.first(approach)
-        scale = float(max(np.abs(approach.free).max(), np.abs(approach.before).max()))
-        groups = (shape[1] - 1,) if shape[1] > 1 else ()
-        friction = contacts.friction[:, None][:, : len(groups)]
+        linear, friction = contacts.linear, contacts.laws.friction
+        scale = float(np.abs([approach.free[:, :linear], approach.before[:, :linear]]).max())
         start, rounds = warm_start(contacts, before, shape), 0
         for _ in range(ROUNDS):
             velocity = approach.free + offsets
-            problem = FrictionProblem(matrix, velocity, friction, groups, scale or 1.0)
+            problem = FrictionProblem(matrix, velocity, friction, contacts.groups, scale or 1.0)
             solution = self.solver.solve(problem, start)
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets

@@ -13,7 +13,7 @@ from dalembert.elements.base import Condition, Element, Look, Scalar, option, qu
 from dalembert.elements.body import BodyElement
 from dalembert.elements.component import Component
 from dalembert.elements.contact.hull import Hull
-from dalembert.elements.contact.pairs import Pair, checked_pairs, law_numbers
+from dalembert.elements.contact.pairs import COEFFICIENTS, Pair, checked_pairs, law_numbers
 from dalembert.elements.contact.shapes import Flat, Round, Shape, Vertex
 from dalembert.elements.coordinates import Coordinates
 from dalembert.elements.look import Rail
@@ -40,12 +40,14 @@ class Collisions(Element):
     restitution : ``e`` along the normal, 0 to 1
     tangential : restitution of the slip, 0 to 1
     friction : ``μ``
+    rolling : coefficient ``c`` of rolling friction, a moment up to ``c N`` across the normal
+    spinning : the same about the normal, in space
     pairs : other coefficients between two groups, or groups that do not touch: ``contact.Pair``
 
     Raises
     ------
     ModelError
-        No convex shape, another shape, or an unknown group.
+        No convex shape, another shape, an unknown group, or spinning in the plane.
 
     Examples
     --------
@@ -67,6 +69,8 @@ class Collisions(Element):
     restitution: Scalar = quantity("", "restitution along the normal", default=0.0, minimum=0.0)
     tangential: Scalar = quantity("", "restitution of the slip", default=0.0, minimum=0.0)
     friction: Scalar = quantity("", "coefficient of friction", default=0.0, minimum=0.0)
+    rolling: Scalar = quantity("m", "coefficient of rolling friction", default=0.0, minimum=0.0)
+    spinning: Scalar = quantity("m", "coefficient of spinning friction", default=0.0, minimum=0.0)
     pairs: tuple[Pair, ...] = option("laws between two groups", default=())
 
     def __post_init__(self) -> None:
@@ -78,6 +82,7 @@ class Collisions(Element):
         self._check_shapes()
         self.dimension: int = self.members[0].dimension
         self.pairs = checked_pairs(self.pairs, list(self.groups), self.name)
+        self._check_spinning()
 
     def _label(self, group: str) -> str:
         return f"{self.name}.shapes.{group}" if group else f"{self.name}.shapes"
@@ -119,6 +124,14 @@ class Collisions(Element):
                     self.name,
                 )
 
+    def _check_spinning(self) -> None:
+        coefficients = {self.name: self.spinning}
+        coefficients |= {f"{self.name}.pairs[{k}]": p.spinning for k, p in enumerate(self.pairs)}
+        for entity, spinning in coefficients.items():
+            if self.dimension == 2 and spinning is not None and not spinning.sx.is_zero():
+                text = "nothing spins about a normal in the plane; leave out spinning="
+                raise ModelError(text, f"{entity}.spinning")
+
     @cached_property
     def members(self) -> tuple[Shape, ...]:
         """Shapes of all groups."""
@@ -147,10 +160,18 @@ class Collisions(Element):
 
     @property
     def coefficients(self) -> ca.SX:
-        """(3, n) restitution, tangential restitution and friction of each law."""
-        own = self.restitution, self.tangential, self.friction
-        laws = [own, *(pair.completed(*own) for pair in self.pairs)]
+        """(c, n) ``COEFFICIENTS`` of each law."""
+        own = [getattr(self, name) for name in COEFFICIENTS]
+        laws = [own, *(pair.completed(own) for pair in self.pairs)]
         return ca.horzcat(*(ca.vertcat(*(c.sx for c in law)) for law in laws))
+
+    @cached_property
+    def friction_groups(self) -> tuple[int, ...]:
+        """Widths of the groups of tangential components: slip and, if there is friction of
+        rotations, rolling and, in space, spinning."""
+        slip, turns = self.dimension - 1, not self.coefficients[3:, :].is_zero()
+        rotations = (slip, 1)[:slip]
+        return (slip, *rotations) if turns else (slip,)
 
     @cached_property
     def laws(self) -> np.ndarray:

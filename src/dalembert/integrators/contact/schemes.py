@@ -36,8 +36,10 @@ class Approach:
 
     def newton(self) -> Offsets:
         """Restitution, ``u_N⁺ ≥ −e u_N⁻`` and ``u_T⁺ + e_T u_T⁻`` (Newton; Moreau 1988)."""
-        offsets = self.contacts.tangential[:, None] * self.before
-        offsets[:, 0] = self.contacts.restitution * self.before[:, 0]
+        laws, linear = self.contacts.laws, self.contacts.linear
+        offsets = np.zeros_like(self.before)
+        offsets[:, 0] = laws.restitution * self.before[:, 0]
+        offsets[:, 1:linear] = laws.tangential[:, None] * self.before[:, 1:linear]
         return offsets
 
 
@@ -163,7 +165,7 @@ class AnticipatedImpacts(ContactScheme):
 
     def first(self, approach: Approach) -> Offsets:
         offsets = approach.newton()
-        margin = _margin(approach, approach.contacts.restitution)
+        margin = _margin(approach, approach.contacts.laws.restitution)
         impact = approach.free[:, 0] < margin
         offsets[:, 0] = -np.where(impact, _bounce(approach), margin)
         return offsets
@@ -199,7 +201,7 @@ def _margin(approach: Approach, restitution: np.ndarray | float) -> np.ndarray:
 
 def _bounce(approach: Approach) -> np.ndarray:
     """Minimum speed of contacts under pressure: impacting, resting or separating."""
-    before, e = approach.before[:, 0], approach.contacts.restitution
+    before, e = approach.before[:, 0], approach.contacts.laws.restitution
     forced = float(np.abs(approach.free[:, 0] - before).max(initial=0.0))
     closing = CLOSING * np.maximum(approach.contacts.distance, 0) / approach.h
     resting = np.where(before > 0, _margin(approach, 0.0), -np.minimum(closing, forced))

@@ -62,7 +62,7 @@ class ContactSteps:
         return self.record.t.size - 1
 
     @cached_property
-    def patterns(self) -> list[dict[int, tuple[Friction, np.ndarray]]]:
+    def patterns(self) -> list[dict[int, tuple[tuple[Friction, ...], np.ndarray]]]:
         """Pressing gaps of each step with their tangential states and impulses."""
         patterns: list[dict] = [{} for _ in range(self.count)]
         for k, key, impulse in zip(
@@ -71,11 +71,10 @@ class ContactSteps:
             state = self.split(int(k))
             _, speeds, *_, friction = self.maps.gap(int(key))(self.record.t[k], *state, self.p)
             own = impulse[: speeds.numel()]
-            limit, along = float(friction) * own[0], float(np.linalg.norm(own[1:]))
-            contact = Friction.NONE if limit == 0 or own.size == 1 else Friction.SLIP
-            if along < (1 - STICK_MARGIN) * limit:
-                contact = Friction.STICK
-            patterns[int(k)][int(key)] = contact, own
+            limits = friction.full().ravel() * own[0]
+            discs = zip(self.maps.groups(int(key)), limits, strict=True)
+            states = tuple(_state(own[components], limit) for components, limit in discs)
+            patterns[int(k)][int(key)] = states, own
         return patterns
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
@@ -127,6 +126,14 @@ class ContactSteps:
         near = self.x[self.size :, k + 1]
         z = np.concatenate([near, np.zeros(joints), *impulses])
         return step.at(z, x, t, self.p, np.array([h]))
+
+
+def _state(impulse: np.ndarray, limit: float) -> Friction:
+    """State of the components of a group, from its impulse and the friction limit."""
+    if limit == 0:
+        return Friction.NONE
+    sticks = float(np.linalg.norm(impulse)) < (1 - STICK_MARGIN) * limit
+    return Friction.STICK if sticks else Friction.SLIP
 
 
 class RecordedOpening(PositionCorrection):
