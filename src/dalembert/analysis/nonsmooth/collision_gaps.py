@@ -16,7 +16,7 @@ from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.contact_point import contact_at_wall, contact_of_balls
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.unilateral import Unilateral
-from dalembert.integrators.contact.contact_laws import ContactLaws
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -136,7 +136,8 @@ class CollisionGaps(GapSource):
         )
         speeds = ca.mtimes(directions, ca.vertcat(*twists))
         law = int(self._laws[self._groups[here], self._groups[there]])
-        return SymbolicGap(distance, speeds, self.groups, coefficients[: 2 + len(self.groups), law])
+        law_of_pair = coefficients[: FIRST + len(self.groups), law]
+        return SymbolicGap(distance, speeds, self.groups, law_of_pair)
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray

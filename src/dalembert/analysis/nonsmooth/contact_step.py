@@ -17,6 +17,12 @@ from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
 from dalembert.integrators.contact.impulses import Impulses
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
+from dalembert.integrators.contact.static_friction import (
+    STILL,
+    may_stick,
+    solve_with_static_friction,
+    sticks,
+)
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Matrix
 
@@ -41,6 +47,7 @@ class StepResult:
     multiplier : of the joints, times the step
     contacts : contacts of the friction problem
     impulses : solution of the friction problem
+    stuck : keys of the contacts with static friction at the end
     loss : energy dissipated by the contacts
     """
 
@@ -49,6 +56,7 @@ class StepResult:
     multiplier: np.ndarray
     contacts: Contacts
     impulses: Impulses
+    stuck: np.ndarray
     loss: float
 
     @property
@@ -125,13 +133,15 @@ class ContactStep:
         reach, begins = AHEAD * h, before is None
         for _ in range(WIDENINGS):
             contacts = self.near(t, y, reach * np.column_stack([v, free]))
-            approach = Approach(contacts, contacts.speeds(v), contacts.speeds(free), h, begins)
+            approach = Approach(
+                contacts, contacts.speeds(v), contacts.speeds(free), h, begins, self.rounding
+            )
             acting = self.scheme.acting(approach)
             if not acting.all():
                 contacts = contacts.some(acting)
-                speeds = approach.before[acting], approach.free[acting]
-                approach = Approach(contacts, *speeds, h, begins)
-            impulses = self._impulses(approach, mobility, before)
+                speeds = {"before": approach.before[acting], "free": approach.free[acting]}
+                approach = replace(approach, contacts=contacts, **speeds)
+            impulses, stuck = self._impulses(approach, mobility, before)
             push = impulses.impulses.ravel()
             change, reactions = mobility(contacts.directions.T @ push)
             after = free + change
@@ -144,31 +154,41 @@ class ContactStep:
                 break
             reach *= WIDER
         loss = -0.5 * float(push @ (contacts.directions @ (after + v)))
-        return StepResult(position, after, multiplier + reactions, contacts, impulses, loss)
+        reactions += multiplier
+        return StepResult(position, after, reactions, contacts, impulses, stuck, loss)
 
     def _impulses(
         self, approach: Approach, mobility: Mobility, before: StepResult | None
-    ) -> Impulses:
-        """Impulses of the contacts; offsets are updated until they no longer change."""
+    ) -> tuple[Impulses, np.ndarray]:
+        """Impulses of the contacts, and keys of the sticking ones with static friction; offsets are
+        updated until they no longer change."""
         contacts, shape = approach.contacts, approach.before.shape
         if not contacts.count:
-            return Impulses(np.zeros(shape), 0.0, True)
+            return Impulses(np.zeros(shape), 0.0, True), contacts.key[:0]
         matrix = delassus(contacts.directions, mobility)
         offsets = self.scheme.first(approach)
-        linear, friction = contacts.linear, contacts.laws.friction
-        scale = float(np.abs([approach.free[:, :linear], approach.before[:, :linear]]).max())
+        laws, none = contacts.laws, contacts.key[:0]
+        scale = approach.fastest or 1.0
+        rounding = STILL * self.solver.tolerance * scale
+        static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
         start, rounds = warm_start(contacts, before, shape), 0
         for _ in range(ROUNDS):
             velocity = approach.free + offsets
-            problem = FrictionProblem(matrix, velocity, friction, contacts.groups, scale or 1.0)
-            solution = self.solver.solve(problem, start)
+            problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
+            solution, static = solve_with_static_friction(
+                self.solver, problem, start, laws, static, approach.before
+            )
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets
             changed = self.scheme.again(approach, offsets, solution.impulses, after)
             if changed is None or not solution.converged:
                 break
             offsets = changed
-        return replace(solution, rounds=rounds)
+        solution = replace(solution, rounds=rounds)
+        if not laws.higher_at_rest.any():
+            return solution, none
+        stuck = (start[:, 0] > 0) & sticks(self.solver, problem, start)
+        return solution, contacts.key[stuck]
 
 
 def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:

@@ -12,7 +12,7 @@ from dalembert.elements.base import Element, Rate
 from dalembert.elements.contact.unilateral import Unilateral
 from dalembert.elements.coordinates import rate_of
 from dalembert.errors import ModelError, UnsupportedError
-from dalembert.integrators.contact.contact_laws import ContactLaws
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel, Patterned, dense_array
@@ -28,7 +28,7 @@ class SymbolicGap:
     distance : ``g``
     speeds : (k,) ``u``, the normal component first
     groups : widths of the groups of tangential components
-    coefficients : restitution, tangential restitution, and friction of each group
+    coefficients : restitution, tangential restitution, static friction, friction of each group
     """
 
     distance: ca.SX
@@ -122,7 +122,11 @@ class FormulaGaps(GapSource):
         distances = model.at_ground(ca.vertcat(*(gap.distance for _, gap in gaps)))
         laws = [element.impact() for element in elements]
         coefficients = ca.horzcat(
-            *(ca.vertcat(law.restitution, law.tangential, law.friction) for law in laws if law)
+            *(
+                ca.vertcat(law.restitution, law.tangential, law.friction, law.friction)
+                for law in laws
+                if law
+            )
         )
         coefficients = model.at_ground(ca.densify(coefficients))
         self._symbolic = distances, speeds, coefficients
@@ -144,8 +148,9 @@ class FormulaGaps(GapSource):
         count, width = self.owner.size, 1 + sum(groups)
         padding = ((0, 0), (0, width - self.linear), (0, 0))
         rows = np.pad(dense_array(directions).reshape(count, self.linear, -1), padding)
-        coefficients = np.zeros((2 + len(groups), count))
-        coefficients[:3] = self._laws(time, y, p)[0][: 2 + len(groups), self.owner]
+        laws = self._laws(time, y, p)[0][:, self.owner]
+        coefficients = np.zeros((FIRST + len(groups), count))
+        coefficients[: FIRST + 1] = laws[: FIRST + len(groups)]
         gaps = Contacts(
             distance,
             rows.reshape(count * width, -1),
@@ -160,7 +165,7 @@ class FormulaGaps(GapSource):
     def symbolic(self, key: int) -> SymbolicGap:
         distances, speeds, coefficients = self._symbolic
         own = speeds[key * self.linear : (key + 1) * self.linear]
-        law = coefficients[: 2 + len(self.groups), int(self.owner[key])]
+        law = coefficients[: FIRST + len(self.groups), int(self.owner[key])]
         return SymbolicGap(distances[key], own, self.groups, law)
 
 

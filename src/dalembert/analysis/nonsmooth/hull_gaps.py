@@ -17,7 +17,7 @@ from dalembert.analysis.nonsmooth.spatial_features import spatial_features
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Round
-from dalembert.integrators.contact.contact_laws import ContactLaws
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -111,7 +111,7 @@ class HullGaps(GapSource):
         twists = [self.geometry.twists[k * TWIST : (k + 1) * TWIST] for k in shapes]
         speeds = ca.mtimes(blocks, ca.vertcat(*twists))
         law = int(self._law(pairs)[0])
-        coefficients = self.geometry.symbols[4][: 2 + len(self.groups), law]
+        coefficients = self.geometry.symbols[4][: FIRST + len(self.groups), law]
         return SymbolicGap(distance, speeds, self.groups, coefficients)
 
     def points(
@@ -250,7 +250,7 @@ class HullGaps(GapSource):
     def _none(self, groups: tuple[int, ...]) -> Contacts:
         empty, numbers = np.zeros(0), np.zeros(0, dtype=int)
         rows = np.zeros((0, self._speeds)), np.zeros((0, 1 + sum(groups)))
-        laws = ContactLaws(empty, empty, np.zeros((0, len(groups))))
+        laws = ContactLaws.of(np.zeros((FIRST + len(groups), 0)), groups)
         return Contacts(empty, *rows, laws, groups, numbers, numbers)
 
 

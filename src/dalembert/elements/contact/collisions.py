@@ -40,6 +40,7 @@ class Collisions(Element):
     restitution : ``e`` along the normal, 0 to 1
     tangential : restitution of the slip, 0 to 1
     friction : ``μ``
+    static_friction : ``μ_s ≥ μ`` of contacts without slip; ``friction`` by default
     rolling : coefficient ``c`` of rolling friction, a moment up to ``c N`` across the normal
     spinning : the same about the normal, in space
     pairs : other coefficients between two groups, or groups that do not touch: ``contact.Pair``
@@ -71,6 +72,9 @@ class Collisions(Element):
     friction: Scalar = quantity("", "coefficient of friction", default=0.0, minimum=0.0)
     rolling: Scalar = quantity("m", "coefficient of rolling friction", default=0.0, minimum=0.0)
     spinning: Scalar = quantity("m", "coefficient of spinning friction", default=0.0, minimum=0.0)
+    static_friction: Scalar = quantity(
+        "", "coefficient of friction without slip", default=None, minimum=0.0
+    )
     pairs: tuple[Pair, ...] = option("laws between two groups", default=())
 
     def __post_init__(self) -> None:
@@ -125,12 +129,10 @@ class Collisions(Element):
                 )
 
     def _check_spinning(self) -> None:
-        coefficients = {self.name: self.spinning}
-        coefficients |= {f"{self.name}.pairs[{k}]": p.spinning for k, p in enumerate(self.pairs)}
-        for entity, spinning in coefficients.items():
-            if self.dimension == 2 and spinning is not None and not spinning.sx.is_zero():
+        for place, law in self._completed_laws.items():
+            if self.dimension == 2 and not law["spinning"].sx.is_zero():
                 text = "nothing spins about a normal in the plane; leave out spinning="
-                raise ModelError(text, f"{entity}.spinning")
+                raise ModelError(text, ".".join(filter(None, (self.name, place, "spinning"))))
 
     @cached_property
     def members(self) -> tuple[Shape, ...]:
@@ -161,15 +163,23 @@ class Collisions(Element):
     @property
     def coefficients(self) -> ca.SX:
         """(c, n) ``COEFFICIENTS`` of each law."""
-        own = [getattr(self, name) for name in COEFFICIENTS]
-        laws = [own, *(pair.completed(own) for pair in self.pairs)]
-        return ca.horzcat(*(ca.vertcat(*(c.sx for c in law)) for law in laws))
+        laws = self._completed_laws.values()
+        return ca.horzcat(*(ca.vertcat(*(law[c].sx for c in COEFFICIENTS)) for law in laws))
+
+    @property
+    def _completed_laws(self) -> dict[str, dict[str, Scalar]]:
+        """Place of each law in the element → its coefficients by their names."""
+        own = {name: getattr(self, name) for name in COEFFICIENTS}
+        if self.static_friction is None:
+            own["static_friction"] = self.friction
+        pairs = {f"pairs[{k}]": pair.completed(own) for k, pair in enumerate(self.pairs)}
+        return {"": own, **pairs}
 
     @cached_property
     def friction_groups(self) -> tuple[int, ...]:
         """Widths of the groups of tangential components: slip and, if there is friction of
         rotations, rolling and, in space, spinning."""
-        slip, turns = self.dimension - 1, not self.coefficients[3:, :].is_zero()
+        slip, turns = self.dimension - 1, not self.coefficients[4:, :].is_zero()
         rotations = (slip, 1)[:slip]
         return (slip, *rotations) if turns else (slip,)
 
@@ -207,6 +217,10 @@ class Collisions(Element):
             (1 - e, f"{name} is {{}}; it must not be above 1", e)
             for name, e in coefficients.items()
         ]
+        for place, law in self._completed_laws.items():
+            static, sliding = law["static_friction"].sx, law["friction"].sx
+            text = "static_friction is {}; it must not be below friction"
+            conditions.append((static - sliding, f"{place}: {text}" if place else text, static))
         for entity, part in self.components.items():
             place = entity.removeprefix(f"{self.name}.")
             conditions += [_placed(condition, place) for condition in part.conditions()]

@@ -9,6 +9,9 @@ import numpy as np
 
 from dalembert.errors import UnsupportedError
 
+FIRST = 3
+"""Number of the first coefficient of friction in a column of ``Collisions.coefficients``."""
+
 
 @dataclass(frozen=True, eq=False)
 class ContactLaws:
@@ -17,17 +20,29 @@ class ContactLaws:
     Attributes
     ----------
     restitution, tangential : (n,) restitution along the normal and of the slip [-]
+    static_friction : (n,) ``μ_s ≥ μ`` of contacts without slip [-]
     friction : (n, groups) of each group of tangential components, as in ``FrictionProblem``
     """
 
     restitution: np.ndarray
     tangential: np.ndarray
+    static_friction: np.ndarray
     friction: np.ndarray
 
     @classmethod
     def of(cls, coefficients: np.ndarray, groups: tuple[int, ...]) -> ContactLaws:
         """Laws from columns of ``Collisions.coefficients`` (c, n)."""
-        return cls(coefficients[0], coefficients[1], coefficients[2 : 2 + len(groups)].T)
+        restitution, tangential, static_friction = coefficients[:FIRST]
+        friction = coefficients[FIRST : FIRST + len(groups)].T
+        return cls(restitution, tangential, static_friction, friction)
+
+    @property
+    def higher_at_rest(self) -> np.ndarray:
+        """(n,) mask of contacts with more friction while they do not slip."""
+        higher = np.zeros(self.restitution.size, dtype=bool)
+        if self.friction.size:
+            higher = self.static_friction > self.friction[:, 0]
+        return higher
 
     def some(self, selected: np.ndarray) -> ContactLaws:
         """Laws of the selected contacts."""

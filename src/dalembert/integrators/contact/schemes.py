@@ -26,6 +26,7 @@ class Approach:
     before, free : (n, k) relative velocities at the start, and at the end without impulses
     h : step [s]
     begins : True in the first step, which no earlier step could prepare for an impact
+    rounding : gap that counts as closed [m]
     """
 
     contacts: Contacts
@@ -33,6 +34,13 @@ class Approach:
     free: np.ndarray
     h: float
     begins: bool = False
+    rounding: float = 0.0
+
+    @property
+    def fastest(self) -> float:
+        """The largest component of a velocity [m/s]."""
+        linear = self.contacts.linear
+        return float(np.abs([self.before[:, :linear], self.free[:, :linear]]).max(initial=0.0))
 
     def newton(self) -> Offsets:
         """Restitution, ``u_N⁺ ≥ −e u_N⁻`` and ``u_T⁺ + e_T u_T⁻`` (Newton; Moreau 1988)."""
@@ -111,7 +119,7 @@ class MoreauJean(ContactScheme):
 
     def acting(self, approach: Approach) -> np.ndarray:
         ahead = self.gamma * approach.h * approach.before[:, 0]
-        return approach.contacts.distance + ahead <= 0
+        return approach.contacts.distance + ahead <= approach.rounding
 
     def first(self, approach: Approach) -> Offsets:
         return approach.newton()
@@ -139,7 +147,8 @@ class AnticipatedImpacts(ContactScheme):
     step may penetrate; the gap is opened after the step. The work ``P·(u⁺ + u⁻)/2`` of an impact is
     not positive. A contact may do positive work if a force reverses the motion within the step; if
     the work of all contacts is positive, ``u⁺ + u⁻`` replaces ``u⁺`` there, which does no work, so
-    that contacts never create energy.
+    that contacts never create energy. Contacts with static friction above that of sliding stop
+    instead, which may create energy of the order of the squared step.
 
     Examples
     --------
@@ -183,7 +192,8 @@ class AnticipatedImpacts(ContactScheme):
         work = (impulses * (after + approach.before)).sum(axis=1)
         if work.sum() > ROUNDING * magnitude.sum():
             idle = np.maximum(changed, approach.before)
-            idle[:, 1:] = approach.before[:, 1:]
+            slips = ~approach.contacts.laws.higher_at_rest  # the others stop
+            idle[slips, 1:] = approach.before[slips, 1:]
             changed[work > 0] = idle[work > 0]
         return changed if (changed != offsets).any() else None
 

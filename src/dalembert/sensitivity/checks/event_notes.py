@@ -196,9 +196,10 @@ def _near_change(steps: ContactSteps, k: int, key: int) -> bool:
     states, impulse = steps.patterns[k][key]
     gap, t, x = steps.maps.gap(key), float(steps.record.t[k]), steps.x[:, k : k + 2]
     y, before, after = x[: steps.size, 0], *x[steps.size :].T
-    _, speeds, *_, friction = (value.full().ravel() for value in gap(t, y, after, steps.p))
+    _, speeds, *_, static, friction = (value.full().ravel() for value in gap(t, y, after, steps.p))
     change = float(np.abs(after - before).max())
-    for components, state, mu in zip(steps.maps.groups(key), states, friction, strict=True):
+    limits = np.concatenate([static, friction[1:]])[: friction.size]
+    for components, state, mu in zip(steps.maps.groups(key), states, limits, strict=True):
         push, slip = (float(np.linalg.norm(u[components])) for u in (impulse, speeds))
         if state is Friction.STICK and push > (1 - MARGIN) * mu * impulse[0]:
             return True

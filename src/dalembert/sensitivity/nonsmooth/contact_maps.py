@@ -17,6 +17,7 @@ import numpy as np
 
 from dalembert.analysis.nonsmooth.contact_step import ContactStep
 from dalembert.analysis.nonsmooth.smooth_motion import constrained_fraction
+from dalembert.integrators.contact.contact_laws import FIRST
 from dalembert.sensitivity.nonsmooth.implicit_map import ImplicitMap
 from dalembert.symbolic.formulas.expression import stack
 
@@ -67,11 +68,11 @@ class ContactMaps:
         return ca.Function("joints", [e.t, e.y, e.p], [e.jacobian, by_time, e.constraints])
 
     def gap(self, key: int) -> ca.Function:
-        """``(t, y, v, p) → g, u, e, e_T, μ``."""
+        """``(t, y, v, p) → g, u, e, e_T, μ_s, μ``."""
         if key not in self._gaps:
             e, gap = self.e, self.contact_step.symbolic_gap(key)
             coefficients = gap.coefficients
-            laws = [coefficients[0], coefficients[1], coefficients[2:]]
+            laws = [*ca.vertsplit(coefficients[:FIRST]), coefficients[FIRST:]]
             self._gaps[key] = ca.Function(
                 "gap", [e.t, e.y, e.v, e.p], [gap.distance, gap.speeds, *laws]
             )
@@ -123,7 +124,7 @@ class ContactMaps:
         impulses, rows = [], [ca.mtimes(jacobian, part * after + (1 - part) * e.v) + by_time]
         for key, states in pattern:
             gap = self.gap(key)
-            _, before, restitution, tangential, friction = gap(e.t, e.y, e.v, e.p)
+            _, before, restitution, tangential, _, friction = gap(e.t, e.y, e.v, e.p)
             end = gap(e.t, e.y, after, e.p)[1]
             impulse = ca.SX.sym("P", end.numel())
             impulses.append(impulse)

@@ -63,18 +63,34 @@ class ContactSteps:
 
     @cached_property
     def patterns(self) -> list[dict[int, tuple[tuple[Friction, ...], np.ndarray]]]:
-        """Pressing gaps of each step with their tangential states and impulses."""
+        """Pressing gaps of each step with their tangential states and impulses.
+
+        Raises
+        ------
+        UnsupportedError
+            A contact with static friction breaks away.
+        """
         patterns: list[dict] = [{} for _ in range(self.count)]
         for k, key, impulse in zip(
             self.record.step, self.record.key, self.record.impulse, strict=True
         ):
             state = self.split(int(k))
-            _, speeds, *_, friction = self.maps.gap(int(key))(self.record.t[k], *state, self.p)
+            _, speeds, *_, static, friction = self.maps.gap(int(key))(
+                self.record.t[k], *state, self.p
+            )
             own = impulse[: speeds.numel()]
             limits = friction.full().ravel() * own[0]
             discs = zip(self.maps.groups(int(key)), limits, strict=True)
             states = tuple(_state(own[components], limit) for components, limit in discs)
             patterns[int(k)][int(key)] = states, own
+            before, _ = patterns[k - 1].get(int(key), (states, own)) if k else (states, own)
+            slips = states[:1] == (Friction.SLIP,) and before[0] is Friction.STICK
+            if slips and float(static) > float(friction[0]):
+                raise UnsupportedError(
+                    f"a contact with static friction breaks away at t = {self.record.t[k]:.9g} s, "
+                    "and gradients do not include the change of this instant; give "
+                    "static_friction equal to friction"
+                )
         return patterns
 
     def split(self, k: int) -> tuple[np.ndarray, np.ndarray]:
@@ -132,8 +148,8 @@ def _state(impulse: np.ndarray, limit: float) -> Friction:
     """State of the components of a group, from its impulse and the friction limit."""
     if limit == 0:
         return Friction.NONE
-    sticks = float(np.linalg.norm(impulse)) < (1 - STICK_MARGIN) * limit
-    return Friction.STICK if sticks else Friction.SLIP
+    slips = abs(float(np.linalg.norm(impulse)) - limit) <= STICK_MARGIN * limit
+    return Friction.SLIP if slips else Friction.STICK  # above the limit by static friction
 
 
 class RecordedOpening(PositionCorrection):
