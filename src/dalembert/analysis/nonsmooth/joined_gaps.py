@@ -23,7 +23,7 @@ class JoinedGaps(GapSource):
 
     def __init__(self, sources: list[GapSource]):
         self.sources, self.elements = sources, sources[0].elements
-        self.groups = sources[0].groups
+        self.groups, self.law = sources[0].groups, sources[0].law
 
     def near(
         self,

@@ -15,6 +15,7 @@ from dalembert.analysis.nonsmooth.correction import (
     normals_of,
 )
 from dalembert.analysis.nonsmooth.nonsmooth_run import NonsmoothRun
+from dalembert.elements.contact.impact_law import ImpactLaw
 from dalembert.errors import AnalysisError, UnsupportedError
 from dalembert.integrators.contact.schemes import MoreauJean
 from dalembert.results.nonsmooth_motion import NonsmoothMotion
@@ -38,7 +39,7 @@ class ContactSteps:
     Raises
     ------
     UnsupportedError
-        The integrator is not ``MoreauJean``.
+        The integrator is not ``MoreauJean``, or the law of impact not Newton's.
     """
 
     def __init__(self, motion: NonsmoothMotion):
@@ -52,6 +53,11 @@ class ContactSteps:
         self.record, self.p = motion.record, motion.parameters
         run = NonsmoothRun(analysis, motion.model, motion.parameters)
         self.step: ContactStep = run.step
+        if self.step.law is not ImpactLaw.NEWTON:
+            raise UnsupportedError(
+                f"gradients of impacts by the {self.step.law.value} law are not available in "
+                "solve_nonsmooth; use Newton's law, or solve_dynamics"
+            )
         self.maps = ContactMaps(self.step)
         self.x = np.vstack([self.record.ends.y, self.record.ends.v])
         self.size = self.record.ends.y.shape[0]
