@@ -12,6 +12,8 @@ SHORTEST, TURNING = 2.0**-26, 2.0**-5
 """Increments that are not divided, relative to a phase: at an end of slip, and where a slip changes
 its direction by more than ``STRAIGHT``, its cosine, in space [-]."""
 STRAIGHT = 0.995
+GROWTH = 4.0
+"""Growth of increments [-]."""
 NEAR, PASSING = 4.0, 1.5
 """Slip that counts as ending, relative to rounding, and length of the increment that passes its
 end, relative to the linear extrapolation [-]."""
@@ -62,9 +64,11 @@ class Pace:
     def accept(self, slip: Slip) -> None:
         """Select the next increment, up to the end of a slip that lies within ``_end``."""
         self._end -= self.share
-        if slip.ends or self._passes or not np.isfinite(self._end):
-            growth = 1.0 if slip.ends or self._passes else min(1.0, 2 * self.share)
-            self.share, self._end, self._passes = growth, np.inf, False
+        if slip.ends or self._passes:
+            self.share, self._end, self._passes = 1.0, np.inf, False
+            return
+        if self.share <= SHORTEST or not np.isfinite(self._end):
+            self.share, self._end = min(1.0, GROWTH * self.share), np.inf
             return
         remaining = slip.remaining * self.share
         self._passes = slip.near and remaining <= self._end
