@@ -20,7 +20,7 @@ RADIUS, SPREAD, DENSITY, G = 0.01, 0.1, 10.0, 9.81
 """Mean radius of the discs [m], its variation, mass per area [kg/m²]."""
 WIDTH, STEEP, WALL = 16 * RADIUS, math.radians(50), 0.5 * RADIUS
 """Half the width [m], slope of the funnel and half its thickness."""
-FRICTION, RESTITUTION, STEP, OPENS = 0.3, 0.3, 1e-3, 0.2
+FRICTION, RESTITUTION, STEP, OPENS = 0.3, 0.3, 5e-4, 0.2
 """Coefficients, step of the integration and time at which the lid falls [s]."""
 OPENINGS = (3.5, 4.5, 5.5, 6.5)
 """Widths of the opening over the mean diameter."""
@@ -118,7 +118,7 @@ def picture(motions: dict[float, da.Motion], rates: list[float], count: int, fol
     style.save(figure, folder, "hopper")
 
 
-def main(folder=None, count: int = 220, openings=OPENINGS) -> dict[str, float]:
+def main(folder=None, count: int = 160, openings=OPENINGS) -> dict[str, float]:
     motions = {opening: solve(opening, count) for opening in openings}
     rates = [rate(motion, count) for motion in motions.values()]
     factor, offset = beverloo(openings, rates)
