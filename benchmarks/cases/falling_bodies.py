@@ -23,7 +23,7 @@ from benchmarks.solvers.falling.mujoco import at_penetration, mujoco
 from benchmarks.solvers.falling.ours import ours
 
 COUNTS = (10, 30, 100, 300, 1000, 3000, 10_000)
-STEPS, QUICK = 1000, 20
+STEPS, QUICK = 1000, 50
 EQUAL = 100
 """Maximum number of bodies of the comparison at equal penetration."""
 LONGEST = 15

@@ -34,7 +34,7 @@ def mujoco(bodies: FallingBodies, step: float = STEP, stiff: bool = False) -> Ru
         for _ in range(steps):
             mujoco.mj_step(model, state)
             deepest = min(deepest, state.contact.dist[: state.ncon].min(initial=0.0))
-        return seconds, -float(deepest)
+        return seconds, abs(float(deepest))
 
     return run
 
