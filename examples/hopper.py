@@ -3,9 +3,9 @@
 The flow of discs of diameter d through an opening of width D hardly depends on the height of the
 filling, and grows as ``C √(g/d) (D/d − k)^{3/2}`` discs per second in a plane (Beverloo, Leniger
 and van de Velde 1961, with the exponent 5/2 in space). C and k are fitted; the exponent is that of
-the rates with this k. A lid falls away from the opening when the discs have settled. Gaps penetrate
-by a few percent of a diameter; to correct them would lift the pressed discs in every step, and make
-them flow faster.
+the rates with this k. A lid leaves the opening when the discs have settled. Gaps penetrate by the
+motion of half a step; to correct them would lift the pressed discs in every step, and make them
+flow faster.
 """
 
 import math
@@ -20,10 +20,10 @@ from dalembert import planar
 
 RADIUS, SPREAD, DENSITY, G = 0.01, 0.1, 10.0, 9.81
 """Mean radius of the discs [m], its variation, mass per area [kg/m²]."""
-WIDTH, STEEP, WALL = 16 * RADIUS, math.radians(50), 0.5 * RADIUS
-"""Half the width [m], slope of the funnel and half its thickness."""
+WIDTH, STEEP, WALL, TRAY = 16 * RADIUS, math.radians(50), 0.5 * RADIUS, 20 * RADIUS
+"""Half the width [m], slope of the funnel, half its thickness, depth of the tray below."""
 FRICTION, RESTITUTION, STEP, OPENS = 0.3, 0.3, 1e-3, 0.2
-"""Coefficients, step of the integration and time at which the lid falls [s]."""
+"""Coefficients, step of the integration and time at which the lid leaves [s]."""
 OPENINGS = (3.5, 4.5, 5.5, 6.5)
 """Widths of the opening over the mean diameter."""
 
@@ -51,7 +51,7 @@ def build(opening: float, count: int) -> da.System:
             discs.append(planar.contact.Circle(system.add(disc), radius))
         k += 1
     kit, ground, normal = planar.contact, system.ground, (math.sin(STEEP), math.cos(STEEP))
-    walls = []
+    walls = [kit.HalfPlane(ground.point(0.0, -TRAY))]
     for side in (1, -1):
         low, high = (
             ground.point(side * (x + WALL * normal[0]), y - WALL * normal[1])
@@ -61,7 +61,7 @@ def build(opening: float, count: int) -> da.System:
         walls.append(kit.HalfPlane(ground.point(side * WIDTH, 0.0), (-side, 0.0)))
     lid = system.add(planar.Body("lid", mass=1.0, inertia=1e-3, position=(0, 0), angle=0.0))
     guide = system.add(planar.Prismatic("guide", ground.center, lid.center, axis=(0, 1)))
-    fall = da.where(da.t > OPENS, -1.5 * G * (da.t - OPENS) ** 2, 0.0)
+    fall = da.CycloidalRise(height=-1.2 * TRAY, duration=0.2, begin=OPENS)
     system.add(planar.TranslationalDriver("release", guide, fall))
     plate = kit.Rectangle(lid.point(0.0, -RADIUS / 2), (2 * edge, RADIUS))
     shapes = {"discs": discs, "walls": walls, "lid": [plate]}
@@ -73,7 +73,7 @@ def build(opening: float, count: int) -> da.System:
 
 def solve(opening: float, count: int) -> da.Motion:
     """Flow of about half of the discs."""
-    duration = OPENS + 0.1 + count / (2 * math.sqrt(G / (2 * RADIUS)) * opening**1.5)
+    duration = OPENS + 0.15 + 0.6 * count / (math.sqrt(G / (2 * RADIUS)) * opening**1.5)
     model = build(opening, count).build()
     outputs, scheme = round(200 * duration) + 1, da.MoreauJean(projection=False)
     return da.solve_nonsmooth(model, duration, step=STEP, integrator=scheme, outputs=outputs)
@@ -103,9 +103,9 @@ def picture(motions: dict[float, da.Motion], rates: list[float], count: int, fol
     figure, (left, middle, right) = plt.subplots(1, 3, figsize=(11, 3.8))
     openings = list(motions)
     motion = motions[openings[-1]]
-    style.draw(left, motion, OPENS + 0.25)
-    left.set(title=f"D = {openings[-1]} d, t = {OPENS + 0.25:.2f} s", xlabel="x [m]")
-    left.set(ylabel="y [m]", xlim=(-1.1 * WIDTH, 1.1 * WIDTH), ylim=(-0.2, 0.35))
+    style.draw(left, motion, OPENS + 0.3)
+    left.set(title=f"D = {openings[-1]} d, t = {OPENS + 0.3:.2f} s", xlabel="x [m]")
+    left.set(ylabel="y [m]", xlim=(-1.1 * WIDTH, 1.1 * WIDTH), ylim=(-1.2 * TRAY, 0.35))
     left.set_aspect("equal", adjustable="box")
     left.grid(False)
     for opening, motion in motions.items():

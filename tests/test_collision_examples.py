@@ -74,4 +74,5 @@ def test_hopper_empties_faster_through_a_wider_opening(
     printed = numbers("hopper", pictures)
     assert printed["finished"] == 1
     assert 1.0 < printed["exponent with k, at least 0"] < 2.0
-    assert printed["maximum penetration [d]"] <= 0.1
+    fastest = math.sqrt(2 * hopper.G * (hopper.TRAY + 0.2))  # on the tray
+    assert printed["maximum penetration [d]"] <= hopper.STEP * fastest / (2 * hopper.RADIUS)
