@@ -3,21 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
 
-from dalembert.analysis.nonsmooth.gaps import GapSource, Instant, SymbolicGap
+from dalembert.analysis.nonsmooth.gaps import FormulaGaps, GapSource, Instant, SymbolicGap
 from dalembert.analysis.nonsmooth.joined_gaps import selected_of, separating_of
 from dalembert.analysis.nonsmooth.mean_gaps import mean_gaps
 from dalembert.analysis.nonsmooth.mobility import Mobility
 from dalembert.analysis.nonsmooth.smooth_motion import SmoothMotion
 from dalembert.analysis.nonsmooth.step_state import StepResult, StepStart, warm_start
+from dalembert.elements.contact.impact_law import ImpactLaw
+from dalembert.errors import UnsupportedError
+from dalembert.integrators.contact.contact_laws import widest_groups
 from dalembert.integrators.contact.contact_solver import ContactSolver
 from dalembert.integrators.contact.contacts import Contacts, FrictionProblem
 from dalembert.integrators.contact.delassus import Delassus
+from dalembert.integrators.contact.impact_path import impact_impulses, in_succession
 from dalembert.integrators.contact.impulses import Impulses
 from dalembert.integrators.contact.schemes import Approach, ContactScheme
+from dalembert.integrators.contact.static_friction import (
+    STILL,
+    may_stick,
+    solve_with_static_friction,
+    sticks,
+)
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Matrix
 
@@ -57,16 +68,37 @@ class ContactStep:
     solver: ContactSolver
     p: np.ndarray
 
-    @property
-    def width(self) -> int:
-        """Components of the relative velocities."""
-        return max((source.width for source in self.sources), default=1)
+    @cached_property
+    def groups(self) -> tuple[int, ...]:
+        """Widths of the groups of tangential components of the relative velocities."""
+        return widest_groups([source.groups for source in self.sources])
+
+    @cached_property
+    def law(self) -> ImpactLaw:
+        """Law of restitution of all gaps.
+
+        Raises
+        ------
+        UnsupportedError
+            Gaps have several laws, or the scheme has not this law.
+        """
+        names = {source.law: source.elements[0].name for source in self.sources}
+        if len(names) > 1:
+            laws = " and ".join(f"{name} ({law.value})" for law, name in names.items())
+            raise UnsupportedError(f"contacts have several laws of impact: {laws}; give one law")
+        ((law, name),) = names.items()
+        if law not in self.scheme.impact_laws:
+            raise UnsupportedError(
+                f"{name}: {type(self.scheme).__name__} has no {law.value} law of impact; use "
+                f"integrator=da.MoreauJean(), or leave out {_keyword(self.sources, law)}"
+            )
+        return law
 
     def near(self, t: float, y: np.ndarray, travels: np.ndarray) -> Contacts:
         """Gaps of all sources within reach of the displacements ``travels``."""
         parts, elements = [], 0
         for number, source in enumerate(self.sources):
-            contacts = source.near(t, y, self.p, travels, self.width)
+            contacts = source.near(t, y, self.p, travels, self.groups)
             parts.append(
                 replace(
                     contacts, owner=contacts.owner + elements, key=contacts.key + number * APART
@@ -77,7 +109,7 @@ class ContactStep:
 
     def selected(self, t: float, y: np.ndarray, keys: np.ndarray) -> Contacts:
         """Gaps with some keys, at any distance."""
-        gaps = selected_of(self.sources, APART, t, y, self.p, keys, self.width)
+        gaps = selected_of(self.sources, APART, t, y, self.p, keys, self.groups)
         elements = np.cumsum([0, *(len(source.elements) for source in self.sources)])
         return replace(gaps, owner=gaps.owner + elements[keys // APART])
 
@@ -110,7 +142,7 @@ class ContactStep:
         contacts = self.near(t, y, AHEAD * h * np.column_stack([v, start.free]))
         if self.scheme.anticipates:
             return self._open(start, contacts, before)
-        acting = self.scheme.acting(start.approach(contacts))
+        acting = self.scheme.acting(start.approach(contacts, self.rounding))
         return self._closed(start, contacts.some(acting), before)
 
     def _solved(
@@ -118,7 +150,8 @@ class ContactStep:
     ) -> StepResult:
         """Solution for some contacts."""
         v, theta = start.v, self.scheme.theta
-        impulses = self._impulses(start.approach(contacts), start.mobility, before)
+        approach = start.approach(contacts, self.rounding)
+        impulses, stuck = self._impulses(approach, start.mobility, before)
         push = impulses.impulses.ravel()
         change, reactions = start.mobility(contacts.directions.T @ push)
         after = start.free + change
@@ -126,7 +159,7 @@ class ContactStep:
         position = self.model.equations.manifold.go(start.y, displacement)
         loss = -0.5 * float(push @ (contacts.directions @ (after + v)))
         multiplier = start.multiplier + reactions
-        return StepResult(position, after, multiplier, contacts, impulses, loss)
+        return StepResult(position, after, multiplier, contacts, impulses, stuck, loss)
 
     def _closed(
         self, start: StepStart, contacts: Contacts, before: StepResult | None
@@ -145,7 +178,7 @@ class ContactStep:
             push = again.impulses.impulses.ravel()
             exchanged = float(push @ (again.contacts.directions @ (again.v - start.free)))
             gains = again.loss < min(result.loss, -GAIN * exchanged)
-            if gains or not again.impulses.converged:
+            if gains or not again.impulses.accepted:
                 break
             result = again
         return result
@@ -175,7 +208,7 @@ class ContactStep:
             curved |= self.selected(end, result.y, contacts.key).distance < -self.rounding
             curved &= ~overlaps
             again = self._solved_on_path(start, contacts, curved, result)
-            if not again.impulses.converged:
+            if not again.impulses.accepted:
                 break
             result = again
         return result
@@ -192,9 +225,8 @@ class ContactStep:
         own = self.p, gaps.key[closed], self.rounding
         separating = separating_of(self.sources, APART, at, end, *own)
         if not separating.size:
-            approach = start.approach(Contacts.joined([contacts, gaps]))
-            forced = np.abs(approach.free - approach.before).max(initial=0.0)
-            closed &= gaps.distance < -start.h * forced / 2
+            approach = start.approach(Contacts.joined([contacts, gaps]), self.rounding)
+            closed &= gaps.distance < -start.h * approach.forced / 2
         joined = Contacts.joined([gaps.some(~closed), self.selected(*at, separating)])
         return joined.some(~np.isin(joined.key, contacts.key))
 
@@ -215,32 +247,56 @@ class ContactStep:
 
     def _impulses(
         self, approach: Approach, mobility: Mobility, before: StepResult | None
-    ) -> Impulses:
-        """Impulses of the contacts; offsets are updated until they no longer change."""
+    ) -> tuple[Impulses, np.ndarray]:
+        """Impulses of the contacts, and keys of the sticking ones with static friction; offsets are
+        updated until they no longer change."""
         contacts, shape = approach.contacts, approach.before.shape
         if not contacts.count:
-            return Impulses(np.zeros(shape), 0.0, True)
+            return Impulses(np.zeros(shape), 0.0, True), contacts.key[:0]
         matrix = delassus(contacts.directions, mobility)
-        offsets = self.scheme.first(approach)
-        scale = float(max(np.abs(approach.free).max(), np.abs(approach.before).max()))
-        groups = (shape[1] - 1,) if shape[1] > 1 else ()
-        friction = contacts.friction[:, None][:, : len(groups)]
+        offsets, free = self.scheme.first(approach), approach.free
+        laws, none = contacts.laws, contacts.key[:0]
+        scale = approach.fastest or 1.0
+        rounding = STILL * self.solver.tolerance * scale
+        static = may_stick(contacts, approach.before, before.stuck if before else none, rounding)
         start, rounds = warm_start(contacts, before, shape), 0
+        impact = None
+        if self.law is not ImpactLaw.NEWTON and approach.is_impact:
+            friction = laws.friction, contacts.groups, scale
+            instant = FrictionProblem(matrix, approach.before, *friction)
+            impact, at_end = impact_impulses(instant, laws.restitution, self.law, self.solver)
+            free, offsets = free + at_end - approach.before, approach.held(at_end)
         for _ in range(ROUNDS):
-            velocity = approach.free + offsets
-            problem = FrictionProblem(matrix, velocity, friction, groups, scale or 1.0)
-            solution = self.solver.solve(problem, start)
-            if solution.residual > JAMMED * (scale or 1.0):
-                solution = self.solver.solve(problem)
-                accurate = solution.residual <= JAMMED * (scale or 1.0)
-                solution = replace(solution, converged=solution.converged and accurate)
+            velocity = free + offsets
+            problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
+            state = laws, static, approach.before
+            solution, static = solve_with_static_friction(self.solver, problem, start, *state)
+            if solution.converged and solution.residual > JAMMED * scale:
+                none_yet = np.zeros_like(start)
+                solution, static = solve_with_static_friction(
+                    self.solver, problem, none_yet, *state
+                )
+                jammed = solution.residual > JAMMED * scale
+                solution = replace(solution, accepted=solution.accepted and not jammed)
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets
             changed = self.scheme.again(approach, offsets, solution.impulses, after)
-            if changed is None or not solution.converged:
+            if changed is None or not solution.accepted:
                 break
             offsets = changed
-        return replace(solution, rounds=rounds)
+        solution = replace(solution, rounds=rounds)
+        if impact is not None:
+            solution = in_succession(impact, solution)
+        if not laws.higher_at_rest.any():
+            return solution, none
+        stuck = (start[:, 0] > 0) & sticks(self.solver, problem, start)
+        return solution, contacts.key[stuck]
+
+
+def _keyword(sources: list[GapSource], law: ImpactLaw) -> str:
+    """Argument of the element that requests a law."""
+    formulas = any(isinstance(source, FormulaGaps) for source in sources)
+    return "poisson=True" if formulas else f"impact_law={law.value!r}"
 
 
 def delassus(directions: Matrix, mobility: Mobility) -> np.ndarray | Delassus:

@@ -20,14 +20,14 @@ def selected_of(
     y: np.ndarray,
     p: np.ndarray,
     keys: np.ndarray,
-    width: int,
+    groups: tuple[int, ...],
 ) -> Contacts:
     """The gaps with some keys, of sources whose keys differ by multiples of ``offset``."""
     numbers, own = np.divmod(keys, offset)
     parts, order = [], []
     for number, source in enumerate(sources):
         rows = np.flatnonzero(numbers == number)
-        gaps = source.selected(time, y, p, own[rows], width)
+        gaps = source.selected(time, y, p, own[rows], groups)
         parts.append(replace(gaps, key=keys[rows]))
         order.append(rows)
     return Contacts.joined(parts).some(np.argsort(np.concatenate(order)))
@@ -63,20 +63,30 @@ class JoinedGaps(GapSource):
 
     def __init__(self, sources: list[GapSource]):
         self.sources, self.elements = sources, sources[0].elements
-        self.width = max(source.width for source in sources)
+        self.groups, self.law = sources[0].groups, sources[0].law
 
     def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
-        parts = [source.near(time, y, p, travels, width) for source in self.sources]
+        parts = [source.near(time, y, p, travels, groups) for source in self.sources]
         return Contacts.joined(
             [replace(part, key=part.key + k * SOURCE) for k, part in enumerate(parts)]
         )
 
     def selected(
-        self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        keys: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
-        return selected_of(self.sources, SOURCE, time, y, p, keys, width)
+        return selected_of(self.sources, SOURCE, time, y, p, keys, groups)
 
     def separating(
         self, start: Instant, end: Instant, p: np.ndarray, keys: np.ndarray, rounding: float

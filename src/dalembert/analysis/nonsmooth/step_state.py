@@ -22,6 +22,7 @@ class StepResult:
     multiplier : of the joints, times the step
     contacts : contacts of the friction problem
     impulses : solution of the friction problem
+    stuck : keys of the contacts with static friction at the end
     loss : energy dissipated by the contacts
     curved : keys of the contacts with means over the path; others have the values of the start
     """
@@ -31,6 +32,7 @@ class StepResult:
     multiplier: np.ndarray
     contacts: Contacts
     impulses: Impulses
+    stuck: np.ndarray
     loss: float
     curved: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
 
@@ -64,10 +66,10 @@ class StepStart:
     mobility: Mobility
     begins: bool
 
-    def approach(self, contacts: Contacts) -> Approach:
-        """Contacts with their velocities."""
+    def approach(self, contacts: Contacts, rounding: float) -> Approach:
+        """Contacts with their velocities; gaps up to ``rounding`` count as closed."""
         speeds = contacts.speeds(self.v), contacts.speeds(self.free)
-        return Approach(contacts, *speeds, self.h, self.begins)
+        return Approach(contacts, *speeds, self.h, self.begins, rounding)
 
 
 def warm_start(contacts: Contacts, before: StepResult | None, shape: tuple[int, ...]) -> np.ndarray:
