@@ -142,8 +142,12 @@ class ContactStep:
         contacts = self.near(t, y, AHEAD * h * np.column_stack([v, start.free]))
         if self.scheme.anticipates:
             return self._open(start, contacts, before)
-        acting = self.scheme.acting(start.approach(contacts, self.rounding))
-        return self._closed(start, contacts.some(acting), before)
+        approach = start.approach(contacts, self.rounding)
+        some = contacts.some(self.scheme.acting(approach))
+        lifts = approach.forced > self.solver.tolerance * approach.fastest  # against forces
+        if self.scheme.projection and lifts:
+            return self._closed(start, some, before)
+        return self._solved(start, some, before)
 
     def _solved(
         self, start: StepStart, contacts: Contacts, before: StepResult | None
@@ -166,14 +170,18 @@ class ContactStep:
     ) -> StepResult:
         """Solution in which the gaps that a correction would open have their impact, too."""
         result, end = self._solved(start, contacts, before), start.t + start.h
-        for _ in range(REPETITIONS if self.scheme.projection else 0):
+        for _ in range(REPETITIONS):
             if not np.isfinite(result.y).all() or self.deepest(end, result.y) >= -self.rounding:
                 break
             keys = self.closed(end, result.y).key
             keys = keys[~np.isin(keys, contacts.key)]
-            if not keys.size:
+            added = self.selected(start.t, start.y, keys)
+            joined = start.approach(Contacts.joined([contacts, added]), self.rounding)
+            if joined.is_impact:
+                added = added.some(added.speeds(start.v)[:, 0] <= 0)
+            if not added.count:
                 break
-            contacts = Contacts.joined([contacts, self.selected(start.t, start.y, keys)])
+            contacts = Contacts.joined([contacts, added])
             again = self._solved(start, contacts, result)
             push = again.impulses.impulses.ravel()
             exchanged = float(push @ (again.contacts.directions @ (again.v - start.free)))
@@ -265,7 +273,9 @@ class ContactStep:
             friction = laws.friction, contacts.groups, scale
             instant = FrictionProblem(matrix, approach.before, *friction)
             impact, at_end = impact_impulses(instant, laws.restitution, self.law, self.solver)
-            free, offsets = free + at_end - approach.before, approach.held(at_end)
+            parting = approach.before[:, 0] > 0
+            free, held = free + at_end - approach.before, approach.held(at_end)
+            offsets = np.where(parting[:, None], np.maximum(held, offsets), held)
         for _ in range(ROUNDS):
             velocity = free + offsets
             problem = FrictionProblem(matrix, velocity, laws.friction, contacts.groups, scale)
