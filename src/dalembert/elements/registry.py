@@ -208,6 +208,7 @@ SHAPES = {
         spatial.contact.HalfSpace,
         spatial.contact.Box,
         spatial.contact.Capsule,
+        spatial.contact.Cylinder,
         spatial.contact.Corners,
         spatial.contact.Polyhedron,
         spatial.contact.BeamLine,

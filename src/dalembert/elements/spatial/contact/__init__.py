@@ -14,6 +14,7 @@ from dalembert.elements.contact.laws import (
 from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
+from dalembert.elements.spatial.contact.cylinder import Cylinder
 from dalembert.elements.spatial.contact.polyhedron import Polyhedron
 from dalembert.elements.spatial.contact.shapes import HalfSpace, Socket, Sphere
 from dalembert.elements.spatial.contact.solids import Box, Capsule, Corners
@@ -25,6 +26,7 @@ __all__ = [
     "Capsule",
     "Corners",
     "Coulomb",
+    "Cylinder",
     "Flores",
     "HalfSpace",
     "Hertz",
