@@ -200,7 +200,8 @@ class Collisions(Element):
         parts = [part for shape, _ in self.hulls for part in shape.look(places[0])]
         if self.dimension == 2:
             return parts + [self._floor(wall, places) for wall in self.walls]
-        return parts + [part for wall in self.walls for part in wall.look(places[0])]
+        near = ca.horzcat(*(s.carrier.locate(hull.corners[0]) for s, hull in self.hulls))
+        return parts + [part for wall in self.walls for part in wall.look(near)]
 
     def _floor(self, wall: Flat, places: list[ca.SX]) -> Rail:
         """A wall whose length follows from the motion of the shapes along it."""

@@ -52,7 +52,7 @@ class Pill(Round):
 
 @dataclass(frozen=True, eq=False)
 class Surface(Look):
-    """A closed surface in the axes of a body.
+    """A surface in the axes of a body.
 
     Parameters
     ----------

@@ -115,7 +115,7 @@ def _plate(shape: Shape) -> np.ndarray:
 
 
 def _surface(shape: Shape) -> np.ndarray:
-    """Sharp edges of a surface; a sample of all edges if it is smooth."""
+    """Sharp edges and the border of a surface; a sample of all edges if it has none."""
     positions = np.reshape(shape["vertices"], (-1, 3))
     faces = np.reshape(shape["faces"], (-1, 3))
     normals = np.cross(
@@ -124,12 +124,13 @@ def _surface(shape: Shape) -> np.ndarray:
     )
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     sides = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    owners = np.repeat(np.arange(len(faces)), 3)
-    order = np.lexsort(sides.T)
-    pairs = order.reshape(-1, 2)  # a closed surface has each side twice
-    bends = np.einsum("ij,ij->i", *normals[owners[pairs]].transpose(1, 0, 2)) < SMOOTH
-    edges = pairs[bends, 0] if bends.any() else pairs[:: max(1, len(pairs) // MAX_EDGES), 0]
-    return joined(*positions[sides[edges]])
+    edges, edge, counts = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
+    owners = np.repeat(np.arange(len(faces)), 3)[np.argsort(edge.ravel(), kind="stable")]
+    last = np.cumsum(counts) - 1
+    bends = np.einsum("ij,ij->i", normals[owners[last]], normals[owners[last - 1]]) < SMOOTH
+    drawn = (counts == 1) | bends
+    chosen = edges[drawn] if drawn.any() else edges[:: max(1, len(edges) // MAX_EDGES)]
+    return joined(*positions[chosen])
 
 
 SPATIAL = {
