@@ -15,6 +15,7 @@ from dalembert.analysis.times import TIMES
 from dalembert.analysis.transient.equation import Rayleigh
 from dalembert.elements.base import Constraint, Rows
 from dalembert.elements.body import BodyElement
+from dalembert.elements.contact.collisions import takes
 from dalembert.elements.contact.friction import Friction
 from dalembert.elements.contact.laws import NormalLaw
 from dalembert.elements.contact.shapes import Shape
@@ -219,18 +220,29 @@ def registered_type(kind: type) -> Any:
 @cache
 def shape_type(dimension: int) -> Any:
     """Type of a planar or spatial contact shape, or the name of a contacting point."""
+    return one_of(_shape_tables(dimension), plain=Text)
+
+
+def _shape_tables(dimension: int) -> dict[str, Any]:
+    """Names of shapes, and the functions that create their tables."""
     space = SPACES[dimension].name.title()
-    tables = {
+    return {
         name: partial(table_of, name, cls, dimension=dimension, title=f"{space}{name}Shape")
         for name, cls in SHAPES[dimension].items()
     }
-    return one_of(tables, plain=Text)
+
+
+ELSEWHERE = "not available here, only in Contact"
+"""Reason why a shape takes no part in collisions."""
 
 
 @cache
 def shapes_type(dimension: int) -> Any:
-    """Type of a list of contact shapes, or of lists by the names of groups."""
-    shape = shape_type(dimension)
+    """Type of a list of shapes of collisions, or of lists by the names of groups."""
+    tables = _shape_tables(dimension)
+    others = {n: ELSEWHERE for n, kind in SHAPES[dimension].items() if not takes(kind)}
+    available = {name: table for name, table in tables.items() if name not in others}
+    shape = one_of(available, plain=Text, misplaced=others)
     return table_or(dict[str, list[shape]], list[shape])  # type: ignore[valid-type]
 
 

@@ -84,7 +84,9 @@ class HullGeometry:
     def __init__(self, model: Model, element: Collisions):
         walls = element.walls
         self.shapes: list[Shape] = [*(shape for shape, _ in element.hulls), *walls]
-        self.hulls, self.dimension = [hull for _, hull in element.hulls], element.dimension
+        self.carriers = [solid.carrier for _, solid in element.hulls]
+        self.carriers += [wall.carrier for wall in walls]
+        self.hulls, self.dimension = [solid.hull for _, solid in element.hulls], element.dimension
         self.starts = np.cumsum([0, *(len(hull.corners) for hull in self.hulls)])
         self._edge_starts = np.cumsum([0, *(len(hull.edges) for hull in self.hulls)])
         self._face_starts = np.cumsum([0, *(len(hull.faces) for hull in self.hulls)])
@@ -93,8 +95,7 @@ class HullGeometry:
         forms = [(len(h.corners), h.edges, h.faces, h.parallel, h.flat_ends) for h in self.hulls]
         self._form = _first_equal(forms)
         self._forms = {int(k): Form(self.hulls[k]) for k in np.unique(self._form)}
-        owners = [id(shape.carrier.owner) for shape in self.shapes]
-        self.owner = _first_equal(owners)
+        self.owner = _first_equal([id(carrier.owner) for carrier in self.carriers])
         sharp = [hull.is_sharp for hull in self.hulls]
         self.rounded = ~np.array(sharp, dtype=bool)
         self.flat_ends = np.array([hull.flat_ends for hull in self.hulls] + [False] * len(walls))
@@ -120,15 +121,15 @@ class HullGeometry:
 
     def _symbols(self, model: Model, element: Collisions) -> None:
         e = model.all_equations
-        origins = [_in_space(s.carrier.locate(ca.SX.zeros(s.dimension))) for s in self.shapes]
-        carriers = [shape.carrier for shape in self.shapes]
+        carriers, zero = self.carriers, ca.SX.zeros(self.dimension)
+        origins = [_in_space(carrier.locate(zero)) for carrier in carriers]
         twists = [
             ca.vertcat(carrier.velocity_at(origin), carrier.turning)
             for carrier, origin in zip(carriers, origins, strict=True)
         ]
         corners = [
-            _in_space(shape.carrier.locate(corner))
-            for shape, hull in zip(self.shapes, self.hulls, strict=False)
+            _in_space(carrier.locate(corner))
+            for carrier, hull in zip(carriers, self.hulls, strict=False)
             for corner in hull.corners
         ]
         walls = [

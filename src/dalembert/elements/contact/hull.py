@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -68,3 +69,17 @@ class Hull:
             for angle in angles
         ]
         return cls((*ends, *marks), radius, ((0, 1),), flat_ends=True)
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A convex part of a shape.
+
+    Attributes
+    ----------
+    carrier : the body, or the part of a beam, that it moves with
+    hull : its form in the axes of the carrier
+    """
+
+    carrier: Any
+    hull: Hull

@@ -15,6 +15,7 @@ from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
 from dalembert.elements.spatial.contact.cylinder import Cylinder
+from dalembert.elements.spatial.contact.mesh_hulls import MeshHulls
 from dalembert.elements.spatial.contact.polyhedron import Polyhedron
 from dalembert.elements.spatial.contact.shapes import HalfSpace, Socket, Sphere
 from dalembert.elements.spatial.contact.solids import Box, Capsule, Corners
@@ -34,6 +35,7 @@ __all__ = [
     "KelvinVoigt",
     "LankaraniNikravesh",
     "LuGre",
+    "MeshHulls",
     "Pair",
     "Polyhedron",
     "Restitution",
