@@ -164,6 +164,23 @@ def test_a_cylinder_rolls_down_an_incline(friction, on_box):
     assert abs(motion["c.z"] - 0.1).max() < 1e-10
 
 
+def test_a_disc_slides_flat_on_an_inclined_plane():
+    """Its end is parallel to the plane but for rounding: no direction is the lowest."""
+    angle, friction, half = 0.3, 0.2, 0.02
+    normal = np.array([np.sin(angle), 0, np.cos(angle)])
+    system = da.System("disc", gravity=(0.0, 0.0, -G))
+    tilted = da.rotation.axis_angle((0, 1, 0), angle)
+    place = {"position": tuple(half * normal), "rotation": tilted}
+    body = system.add(spatial.Body("d", mass=1.0, inertia=(0.005,) * 3, **place))
+    floor = contact.HalfSpace(system.ground.frame(axis=tuple(normal)))
+    shapes = [cylinder(body, 0.1, 2 * half), floor]
+    system.add(spatial.Collisions("floor", shapes, friction=friction))
+    motion = da.solve_nonsmooth(system.build(), 0.2, step=2e-3)
+    expected = G * (np.sin(angle) - friction * np.cos(angle)) * 0.2
+    assert motion.status.success
+    assert motion["d.vx"][-1] == pytest.approx(expected * np.cos(angle), abs=1e-9)
+
+
 @pytest.mark.parametrize("on_box", [False, True])
 @pytest.mark.parametrize(("share", "falls"), [(0.9, False), (1.05, True)])
 def test_a_standing_cylinder_topples_at_its_angle(share, falls, on_box):

@@ -210,6 +210,7 @@ SHAPES = {
         spatial.contact.Capsule,
         spatial.contact.Cylinder,
         spatial.contact.Corners,
+        spatial.contact.HeightField,
         spatial.contact.MeshHulls,
         spatial.contact.Polyhedron,
         spatial.contact.BeamLine,

@@ -72,6 +72,7 @@ class Cylinders:
         across = normals - (normals * axis).sum(axis=1, keepdims=True) * axis
         length = np.linalg.norm(across, axis=1, keepdims=True)
         across = np.divide(across, length, out=np.zeros_like(across), where=length > 0)
+        across -= (across * axis).sum(axis=1, keepdims=True) * axis
         points: np.ndarray = self.ends - (self.radii[:, None] * across)[:, None]
         return points
 

@@ -8,9 +8,10 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
+from dalembert.analysis.nonsmooth.feature_pairs import Pairs, some_pairs
 from dalembert.analysis.nonsmooth.gap_functions import Feature, gap_function
 from dalembert.analysis.nonsmooth.gaps import GapSource, SymbolicGap
-from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions, some_pairs
+from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
 from dalembert.analysis.nonsmooth.hull_search import HullSearch
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions

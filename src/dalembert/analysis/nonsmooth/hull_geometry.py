@@ -3,46 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from dalembert.analysis.nonsmooth.cylinders import SECTORS, Cylinders, sector_directions
-from dalembert.analysis.nonsmooth.gap_functions import RIM_POINTS, WALLS, Feature, point_counts
+from dalembert.analysis.nonsmooth.feature_pairs import Pairs
+from dalembert.analysis.nonsmooth.gap_functions import RIM_POINTS, WALLS, point_counts
 from dalembert.analysis.nonsmooth.planar_features import Polygons
 from dalembert.analysis.nonsmooth.polyhedra import Form, Polyhedra
 from dalembert.analysis.nonsmooth.shape_velocities import ShapeVelocities
+from dalembert.analysis.nonsmooth.terrain import Terrain, TerrainForm
 from dalembert.elements.contact.collisions import Collisions
 from dalembert.elements.contact.hull import MARKS
 from dalembert.elements.contact.shapes import Shape
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
-
-
-@dataclass(frozen=True, eq=False)
-class Pairs:
-    """Near features of one kind.
-
-    Attributes
-    ----------
-    feature : kind
-    first, second : (n,) numbers of the shapes
-    own, other : (n,) numbers of their features
-    """
-
-    feature: Feature
-    first: np.ndarray
-    second: np.ndarray
-    own: np.ndarray
-    other: np.ndarray
-
-
-def some_pairs(pairs: Pairs, selected: np.ndarray) -> Pairs:
-    """The selected pairs."""
-    names = ("first", "second", "own", "other")
-    return replace(pairs, **{name: getattr(pairs, name)[selected] for name in names})
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +72,10 @@ class HullGeometry:
         self._faces = self._table(3, [hull.faces for hull in self.hulls])
         forms = [(len(h.corners), h.edges, h.faces, h.parallel, h.flat_ends) for h in self.hulls]
         self._form = _first_equal(forms)
+        self.terrains = [k for k, hull in enumerate(self.hulls) if hull.grid]
         self._forms = {int(k): Form(self.hulls[k]) for k in np.unique(self._form)}
+        self._surfaces = {k: TerrainForm(self.hulls[k]) for k in self.terrains}
+        self._last_terrain: dict[int, Terrain] = {}
         self.owner = _first_equal([id(carrier.owner) for carrier in self.carriers])
         sharp = [hull.is_sharp for hull in self.hulls]
         self.rounded = ~np.array(sharp, dtype=bool)
@@ -177,6 +158,22 @@ class HullGeometry:
         if self.flat_ends[hulls[0]]:
             return Cylinders(corners, at.radii[hulls])
         return Polyhedra(corners, self._forms[self._form[hulls[0]]])
+
+    def equal_forms(self, hulls: np.ndarray) -> Iterator[np.ndarray]:
+        """The hulls of each form."""
+        for form in np.unique(self._form[hulls]):
+            yield hulls[self._form[hulls] == form]
+
+    def terrain(self, number: int, at: Positions) -> Terrain:
+        """A terrain; the same object while it does not move."""
+        corners, last = self.corners_of(number, at), self._last_terrain.get(number)
+        if last is None or not np.array_equal(last.corners, corners):
+            last = self._last_terrain[number] = Terrain(corners, self._surfaces[number])
+        return last
+
+    def corners_of(self, number: int, at: Positions) -> np.ndarray:
+        """(c, 3) corners of a hull."""
+        return at.corners[self.starts[number] : self.starts[number + 1]]
 
     def polygons(self, hulls: np.ndarray, at: Positions) -> Polygons:
         """Corners of some hulls."""

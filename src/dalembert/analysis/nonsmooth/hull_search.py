@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,15 +10,14 @@ from dalembert.analysis.nonsmooth.bounding_balls import bounding_balls, near_bal
 from dalembert.analysis.nonsmooth.cylinder_features import cylinder_features
 from dalembert.analysis.nonsmooth.cylinder_pairs import features_at_walls, features_of_cylinders
 from dalembert.analysis.nonsmooth.cylinders import Cylinders
+from dalembert.analysis.nonsmooth.feature_pairs import EvaluatePairs, Pairs, some_pairs
 from dalembert.analysis.nonsmooth.gap_functions import Feature
-from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Pairs, Positions, some_pairs
+from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
 from dalembert.analysis.nonsmooth.planar_features import Rows, planar_features
 from dalembert.analysis.nonsmooth.spatial_features import spatial_features
+from dalembert.analysis.nonsmooth.terrain_search import TerrainSearch
 from dalembert.elements.contact.pairs import APART
 from dalembert.elements.contact.shapes import Round
-
-EvaluatePairs = Callable[[Pairs], tuple[np.ndarray, np.ndarray, np.ndarray]]
-"""Gaps (n,), contact points (n, 3) and normals (n, 3) of pairs of features."""
 
 
 class HullSearch:
@@ -35,10 +33,17 @@ class HullSearch:
     def __init__(self, geometry: HullGeometry, groups: np.ndarray, laws: np.ndarray):
         self.geometry, self._groups, self._laws = geometry, groups, laws
         self._round = np.array([isinstance(shape, Round) for shape in geometry.shapes])
+        self._terrain = np.isin(np.arange(len(geometry.shapes)), geometry.terrains)
+        hulls = np.flatnonzero(~self._terrain[: len(geometry.hulls)])
+        self._terrains = [
+            TerrainSearch(geometry, k, hulls[self._may_touch(np.full(hulls.size, k), hulls)])
+            for k in geometry.terrains
+        ]
 
     def __call__(self, at: Positions, reach: float, evaluate: EvaluatePairs) -> list[Pairs]:
         """Features that touch within reach."""
-        return [*self._walls(at, reach), *self._hulls(at, reach, evaluate)]
+        on_terrain = [pairs for search in self._terrains for pairs in search(at, reach, evaluate)]
+        return [*self._walls(at, reach), *self._hulls(at, reach, evaluate), *on_terrain]
 
     def _may_touch(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Mask of pairs of shapes of different bodies, whose groups touch, not both of balls."""
@@ -54,8 +59,8 @@ class HullSearch:
         normals, points = at.walls[:, 1], at.walls[:, 0]
         floors = (normals * points).sum(axis=1)[:, None]
         heights = normals @ at.corners.T - floors
-        flat = self.geometry.flat_ends[hull]
-        wall, corner = np.nonzero((heights - at.radii[hull] <= reach) & ~flat)
+        others = self.geometry.flat_ends[hull] | self._terrain[hull]
+        wall, corner = np.nonzero((heights - at.radii[hull] <= reach) & ~others)
         first, second = wall + count, hull[corner]
         touching = self._may_touch(first, second) & ~self._round[second]
         pairs = Pairs(Feature.WALL, first, second, 0 * first, corner - starts[second])
@@ -78,7 +83,9 @@ class HullSearch:
         starts = self.geometry.starts
         centers, radii = bounding_balls(at.corners, starts)
         rounding = np.where(self.geometry.flat_ends, 0.0, at.radii)[: radii.size]
-        first, second = near_balls(centers, radii + rounding, reach)
+        hulls = np.flatnonzero(~self._terrain[: radii.size])
+        near = near_balls(centers[hulls], (radii + rounding)[hulls], reach)
+        first, second = hulls[near[0]], hulls[near[1]]
         touching = self._may_touch(first, second)
         first, second = first[touching], second[touching]
         if not first.size:

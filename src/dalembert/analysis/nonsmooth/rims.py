@@ -61,7 +61,9 @@ class Rim:
 def contact_with_plane(point: ca.SX, normal: ca.SX, rim: Rim) -> ContactPoint:
     """The point of a rim farthest against a normal; the centre of a rim parallel to the plane."""
     across = normal - ca.dot(normal, rim.outward) * rim.outward
-    lowest = rim.center - rim.radius * across / ca.sqrt(ca.sumsqr(across) + NO_LENGTH**2)
+    across = across / ca.sqrt(ca.sumsqr(across) + NO_LENGTH**2)
+    across -= ca.dot(across, rim.outward) * rim.outward  # rounding, of a rim parallel to the plane
+    lowest = rim.center - rim.radius * across
     return contact_at_wall(point, normal, lowest, ca.SX(0))
 
 

@@ -1,4 +1,4 @@
-"""Forms of shapes in collisions: rounded convex hulls of corners, and cylinders."""
+"""Forms of shapes in collisions: rounded convex hulls of corners, cylinders and terrain."""
 
 from __future__ import annotations
 
@@ -30,6 +30,8 @@ class Hull:
     faces : numbers of their corners, anticlockwise from outside; spatial hulls only
     parallel : groups of edges of equal direction for all parameters; none by default
     flat_ends : whether it is a cylinder of the radius about its edge
+    grid : numbers of rows and columns of a terrain, whose material is below its faces; its first
+        three corners are that of the grid at height zero, and one cell farther along x and y
     """
 
     corners: tuple[ca.SX, ...]
@@ -38,6 +40,7 @@ class Hull:
     faces: tuple[tuple[int, ...], ...] = ()
     parallel: tuple[tuple[int, ...], ...] = ()
     flat_ends: bool = False
+    grid: tuple[int, int] | None = None
 
     @property
     def parallel_edges(self) -> tuple[tuple[int, ...], ...]:

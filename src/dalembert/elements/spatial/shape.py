@@ -66,6 +66,21 @@ class Surface(Look):
     scale: ca.SX
 
 
+@dataclass(frozen=True, eq=False)
+class Sheet(Look):
+    """A surface visible from one side, in the axes of a body.
+
+    Parameters
+    ----------
+    vertices : (3, n) formulas of parameters
+    triangles : (m, 3) indices of vertices, anticlockwise from the visible side
+    """
+
+    body: BodyElement
+    vertices: ca.SX
+    triangles: np.ndarray
+
+
 @dataclass(eq=False)
 class Shape(Body):
     """Homogeneous body with a specified mass or density.

@@ -20,7 +20,7 @@ from dalembert.elements.look import Block, Floor
 from dalembert.elements.point import AXES, Point
 from dalembert.elements.spatial.body import Body
 from dalembert.elements.spatial.inertia_tensor import tensor
-from dalembert.elements.spatial.shape import Cuboid, Drum, Orb, Pill, Round, Surface
+from dalembert.elements.spatial.shape import Cuboid, Drum, Orb, Pill, Round, Sheet, Surface
 from dalembert.results.pictures.mechanism_scene import MechanismScene
 from dalembert.results.pictures.primitives import Primitives
 from dalembert.results.sources import InitialPicture, Track, numbers
@@ -76,6 +76,15 @@ class SpatialPrimitives(Primitives):
             shape = InitialPicture(look.body.name, shape)
         elif not look.scale.is_constant():
             shape["vertices"] = numbers(vertices, look.scale * ca.DM(look.corners.ravel()))
+        self.shapes[look.body.display_name].append(shape)
+
+    @draw.register
+    def _(self, look: Sheet, element: Element) -> None:
+        vertices, faces = ca.vec(ca.densify(look.vertices)), look.triangles.ravel().tolist()
+        shape: dict[str, Any] = {"kind": "mesh", "vertices": self.number(vertices), "faces": faces}
+        if not vertices.is_constant() and vertices.numel() > MAX_FORMULAS:
+            initial = [float(vertex) for vertex in shape["vertices"]]
+            shape = InitialPicture(look.body.name, shape | {"vertices": initial})
         self.shapes[look.body.display_name].append(shape)
 
     @draw.register

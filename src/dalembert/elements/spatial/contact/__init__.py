@@ -15,6 +15,7 @@ from dalembert.elements.contact.pairs import Pair
 from dalembert.elements.contact.restitution import achieved_restitution, damping_factor
 from dalembert.elements.contact.shapes import Vertex
 from dalembert.elements.spatial.contact.cylinder import Cylinder
+from dalembert.elements.spatial.contact.height_field import HeightField
 from dalembert.elements.spatial.contact.mesh_hulls import MeshHulls
 from dalembert.elements.spatial.contact.polyhedron import Polyhedron
 from dalembert.elements.spatial.contact.shapes import HalfSpace, Socket, Sphere
@@ -30,6 +31,7 @@ __all__ = [
     "Cylinder",
     "Flores",
     "HalfSpace",
+    "HeightField",
     "Hertz",
     "HuntCrossley",
     "KelvinVoigt",
