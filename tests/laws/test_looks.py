@@ -25,7 +25,7 @@ from dalembert.results.structural.drawing import StructuralDrawing
 
 ELEMENTS = {n: c for table in registry.PLANAR.sections.values() for n, c in table.items()}
 PRIMITIVES = {c for _, c in inspect.getmembers(look, inspect.isclass) if issubclass(c, Look)}
-SPATIAL = {look.Socket, look.Collar, look.Nut, look.Cross, look.Table, look.Contact, look.Floor}
+SPATIAL = {look.Socket, look.Collar, look.Nut, look.Cross, look.Table, look.Contact}
 """Primitives that no planar element has."""
 FLAT = {look.Arrow, look.Twist}
 """Arrows of loads, which all pages draw over the scene."""

@@ -16,7 +16,6 @@ import numpy as np
 
 from dalembert.elements.base import Look
 from dalembert.elements.body import BodyElement
-from dalembert.elements.frame import Frame
 from dalembert.elements.point import Point
 
 
@@ -126,19 +125,6 @@ class Rail(Look):
     point: Point
     direction: ca.SX
     travel: ca.SX
-
-
-@dataclass(frozen=True, eq=False)
-class Floor(Look):
-    """Material below the x-y plane of a frame; its size follows from the travels over it.
-
-    Parameters
-    ----------
-    travels : (2, m) coordinates along x and y that it contains
-    """
-
-    frame: Frame
-    travels: ca.SX
 
 
 @dataclass(frozen=True, eq=False)

@@ -73,7 +73,9 @@ class HullGeometry:
         forms = [(len(h.corners), h.edges, h.faces, h.parallel, h.flat_ends) for h in self.hulls]
         self._form = _first_equal(forms)
         self.terrains = [k for k, hull in enumerate(self.hulls) if hull.grid]
-        self._forms = {int(k): Form(self.hulls[k]) for k in np.unique(self._form)}
+        self._forms = {
+            int(k): Form(self.hulls[k]) for k in np.unique(self._form) if k not in self.terrains
+        }
         self._surfaces = {k: TerrainForm(self.hulls[k]) for k in self.terrains}
         self._last_terrain: dict[int, Terrain] = {}
         self.owner = _first_equal([id(carrier.owner) for carrier in self.carriers])

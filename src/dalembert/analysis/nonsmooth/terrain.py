@@ -134,7 +134,7 @@ class Terrain:
         n, m = self.form.grid
         grid = self.coordinates(places)
         cell = np.clip(np.floor(grid).astype(int), 0, [n - 2, m - 2])
-        inside = ((grid >= 0) & (grid <= [n - 1, m - 1])).all(axis=1)
+        inside = np.all((grid >= 0) & (grid <= [n - 1, m - 1]), axis=1)
         u, v = (grid - cell).T
         return 2 * (cell[:, 0] * (m - 1) + cell[:, 1]) + (v > u), inside
 

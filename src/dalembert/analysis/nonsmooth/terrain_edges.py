@@ -90,8 +90,10 @@ def ridges_across(
 ) -> Touching:
     """Ridges that edges, or axes, of m solids cross: numbers of the solids, of the edges, reversed
     ones in the second half, and of the ridges."""
-    cylinders = isinstance(solids, Cylinders)
-    ends = solids.ends[:, None] if cylinders else solids.corners[:, solids.form.edges]
+    if isinstance(solids, Cylinders):
+        ends = solids.ends[:, None]
+    else:
+        ends = solids.corners[:, solids.form.edges]
     ridge, number = _ridges_near(terrain, solids.corners, radii + reach)
     count = ends.shape[1]
     line = (ends[:, :, 1] - ends[:, :, 0])[number]

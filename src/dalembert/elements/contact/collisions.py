@@ -35,8 +35,8 @@ class Collisions(Element):
 
     Parameters
     ----------
-    shapes : convex shapes of ``contact``, half-planes, points of bodies; or lists of these by the
-        names of groups
+    shapes : convex shapes of ``contact``, meshes as hulls, half-planes, terrain, points of bodies;
+        or lists of these by the names of groups
     restitution : ``e`` along the normal, 0 to 1
     tangential : restitution of the slip, 0 to 1
     friction : ``μ``

@@ -11,6 +11,7 @@ import numpy as np
 
 from dalembert.elements.base import Look, Scalar, quantity
 from dalembert.elements.body import BodyElement
+from dalembert.elements.frame import Frame
 from dalembert.elements.look import Segment
 from dalembert.elements.point import Point
 from dalembert.elements.spatial.body import Body
@@ -79,6 +80,19 @@ class Sheet(Look):
     body: BodyElement
     vertices: ca.SX
     triangles: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Floor(Look):
+    """Material below the x-y plane of a frame; its size follows from the travels over it.
+
+    Parameters
+    ----------
+    travels : (2, m) coordinates along x and y that it contains
+    """
+
+    frame: Frame
+    travels: ca.SX
 
 
 @dataclass(eq=False)

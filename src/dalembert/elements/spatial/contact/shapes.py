@@ -11,10 +11,10 @@ from dalembert.elements.body import BodyElement
 from dalembert.elements.contact.contact import ClearanceJoint
 from dalembert.elements.contact.shapes import Ball, Flat, Hollow, Round
 from dalembert.elements.frame import Frame
-from dalembert.elements.look import Floor, Socket as BallJoint
+from dalembert.elements.look import Socket as BallJoint
 from dalembert.elements.spatial.contact.polyhedron import Polyhedron
 from dalembert.elements.spatial.contact.solids import Corners
-from dalembert.elements.spatial.shape import Orb
+from dalembert.elements.spatial.shape import Floor, Orb
 from dalembert.errors import ModelError
 
 
