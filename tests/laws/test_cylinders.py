@@ -268,3 +268,31 @@ def test_a_disc_rolls_steadily_on_its_rim():
     assert motion.status.success
     assert np.ptp(heights) < 0.01 * heights[0]
     assert np.diff(motion.data["energy"].values).max() < 1e-4
+
+
+def test_cylinders_among_solids_neither_overlap_nor_gain_energy():
+    rng, system = np.random.default_rng(3), da.System("mixture", gravity=(0.0, 0.0, -G))
+    shapes = [contact.HalfSpace(system.ground.frame())]
+    for axis in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)):
+        place = tuple(-0.35 * component for component in axis)
+        shapes.append(contact.HalfSpace(system.ground.frame(place, axis=axis)))
+    kinds = ["cylinder", "disc", "capsule", "cylinder", "box", "disc", "sphere", "polyhedron"]
+    for k, name in enumerate(kinds):
+        body = spatial.Body(
+            f"b{k}",
+            mass=1.0,
+            inertia=(4e-3,) * 3,
+            position=(-0.16 + 0.32 * (k % 2), -0.16 + 0.32 * (k // 2 % 2), 0.2 + 0.35 * (k // 4)),
+            rotation=da.rotation.axis_angle(tuple(rng.normal(size=3)), 1.0 + k),
+            velocity=tuple(0.5 * rng.normal(size=3)),
+            angular_velocity=tuple(3 * rng.normal(size=3)),
+        )
+        shapes.append(SHAPES[name](system.add(body)))
+    system.add(spatial.Collisions("all", shapes, restitution=0.3, friction=0.3))
+    motion = da.solve_nonsmooth(system.build(), 0.4, step=2e-3)
+    energy = motion.data["energy"].values
+    assert motion.status.success
+    assert motion.data["penetration"].max() < 1e-9
+    assert motion.statistics["maximum energy gained in contacts [J]"] <= 1e-10
+    assert np.diff(energy).max() <= 1e-4 * energy[0]
+    assert energy[-1] < energy[0]

@@ -11,6 +11,8 @@ ANGLES = np.linspace(0, 2 * np.pi, 49)
 CIRCLE = np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])
 SMOOTH = 0.94
 """Threshold of the cosine between normals of adjacent triangles for drawing their edge."""
+FLAT = 1 - 1e-12
+"""Cosine of the angle of two faces in one plane."""
 MAX_EDGES = 150
 """Upper limit of edges drawn for a smooth surface."""
 Shape = dict[str, Any]
@@ -127,9 +129,12 @@ def _surface(shape: Shape) -> np.ndarray:
     edges, edge, counts = np.unique(sides, axis=0, return_inverse=True, return_counts=True)
     owners = np.repeat(np.arange(len(faces)), 3)[np.argsort(edge.ravel(), kind="stable")]
     last = np.cumsum(counts) - 1
-    bends = np.einsum("ij,ij->i", normals[owners[last]], normals[owners[last - 1]]) < SMOOTH
-    drawn = (counts == 1) | bends
-    chosen = edges[drawn] if drawn.any() else edges[:: max(1, len(edges) // MAX_EDGES)]
+    cosines = np.einsum("ij,ij->i", normals[owners[last]], normals[owners[last - 1]])
+    border, sharp = counts == 1, (counts > 1) & (cosines < SMOOTH)
+    if not sharp.any():
+        curved = np.flatnonzero(~border & (cosines < FLAT))
+        sharp[curved[:: max(1, len(curved) // MAX_EDGES)]] = True
+    chosen = edges[border | sharp]
     return joined(*positions[chosen])
 
 
