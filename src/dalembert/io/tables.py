@@ -218,31 +218,23 @@ def registered_type(kind: type) -> Any:
 
 
 @cache
-def shape_type(dimension: int) -> Any:
-    """Type of a planar or spatial contact shape, or the name of a contacting point."""
-    return one_of(_shape_tables(dimension), plain=Text)
-
-
-def _shape_tables(dimension: int) -> dict[str, Any]:
-    """Names of shapes, and the functions that create their tables."""
-    space = SPACES[dimension].name.title()
-    return {
+def shape_type(dimension: int, collides: bool = False) -> Any:
+    """Type of a contact shape, one of collisions if it ``collides``, or the name of a point."""
+    space, shapes = SPACES[dimension].name.title(), SHAPES[dimension]
+    reason = "not available here, only in Contact"
+    others = {n: reason for n, kind in shapes.items() if collides and not takes(kind)}
+    tables = {
         name: partial(table_of, name, cls, dimension=dimension, title=f"{space}{name}Shape")
-        for name, cls in SHAPES[dimension].items()
+        for name, cls in shapes.items()
+        if name not in others
     }
-
-
-ELSEWHERE = "not available here, only in Contact"
-"""Reason why a shape takes no part in collisions."""
+    return one_of(tables, plain=Text, misplaced=others)
 
 
 @cache
 def shapes_type(dimension: int) -> Any:
     """Type of a list of shapes of collisions, or of lists by the names of groups."""
-    tables = _shape_tables(dimension)
-    others = {n: ELSEWHERE for n, kind in SHAPES[dimension].items() if not takes(kind)}
-    available = {name: table for name, table in tables.items() if name not in others}
-    shape = one_of(available, plain=Text, misplaced=others)
+    shape = shape_type(dimension, collides=True)
     return table_or(dict[str, list[shape]], list[shape])  # type: ignore[valid-type]
 
 
