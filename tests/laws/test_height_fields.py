@@ -90,7 +90,7 @@ def test_gaps_close_where_bodies_touch(name):
         smallest = []
         for above in (width, -width):
             y = np.hstack([0, 0, lift + above, turn.as_quat(scalar_first=True), model.start.y[7:]])
-            gaps = source.near(0.0, y, model.nominal, travels, 3)
+            gaps = source.near(0.0, y, model.nominal, travels, source.groups)
             smallest.append(gaps.distance.min())
         assert 0 < smallest[0] <= 1.0001 * width
         assert -1.0001 * width <= smallest[1] < 0
@@ -126,8 +126,11 @@ def test_velocities_of_gaps_are_rates_of_distances_and_formulas_are_the_numbers(
             np.hstack([place, parameters[0], 0, 0, 0, parameters[1]]),
             rng.normal(size=e.speed_count),
         )
-        gaps = source.near(0.0, y, p, travels, 3)
-        ends = [source.near(0.0, e.manifold.go(y, s * v), p, travels, 3) for s in (1e-6, -1e-6)]
+        gaps = source.near(0.0, y, p, travels, source.groups)
+        ends = [
+            source.near(0.0, e.manifold.go(y, s * v), p, travels, source.groups)
+            for s in (1e-6, -1e-6)
+        ]
         distances = [dict(zip(end.key, end.distance, strict=True)) for end in ends]
         for k, key in enumerate(gaps.key):
             if not all(key in distance for distance in distances):

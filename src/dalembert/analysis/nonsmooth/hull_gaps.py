@@ -15,6 +15,7 @@ from dalembert.analysis.nonsmooth.hull_geometry import HullGeometry, Positions
 from dalembert.analysis.nonsmooth.hull_search import HullSearch
 from dalembert.analysis.nonsmooth.shape_velocities import TWIST
 from dalembert.elements.contact.collisions import Collisions
+from dalembert.integrators.contact.contact_laws import FIRST, ContactLaws
 from dalembert.integrators.contact.contacts import Contacts
 from dalembert.model.graph.model import Model
 from dalembert.symbolic.evaluation.kernel import Kernel
@@ -62,7 +63,9 @@ class HullGaps(GapSource):
     """
 
     def __init__(self, model: Model, element: Collisions):
-        self.elements, self.width = [element], element.dimension
+        self.elements, self.groups = [element], element.friction_groups
+        self.dimension: int = element.dimension
+        self.law = element.law
         self.geometry = geometry = HullGeometry(model, element)
         self._groups, self._laws = element.group_of(geometry.shapes), element.laws
         self._search = HullSearch(geometry, self._groups, self._laws)
@@ -72,7 +75,12 @@ class HullGaps(GapSource):
         self._kernels: dict[tuple[Feature, int], Kernel] = {}
 
     def near(
-        self, time: float, y: np.ndarray, p: np.ndarray, travels: np.ndarray, width: int
+        self,
+        time: float,
+        y: np.ndarray,
+        p: np.ndarray,
+        travels: np.ndarray,
+        groups: tuple[int, ...],
     ) -> Contacts:
         last = self._last
         if last is None or not last.is_at(time, y, p):
@@ -83,32 +91,33 @@ class HullGaps(GapSource):
             ahead = 0.0 if last is None else last.requested
             last = self._last = LastPosition(time, y.copy(), p.copy(), at, velocities, ahead)
         reach = self._reach(last.at, last.velocities, travels)
-        if last.contacts is None or reach > last.reach or last.contacts.drift.shape[1] != width:
+        if last.contacts is None or reach > last.reach or last.contacts.groups != groups:
             last.reach = max(last.reach, reach)
             parts = [
-                self._contacts(pairs, last, width)
+                self._contacts(pairs, last, groups)
                 for pairs in self._search(last.at, last.reach, partial(self._normals, last.at))
             ]
-            last.contacts = Contacts.joined(parts or [self._none(width)])
+            last.contacts = Contacts.joined(parts or [self._none(groups)])
         last.requested = max(last.requested, reach)
         return last.contacts.some(last.contacts.distance <= reach)
 
     def symbolic(self, key: int) -> SymbolicGap:
         pairs = self._pairs_of(np.array([key]))
         columns = self.geometry.symbolic_columns(pairs)
-        distance, blocks, *_ = gap_function(pairs.feature, self.width)(*columns)
+        distance, blocks, *_ = gap_function(pairs.feature, self.dimension, self._turns)(*columns)
         shapes = int(pairs.first[0]), int(pairs.second[0])
         twists = [self.geometry.twists[k * TWIST : (k + 1) * TWIST] for k in shapes]
         speeds = ca.mtimes(blocks, ca.vertcat(*twists))
         law = int(self._law(pairs)[0])
-        return SymbolicGap(distance, speeds, *ca.vertsplit(self.geometry.symbols[4][:, law]))
+        coefficients = self.geometry.symbols[4][: FIRST + len(self.groups), law]
+        return SymbolicGap(distance, speeds, self.groups, coefficients)
 
     def points(
         self, time: float, y: np.ndarray, p: np.ndarray, keys: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         at = self.geometry.positions(time, y, p)
         places = np.zeros((keys.size, 3))
-        directions = np.zeros((keys.size, 3, self.width))
+        directions = np.zeros((keys.size, 3, self.dimension))
         kinds = keys // self._first[-1] ** 2
         for kind in np.unique(kinds):
             own = kinds == kind
@@ -126,12 +135,12 @@ class HullGaps(GapSource):
         return 2 * float((straight + arm[:, None] * turned).max(initial=0.0))
 
     # gaps of pairs -------------------------------------------------------------------------------
-    def _contacts(self, pairs: Pairs, last: LastPosition, width: int) -> Contacts:
+    def _contacts(self, pairs: Pairs, last: LastPosition, groups: tuple[int, ...]) -> Contacts:
         """Gaps of pairs within reach."""
         distance, blocks, *_ = self._evaluate(pairs, last.at)
         near = distance <= last.reach
         pairs, count = some_pairs(pairs, near), int(near.sum())
-        restitution, tangential, friction = last.at.coefficients[:, self._law(pairs)]
+        laws, width = last.at.coefficients[:, self._law(pairs)], 1 + sum(groups)
         directions = self.geometry.velocities.gap_derivatives(
             blocks[near], pairs.first, pairs.second, last.velocities
         )
@@ -139,9 +148,8 @@ class HullGaps(GapSource):
             distance[near],
             directions.rows(np.arange(count), width),
             np.zeros((count, width)),
-            restitution,
-            tangential,
-            friction,
+            ContactLaws.of(laws, groups),
+            groups,
             self._keys(pairs),
             np.zeros(count, dtype=int),
         )
@@ -149,7 +157,7 @@ class HullGaps(GapSource):
     def _evaluate(self, pairs: Pairs, at: Positions) -> list[np.ndarray]:
         """(n,) distances, (n, k, 12) derivatives of gap velocities by twists, (n, 3) places and
         (n, 3, k) directions."""
-        count, k = pairs.first.size, self.width
+        count, k = pairs.first.size, self.dimension
         size = SMALLEST << max(0, int(np.ceil(np.log2(count / SMALLEST))))
         padded = np.arange(size) % count
         kernel = self._kernel(pairs.feature, size)
@@ -158,7 +166,7 @@ class HullGaps(GapSource):
         )
         return [
             distance.ravel()[:count],
-            blocks.T.reshape(size, 2 * TWIST, k)[:count].swapaxes(1, 2),
+            blocks.T.reshape(size, 2 * TWIST, -1)[:count].swapaxes(1, 2),
             place.T[:count],
             directions.T.reshape(size, k, 3)[:count].swapaxes(1, 2),
         ]
@@ -171,9 +179,14 @@ class HullGaps(GapSource):
     def _kernel(self, feature: Feature, size: int) -> Kernel:
         """Gap function mapped over ``size`` pairs."""
         if (feature, size) not in self._kernels:
-            function = gap_function(feature, self.width)
+            function = gap_function(feature, self.dimension, self._turns)
             self._kernels[feature, size] = Kernel(function.map(size))
         return self._kernels[feature, size]
+
+    @property
+    def _turns(self) -> bool:
+        """Whether there is friction of rotations."""
+        return len(self.groups) > 1
 
     def _law(self, pairs: Pairs) -> np.ndarray:
         return self._laws[self._groups[pairs.first], self._groups[pairs.second]]
@@ -191,7 +204,8 @@ class HullGaps(GapSource):
         own, other = own - self._first[first], other - self._first[second]
         return Pairs(Feature(int(kind[0])), first, second, own, other)
 
-    def _none(self, width: int) -> Contacts:
+    def _none(self, groups: tuple[int, ...]) -> Contacts:
         empty, numbers = np.zeros(0), np.zeros(0, dtype=int)
-        rows = np.zeros((0, self._speeds)), np.zeros((0, width))
-        return Contacts(empty, *rows, empty, empty, empty, numbers, numbers)
+        rows = np.zeros((0, self._speeds)), np.zeros((0, 1 + sum(groups)))
+        laws = ContactLaws.of(np.zeros((FIRST + len(groups), 0)), groups)
+        return Contacts(empty, *rows, laws, groups, numbers, numbers)

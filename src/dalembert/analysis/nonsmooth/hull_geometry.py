@@ -33,7 +33,7 @@ class Positions:
     walls : (f, 2, 3) point and normal
     radii : (s,) of hulls and walls; a wall has none
     origins : (s, 3) reference points of the bodies
-    coefficients : (3, l) restitution, tangential restitution and friction of each law
+    coefficients : (c, l) of each law, as in ``Collisions.coefficients``
     """
 
     corners: np.ndarray
