@@ -24,7 +24,7 @@ Conditions = Callable[[float, float], tuple[np.ndarray, float | np.ndarray]]
 """Completed share of a phase and the next share → smallest ``u_N``, smallest impulses."""
 Step = tuple[np.ndarray, np.ndarray]
 """(n, k) impulses of an increment, and velocities after it."""
-MAX_INCREMENTS, CORRECTIONS = 200, 8
+MAX_INCREMENTS, CORRECTIONS = 2000, 8
 """Upper limits of the increments of a phase, and of the corrections of one."""
 LARGEST = 4.0
 """Upper limit of the normal impulse that restores energy, relative to Poisson's law [-]."""
@@ -95,6 +95,8 @@ class ImpactPath:
             pace.accept(self._slip(step))
             self._accept(step)
             corrections = 0
+        else:
+            self.converged = False
 
     def _march(self, conditions: Conditions) -> None:
         """Increments of a phase."""
@@ -109,6 +111,8 @@ class ImpactPath:
             done += pace.share
             pace.accept(slip)
             self._accept(step)
+        else:
+            self.converged = False
 
     def _increment(self, lowest: np.ndarray, minimum: float | np.ndarray) -> Step:
         """Impulses of at least a minimum with ``u_N ≥ lowest``, and velocities after them."""
