@@ -211,7 +211,7 @@ class ContactStep:
             start, rounds = solution.impulses, rounds + solution.rounds
             after = problem.speeds(solution.impulses) - offsets
             changed = self.scheme.again(approach, offsets, solution.impulses, after)
-            if changed is None or not solution.converged:
+            if changed is None or not solution.accepted:
                 break
             offsets = changed
         solution = replace(solution, rounds=rounds)
