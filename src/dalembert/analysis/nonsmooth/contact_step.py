@@ -45,7 +45,7 @@ GAIN = 1e-10
 """Work of contacts that counts as rounding, relative to that of their impulses alone [-]."""
 CLOSED = 1e-12
 """Penetration that counts as rounding, by the natural length."""
-APART = 2**40
+APART = 2**54
 """Offset between the keys of gaps of different sources."""
 
 
@@ -294,13 +294,11 @@ class ContactStep:
             if changed is None or not solution.accepted:
                 break
             offsets = changed
+        stuck = none
+        if laws.higher_at_rest.any():
+            stuck = contacts.key[(start[:, 0] > 0) & sticks(self.solver, problem, solution)]
         solution = replace(solution, rounds=rounds)
-        if impact is not None:
-            solution = in_succession(impact, solution)
-        if not laws.higher_at_rest.any():
-            return solution, none
-        stuck = (start[:, 0] > 0) & sticks(self.solver, problem, start)
-        return solution, contacts.key[stuck]
+        return solution if impact is None else in_succession(impact, solution), stuck
 
 
 def _keyword(sources: list[GapSource], law: ImpactLaw) -> str:
