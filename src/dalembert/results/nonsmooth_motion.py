@@ -34,6 +34,7 @@ class ContactRecord:
     penetration : (K+1,) maximum penetration of the gaps [m]
     residual : (K,) of the contact conditions, as a speed [m/s]
     rounds : (K,) iterations of the proximal method
+    converged : (K,) whether the residual is within the tolerance of the solver
     """
 
     ends: Trajectory
@@ -47,6 +48,7 @@ class ContactRecord:
     penetration: np.ndarray
     residual: np.ndarray
     rounds: np.ndarray
+    converged: np.ndarray
 
     @property
     def t(self) -> np.ndarray:

@@ -26,7 +26,7 @@ class StepEntry:
     multiplier : of the joints, times the step
     owner, key, impulse : element, gap and impulse of each pressing contact
     loss : energy dissipated by the contacts
-    residual, rounds : of the solution of the friction problem
+    residual, rounds, converged : of the solution of the friction problem
     """
 
     multiplier: np.ndarray
@@ -36,6 +36,7 @@ class StepEntry:
     loss: float
     residual: float
     rounds: int
+    converged: bool
 
     @classmethod
     def of(cls, result: StepResult) -> StepEntry:
@@ -50,6 +51,7 @@ class StepEntry:
             result.loss,
             impulses.residual,
             impulses.rounds,
+            impulses.converged,
         )
 
 
@@ -140,6 +142,7 @@ class StepLog:
             penetration=np.array(self.depths),
             residual=np.array([s.residual for s in entries]),
             rounds=np.array([s.rounds for s in entries], dtype=int),
+            converged=np.array([s.converged for s in entries], dtype=bool),
         )
 
     @property
