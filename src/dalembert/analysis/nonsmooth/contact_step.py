@@ -36,7 +36,7 @@ AHEAD, WIDER, WIDENINGS = 2.0, 4.0, 4
 body penetrated another one from beyond this distance."""
 CLOSED = 1e-12
 """Penetration that counts as rounding, by the natural length."""
-APART = 2**40
+APART = 2**54
 """Offset between the keys of gaps of different sources."""
 
 
